@@ -1,0 +1,82 @@
+"""The error tree. Each class carries the exit code of the command that meets it.
+
+An error says what is wrong, where, and what to do about it. Domain errors derive from
+``Exception`` only: the command line turns them into one to three lines and an exit code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One thing wrong in a file: what, and the line and column (both from 1) where known."""
+
+    message: str
+    line: int | None = None
+    column: int | None = None
+
+    def __str__(self) -> str:
+        place = [f"line {self.line}"] if self.line is not None else []
+        place += [f"column {self.column}"] if self.column is not None else []
+        return f"{', '.join(place)}: {self.message}" if place else self.message
+
+
+class ScaraIsoError(Exception):
+    """Root of the tree: ``what`` happened, ``where``, and what to do (``remedy``)."""
+
+    exit_code: ClassVar[int] = 70
+
+    def __init__(self, what: str, *, where: str = "", remedy: str = "") -> None:
+        super().__init__(what)
+        self.what = what
+        self.where = where
+        self.remedy = remedy
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.what}" if self.where else self.what
+
+
+class UsageError(ScaraIsoError):
+    """An option or argument that cannot be meant; exit code 2."""
+
+    exit_code = 2
+
+
+class DataError(ScaraIsoError):
+    """Data that break the procedure or cannot be read, with every fault; exit code 65."""
+
+    exit_code = 65
+
+    def __init__(
+        self, what: str, *, where: str = "", remedy: str = "", faults: Sequence[Fault] = ()
+    ) -> None:
+        super().__init__(what, where=where, remedy=remedy)
+        self.faults = tuple(faults)
+
+
+class NoInputError(ScaraIsoError):
+    """A file that is not there or may not be read; exit code 66."""
+
+    exit_code = 66
+
+
+class InstrumentError(ScaraIsoError):
+    """A serial port or an instrument that fails; exit code 69."""
+
+    exit_code = 69
+
+
+class CannotCreateError(ScaraIsoError):
+    """An output file that cannot be created; exit code 73."""
+
+    exit_code = 73
+
+
+class WriteError(ScaraIsoError):
+    """An output that failed while being written; exit code 74."""
+
+    exit_code = 74

@@ -1,0 +1,114 @@
+"""The units of this trade, and the uncertainty that a resolution brings.
+
+Inside the package a length is in millimetres and an angle in degrees; a `Unit` converts on the
+way in. Factors are kept as a ratio of two numbers, so that 35 hundredths of a millimetre become
+0.35 and not 0.35000000000000003.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.errors import UsageError
+
+Number = TypeVar("Number", float, npt.NDArray[np.float64])
+
+
+class Dimension(Enum):
+    """What a unit measures; the value is the unit in which the package computes."""
+
+    LENGTH = "mm"
+    ANGLE = "deg"
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit by its name and its size: ``numerator / denominator`` mm or degrees."""
+
+    name: str
+    dimension: Dimension
+    numerator: float
+    denominator: float
+
+    def to_base(self, value: Number) -> Number:
+        """Convert a value, or an array of any shape, in this unit to mm or degrees."""
+        return value * self.numerator / self.denominator
+
+    @property
+    def base_name(self) -> str:
+        """Name of the unit in which converted values are: ``mm`` or ``deg``."""
+        return self.dimension.value
+
+
+MILLIMETRE = Unit("mm", Dimension.LENGTH, 1, 1)
+DEGREE = Unit("deg", Dimension.ANGLE, 1, 1)
+
+_UNITS = (
+    MILLIMETRE,
+    Unit("um", Dimension.LENGTH, 1, 1000),
+    Unit("nm", Dimension.LENGTH, 1, 1_000_000),
+    Unit("cm", Dimension.LENGTH, 10, 1),
+    Unit("m", Dimension.LENGTH, 1000, 1),
+    Unit("inch", Dimension.LENGTH, 127, 5),
+    Unit("thou", Dimension.LENGTH, 127, 5000),
+    DEGREE,
+    Unit("rad", Dimension.ANGLE, 180, math.pi),
+    Unit("mrad", Dimension.ANGLE, 180, 1000 * math.pi),
+    Unit("arcmin", Dimension.ANGLE, 1, 60),
+    Unit("arcsec", Dimension.ANGLE, 1, 3600),
+)
+_ALIASES = {
+    "millimeter": "mm", "millimetre": "mm", "µm": "um", "μm": "um", "micron": "um",
+    "microns": "um", "micrometer": "um", "micrometre": "um", "in": "inch", "inches": "inch",
+    '"': "inch", "zoll": "inch", "°": "deg", "degree": "deg", "degrees": "deg",
+    "'": "arcmin", "′": "arcmin", "″": "arcsec", "radian": "rad", "radians": "rad",
+}  # fmt: skip
+_BY_NAME = {unit.name: unit for unit in _UNITS}
+_SCALED = re.compile(r"([0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]{1,2})?)\s*[x×*]?\s*(\D.*)")
+
+
+def find_unit(text: str) -> Unit | None:
+    """Return the unit that ``text`` spells, ``0.01 mm`` and aliases included, or None."""
+    name = text.strip().lower()
+    plain = _BY_NAME.get(_ALIASES.get(name, name))
+    if plain is not None:
+        return plain
+    scaled = _SCALED.fullmatch(name)
+    if scaled is None:
+        return None
+    scale, base = Fraction(scaled[1]), _BY_NAME.get(_ALIASES.get(scaled[2], scaled[2]))
+    if base is None or scale <= 0:
+        return None
+    return Unit(
+        f"{scaled[1]} {base.name}",
+        base.dimension,
+        base.numerator * scale.numerator,
+        base.denominator * scale.denominator,
+    )
+
+
+def parse_unit(text: str) -> Unit:
+    """Return the unit that ``text`` spells; `UsageError` names the known ones otherwise."""
+    unit = find_unit(text)
+    if unit is None:
+        raise UsageError(
+            f"unknown unit {text!r}",
+            remedy=f"use one of {', '.join(_BY_NAME)}, or a scaled one such as '0.01 mm'",
+        )
+    return unit
+
+
+def rounding_uncertainty(resolution: float) -> float:
+    """Return the standard uncertainty of a reading rounded to ``resolution``: half width / sqrt(3).
+
+    GUM (JCGM 100:2008) F.2.2.1: resolution / sqrt(12).
+    """
+    return resolution / math.sqrt(12)

@@ -1,0 +1,220 @@
+"""`Run`: readings by cycle and axis. The dial, a table and the model all produce this type."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.errors import DataError
+from scara_iso.quantities import Dimension, parse_unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+AXES = ("X", "Y", "Z", "theta")
+"""Names of the indicator axes, in the order in which they are reported."""
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a run came from: shown to the user, never computed with."""
+
+    source: str = ""
+    """File name, ``-`` for standard input, or what made the run."""
+    understood: str = ""
+    """One line: how the reader understood the file."""
+    notes: tuple[str, ...] = ()
+    """What the reader met and did not use, such as footer rows, one line each."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Axis:
+    """Readings of one indicator axis over the rows of a run.
+
+    ``readings`` has shape (rows,), in mm where ``dimension`` is a length and in degrees where it
+    is an angle; ``resolution`` and ``uncertainty`` (standard uncertainty of the indicator, from
+    its certificate) are in the same unit, None where not stated.
+    """
+
+    name: str
+    readings: FloatArray
+    dimension: Dimension = Dimension.LENGTH
+    resolution: float | None = None
+    uncertainty: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
+
+    @property
+    def unit(self) -> str:
+        """Unit of readings and resolution: ``mm`` or ``deg``."""
+        return self.dimension.value
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Run:
+    """One test: a row per cycle (and pose), a column per indicator axis; read-only.
+
+    ``cycle`` has shape (rows,); every axis, ``pose`` (labels) and each covariate as well.
+    ``lines`` are the rows' line numbers in their file, where there is one. ``metadata`` holds the
+    table's ``key: value`` lines as text. Raises `DataError` where shapes differ or no axis is
+    there.
+    """
+
+    cycle: IntArray
+    axes: Mapping[str, Axis]
+    pose: npt.NDArray[np.str_] | None = None
+    covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    lines: IntArray | None = None
+    origin: Origin = Origin()
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "cycle", _frozen(self.cycle, np.int64))
+        set_(self, "axes", MappingProxyType({n: self.axes[n] for n in _ordered(self.axes)}))
+        set_(self, "covariates", MappingProxyType(
+            {name: _frozen(values, np.float64) for name, values in self.covariates.items()}
+        ))  # fmt: skip
+        set_(self, "metadata", MappingProxyType(dict(self.metadata)))
+        if self.pose is not None:
+            set_(self, "pose", _frozen(self.pose, np.str_))
+        if self.lines is not None:
+            set_(self, "lines", _frozen(self.lines, np.int64))
+        self._check_shapes()
+
+    def _check_shapes(self) -> None:
+        if not self.axes:
+            raise DataError("a run needs at least one axis", remedy=f"name one of {AXES}")
+        columns: dict[str, npt.NDArray[np.generic]] = {
+            **{name: axis.readings for name, axis in self.axes.items()},
+            **self.covariates,
+        }
+        columns |= {"pose": self.pose} if self.pose is not None else {}
+        columns |= {"lines": self.lines} if self.lines is not None else {}
+        wrong = [name for name, values in columns.items() if values.shape != self.cycle.shape]
+        if wrong:
+            raise DataError(f"{', '.join(wrong)}: not one value for each of {len(self)} rows")
+
+    def __len__(self) -> int:
+        return len(self.cycle)
+
+    def rows_by_pose(self) -> Iterator[tuple[str | None, IntArray]]:
+        """Yield each pose's label and row numbers, poses in order of first appearance.
+
+        A run without a pose column is one pose, labelled None.
+        """
+        if self.pose is None:
+            yield None, np.arange(len(self))
+            return
+        labels, first, inverse = np.unique(self.pose, return_index=True, return_inverse=True)
+        rows = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
+        for k in np.argsort(first, kind="stable"):
+            yield str(labels[k]), rows[k]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the run as a pandas table; `from_frame` reads it back to the same run.
+
+        Columns: ``cycle``, ``pose`` if there, the axes, the covariates. Lengths in mm, angles in
+        degrees; the metadata are in ``attrs``.
+        """
+        import pandas as pd  # noqa: PLC0415 - half a second that the command line need not pay
+
+        columns: dict[str, npt.NDArray[np.generic]] = {"cycle": self.cycle}
+        columns |= {"pose": self.pose} if self.pose is not None else {}
+        columns |= {name: axis.readings for name, axis in self.axes.items()}
+        frame = pd.DataFrame({**columns, **self.covariates})
+        frame.attrs = {"metadata": dict(self.metadata), "axes": _axis_attributes(self.axes)}
+        return frame
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: pd.DataFrame,
+        *,
+        unit: str = "mm",
+        resolution: float | None = None,
+        metadata: Mapping[str, str] | None = None,
+    ) -> Run:
+        """Return the run that a pandas table holds.
+
+        Columns named X, Y, Z or theta are axes, ``cycle`` and ``pose`` are what they say, and any
+        other numeric column is a covariate. ``unit`` and ``resolution`` (in that unit) hold for
+        every axis; what `to_frame` left in ``attrs`` takes their place. Raises `DataError` for a
+        missing or non-finite value, naming column and row.
+        """
+        kept = frame.attrs.get("axes", {})
+        given = {"unit": unit, "resolution": resolution, "uncertainty": None}
+        values = {str(name): frame[name] for name in frame.columns}
+        pose = values.pop("pose", None)
+        numbers = {name: _finite(name, column) for name, column in values.items()}
+        cycle = numbers.pop("cycle", np.arange(1.0, len(frame) + 1))
+        if np.any(cycle != np.round(cycle)):
+            raise DataError("column 'cycle' holds a number that is not whole")
+        axes = {
+            name: _axis(name, numbers.pop(name), **kept.get(name, given))
+            for name in AXES
+            if name in numbers
+        }
+        return cls(
+            cycle=cycle.astype(np.int64),
+            axes=axes,
+            pose=None if pose is None else pose.to_numpy(dtype=str),
+            covariates=numbers,
+            metadata=frame.attrs.get("metadata", {}) if metadata is None else metadata,
+            origin=Origin(source="data frame"),
+        )
+
+
+def _axis(
+    name: str,
+    values: FloatArray,
+    *,
+    unit: str,
+    resolution: float | None,
+    uncertainty: float | None,
+) -> Axis:
+    size = parse_unit(unit)
+    return Axis(
+        name,
+        size.to_base(values),
+        size.dimension,
+        None if resolution is None else size.to_base(resolution),
+        None if uncertainty is None else size.to_base(uncertainty),
+    )
+
+
+def _axis_attributes(axes: Mapping[str, Axis]) -> dict[str, dict[str, str | float | None]]:
+    return {
+        name: {"unit": a.unit, "resolution": a.resolution, "uncertainty": a.uncertainty}
+        for name, a in axes.items()
+    }
+
+
+def _finite(name: str, column: pd.Series) -> FloatArray:
+    try:
+        values = column.to_numpy(dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise DataError(f"column {name!r} is not numeric") from error
+    bad = np.flatnonzero(~np.isfinite(values))
+    if len(bad):
+        raise DataError(f"column {name!r}, row {bad[0] + 1}: missing or not finite")
+    return values
+
+
+def _ordered(axes: Mapping[str, Axis]) -> list[str]:
+    return [name for name in AXES if name in axes] + [name for name in axes if name not in AXES]
+
+
+def _frozen(values: npt.ArrayLike, dtype: type[np.generic]) -> npt.NDArray[np.generic]:
+    array = np.array(values, dtype=dtype)
+    array.flags.writeable = False
+    return array
