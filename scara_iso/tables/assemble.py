@@ -28,6 +28,10 @@ class Options:
 
 
 def assemble(rows: list[Row], columns: Columns, body: Body, options: Options, how: str) -> Run:
+    """Return the run that the head ``rows``, ``columns`` and ``body`` hold, or raise `DataError`.
+
+    ``how`` says how the file was split into cells.
+    """
     faults, layout = columns.faults, columns.layout
     statements, notes = read_preamble(rows, layout.header_line, faults)
     _check_layout(layout, faults)

@@ -45,11 +45,14 @@ class Columns:
             taken.append((column, *part))
         for column, values, mark in taken:
             self._parts[column].append(values)
-            self._note_unit(column, "", first_line)
-            if mark is not Mark.NONE:
-                self.marks.setdefault(mark, (first_line, column.position + 1, ""))
+            self._note(column, mark, first_line)
         self._add_lines(np.arange(first_line, first_line + len(rows)))
         return True
+
+    def _note(self, column: Column, mark: Mark, line: int) -> None:
+        self._note_unit(column, "", line)
+        if mark is not Mark.NONE:
+            self.marks.setdefault(mark, (line, column.position + 1, ""))
 
     def _clean_part(
         self, column: Column, cells: Sequence[str]
@@ -88,7 +91,16 @@ class Columns:
     def _part(
         self, column: Column, cells: Sequence[Cell], lines: Sequence[int]
     ) -> npt.NDArray[np.generic]:
-        pairs = zip(cells, lines, strict=True)
+        texts = [cell for cell in cells if isinstance(cell, str)]
+        clean = self._clean_part(column, texts) if len(texts) == len(cells) else None
+        if clean is not None:
+            self._note(column, clean[1], lines[0])
+            return clean[0]
+        return self._part_by_cell(column, zip(cells, lines, strict=True))
+
+    def _part_by_cell(
+        self, column: Column, pairs: Iterable[tuple[Cell, int]]
+    ) -> npt.NDArray[np.generic]:
         match column.kind:
             case Kind.AXIS | Kind.COVARIATE:
                 return np.array([self._number(column, cell, line) for cell, line in pairs])
@@ -97,7 +109,8 @@ class Columns:
             case Kind.POSE:
                 return np.array([self._label(column, cell, line) for cell, line in pairs])
             case Kind.TIMESTAMP:
-                return self._stamps(column, pairs)
+                stamps = [self._stamp(column, cell, line) for cell, line in pairs]
+                return np.array(stamps, dtype=object)
             case Kind.NAMELESS:
                 for cell, line in pairs:
                     if not isinstance(cell, str) or cell.strip(BLANKS):
@@ -145,14 +158,11 @@ class Columns:
             return ""
         return label[1:] if label[:1] == "'" and label[1:2] in _ESCAPED else label
 
-    def _stamps(self, column: Column, pairs: Iterable[tuple[Cell, int]]) -> npt.NDArray[np.generic]:
-        stamps: list[datetime | None] = []
-        for cell, line in pairs:
-            stamp = read_timestamp(cell) if isinstance(cell, str) else None
-            if stamp is None:
-                self._fault(column, f"{_text(cell)} is not an ISO 8601 time", line)
-            stamps.append(stamp)
-        return np.array(stamps, dtype=object)
+    def _stamp(self, column: Column, cell: Cell, line: int) -> datetime | None:
+        stamp = read_timestamp(cell) if isinstance(cell, str) else None
+        if stamp is None:
+            self._fault(column, f"{_text(cell)} is not an ISO 8601 time", line)
+        return stamp
 
     def _fault(self, column: Column, message: str, line: int) -> None:
         self.faults.add(message, line, column.position + 1)
