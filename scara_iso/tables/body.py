@@ -15,14 +15,15 @@ from scara_iso.tables.text import Row
 
 _NOTES = 50
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
-_WORDS = set(
-    "mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev "
-    "sd stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max "
-    "maximum range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability rp ap count "
-    "wiederholgenauigkeit wiederholpräzision anzahl total sum summe usl lsl ucl lcl nominal "
-    "sollwert target tolerance toleranz result results ergebnis rms".split()  # noqa: SIM905 - shorter than sixty quotes
-)
-_SHORT = set("s n r x x̄ x̅ xbar σ μ µ ø 2s 3s 6s 3σ 6σ".split())  # noqa: SIM905
+_FOOTERS = """
+mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev sd
+stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max maximum
+range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
+wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
+tolerance toleranz result results ergebnis rms
+"""
+_WORDS = frozenset(_FOOTERS.split())
+_SHORT = frozenset(["s", "n", "r", "x", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])
 _FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
 
 
