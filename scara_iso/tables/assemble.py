@@ -88,7 +88,7 @@ def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
     if Mark.BOTH in marks or (comma and Mark.POINT in marks):
         for mark, (line, column, text) in marks.items():
             faults.add(
-                f"{show(text) if text else 'numbers'} with {mark.value}: commas and points "
+                f"{show(text)} with {mark.value}: commas and points "
                 "both occur, --decimal says which is decimal",
                 line,
                 column,
@@ -97,7 +97,7 @@ def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
     elif Mark.EITHER in marks and Mark.COMMA not in marks:
         line, column, text = marks[Mark.EITHER]
         faults.add(
-            f"{show(text) if text else 'a number'} could have a decimal comma or group "
+            f"{show(text)} could have a decimal comma or group "
             "thousands: --decimal , or --decimal . says which",
             line,
             column,

@@ -96,8 +96,10 @@ class Body:
             self.faults.add("a second table begins", line, remedy=_ONE_TABLE)
         elif self._is_remark(texts):
             self.note(f"line {line}: {show(text)} not used")
+        elif is_rule(text) and (self._cycle is not None or not any(self._blocks)):
+            self.note(f"line {line}: ruled line")
         else:
-            return is_rule(text)
+            return False
         return True
 
     def _repeated(self, line: int) -> None:

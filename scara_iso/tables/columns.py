@@ -37,22 +37,26 @@ class Columns:
         """Take rows that are all as the header says, or take nothing and return False."""
         if set(map(len, rows)) != {self.layout.width}:
             return False
-        taken: list[tuple[Column, npt.NDArray[np.generic], Mark]] = []
-        for column, cells in zip(self.layout.columns, zip(*rows, strict=True), strict=True):
+        columns = list(zip(*rows, strict=True))
+        parts = []
+        for column, cells in zip(self.layout.columns, columns, strict=True):
             part = self._clean_part(column, cells)
             if part is None:
                 return False
-            taken.append((column, *part))
-        for column, values, mark in taken:
+            parts.append(part)
+        lines = range(first_line, first_line + len(rows))
+        for column, cells, (values, mark) in zip(self.layout.columns, columns, parts, strict=True):
             self._parts[column].append(values)
-            self._note(column, mark, first_line)
-        self._add_lines(np.arange(first_line, first_line + len(rows)))
+            self._note(column, mark, cells, lines)
+        self._add_lines(np.array(lines))
         return True
 
-    def _note(self, column: Column, mark: Mark, line: int) -> None:
-        self._note_unit(column, "", line)
-        if mark is not Mark.NONE:
-            self.marks.setdefault(mark, (line, column.position + 1, ""))
+    def _note(self, column: Column, mark: Mark, cells: Sequence[str], lines: Sequence[int]) -> None:
+        self._note_unit(column, "", lines[0])
+        if mark is not Mark.NONE and mark not in self.marks:
+            character = "." if mark is Mark.POINT else ","
+            k = next(k for k, cell in enumerate(cells) if character in cell)
+            self.marks[mark] = (lines[k], column.position + 1, cells[k].strip(BLANKS))
 
     def _clean_part(
         self, column: Column, cells: Sequence[str]
@@ -94,7 +98,7 @@ class Columns:
         texts = [cell for cell in cells if isinstance(cell, str)]
         clean = self._clean_part(column, texts) if len(texts) == len(cells) else None
         if clean is not None:
-            self._note(column, clean[1], lines[0])
+            self._note(column, clean[1], texts, lines)
             return clean[0]
         return self._part_by_cell(column, zip(cells, lines, strict=True))
 
@@ -130,8 +134,9 @@ class Columns:
         return number.value
 
     def _note_mark(self, column: Column, number: Number, cell: str, line: int) -> None:
-        if number.mark is not Mark.NONE and not self.marks.get(number.mark, (0, 0, ""))[2]:
-            self.marks[number.mark] = (line, column.position + 1, cell.strip(BLANKS))
+        if number.mark is not Mark.NONE:
+            place = (line, column.position + 1, cell.strip(BLANKS))
+            self.marks.setdefault(number.mark, place)
 
     def _note_unit(self, column: Column, unit: str, line: int) -> None:
         seen = self.units.setdefault(column, {})

@@ -50,6 +50,7 @@ def read_scales(
     ``behind`` holds, per axis, the units found behind its values and the first line of each;
     ``unit`` and ``resolution`` are the user's options and stand for the statements of that name.
     """
+    before = faults.total
     general = _general_unit(statements, unit, faults)
     units: dict[str, Unit] = {}
     for column in columns:
@@ -58,7 +59,7 @@ def read_scales(
         if found is not None:
             units[column.name] = found
     missing = [c.name for c in columns if c.name not in units]
-    if missing and not faults.total:
+    if missing and faults.total == before:
         faults.add(
             f"no unit stated for {listed(missing)}",
             remedy="name it with --unit mm, or in a line '# unit: mm' above the header",
