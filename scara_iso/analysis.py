@@ -183,7 +183,8 @@ def _radial_results(run: Run, chosen: UsedCycles, names: str) -> Sequence[Radial
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
             RP_rss=None if rss is None else float(rss[k]),
-            uncertainty=math.hypot(*parts) if len(parts) == len(axes) else None,
+            # A distance to the barycentre is no less certain than its least certain axis.
+            uncertainty=max(parts) if len(parts) == len(axes) else None,
             accuracy=None if accuracy is None else float(accuracy[k]),
         )
         for k in range(len(positions))

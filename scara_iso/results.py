@@ -88,7 +88,7 @@ class RadialResult:
     RP_rss: float | None
     """Root sum of squares of the axes' RP, eq. 23; None in space."""
     uncertainty: float | None
-    """Standard uncertainty of the axes, combined."""
+    """Standard uncertainty of a distance to the barycentre; None where an axis states none."""
     accuracy: float | None
     """Distance from the command pose to the barycentre, 7.2.1."""
 
