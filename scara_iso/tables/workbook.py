@@ -6,9 +6,11 @@ import io
 import posixpath
 import re
 import zipfile
+import zlib
 from collections.abc import Iterator
 from datetime import datetime
 from xml.etree import ElementTree as ET
+from xml.parsers import expat
 
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import refuse
@@ -18,7 +20,6 @@ OLD_MAGIC = b"\xd0\xcf\x11\xe0"
 _UNPACKED = 512 * 2**20
 _CELLS = 10_000_000
 _PARTS = 1_000_000
-_CELL = re.compile(rb'<c [^<>]*?\br="([A-Z]{1,3})([0-9]{1,7})"[^<>]*>')
 _ERROR = "#VALUE!"
 _REMEDY = "save the sheet with the readings as CSV (UTF-8)"
 _MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
@@ -56,9 +57,13 @@ def _check(data: bytes, where: str) -> dict[str, list[tuple[int, int]]]:
             return {
                 name: _scan(archive, part, where) for name, part in _worksheets(archive).items()
             }
-    except (zipfile.BadZipFile, KeyError, ET.ParseError, NotImplementedError,
+    except (zipfile.BadZipFile, KeyError, ET.ParseError,
+        expat.ExpatError,
+        zlib.error, NotImplementedError,
             RuntimeError, EOFError, ValueError, OSError) as error:  # fmt: skip
-        raise refuse(where, "a zip archive that is no .xlsx workbook", remedy=_REMEDY) from error
+        raise refuse(
+            where, "a zip archive that is no sound .xlsx workbook", remedy=_REMEDY
+        ) from error
 
 
 def _worksheets(archive: zipfile.ZipFile) -> dict[str, str]:
@@ -79,27 +84,51 @@ def _xml(archive: zipfile.ZipFile, part: str) -> ET.Element:
 
 
 def _scan(archive: zipfile.ZipFile, part: str, where: str) -> list[tuple[int, int]]:
+    """Return the error cells of one sheet; refuse it where its rectangle would be too large."""
     errors: list[tuple[int, int]] = []
-    height = width = 0
-    rest = b""
-    with archive.open(part) as file:
-        while piece := file.read(2**20):
-            piece, cut = rest + piece, (rest + piece).rfind(b"<")
-            rest = piece[cut:][-2000:]
-            for match in _CELL.finditer(piece, 0, max(cut, 0)):
-                row, column = int(match[2]), _column(match[1])
-                height, width = max(height, row), max(width, column)
-                if b't="e"' in match[0] and len(errors) < _PARTS:
+    farthest = [0, 0]
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        match tag.rpartition(":")[2]:
+            case "row" if "r" in attributes:
+                farthest[0] = max(farthest[0], _whole(attributes["r"]))
+            case "c":
+                row, column = _place(attributes.get("r", ""))
+                farthest[:] = max(farthest[0], row), max(farthest[1], column)
+                if attributes.get("t") == "e" and len(errors) < _CELLS:
                     errors.append((row - 1, column - 1))
-    if height * width > _CELLS:
-        raise refuse(where, f"a sheet of {height} rows and {width} columns", remedy=_REMEDY)
+
+    def refuse_type(*_: object) -> None:
+        raise ValueError("a document type in a workbook")
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = start
+    parser.StartDoctypeDeclHandler = refuse_type
+    with archive.open(part) as file:
+        parser.ParseFile(file)
+    if farthest[0] * farthest[1] > _CELLS:
+        raise refuse(where, f"a sheet of {farthest[0]} rows and {farthest[1]} columns",
+                     remedy=_REMEDY)  # fmt: skip
     return errors
 
 
-def _column(letters: bytes) -> int:
+def _whole(text: str) -> int:
+    if not re.fullmatch("[0-9]{1,7}", text):
+        raise ValueError("a row without a number")
+    return int(text)
+
+
+def _place(reference: str) -> tuple[int, int]:
+    match = re.fullmatch("([A-Z]{1,3})([0-9]{1,7})", reference)
+    if match is None:
+        raise ValueError("a cell without a reference")
+    return int(match[2]), _column(match[1])
+
+
+def _column(letters: str) -> int:
     number = 0
     for letter in letters:
-        number = number * 26 + letter - 64
+        number = number * 26 + ord(letter) - 64
     return number
 
 

@@ -290,6 +290,25 @@ def test_a_cell_far_away_and_a_bomb_are_refused_before_they_fill_the_memory():
     assert "512 MB" in faults(bomb.getvalue()).what
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b'r="A3"', b'r="A999999999999"'),
+        (b'r="A3"', b""),
+        (b'<row r="3"', b'<row r="9999999"'),
+        (b"<sheetData>", b"<sheetData"),
+        (b"<worksheet", b'<!DOCTYPE a [<!ENTITY b "c">]><worksheet'),
+    ],
+)
+def test_a_workbook_out_of_order_is_refused(old, new):
+    whole = zipfile.ZipFile(io.BytesIO(book(ROWS)))
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in whole.namelist():
+            archive.writestr(name, whole.read(name).replace(old, new))
+    assert "workbook" in faults(file.getvalue()).what or "rows" in faults(file.getvalue()).what
+
+
 def test_text_numbers_beside_numbers_in_a_workbook_keep_their_value():
     run = read_table(book([["cycle", "X [mm]"], [1, "0,112"], [2, 1.234], [3, "0,5"]]))
     assert run.axes["X"].readings.tolist() == [0.112, 1.234, 0.5]

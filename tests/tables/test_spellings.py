@@ -3,6 +3,7 @@
 import io
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -122,6 +123,18 @@ def test_path_standard_input_bytes_and_file_give_the_same(tmp_path, monkeypatch)
     monkeypatch.setattr(sys, "stdin", Stdin)
     for source in (path, str(path), "-", io.BytesIO(data), data):
         assert_same(read_table(source), TABLE)
+
+
+FILES = sorted((Path(__file__).parents[1] / "fixtures" / "tables").iterdir())
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_files_as_programs_write_them(path):
+    run = read_table(path, unit="mm" if path.name == "scientific.txt" else None)
+    assert run.cycle.tolist() == [1, 2, 3, 4, 5]
+    expected = {"X": [0.112, 0.113, -0.108, 0.112, 1.11], "Y": [0.811, 0.812, 0.811, 0.81, 0.811]}
+    for name, readings in expected.items():
+        np.testing.assert_allclose(run.axes[name].readings, readings, rtol=4e-16, atol=0)
 
 
 steps = st.integers(-(10**8), 10**8)
