@@ -107,7 +107,8 @@ def _explain(error: Exception) -> tuple[list[str], int]:
         lines += [f"  {error.remedy}"] if error.remedy else []
         return lines, error.exit_code
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
-        return [f"scara-iso: {error.format_message()}", _help_hint(error)], int(error.exit_code)
+        said = error.format_message()  # empty where the help was shown for want of a command
+        return [f"scara-iso: {said}", _help_hint(error)] if said else [], int(error.exit_code)
     if isinstance(error, OSError):
         return [f"scara-iso: cannot write: {error}"], CANNOT_WRITE
     return [
