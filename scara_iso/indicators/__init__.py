@@ -24,6 +24,7 @@ from scara_iso.indicators._dialect import (
     Parity,
     Reading,
 )
+from scara_iso.indicators.generic import make_generic
 from scara_iso.plugins import find_modules
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "diagnose_parity",
     "find_dialect",
     "find_dialects",
+    "make_generic",
 ]
 
 

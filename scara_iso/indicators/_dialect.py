@@ -185,9 +185,9 @@ class Dialect:
         given = {"baud": baud, "data_bits": data_bits, "parity": parity, "stop_bits": stop_bits}
         chosen = {name: value for name, value in given.items() if value is not None}
         if channel is not None and channel not in self.channels:
+            known = ", ".join(self.channels[:9]) + (" ..." if len(self.channels) > 9 else "")
             raise UsageError(
-                f"{self.key} has no channel {channel!r}",
-                remedy=f"channels: {', '.join(self.channels) or 'none'}",
+                f"{self.key} has no channel {channel!r}", remedy=f"channels: {known or 'none'}"
             )
         line = replace(self.line, **chosen)  # type: ignore[arg-type]
         return replace(self, line=line, channel=channel or self.channel)
