@@ -20,6 +20,8 @@ import tracemalloc
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from decimal import Decimal
+from itertools import product
 
 from scara_iso.indicators import Decoder, Dialect, Reading, find_dialects
 
@@ -47,20 +49,25 @@ class Tally:
     problems: list[str] = field(default_factory=list)
 
 
-def make_pool(dialect: Dialect, rng: random.Random, count: int = 200) -> list[tuple[Key, bytes]]:
-    """Return distinct readings with usual decimals, and the frames that carry them."""
-    unit, places = dialect.units[0], dialect.decimals[0]
+def make_pool(
+    dialect: Dialect, rng: random.Random, *, unit: str | None, places: int, count: int = 200
+) -> list[tuple[Key, bytes]]:
+    """Return distinct readings with ``places`` decimals, and the frames that carry them."""
     largest = 10 ** min(dialect.digits, 3 + places) - 2
+    count = min(count, largest)
     values = rng.sample(range(-largest, largest), count)
-    texts = [
-        f"{'-' * (v < 0)}{abs(v) // 10**places}.{abs(v) % 10**places:0{places}}" for v in values
-    ]
+    texts = [f"{Decimal(value).scaleb(-places):f}" for value in values]
     frames = [dialect.compose(text, unit, dialect.channel) for text in texts]
-    parsed = [dialect.parse(frame.rstrip(b"\r\n"))[0] for frame in frames]
     return [
-        ((event.text, event.unit, event.channel), frame)
-        for event, frame in zip(parsed, frames, strict=True)
-        if isinstance(event, Reading)
+        ((text, unit, dialect.channel), frame) for text, frame in zip(texts, frames, strict=True)
+    ]
+
+
+def make_pools(dialect: Dialect, rng: random.Random) -> list[list[tuple[Key, bytes]]]:
+    """Return a pool for every unit and number of decimals, the usual ones first."""
+    return [
+        make_pool(dialect, rng, unit=unit, places=places)
+        for unit, places in product(dialect.units, dialect.decimals)
     ]
 
 
@@ -192,16 +199,17 @@ def judge(sent: list[Key], untouched: set[int], readings: list[Reading], tally: 
 
 def _same(sent: Key, reading: Reading) -> bool:
     text, unit, channel = sent
-    return (reading.text, reading.channel) == (text, channel) and reading.unit in (unit, None)
+    same_channel = channel in (reading.channel, None)
+    return reading.text == text and same_channel and reading.unit in (unit, None)
 
 
 def fuzz(dialect: Dialect, streams: int, rng: random.Random) -> Tally:
     """Damage ``streams`` streams of ``dialect`` and count what its decoder makes of them."""
-    tally, pool = Tally(), make_pool(dialect, rng)
+    tally, pools = Tally(), make_pools(dialect, rng)
     damages = [d for d in DAMAGES if not (dialect.bit_8_undefined and d in (bit_8, parity))]
     for number in range(streams):
         damage = damages[number % len(damages)]
-        chosen = rng.sample(pool, FRAMES)
+        chosen = rng.sample(pools[number // len(damages) % len(pools)], FRAMES)
         data, untouched = damage(rng, [frame for _, frame in chosen])
         cut = rng.randrange(len(data) + 1)
         decoder = Decoder(dialect)
@@ -223,7 +231,7 @@ def throughput(
     dialect: Dialect, rng: random.Random, *, frames: int = 50_000
 ) -> tuple[float, float]:
     """Return MB/s and readings/s of a whole stream fed in chunks of 64 KiB; the best of three."""
-    pool = [frame for _, frame in make_pool(dialect, rng)]
+    pool = [frame for _, frame in make_pools(dialect, rng)[0]]
     data = b"".join(rng.choices(pool, k=frames))
     times = []
     for _ in range(3):
@@ -269,7 +277,7 @@ def print_fuzz(dialects: list[Dialect], streams: int, rng: random.Random) -> int
 
 def print_memory(dialect: Dialect, rng: random.Random) -> None:
     """Print the peaks over eight hours at ten readings a second, and over endless junk."""
-    frames = [frame for _, frame in make_pool(dialect, rng)]
+    frames = [frame for _, frame in make_pools(dialect, rng)[0]]
     for count in (2_880, 28_800, 288_000):
         peak = peak_memory(dialect, (rng.choice(frames) for _ in range(count)))
         print(f"peak memory over {count:,} readings: {peak / 1024:.1f} KiB")

@@ -232,6 +232,15 @@ def test_units_are_stated_only_where_every_frame_states_them() -> None:
     assert find_dialect("opto-rs232").unit_request == b"UNI?\r"
 
 
+def test_a_low_battery_is_said() -> None:
+    events = Decoder(find_dialect("opto-rs232")).feed(b"BAT1\rBAT0\rMM RES2 REF1 KEY1 B0\r")
+    assert [getattr(event, "message", "").endswith("battery low") for event in events] == [
+        False,
+        True,
+        True,
+    ]
+
+
 def test_options_of_a_gauge_replace_settings_and_channel() -> None:
     idh = find_dialect("mitutoyo-idh").configure(
         baud=4800, data_bits=7, parity="O", stop_bits=2, channel="07"

@@ -56,7 +56,7 @@ def test_the_fuzz_finds_a_parser_that_searches_for_a_number() -> None:
 def test_the_fuzz_finds_a_parser_that_loses_readings() -> None:
     opto = find_dialect("opto-rs232")
     deaf = replace(opto, parse=lambda line: opto.parse(line) if b"7" not in line else ())
-    pool = decode.make_pool(opto, seeded(1))
+    pool = decode.make_pools(opto, seeded(1))[0]
     frames = [frame for _, frame in pool]
     assert any(b"7" in frame for frame in frames)
     tally = decode.Tally()
@@ -68,6 +68,6 @@ def test_the_fuzz_finds_a_parser_that_loses_readings() -> None:
 @pytest.mark.parametrize("key", ["opto-rs232", "keyence-dlrs1a", "starrett-spc"])
 def test_memory_is_bounded_however_long_the_stream(key: str) -> None:
     dialect = find_dialect(key)
-    frames = [frame for _, frame in decode.make_pool(dialect, seeded(1))]
+    frames = [frame for _, frame in decode.make_pools(dialect, seeded(1))[0]]
     assert decode.peak_memory(dialect, frames * 50) < 16_384
     assert decode.peak_memory(dialect, (b"x" * 1000 for _ in range(2_000))) < 16_384

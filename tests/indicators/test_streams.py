@@ -20,7 +20,9 @@ from scara_iso.indicators import (
 STREAMS = Path(__file__).parents[1] / "fixtures" / "streams"
 RECORDED = sorted(STREAMS.glob("*/*.bin"))
 
-pytestmark = pytest.mark.parametrize("path", RECORDED, ids=lambda p: f"{p.parent.name}/{p.stem}")
+every_stream = pytest.mark.parametrize(
+    "path", RECORDED, ids=lambda path: f"{path.parent.name}/{path.stem}"
+)
 
 
 def decode(path: Path, *chunks: bytes) -> list[Event]:
@@ -40,12 +42,14 @@ def as_json(event: Event) -> dict[str, object]:
             return {"garbage": True}
 
 
+@every_stream
 def test_the_events_are_those_of_the_source(path: Path) -> None:
     beside = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
     assert beside["source"]
     assert [as_json(event) for event in decode(path, path.read_bytes())] == beside["events"]
 
 
+@every_stream
 def test_a_cut_at_any_byte_changes_nothing(path: Path) -> None:
     data = path.read_bytes()
     whole = decode(path, data)
@@ -54,12 +58,14 @@ def test_a_cut_at_any_byte_changes_nothing(path: Path) -> None:
     assert decode(path, *(data[at : at + 1] for at in range(len(data)))) == whole
 
 
+@every_stream
 @pytest.mark.parametrize("before", [b"\0", b"\n", b"\r\n\0\0", b"\0" * 1000])
 def test_nuls_and_line_ends_before_a_frame_are_skipped(path: Path, before: bytes) -> None:
     data = path.read_bytes()
     assert decode(path, before + data) == decode(path, data)
 
 
+@every_stream
 def test_junk_longer_than_a_frame_costs_its_own_line_and_no_other(path: Path) -> None:
     data, longest = path.read_bytes(), find_dialect(path.parent.name).longest_frame
     junk = b"+" * (longest + 1)
@@ -71,6 +77,7 @@ def test_junk_longer_than_a_frame_costs_its_own_line_and_no_other(path: Path) ->
     assert decode(path, junk + b"\r" + data)[1:] == decode(path, data)
 
 
+@every_stream
 def test_glued_lines_give_no_reading(path: Path) -> None:
     lines = [line for line in path.read_bytes().replace(b"\n", b"\r").split(b"\r") if line]
     for at in range(len(lines) - 1):
@@ -78,6 +85,7 @@ def test_glued_lines_give_no_reading(path: Path) -> None:
         assert not [event for event in glued if isinstance(event, Reading)]
 
 
+@every_stream
 def test_nothing_is_parsed_from_the_half_frame_at_the_end(path: Path) -> None:
     line = re.split(rb"[\r\n\0]", path.read_bytes().rstrip(b"\r\n"))[-1]
     decoder = Decoder(find_dialect(path.parent.name))
@@ -89,5 +97,5 @@ def test_nothing_is_parsed_from_the_half_frame_at_the_end(path: Path) -> None:
     assert decoder.feed(b"\r\n") == []
 
 
-def test_every_dialect_of_the_house_has_a_stream(path: Path) -> None:
+def test_every_dialect_has_a_stream() -> None:
     assert {recorded.parent.name for recorded in RECORDED} >= set(find_dialects())
