@@ -25,13 +25,12 @@ def diagnose_parity(raw: bytes) -> str | None:
     """
     if raw.isascii() or not _TEXT.fullmatch(raw.translate(_SEVEN_BITS)):
         return None
-    match {byte.bit_count() % 2 for byte in raw}:
-        case parities if parities == {0}:
-            return "looks like 7E2 read as 8N1: open the port with 7 data bits and even parity"
-        case parities if parities == {1}:
-            return "looks like 7O2 read as 8N1: open the port with 7 data bits and odd parity"
-        case _:
-            return None
+    parities = {byte.bit_count() % 2 for byte in raw}
+    if parities == {0}:
+        return "looks like 7E2 read as 8N1: open the port with 7 data bits and even parity"
+    if parities == {1}:
+        return "looks like 7O2 read as 8N1: open the port with 7 data bits and odd parity"
+    return None
 
 
 class Decoder:

@@ -30,9 +30,11 @@ def test_the_table_has_every_dialect_and_no_other() -> None:
 
 @pytest.mark.parametrize("dialect", find_dialects().values(), ids=lambda dialect: dialect.key)
 def test_a_row_says_what_the_code_does(dialect: Dialect) -> None:
-    instruments, cable, *row = ROWS[dialect.key]
+    instruments, cable, typed, *row = ROWS[dialect.key]
     assert instruments == dialect.instruments
     assert cable
+    told = dialect.sends_unit or dialect.unit_request
+    assert typed == f"`X={dialect.key}{'' if told else '?unit=mm'}@PORT`"
     stated = "yes" if dialect.sends_unit else "no"
     assert row == [str(dialect.line), asked_by(dialect), stated, dialect.confidence]
 
@@ -45,7 +47,7 @@ def test_the_page_names_what_is_not_verified(dialect: Dialect) -> None:
 
 
 def test_the_keys_in_the_commands_are_known() -> None:
-    keys = re.findall(r"--gauge [A-Z]=([a-z0-9-]+)@", PAGE)
+    keys = re.findall(r"--gauge [A-Z]=([a-z0-9-]+)[?@]", PAGE)
     assert keys
     assert set(keys) <= set(find_dialects())
 
