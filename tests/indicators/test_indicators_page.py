@@ -47,7 +47,7 @@ def test_the_page_names_what_is_not_verified(dialect: Dialect) -> None:
 
 
 def test_the_keys_in_the_commands_are_known() -> None:
-    keys = re.findall(r"--gauge [A-Z]=([a-z0-9-]+)[?@]", PAGE)
+    keys = re.findall(r'--gauge "?[A-Z]=([a-z0-9-]+)[?@]', PAGE)
     assert keys
     assert set(keys) <= set(find_dialects())
 

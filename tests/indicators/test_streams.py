@@ -13,11 +13,11 @@ from scara_iso.indicators import (
     InstrumentFault,
     Notice,
     Reading,
-    find_dialect,
     find_dialects,
 )
 
 STREAMS = Path(__file__).parents[1] / "fixtures" / "streams"
+DIALECTS = find_dialects()
 RECORDED = sorted(STREAMS.glob("*/*.bin"))
 
 every_stream = pytest.mark.parametrize(
@@ -26,7 +26,7 @@ every_stream = pytest.mark.parametrize(
 
 
 def decode(path: Path, *chunks: bytes) -> list[Event]:
-    decoder = Decoder(find_dialect(path.parent.name))
+    decoder = Decoder(DIALECTS[path.parent.name])
     return [event for chunk in chunks for event in decoder.feed(chunk)]
 
 
@@ -67,7 +67,7 @@ def test_nuls_and_line_ends_before_a_frame_are_skipped(path: Path, before: bytes
 
 @every_stream
 def test_junk_longer_than_a_frame_costs_its_own_line_and_no_other(path: Path) -> None:
-    data, longest = path.read_bytes(), find_dialect(path.parent.name).longest_frame
+    data, longest = path.read_bytes(), DIALECTS[path.parent.name].longest_frame
     junk = b"+" * (longest + 1)
     spoilt, *others = decode(path, junk + data)
     after = data[min(data.index(end) for end in (b"\r", b"\n", b"\x8d") if end in data) + 1 :]
@@ -88,7 +88,7 @@ def test_glued_lines_give_no_reading(path: Path) -> None:
 @every_stream
 def test_nothing_is_parsed_from_the_half_frame_at_the_end(path: Path) -> None:
     line = re.split(rb"[\r\n\0]", path.read_bytes().rstrip(b"\r\n"))[-1]
-    decoder = Decoder(find_dialect(path.parent.name))
+    decoder = Decoder(DIALECTS[path.parent.name])
     if not line.isascii():
         pytest.skip("a wrong parity leaves no half frame: its line ends are ends all the same")
     assert decoder.feed(line) == []
@@ -98,4 +98,4 @@ def test_nothing_is_parsed_from_the_half_frame_at_the_end(path: Path) -> None:
 
 
 def test_every_dialect_has_a_stream() -> None:
-    assert {recorded.parent.name for recorded in RECORDED} >= set(find_dialects())
+    assert {recorded.parent.name for recorded in RECORDED} >= set(DIALECTS)
