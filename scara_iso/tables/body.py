@@ -57,7 +57,7 @@ class Body:
         """Yield line and cells of the rows of readings, each as wide as the header."""
         for line, cells in rows:
             texts = [cell if isinstance(cell, str) else repr(cell) for cell in cells]
-            comment = bool(texts) and is_comment(texts[0])
+            comment = bool(texts) and is_comment(_stripped(texts[0]))
             if self._is_numbered(cells) and not comment:
                 yield from self._reading(line, cells)
                 continue

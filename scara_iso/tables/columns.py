@@ -35,7 +35,9 @@ class Columns:
 
     def add_clean(self, rows: Sequence[Sequence[str]], first_line: int) -> bool:
         """Take rows that are all as the header says, or take nothing and return False."""
-        if set(map(len, rows)) != {self.layout.width} or any(row[0][:1] == "#" for row in rows):
+        if set(map(len, rows)) != {self.layout.width} or any(
+            row[0].lstrip()[:1] == "#" for row in rows
+        ):
             return False
         columns = list(zip(*rows, strict=True))
         parts = []

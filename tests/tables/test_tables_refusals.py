@@ -48,6 +48,17 @@ def test_a_bad_cycle_number_is_a_fault(cell):
     assert (4, 1) in places(faults(f"{MM}cycle,X\n1,0.1\n{cell},0.2\n3,0.3\n"))
 
 
+def test_a_covariate_beyond_a_double_is_a_fault():
+    assert places(faults(f"{MM}cycle,X,speed\n1,0.1,5\n2,0.2,1e400\n")) == [(4, 3)]
+
+
+@pytest.mark.parametrize("name", ["pose", "operator", "speed"])
+def test_a_row_commented_out_is_no_reading_whatever_its_first_column_is(name):
+    run = read_table(f"{MM}{name},cycle,X\n1,1,0.1\n#1,2,0.9\n1,3,0.3\n".encode())
+    assert run.cycle.tolist() == [1, 3]
+    assert any("line 4" in note for note in run.origin.notes)
+
+
 def test_every_fault_is_counted_and_a_thousand_are_listed():
     rows = "".join(f"{k},ERR\n" for k in range(5000))
     error = faults(f"{MM}cycle,X\n{rows}")

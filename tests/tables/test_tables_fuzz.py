@@ -3,7 +3,7 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from spelling import Spelling, Table, lines, spell
-from test_spellings import assert_same
+from test_tables_spellings import assert_same
 
 from scara_iso.errors import ScaraIsoError
 from scara_iso.tables import read_table
