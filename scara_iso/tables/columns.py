@@ -35,11 +35,11 @@ class Columns:
 
     def add_clean(self, rows: Sequence[Sequence[str]], first_line: int) -> bool:
         """Take rows that are all as the header says, or take nothing and return False."""
-        if set(map(len, rows)) != {self.layout.width} or any(
-            row[0].lstrip()[:1] == "#" for row in rows
-        ):
+        if set(map(len, rows)) != {self.layout.width}:
             return False
         columns = list(zip(*rows, strict=True))
+        if "#" in "".join(columns[0]):  # a row may be commented out
+            return False
         parts = []
         for column, cells in zip(self.layout.columns, columns, strict=True):
             part = self._clean_part(column, cells)

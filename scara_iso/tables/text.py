@@ -135,7 +135,7 @@ def split_lines(lines: list[str], delimiter: Delimiter) -> list[list[str]]:
     if delimiter is Delimiter.BLANKS:
         lines = [_GLUE.sub("", line.translate(_ANY_BLANK).strip(" ")) for line in lines]
     character = _CHARACTER[delimiter]
-    if not any('"' in line for line in lines):
+    if '"' not in "".join(lines):
         sep = None if delimiter is Delimiter.BLANKS else character
         return [line.split(sep) for line in lines]
     cells = list(csv.reader(lines, delimiter=character, skipinitialspace=True, strict=True))
