@@ -33,11 +33,8 @@ class Columns:
         self.units: dict[Column, dict[str, int]] = {}
         self._parts: dict[Column, list[npt.NDArray[np.generic]]] = {c: [] for c in layout.columns}
 
-    def add_clean(self, rows: Sequence[Sequence[str]], first_line: int) -> bool:
-        """Take rows that are all as the header says, or take nothing and return False."""
-        if set(map(len, rows)) != {self.layout.width}:
-            return False
-        columns = list(zip(*rows, strict=True))
+    def add_clean(self, columns: Sequence[Sequence[str]], first_line: int) -> bool:
+        """Take columns of cells that are all as the header says, or take none and return False."""
         if "#" in "".join(columns[0]):  # a row may be commented out
             return False
         parts = []
@@ -46,7 +43,7 @@ class Columns:
             if part is None:
                 return False
             parts.append(part)
-        lines = range(first_line, first_line + len(rows))
+        lines = range(first_line, first_line + len(columns[0]))
         for column, cells, (values, mark) in zip(self.layout.columns, columns, parts, strict=True):
             self._parts[column].append(values)
             self._note(column, mark, cells, lines)

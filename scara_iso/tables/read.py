@@ -26,6 +26,7 @@ from scara_iso.tables.text import (
     Row,
     chunks,
     decode,
+    split_columns,
     split_head,
     split_lines,
     stated_delimiter,
@@ -123,11 +124,8 @@ def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, 
         _check_length(first, lines, columns.faults)
         return
     if body.plain:
-        try:
-            clean = columns.add_clean(split_lines(lines, delimiter), first)
-        except csv.Error:
-            clean = False
-        if clean:
+        cells = split_columns(lines, delimiter, columns.layout.width)
+        if cells is not None and columns.add_clean(cells, first):
             body.count(len(lines))
             return
     columns.add(list(body.sort(_split_each(first, lines, delimiter, columns.faults))))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
@@ -142,6 +142,23 @@ def split_lines(lines: list[str], delimiter: Delimiter) -> list[list[str]]:
     if len(cells) != len(lines):
         raise csv.Error("a quoted cell holds a line end")
     return cells
+
+
+def split_columns(
+    lines: list[str], delimiter: Delimiter, width: int
+) -> Sequence[Sequence[str]] | None:
+    """Return the columns of lines that have ``width`` cells each, or None where they have not."""
+    character = _CHARACTER.get(delimiter)
+    if character is None or delimiter is Delimiter.BLANKS or '"' in "".join(lines):
+        try:
+            rows = split_lines(lines, delimiter)
+        except csv.Error:
+            return None
+        return list(zip(*rows, strict=True)) if set(map(len, rows)) == {width} else None
+    if {line.count(character) for line in lines} != {width - 1}:
+        return None
+    cells = character.join(lines).split(character)
+    return [cells[k::width] for k in range(width)]
 
 
 def _unquoted(cell: str) -> str:
