@@ -103,7 +103,7 @@ def _explain(error: Exception) -> tuple[list[str], int]:
     if isinstance(error, ScaraIsoError):
         lines = [f"scara-iso: {error}"]
         if isinstance(error, DataError):
-            lines += [f"  {fault}" for fault in error.faults[:_MOST_FAULTS]]
+            lines += [f"  {f}" for f in error.faults[:_MOST_FAULTS] if f.message != error.what]
             more = len(error.faults) - _MOST_FAULTS
             lines += [f"  and {more} more"] if more > 0 else []
         lines += [f"  {error.remedy}"] if error.remedy else []

@@ -106,7 +106,8 @@ class Body:
     def _is_footer(self, line: int, texts: list[str]) -> bool:
         """Return whether the first text of a row is the label of a footer, such as ``Mean``."""
         label = next((t for t in map(_stripped, texts) if t and parse_number(t) is None), "")
-        if not names_a_footer(label, short=self._cycle is not None):
+        below = self.footer is not None and self._cycle is not None and not names_an_axis(texts)
+        if not names_a_footer(label, short=self._cycle is not None) and not (below and label):
             return False
         if self._cycle is None and label in self._labels:
             self.faults.add(

@@ -168,6 +168,7 @@ stdabw standard standardabweichung standardabw sigma variance varianz var min mi
 range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
 wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
 tolerance toleranz result results ergebnis rms
+stabw stabwn stabwa stdv cv rsd kurtosis skewness
 """
 _WORDS = frozenset(_FOOTERS.split())
 _SHORT = frozenset(["s", "n", "r", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 
 from scara_iso.errors import DataError, UsageError
 from scara_iso.run import Run
-from scara_iso.tables import workbook
 from scara_iso.tables.assemble import Options, assemble
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
@@ -19,7 +18,7 @@ from scara_iso.tables.layout import (
     find_layout,
 )
 from scara_iso.tables.numbers import Mark
-from scara_iso.tables.source import Source, read_bytes
+from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     LINE_LIMIT,
     Delimiter,
@@ -66,9 +65,9 @@ def read_table(
     data, name = read_bytes(source)
     if not data.strip():
         raise refuse(name, "the file is empty", remedy=_NO_HEADER)
-    if data.startswith(workbook.MAGIC):
+    if data.startswith(WORKBOOK):
         return _read_workbook(data, name, options)
-    if data.startswith(workbook.OLD_MAGIC):
+    if data.startswith(OLD_WORKBOOK):
         raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
     if sheet is not None:
         raise refuse(name, "--sheet is for workbooks, this is text", remedy="leave --sheet out")
@@ -148,9 +147,11 @@ def _said(columns: Columns, decimal: str | None) -> str:
 
 
 def _read_workbook(data: bytes, name: str, options: Options) -> Run:
+    from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - zip and XML for few
+
     found: dict[str, tuple[list[Row], Layout, list[list[Cell]]]] = {}
     names: list[str] = []
-    for title, cells in workbook.read_sheets(data, name):
+    for title, cells in read_sheets(data, name):
         names.append(title)
         if options.sheet not in (None, title):
             continue

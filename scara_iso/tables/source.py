@@ -12,11 +12,15 @@ from scara_iso.tables.faults import refuse
 LIMIT = 256 * 2**20
 """Largest file that is read, in bytes; a million rows take about 50 MB."""
 
+WORKBOOK = b"PK\x03\x04"
+OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"
+"""First bytes of an .xlsx, and of an .xls or a protected workbook."""
+
 Source = str | Path | bytes | BinaryIO
 
 
 def read_bytes(source: Source) -> tuple[bytes, str]:
-    """Return a source's bytes and its name: the path, ``-`` for standard input.
+    """Return a source's bytes and its name: the path, or what else it is.
 
     Raises `NoInputError` where there is no such file or it cannot be read, `DataError` where it
     is larger than `LIMIT`.
@@ -34,6 +38,8 @@ def read_bytes(source: Source) -> tuple[bytes, str]:
 
 def _name(source: Source) -> str:
     match source:
+        case "-":
+            return "standard input"
         case str() | Path():
             return str(source)
         case bytes():

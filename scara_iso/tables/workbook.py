@@ -15,8 +15,6 @@ from xml.parsers import expat
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import refuse
 
-MAGIC = b"PK\x03\x04"
-OLD_MAGIC = b"\xd0\xcf\x11\xe0"
 _UNPACKED = 512 * 2**20
 _CELLS = 10_000_000
 _PARTS = 1_000_000
