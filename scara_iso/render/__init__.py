@@ -1,0 +1,1 @@
+"""How a result looks: terminal, HTML, JSON, plots. What is said of it is decided elsewhere."""
