@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from scara_iso.drivetrain import (
@@ -110,6 +110,7 @@ def test_the_gap_is_never_left_and_contact_means_its_end(train, pieces, velocity
 
 
 @given(trains, st.floats(0, 1), st.floats(-1, 1), st.floats(-1, 1))
+@example(DriveTrain(1.0, 1.0, 0.0625), 0.5, 5e-324, 0.0)
 def test_impacts_keep_momentum_and_never_bring_energy(train, friction, velocity, relative):
     train = replace(train, coulomb=friction)
     idle = Torque((50.0,), (0.0,))
@@ -266,6 +267,7 @@ def test_a_stiff_servo_tends_to_a_motor_that_is_held():
     st.floats(-1, 1),
     st.floats(-1, 1),
 )
+@example(DriveTrain(1.0, 1.0, 0.0625), 1.0, 0.0, [(0.25, 1.0), (0.25, -1.0)], False, 0.0, 0.0)
 def test_closed_form_and_integration_agree(
     train, coulomb, load_torque, pieces, held, velocity, relative
 ):

@@ -178,7 +178,8 @@ def _settle(
     if equations.train.rigid and contact:
         if contact * y[3] > 0:  # common velocity, momentum kept
             y[1], y[3] = y[1] + equations.share * y[3], 0.0
-        if contact * y[3] < 0 or contact * _parting(equations, time, y) < 0:
+        slip = int(np.sign(y[1]))
+        if contact * y[3] < 0 or _pressing(equations, contact, slip, time, y) < 0:
             contact = 0
     mode = _Mode(contact, int(np.sign(y[1])), stuck=False)
     if not equations.train.coulomb:
@@ -190,14 +191,17 @@ def _settle(
     return _Mode(contact, 0 if stuck else int(np.sign(push)), stuck), y
 
 
-def _parting(equations: _Equations, time: float, y: FloatArray) -> float:
-    """Return how much faster than the load, both left alone, the motor would gain speed."""
-    push, friction = equations.load_alone(y), equations.train.coulomb / equations.train.load_inertia
-    if y[1] != 0:
-        load = push - math.copysign(friction, y[1])
-    else:
-        load = math.copysign(max(abs(push) - friction, 0.0), push)
-    return equations.motor(time, y) - load
+def _pressing(equations: _Equations, contact: int, slip: int, time: float, y: FloatArray) -> float:
+    """Return how much faster than each other the bodies, left alone, would gain speed [rad/s²].
+
+    Positive where they press on each other, negative where they part. A contact without force
+    lasts: what rounding alone leaves must not part it.
+    """
+    train = equations.train
+    push, friction = equations.load_alone(y), train.coulomb / train.load_inertia
+    held = math.copysign(max(abs(push) - friction, 0.0), push)
+    load, motor = push - slip * friction if slip else held, equations.motor(time, y)
+    return contact * (motor - load) + 1e-12 * (abs(motor) + abs(push) + friction + train.gap)
 
 
 def _events(equations: _Equations, mode: _Mode) -> dict[str, _Function]:
@@ -222,12 +226,10 @@ def _contact_events(equations: _Equations, mode: _Mode) -> dict[str, _Function]:
             name: _terminal(partial(_depth, equations, k), 1)
             for name, k in (("right", 1), ("left", -1))
         }
-    # a contact without force lasts: rounding alone must not part it
     if not train.rigid:
         deep = partial(_depth, equations, side)
         return {"parted": _terminal(lambda t, y: deep(t, y) + 1e-12 * train.gap, -1)}
-    slack = 1e-12 * (1 + abs(train.load_torque) + train.coulomb) / train.load_inertia
-    return {"parted": _terminal(lambda t, y: side * _parting(equations, t, y) + slack, -1)}
+    return {"parted": _terminal(partial(_pressing, equations, side, mode.slip), -1)}
 
 
 def _depth(equations: _Equations, side: int, _time: float, y: FloatArray) -> float:

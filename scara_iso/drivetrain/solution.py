@@ -227,7 +227,8 @@ def _first_arrival(
 
 
 def _time_to_stop(train: Constants, state: Moving, a_load: FloatArray) -> FloatArray:
-    slows = (state.load_velocity * a_load < 0) & (np.asarray(train.friction) > 0)
+    opposed = np.sign(state.load_velocity) * np.sign(a_load) < 0
+    slows = opposed & (np.asarray(train.friction) > 0)
     with np.errstate(over="ignore"):
         return np.where(slows, -state.load_velocity / np.where(slows, a_load, 1.0), np.inf)
 

@@ -1,1 +1,1 @@
-"""How results look: the terminal, JSON. Each module is the one home of its package."""
+"""How a result looks: terminal, HTML, JSON, plots. What is said of it is decided elsewhere."""

@@ -1,0 +1,179 @@
+"""Pictures, as SVG or PNG by the name of the file; the same input gives the same bytes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scara_iso.arm import Arm
+from scara_iso.drivetrain import DriveTrain, Trajectory
+from scara_iso.errors import CannotCreateError, UsageError
+from scara_iso.plan import Plan
+from scara_iso.run import FloatArray
+from scara_iso.workspace import Workspace
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
+CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
+
+
+def plot_plan(plan: Plan, arm: Arm, path: Path) -> None:
+    """Draw the workspace from above, and the solid with its diagonal plane and the poses.
+
+    ``path`` ends in .svg or .png. Raises `UsageError` for another ending and `CannotCreateError`
+    where the file cannot be written.
+    """
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+
+    figure = Figure(figsize=(11, 5.2), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1, 1))
+    _draw_from_above(left, plan, arm)
+    spec = right.get_subplotspec()
+    right.remove()
+    _draw_solid(figure.add_subplot(spec, projection="3d"), plan)
+    save(figure, path)
+
+
+def plot_gap(trajectory: Trajectory, train: DriveTrain, path: Path) -> None:
+    """Draw gap angle, motor and load through time, the three contact states in colour.
+
+    Errors as in `plot_plan`.
+    """
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+
+    figure = Figure(figsize=(8, 5.5), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    time = trajectory.time * 1000
+    _shade_contacts(upper, trajectory)
+    for end in (-1, 1):
+        upper.axhline(end * train.gap / 2 * 1000, color=EDGE, lw=0.8, ls="--")
+    upper.plot(time, trajectory.gap_angle * 1000, color=SOLID, lw=1.8)
+    upper.set(ylabel="motor − load [mrad]", title="Gap angle in the three contact states")
+    upper.set_ylim(-0.62 * train.gap * 1000, 0.62 * train.gap * 1000)
+    upper.legend(
+        loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=3, fontsize=8, frameon=False
+    )
+    lower.plot(
+        time, trajectory.motor_angle * 1000, color=PLANE, lw=1.8, label="motor, at the output"
+    )
+    lower.plot(time, trajectory.load_angle * 1000, color=ARM, lw=1.8, label="load")
+    lower.set(xlabel="time [ms]", ylabel="angle [mrad]")
+    lower.legend(fontsize=8, frameon=False)
+    save(figure, path)
+
+
+def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
+    names = {1: "right contact", 0: "no contact", -1: "left contact"}
+    edges = np.flatnonzero(np.diff(trajectory.contact)) + 1
+    ends = np.append(edges, len(trajectory.time)) - 1
+    for first, last in zip(np.append(0, edges), ends, strict=True):
+        side = int(trajectory.contact[first])
+        label = names.pop(side, None)
+        span = trajectory.time[[first, last]] * 1000
+        axes.axvspan(*span, color=CONTACT[side], lw=0, label=label)
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure without date or random names; errors as in `plot_plan`."""
+    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
+
+    kind = path.suffix.lower().lstrip(".")
+    if kind not in ("svg", "png"):
+        raise UsageError(
+            f"{path.name}: pictures are written as SVG or PNG",
+            remedy="let the name end in .svg or .png",
+        )
+    metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
+    with mpl.rc_context({"svg.hashsalt": "scara-iso", "svg.fonttype": "path"}):
+        try:
+            figure.savefig(path, format=kind, dpi=150, metadata=metadata)
+        except OSError as error:
+            raise CannotCreateError(
+                f"cannot write the picture: {error.strerror or error}", where=str(path)
+            ) from error
+
+
+def _draw_from_above(axes: Axes, plan: Plan, arm: Arm) -> None:
+    axes.set_title("Workspace seen from above")
+    _fill_workspace(axes, arm)
+    face = plan.corners[[0, 1, 2, 3, 0], :2]
+    axes.plot(*face.T, color=SOLID, lw=1.5, label=plan.solid.value)
+    first = plan.poses[0]
+    elbow = (
+        arm.link_1_mm * np.cos(np.radians(first.joint_1_deg)),
+        arm.link_1_mm * np.sin(np.radians(first.joint_1_deg)),
+    )
+    links = np.array([(0.0, 0.0), elbow, (first.x_mm, first.y_mm)])
+    axes.plot(*links.T, "o-", color=ARM, lw=3, ms=7, mfc="white", label="arm at P1")
+    for place, names in _names_by_place(plan).items():
+        axes.plot(*place, "o", color=PLANE, mec="black", ms=6, zorder=3)
+        axes.annotate(names, place, (6, 5), textcoords="offset points", fontsize=9, zorder=4)
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
+    axes.grid(lw=0.3)
+    axes.set_axisbelow(False)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3, fontsize=8, frameon=False)
+
+
+def _names_by_place(plan: Plan) -> dict[tuple[float, float], str]:
+    """Return the poses' names by their place seen from above, where two may coincide."""
+    names: dict[tuple[float, float], str] = {}
+    for pose in plan.poses:
+        place = (pose.x_mm, pose.y_mm)
+        names[place] = f"{names[place]}, {pose.name}" if place in names else pose.name
+    return names
+
+
+def _fill_workspace(axes: Axes, arm: Arm) -> None:
+    workspace = Workspace.of(arm)
+    reach = 1.02 * arm.reach()[1]
+    grid = np.linspace(-reach, reach, 500)
+    inside = workspace.contains(np.stack(np.meshgrid(grid, grid), axis=-1))
+    axes.contourf(grid, grid, inside.astype(np.float64), levels=[0.5, 1.5], colors=[AREA])
+    for k, line in enumerate(workspace.outline()):
+        axes.plot(*line.T, color=EDGE, lw=1, label="reached by either elbow" if k == 0 else None)
+
+
+def _draw_solid(axes: Any, plan: Plan) -> None:
+    x, y, z = plan.size_mm
+    axes.set_title(
+        f"{plan.solid.value.capitalize()} of {x:.0f} × {y:.0f} × {z:.0f} mm, "
+        f"plane {plan.plane.value}\nm = {plan.m_over_diagonal:g} L = {plan.m_mm:.1f} mm"
+    )
+    corners = plan.corners
+    edges = [(k, (k + 1) % 4) for k in range(4)] + [(k, k + 4) for k in range(4)]
+    edges += [(4 + a, 4 + b) for a, b in edges[:4]]
+    for a, b in edges:
+        axes.plot(*corners[[a, b]].T, color=SOLID, lw=1.2)
+    number = [c - 1 for c in plan.plane.corners]
+    axes.plot_trisurf(*corners[number].T, triangles=[(0, 1, 2), (0, 2, 3)], color=PLANE, alpha=0.25)
+    for a, b in ((number[0], number[2]), (number[1], number[3])):
+        axes.plot(*corners[[a, b]].T, color=PLANE, lw=1, ls="--")
+    middle = corners.mean(axis=0)
+    for k, corner in enumerate(corners, start=1):
+        axes.text(*(corner + 0.08 * (corner - middle)), f"C{k}", color=SOLID, fontsize=9,
+                  ha="center", va="center")  # fmt: skip
+    for pose in plan.poses:
+        place = (pose.x_mm, pose.y_mm, pose.z_mm)
+        axes.plot(*([v] for v in place), "o", color=PLANE, mec="black", ms=6)
+        axes.text(*place, f"  {pose.name}", fontsize=9)
+    for name, values in zip("xyz", corners.T, strict=True):
+        ticks = [values.min(), values.mean(), values.max()]
+        axes.set(**{f"{name}ticks": ticks, f"{name}ticklabels": [f"{t:.0f}" for t in ticks]})
+        axes.set(**{f"{name}label": f"{name} [mm]"})
+    axes.tick_params(labelsize=8)
+    axes.set_box_aspect((x, y, z), zoom=0.9)
+    axes.view_init(elev=25, azim=_azimuth(corners[number]))
+
+
+def _azimuth(plane: FloatArray) -> float:
+    """Return the side in degrees from which a plane, its corners given, is seen most openly."""
+    normal = np.cross(plane[1] - plane[0], plane[2] - plane[0])
+    sides = np.array([-60.0, -30.0, 30.0, 60.0, 120.0, 150.0, -150.0, -120.0])
+    turns = np.radians(sides)
+    eyes = np.stack([np.cos(turns), np.sin(turns), np.full(8, np.tan(np.radians(25)))], axis=-1)
+    return float(sides[np.argmax(np.abs(eyes @ normal).round(6))])

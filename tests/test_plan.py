@@ -1,0 +1,171 @@
+"""The plan: cube, plane and poses, each condition checked on the result by hand."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from scara_iso.arm import Arm, Elbow
+from scara_iso.errors import UsageError
+from scara_iso.plan import Conditions, Plane, Solid, make_plan
+from scara_iso.workspace import Workspace
+
+FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # split and limits are assumed
+TALL = Arm(400, 300, (-130, 130), (-145, 145), (-300, 300))
+
+
+BOX = make_plan(FUM, solid=Solid.BOX, plane=Plane.C4_C1_C6_C7)  # takes most of a second
+
+
+def planned(plane, solid):
+    return BOX if solid is Solid.BOX else make_plan(FUM, plane=plane)
+
+
+def points(plan):
+    return np.array([(p.x_mm, p.y_mm, p.z_mm) for p in plan.poses])
+
+
+def test_a_short_stroke_limits_the_cube():
+    plan = make_plan(FUM)
+    assert plan.stroke_limits
+    assert plan.size_mm == pytest.approx((200, 200, 200))
+    assert not make_plan(TALL).stroke_limits
+    assert make_plan(TALL).size_mm == pytest.approx((434.362,) * 3, abs=2e-3)
+
+
+def test_a_box_takes_the_whole_stroke_and_more_room():
+    box, cube = BOX, make_plan(FUM)
+    assert box.size_mm[2] == 200
+    assert math.prod(box.size_mm) > 4 * math.prod(cube.size_mm)
+
+
+@pytest.mark.parametrize("solid", Solid)
+def test_the_whole_solid_is_within_reach_and_stroke(solid):
+    plan = planned(Plane.C1_C2_C7_C8, solid)
+    low, high = plan.corners.min(axis=0), plan.corners.max(axis=0)
+    x, y = np.meshgrid(np.linspace(low[0], high[0], 150), np.linspace(low[1], high[1], 150))
+    assert Workspace.of(FUM).contains(np.stack([x, y], axis=-1)).all()
+    assert low[2] >= 0
+    assert high[2] <= 200
+
+
+@pytest.mark.parametrize(
+    ("plane", "solid"),
+    [(plane, Solid.CUBE) for plane in Plane] + [(Plane.C4_C1_C6_C7, Solid.BOX)],
+)
+def test_the_poses_lie_on_the_diagonals_of_the_plane(plane, solid):
+    plan = planned(plane, solid)
+    number = [c - 1 for c in plane.corners]
+    a, b, c, d = plan.corners[number]
+    assert a - b == pytest.approx(d - c)  # four corners in a plane, a rectangle
+    assert (a - b) @ (b - c) == pytest.approx(0)
+    centre, *others = points(plan)
+    assert centre == pytest.approx((a + b + c + d) / 4, abs=1e-3)
+    for pose, corner in zip(others, (a, b, c, d), strict=True):
+        assert np.linalg.norm(pose - corner) == pytest.approx(plan.m_mm, abs=2e-3)
+        assert np.linalg.norm(np.cross(pose - corner, centre - corner)) < 2e-3 * plan.diagonal_mm
+
+
+@pytest.mark.parametrize(
+    ("plane", "solid"),
+    [(plane, Solid.CUBE) for plane in Plane] + [(Plane.C4_C1_C6_C7, Solid.BOX)],
+)
+def test_the_diagonal_of_the_plane_is_that_of_the_solid(plane, solid):
+    """The paper's L and ISO 9283's are one number."""
+    plan = planned(plane, solid)
+    a, b, c, d = plan.corners[[c - 1 for c in plane.corners]]
+    space = math.hypot(*plan.size_mm)
+    assert np.linalg.norm(c - a) == pytest.approx(space)
+    assert np.linalg.norm(d - b) == pytest.approx(space)
+    assert plan.diagonal_mm == pytest.approx(space)
+    assert plan.m_over_diagonal == pytest.approx(0.1)
+
+
+def test_the_four_planes_are_diagonal_and_the_corners_those_of_a_box():
+    corners = BOX.corners
+    x, y, z = corners[6] - corners[0]
+    expected = {(sx * x, sy * y, sz * z) for sx, sy, sz in itertools.product((0, 1), repeat=3)}
+    found = {tuple(np.round(c - corners[0], 9)) for c in corners}
+    assert found == {tuple(np.round(e, 9)) for e in expected}
+    assert corners[4:] - corners[:4] == pytest.approx(np.tile([0, 0, z], (4, 1)))
+    for plane in Plane:
+        a, b, c, _ = corners[[k - 1 for k in plane.corners]]
+        spans = np.count_nonzero(np.abs(np.cross(b - a, c - a)) > 1e-6)
+        assert spans == 2  # parallel to one edge only: no face of the box
+
+
+def test_the_joints_bring_the_tool_to_the_poses_with_one_elbow():
+    for elbow in (None, *Elbow):
+        plan = make_plan(FUM, elbow=elbow, theta_deg=30)
+        for pose in plan.poses:
+            joints = (pose.joint_1_deg, pose.joint_2_deg, pose.joint_3_mm, pose.joint_4_deg)
+            expected = (pose.x_mm, pose.y_mm, pose.z_mm, 30)
+            assert FUM.forward(joints) == pytest.approx(expected, abs=1e-9)
+            assert np.all(FUM.excess(joints) == 0)
+            assert np.sign(pose.joint_2_deg) == plan.elbow.sign
+            away = min(abs(pose.joint_2_deg), 180 - abs(pose.joint_2_deg))
+            assert pose.singularity_deg == pytest.approx(away)
+            turn = abs(math.sin(math.radians(pose.joint_2_deg)))
+            assert pose.manipulability == pytest.approx(turn)
+        assert elbow in (None, plan.elbow)
+
+
+def test_an_elbow_named_keeps_the_cube_in_its_own_reach():
+    arm = Arm(400, 300, (-60, 100), (-145, 145), (0, 900))
+    either, right = make_plan(arm), make_plan(arm, elbow=Elbow.RIGHT)
+    assert right.size_mm[0] <= either.size_mm[0]
+    face = right.corners[:4, :2]
+    assert Workspace.of(arm, (Elbow.RIGHT,)).contains(face).all()
+
+
+def test_one_row_for_each_visit_holds_what_a_robot_needs():
+    conditions = Conditions(velocity_percent=50, load_percent=10, dwell_s=1.5)
+    rows = make_plan(FUM, conditions=conditions).rows()
+    assert [row["pose"] for row in rows] == ["P5", "P4", "P3", "P2", "P1"]
+    assert [row["visit"] for row in rows] == [1, 2, 3, 4, 5]
+    assert {"x_mm", "theta_deg", "joint_1_deg", "joint_3_mm", "singularity_deg"} <= set(rows[0])
+    assert {row["velocity_percent"] for row in rows} == {50}
+    assert {row["dwell_s"] for row in rows} == {1.5}
+    assert all(isinstance(v, str | int | float) for row in rows for v in row.values())
+
+
+def test_31_cycles_are_run_and_30_used():
+    conditions = make_plan(FUM).conditions
+    assert (conditions.cycles, conditions.used) == (31, 30)
+
+
+@pytest.mark.parametrize("share", [0.079, 0.121, math.nan])
+def test_m_outside_equation_1_is_refused(share):
+    with pytest.raises(UsageError, match="outside"):
+        make_plan(FUM, m_over_diagonal=share)
+    assert make_plan(FUM, m_over_diagonal=0.08).m_mm == pytest.approx(0.08 * 200 * math.sqrt(3))
+
+
+@pytest.mark.parametrize(
+    ("arm", "says"),
+    [
+        (Arm(400, 300, (-130, 130), (-145, 145)), "stroke of 0 mm"),
+        (Arm(400, 300, (-130, 130), (90, 90), (0, 200)), "leave no area"),
+        (Arm(400, 300, (-130, 130), (-145, 145), (0, 200), (400, 500)), "joint 4"),
+    ],
+)
+def test_impossible_robots_are_refused(arm, says):
+    with pytest.raises(UsageError, match=says):
+        make_plan(arm)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"cycles": 1}, "no cycle is left"),
+        ({"velocity_percent": 0}, "velocity_percent is 0"),
+        ({"load_percent": 101}, "load_percent is 101"),
+        ({"dwell_s": math.nan}, "dwell_s is nan"),
+        ({"order": ("P1", "P7")}, "no pose 'P7'"),
+        ({"order": ()}, "no pose is visited"),
+    ],
+)
+def test_conditions_that_cannot_be_meant_are_refused(change, says):
+    with pytest.raises(UsageError, match=says):
+        Conditions(**change)

@@ -1,0 +1,47 @@
+"""Pictures: written, the same bytes each time, and refused where they cannot be."""
+
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from scara_iso.arm import Arm
+from scara_iso.drivetrain import DriveTrain, State, Torque, solve
+from scara_iso.errors import CannotCreateError, UsageError
+from scara_iso.plan import make_plan
+from scara_iso.render.plots import plot_gap, plot_plan
+
+ARM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))
+PLAN = make_plan(ARM)
+
+
+@pytest.mark.parametrize("ending", ["svg", "png"])
+def test_the_same_plan_gives_the_same_bytes(tmp_path, ending):
+    first, second = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
+    plot_plan(PLAN, ARM, first)
+    plot_plan(PLAN, ARM, second)
+    assert first.read_bytes() == second.read_bytes()
+    assert b"date" not in first.read_bytes().lower()
+
+
+def test_another_plan_gives_another_picture_that_is_well_formed(tmp_path):
+    first, second = tmp_path / "a.svg", tmp_path / "b.svg"
+    plot_plan(PLAN, ARM, first)
+    plot_plan(make_plan(ARM, m_over_diagonal=0.12), ARM, second)
+    assert first.read_bytes() != second.read_bytes()
+    assert ET.parse(first).getroot().tag.endswith("svg")  # noqa: S314 - our own picture
+
+
+def test_a_picture_that_cannot_be_written_says_why(tmp_path):
+    with pytest.raises(UsageError, match="SVG or PNG"):
+        plot_plan(PLAN, ARM, tmp_path / "plan.jpg")
+    with pytest.raises(CannotCreateError, match="cannot write the picture"):
+        plot_plan(PLAN, ARM, tmp_path / "nowhere" / "plan.svg")
+
+
+def test_the_gap_through_time_is_drawn(tmp_path):
+    train = DriveTrain(1.0, 2.0, 0.02)
+    run = solve(train, Torque((0.3, 0.3), (0.5, -0.5)), State(), points=20)
+    assert set(run.contact) == {-1, 0, 1}
+    plot_gap(run, train, tmp_path / "a.svg")
+    plot_gap(run, train, tmp_path / "b.svg")
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
