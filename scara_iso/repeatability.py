@@ -112,7 +112,8 @@ def _jackknife(positions: FloatArray, RP: FloatArray) -> tuple[FloatArray, Float
     deviation = logs.mean(axis=-1, keepdims=True) - logs
     squares = (deviation**2).sum(axis=-1)
     error = np.sqrt((groups - 1) / groups * squares)
-    return np.asarray(error), (deviation**3).sum(axis=-1) / (6 * np.maximum(squares, tiny) ** 1.5)
+    cubes = (deviation**3).sum(axis=-1)
+    return np.asarray(error), cubes / (6 * np.maximum(squares**1.5, tiny))
 
 
 def _accelerated(t: float, skewness: FloatArray) -> FloatArray:
