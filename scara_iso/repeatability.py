@@ -79,12 +79,12 @@ def rp_interval(
     """Return lower and upper limits of a 95 % interval for RP; shapes as the poses in front.
 
     ``positions`` as in `repeatability`, n at least 5; ``resolutions`` one for each component, None
-    where not known. The sources give no interval; this one is log-normal with
-    the jackknife's standard error, but never one smaller than Gaussian scatter has; the upper
-    limit is also stretched for skewness by Efron's acceleration (ABC interval). The lower limit is
-    that of the scatter with the rounding taken out (Sheppard's correction), and
-    readings that all agree bound RP by what one division can hide. Coverage is in
-    docs/repeatability.md.
+    where not known. The sources give no interval; this one is log-normal with the jackknife's
+    standard error, but never one smaller than Gaussian scatter has; the upper limit is also
+    stretched for skewness by Efron's acceleration (ABC interval). The lower limit is that of the
+    scatter with the rounding taken out (Sheppard's correction), 0 where two neighbouring divisions
+    hold all readings, and readings that all agree bound RP by what one division can hide. Coverage
+    is in docs/repeatability.md.
     """
     components, n = positions.shape[-2:]
     RP = repeatability(positions).RP
@@ -131,8 +131,10 @@ def _share_beside_rounding(
     if resolutions is None:
         return np.ones_like(variance)
     rounding = sum(rounding_uncertainty(resolution) ** 2 for resolution in resolutions)
-    share = 1 - rounding / np.maximum(variance, np.finfo(np.float64).tiny)
-    return np.asarray(np.sqrt(np.clip(share, 0, 1)))
+    share = 1 - rounding / np.maximum(variance, max(rounding, np.finfo(np.float64).tiny))
+    # A robot that stands still on the border of two divisions reads both.
+    border = np.all(np.ptp(positions, axis=-1) < 1.5 * np.asarray(resolutions), axis=-1)
+    return np.where(border, 0.0, np.sqrt(share))
 
 
 def _hidden_in_a_division(n: int, resolutions: Sequence[float] | None) -> float:
