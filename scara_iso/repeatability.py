@@ -88,7 +88,7 @@ def rp_interval(
     """
     components, n = positions.shape[-2:]
     RP = repeatability(positions).RP
-    error, skewness = _jackknife(positions, RP)
+    error, skewness = _jackknife(positions)
     t = _student_quantile(n - 1)
     gaussian = _GAUSSIAN_ERROR[components] / math.sqrt(n)
     spread = np.minimum(t * np.maximum(error, gaussian), _WIDEST)
@@ -98,7 +98,7 @@ def rp_interval(
     return lower, np.maximum(upper, _hidden_in_a_division(n, resolutions))
 
 
-def _jackknife(positions: FloatArray, RP: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _jackknife(positions: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return standard error and skewness (Efron's a) of ln RP by leaving cycles out."""
     n = positions.shape[-1]
     groups = min(n, _JACKKNIFE_GROUPS)
@@ -107,8 +107,7 @@ def _jackknife(positions: FloatArray, RP: FloatArray) -> tuple[FloatArray, Float
         [repeatability(positions[..., left_out != g]).RP for g in range(groups)], axis=-1
     )
     tiny = np.finfo(np.float64).tiny
-    floor = np.maximum(1e-6 * RP, tiny)[..., np.newaxis]  # a single reading may hold all of RP
-    logs = np.log(np.maximum(without, floor))
+    logs = np.log(np.maximum(without, tiny))  # a single reading may hold all of RP
     deviation = logs.mean(axis=-1, keepdims=True) - logs
     squares = (deviation**2).sum(axis=-1)
     error = np.sqrt((groups - 1) / groups * squares)
