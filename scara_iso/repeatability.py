@@ -81,10 +81,10 @@ def rp_interval(
     ``positions`` as in `repeatability`, n at least 5; ``resolutions`` one for each component, None
     where not known. The sources give no interval; this one is log-normal with the jackknife's
     standard error, but never one smaller than Gaussian scatter has; the upper limit is also
-    stretched for skewness by Efron's acceleration (ABC interval). The lower limit is that of the
-    scatter with the rounding taken out (Sheppard's correction), 0 where two neighbouring divisions
-    hold all readings, and readings that all agree bound RP by what one division can hide. Coverage
-    is in docs/repeatability.md.
+    stretched for skewness by Efron's acceleration (ABC interval). With known resolutions the lower
+    limit is that of RP, or of Gaussian scatter's where that is less, without the rounding
+    (Sheppard's correction), and 0 where two neighbouring divisions hold all readings; readings
+    that all agree bound RP by what one division can hide. Coverage is in docs/repeatability.md.
     """
     components, n = positions.shape[-2:]
     RP = repeatability(positions).RP
@@ -93,7 +93,7 @@ def rp_interval(
     gaussian = _GAUSSIAN_ERROR[components] / math.sqrt(n)
     spread = np.minimum(t * np.maximum(error, gaussian), _WIDEST)
     stretched = np.minimum(error * _accelerated(t, skewness), _WIDEST)
-    lower = RP * np.exp(-spread) * _share_beside_rounding(positions, resolutions)
+    lower = _beside_rounding(positions, RP, resolutions) * np.exp(-spread)
     upper = RP * np.exp(np.maximum(spread, stretched))
     return lower, np.maximum(upper, _hidden_in_a_division(n, resolutions))
 
@@ -122,18 +122,21 @@ def _accelerated(t: float, skewness: FloatArray) -> FloatArray:
     return np.asarray(shifted / np.maximum(room, 0.1) ** 2)
 
 
-def _share_beside_rounding(
-    positions: FloatArray, resolutions: Sequence[float] | None
+def _beside_rounding(
+    positions: FloatArray, RP: FloatArray, resolutions: Sequence[float] | None
 ) -> FloatArray:
-    """Return the share of the spread that rounding does not explain, 0..1 (Sheppard, 1898)."""
-    variance = (standard_deviation(positions) ** 2).sum(axis=-1)
+    """Return RP without what rounding may have added: Sheppard's (1898) correction."""
     if resolutions is None:
-        return np.ones_like(variance)
+        return RP
+    components = positions.shape[-2]
+    variance = (standard_deviation(positions) ** 2).sum(axis=-1)
     rounding = sum(rounding_uncertainty(resolution) ** 2 for resolution in resolutions)
     share = 1 - rounding / np.maximum(variance, max(rounding, np.finfo(np.float64).tiny))
+    # Gaussian scatter on three divisions looks long-tailed: its RP is read too large.
+    gaussian = _GAUSSIAN_RP[components] * np.sqrt(variance / components)
     # A robot that stands still on the border of two divisions reads both.
     border = np.all(np.ptp(positions, axis=-1) < 1.5 * np.asarray(resolutions), axis=-1)
-    return np.where(border, 0.0, np.sqrt(share))
+    return np.where(border, 0.0, np.minimum(RP, gaussian) * np.sqrt(share))
 
 
 def _hidden_in_a_division(n: int, resolutions: Sequence[float] | None) -> float:

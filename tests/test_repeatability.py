@@ -284,10 +284,21 @@ def test_a_coarser_dial_never_narrows_the_interval(measured, one, other):
     assert outer[1] >= inner[1]
 
 
-def test_an_exact_dial_is_one_without_stated_resolution(rng):
-    measured = rng.standard_normal((2, 30))
-    known = rp_interval(measured, resolutions=[0.0, 0.0])
-    assert known == pytest.approx(rp_interval(measured, resolutions=None))
+def test_a_known_resolution_only_lowers_the_lower_limit_of_an_uneven_scatter(rng):
+    flat, long_tailed = rng.uniform(size=(1, 1000)), rng.standard_cauchy((1, 30))
+    for measured, lowered in ((flat, False), (long_tailed, True)):
+        known = rp_interval(measured, resolutions=[0.0])
+        unknown = rp_interval(measured, resolutions=None)
+        assert known[1] == unknown[1]
+        assert (known[0] < unknown[0]) == lowered
+
+
+@pytest.mark.parametrize("axes", [1, 2])
+@pytest.mark.parametrize("n", [30, 100])
+def test_the_lower_limit_holds_at_the_worst_place_between_two_divisions(rng, axes, n):
+    readings = np.rint(0.4 * rng.standard_normal((2000, axes, n)))
+    lower = rp_interval(readings, resolutions=[1.0] * axes)[0]
+    assert np.mean(lower > 0.4 * module._GAUSSIAN_RP[axes]) < 0.04
 
 
 @pytest.mark.parametrize("n", [5, 8, 10, 16, 30, 31, 32, 100, 1000])
