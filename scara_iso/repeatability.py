@@ -83,8 +83,9 @@ def rp_interval(
     standard error, but never one smaller than Gaussian scatter has; the upper limit is also
     stretched for skewness by Efron's acceleration (ABC interval). With known resolutions the lower
     limit is that of RP, or of Gaussian scatter's where that is less, without the rounding
-    (Sheppard's correction), and 0 where two neighbouring divisions hold all readings; readings
-    that all agree bound RP by what one division can hide. Coverage is in docs/repeatability.md.
+    (Sheppard's correction). Where one division or two neighbouring ones hold all readings, the
+    lower limit is 0 and the upper one at least what they can hide. Coverage is in
+    docs/repeatability.md.
     """
     components, n = positions.shape[-2:]
     RP = repeatability(positions).RP
@@ -93,9 +94,12 @@ def rp_interval(
     gaussian = _GAUSSIAN_ERROR[components] / math.sqrt(n)
     spread = np.minimum(t * np.maximum(error, gaussian), _WIDEST)
     stretched = np.minimum(error * _accelerated(t, skewness), _WIDEST)
-    lower = _beside_rounding(positions, RP, resolutions) * np.exp(-spread)
     upper = RP * np.exp(np.maximum(spread, stretched))
-    return lower, np.maximum(upper, _hidden_in_a_division(n, resolutions))
+    if resolutions is None:
+        return RP * np.exp(-spread), upper
+    width = _two_divisions(positions, resolutions)
+    lower = _beside_rounding(positions, RP, resolutions) * np.exp(-spread)
+    return np.where(width > 0, 0.0, lower), np.maximum(upper, _hidden(width, components, n))
 
 
 def _jackknife(positions: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -123,29 +127,33 @@ def _accelerated(t: float, skewness: FloatArray) -> FloatArray:
 
 
 def _beside_rounding(
-    positions: FloatArray, RP: FloatArray, resolutions: Sequence[float] | None
+    positions: FloatArray, RP: FloatArray, resolutions: Sequence[float]
 ) -> FloatArray:
     """Return RP without what rounding may have added: Sheppard's (1898) correction."""
-    if resolutions is None:
-        return RP
     components = positions.shape[-2]
     variance = (standard_deviation(positions) ** 2).sum(axis=-1)
     rounding = sum(rounding_uncertainty(resolution) ** 2 for resolution in resolutions)
     share = 1 - rounding / np.maximum(variance, max(rounding, np.finfo(np.float64).tiny))
     # Gaussian scatter on three divisions looks long-tailed: its RP is read too large.
     gaussian = _GAUSSIAN_RP[components] * np.sqrt(variance / components)
-    # A robot that stands still on the border of two divisions reads both.
-    border = np.all(np.ptp(positions, axis=-1) < 1.5 * np.asarray(resolutions), axis=-1)
-    return np.where(border, 0.0, np.minimum(RP, gaussian) * np.sqrt(share))
+    return np.asarray(np.minimum(RP, gaussian) * np.sqrt(share))
 
 
-def _hidden_in_a_division(n: int, resolutions: Sequence[float] | None) -> float:
-    """Return the RP that n equal readings would show one time in twenty, 0 if not known."""
-    if resolutions is None:
-        return 0.0
+def _two_divisions(positions: FloatArray, resolutions: Sequence[float]) -> FloatArray:
+    """Return the width of the one or two divisions that hold all readings, 0 if there are more.
+
+    A robot without scatter can read so: it stands still on the border of two divisions.
+    """
+    widths = np.ptp(positions, axis=-1) + np.asarray(resolutions)
+    held = np.all(widths < 2.5 * np.asarray(resolutions), axis=-1)
+    return np.where(held, widths.max(axis=-1), 0.0)
+
+
+def _hidden(width: FloatArray, components: int, n: int) -> FloatArray:
+    """Return the RP of the scatter that stays inside ``width`` n times one time in twenty."""
     all_inside = (1 - _CONFIDENCE) ** (1 / n)
-    sigma = max(resolutions) / (2 * NormalDist().inv_cdf((1 + all_inside) / 2))
-    return _GAUSSIAN_RP[len(resolutions)] * sigma
+    sigma = width / (2 * NormalDist().inv_cdf((1 + all_inside) / 2))
+    return _GAUSSIAN_RP[components] * sigma
 
 
 def _student_quantile(nu: int) -> float:

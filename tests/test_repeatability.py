@@ -230,9 +230,9 @@ def test_a_batch_of_poses_equals_one_by_one(measured):
         one = repeatability(alone)
         for field in ("mean", "l_bar", "S_l", "RP"):
             assert getattr(together, field)[k] == pytest.approx(getattr(one, field), abs=1e-12)
-        found = rp_interval(alone, resolutions=[0.001] * len(alone))
+        found = np.stack(rp_interval(alone, resolutions=[0.001] * len(alone)))
         # Of tests that leaving out a cycle hardly changes, the skewness is noise.
-        assert (lower[k], upper[k]) == pytest.approx(found, rel=1e-5, abs=1e-9)
+        assert np.stack([lower[k], upper[k]]) == pytest.approx(found, rel=1e-5, abs=1e-9)
 
 
 @given(positions().filter(lambda x: len(x) == 1))
@@ -268,11 +268,11 @@ def test_the_interval_scales_and_does_not_shift(measured, shift, size):
     if repeatability(measured).RP < 1e-6:
         measured = measured + np.arange(measured.shape[1]) ** 2
     resolutions = np.full(len(measured), 0.001)
-    here = rp_interval(measured, resolutions=resolutions)
-    moved = rp_interval(measured + shift, resolutions=resolutions)
-    scaled = rp_interval(measured * size, resolutions=resolutions * size)
+    here = np.stack(rp_interval(measured, resolutions=resolutions))
+    moved = np.stack(rp_interval(measured + shift, resolutions=resolutions))
+    scaled = np.stack(rp_interval(measured * size, resolutions=resolutions * size))
     assert moved == pytest.approx(here, rel=1e-5, abs=1e-9)
-    assert scaled == pytest.approx((here[0] * size, here[1] * size), rel=1e-5, abs=1e-9 * size)
+    assert scaled == pytest.approx(here * size, rel=1e-5, abs=1e-9 * size)
 
 
 @given(positions(fewest=5), st.floats(0, 10), st.floats(0, 10))
@@ -321,7 +321,8 @@ def test_two_neighbouring_divisions_may_hide_a_robot_without_scatter(n):
     readings = 0.8 + 0.01 * np.tile([0.0, 1.0], n // 2)[np.newaxis]
     lower, upper = rp_interval(readings, resolutions=[0.01])
     assert lower == 0
-    assert upper >= repeatability(readings).RP
+    sigma = 0.01 / stats.norm.isf((1 - 0.05 ** (1 / n)) / 2)
+    assert upper >= module._GAUSSIAN_RP[1] * sigma * (1 - 1e-12)
     readings[0, 0] += 0.02
     assert rp_interval(readings, resolutions=[0.01])[0] > 0
 
@@ -342,6 +343,13 @@ def test_equal_readings_have_exactly_no_scatter():
         assert repeatability(readings).RP == 0
         assert standard_deviation(readings) == 0
         assert repeatability(readings).mean == reading
+
+
+@pytest.mark.parametrize(("axes", "sigma"), [(1, 0.3), (1, 0.4), (2, 0.4)])
+def test_the_upper_limit_holds_on_the_border_of_two_divisions(rng, axes, sigma):
+    readings = np.rint(0.5 + sigma * rng.standard_normal((2000, axes, 30)))
+    upper = rp_interval(readings, resolutions=[1.0] * axes)[1]
+    assert np.mean(upper < sigma * module._GAUSSIAN_RP[axes]) < 0.03
 
 
 def test_one_reading_that_holds_all_of_rp_has_a_wide_but_finite_interval():
