@@ -79,26 +79,30 @@ def rp_interval(
     """Return lower and upper limits of a 95 % interval for RP; shapes as the poses in front.
 
     ``positions`` as in `repeatability`, n at least 5; ``resolutions`` one for each component, None
-    where not known. The sources give no interval; this one is log-normal with
-    the jackknife's standard error, but never one smaller than Gaussian scatter has; the upper
-    limit is also stretched for skewness by Efron's acceleration (ABC interval). The lower limit is
-    that of the scatter with the rounding taken out (Sheppard's correction), and
-    readings that all agree bound RP by what one division can hide. Coverage is in
+    where not known. The sources give no interval; this one is log-normal with the jackknife's
+    standard error, but never one smaller than Gaussian scatter has; the upper limit is also
+    stretched for skewness by Efron's acceleration (ABC interval). With known resolutions the lower
+    limit is that of RP, or of Gaussian scatter's where that is less, without the rounding
+    (Sheppard's correction). Where one division or two neighbouring ones hold all readings, the
+    lower limit is 0 and the upper one at least what they can hide. Coverage is in
     docs/repeatability.md.
     """
     components, n = positions.shape[-2:]
     RP = repeatability(positions).RP
-    error, skewness = _jackknife(positions, RP)
+    error, skewness = _jackknife(positions)
     t = _student_quantile(n - 1)
     gaussian = _GAUSSIAN_ERROR[components] / math.sqrt(n)
     spread = np.minimum(t * np.maximum(error, gaussian), _WIDEST)
     stretched = np.minimum(error * _accelerated(t, skewness), _WIDEST)
-    lower = RP * np.exp(-spread) * _share_beside_rounding(positions, resolutions)
     upper = RP * np.exp(np.maximum(spread, stretched))
-    return lower, np.maximum(upper, _hidden_in_a_division(n, resolutions))
+    if resolutions is None:
+        return RP * np.exp(-spread), upper
+    width = _two_divisions(positions, resolutions)
+    lower = _beside_rounding(positions, RP, resolutions) * np.exp(-spread)
+    return np.where(width > 0, 0.0, lower), np.maximum(upper, _hidden(width, components, n))
 
 
-def _jackknife(positions: FloatArray, RP: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _jackknife(positions: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return standard error and skewness (Efron's a) of ln RP by leaving cycles out."""
     n = positions.shape[-1]
     groups = min(n, _JACKKNIFE_GROUPS)
@@ -107,12 +111,12 @@ def _jackknife(positions: FloatArray, RP: FloatArray) -> tuple[FloatArray, Float
         [repeatability(positions[..., left_out != g]).RP for g in range(groups)], axis=-1
     )
     tiny = np.finfo(np.float64).tiny
-    floor = np.maximum(1e-6 * RP, tiny)[..., np.newaxis]  # a single reading may hold all of RP
-    logs = np.log(np.maximum(without, floor))
+    logs = np.log(np.maximum(without, tiny))  # a single reading may hold all of RP
     deviation = logs.mean(axis=-1, keepdims=True) - logs
     squares = (deviation**2).sum(axis=-1)
     error = np.sqrt((groups - 1) / groups * squares)
-    return np.asarray(error), (deviation**3).sum(axis=-1) / (6 * np.maximum(squares, tiny) ** 1.5)
+    cubes = (deviation**3).sum(axis=-1)
+    return np.asarray(error), cubes / (6 * np.maximum(squares**1.5, tiny))
 
 
 def _accelerated(t: float, skewness: FloatArray) -> FloatArray:
@@ -122,25 +126,34 @@ def _accelerated(t: float, skewness: FloatArray) -> FloatArray:
     return np.asarray(shifted / np.maximum(room, 0.1) ** 2)
 
 
-def _share_beside_rounding(
-    positions: FloatArray, resolutions: Sequence[float] | None
+def _beside_rounding(
+    positions: FloatArray, RP: FloatArray, resolutions: Sequence[float]
 ) -> FloatArray:
-    """Return the share of the spread that rounding does not explain, 0..1 (Sheppard, 1898)."""
+    """Return RP without what rounding may have added: Sheppard's (1898) correction."""
+    components = positions.shape[-2]
     variance = (standard_deviation(positions) ** 2).sum(axis=-1)
-    if resolutions is None:
-        return np.ones_like(variance)
     rounding = sum(rounding_uncertainty(resolution) ** 2 for resolution in resolutions)
-    share = 1 - rounding / np.maximum(variance, np.finfo(np.float64).tiny)
-    return np.asarray(np.sqrt(np.clip(share, 0, 1)))
+    share = 1 - rounding / np.maximum(variance, max(rounding, np.finfo(np.float64).tiny))
+    # Gaussian scatter on three divisions looks long-tailed: its RP is read too large.
+    gaussian = _GAUSSIAN_RP[components] * np.sqrt(variance / components)
+    return np.asarray(np.minimum(RP, gaussian) * np.sqrt(share))
 
 
-def _hidden_in_a_division(n: int, resolutions: Sequence[float] | None) -> float:
-    """Return the RP that n equal readings would show one time in twenty, 0 if not known."""
-    if resolutions is None:
-        return 0.0
+def _two_divisions(positions: FloatArray, resolutions: Sequence[float]) -> FloatArray:
+    """Return the width of the one or two divisions that hold all readings, 0 if there are more.
+
+    A robot without scatter can read so: it stands still on the border of two divisions.
+    """
+    widths = np.ptp(positions, axis=-1) + np.asarray(resolutions)
+    held = np.all(widths < 2.5 * np.asarray(resolutions), axis=-1)
+    return np.where(held, widths.max(axis=-1), 0.0)
+
+
+def _hidden(width: FloatArray, components: int, n: int) -> FloatArray:
+    """Return the RP of the scatter that stays inside ``width`` n times one time in twenty."""
     all_inside = (1 - _CONFIDENCE) ** (1 / n)
-    sigma = max(resolutions) / (2 * NormalDist().inv_cdf((1 + all_inside) / 2))
-    return _GAUSSIAN_RP[len(resolutions)] * sigma
+    sigma = width / (2 * NormalDist().inv_cdf((1 + all_inside) / 2))
+    return _GAUSSIAN_RP[components] * sigma
 
 
 def _student_quantile(nu: int) -> float:

@@ -98,11 +98,13 @@ def _require_positive(values: dict[str, float]) -> None:
 
 
 def _require_representable(result: Backlash) -> None:
-    crossings = [c for c in (result.as_given, result.reflected) if c is not None]
-    numbers = [result.gap_rad, *(c.load_deviation_rad for c in crossings)]
-    numbers += [c.inertia_ratio for c in crossings] + [c.motor_inertia for c in crossings]
-    if not all(math.isfinite(x) and x != 0 for x in numbers):
+    numbers = [result.gap_rad, result.free_play_mm]
+    for c in (result.as_given, result.reflected):
+        if c is not None:
+            numbers += [c.load_deviation_rad, c.motor_deviation_rad, c.deviation_mm]
+            numbers += [c.motor_inertia, c.inertia_ratio if c.motor_inertia else 0.0]
+    if not all(x is None or (math.isfinite(x) and x != 0) for x in numbers):
         raise UsageError(
             "the values are too far apart to compute with",
-            remedy="check the units: inertias in kg m2, the gap in minutes of arc",
+            remedy="check the units: inertias in kg m2, the gap in minutes of arc, the arm in m",
         )
