@@ -13,7 +13,7 @@ from scara_iso.definitions import definitions
 from scara_iso.errors import DataError
 from scara_iso.iso9283 import UsedCycles, used_cycles
 from scara_iso.limits import check_limits
-from scara_iso.quantities import Dimension, rounding_uncertainty
+from scara_iso.quantities import Dimension, parse_number, rounding_uncertainty
 from scara_iso.repeatability import (
     Repeatability,
     repeatability,
@@ -82,6 +82,7 @@ def _pose_results(
     return tuple(
         PoseResult(
             label=label,
+            rows=chosen.rows[k],
             cycle=run.cycle[chosen.rows[k]],
             axes={name: found[k] for name, found in axes.items()},
             XY=planes[k],
@@ -133,11 +134,8 @@ def _theta_radius(run: Run, axis: Axis) -> float | None:
     text = run.metadata.get("theta_radius_mm")
     if text is None or axis.name != "theta" or axis.dimension is not Dimension.LENGTH:
         return None
-    try:
-        radius = float(text)
-    except ValueError:
-        radius = math.nan
-    if not (math.isfinite(radius) and radius > 0):
+    radius = parse_number(text)
+    if radius is None or radius <= 0:
         raise DataError(
             f"theta_radius_mm is {text!r}", where=run.origin.source,
             remedy="give the distance from the axis of rotation to the contact in mm",

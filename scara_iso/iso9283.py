@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import DataError, Fault
+from scara_iso.errors import DataError, Fault, UsageError
 from scara_iso.run import IntArray, Run
 
 CYCLES_RUN = 31
 CYCLES_USED = 30
+_FEWEST_RUN = 2
 
 _TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
@@ -80,8 +81,11 @@ def used_cycles(
     with every fault of every pose: another number, a gap, a repeat, an order that goes back, or
     30 cycles of which nobody says whether the first is among them.
     """
+    if cycles is not None and cycles < _FEWEST_RUN:
+        raise UsageError(f"{cycles} cycles", remedy=f"say how many were run, {_FEWEST_RUN} or more")
     rule = _Rule(cycles or CYCLES_RUN, cycles is not None, _first_gone(run, first_cycle_discarded))
     poses, rows, drops, faults = [], [], [], list[Fault]()
+    discarded = set()
     undecided = False
     for label, pose_rows in run.rows_by_pose():
         numbers = run.cycle[pose_rows]
@@ -94,9 +98,10 @@ def used_cycles(
         poses.append(label)
         rows.append(pose_rows[1:] if drop else pose_rows)
         drops.append(bool(drop))
+        discarded |= {int(numbers[0])} if drop else set()
     if faults:
         raise _broken(run, rule, faults, undecided=undecided)
-    if len(set(drops)) > 1:
+    if len(set(drops)) > 1 or len({len(counted) for counted in rows}) > 1:
         raise DataError(
             "some poses hold their first cycle and others do not",
             where=run.origin.source,
@@ -106,7 +111,7 @@ def used_cycles(
         poses=tuple(poses),
         rows=np.stack(rows),
         read=len(rows[0]) + drops[0],
-        discarded=(int(run.cycle[0]),) if drops[0] else (),
+        discarded=tuple(sorted(discarded)),
     )
 
 

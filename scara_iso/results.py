@@ -92,17 +92,30 @@ class RadialResult:
     accuracy: float | None
     """Distance from the command pose to the barycentre, 7.2.1."""
 
+    @property
+    def uncertainty_ratio(self) -> float | None:
+        """Uncertainty over RP; None where either is missing or RP is 0."""
+        return None if self.uncertainty is None or self.RP == 0 else self.uncertainty / self.RP
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PoseResult:
     """One pose: its axes, and XY and XYZ where those axes are lengths."""
 
     label: str | None
+    rows: IntArray
+    """Rows of the run that count, shape (n,), from 0."""
     cycle: IntArray
-    """Numbers of the cycles that count, shape (n,)."""
+    """Their cycle numbers, shape (n,)."""
     axes: Mapping[str, AxisResult]
     XY: RadialResult | None
     XYZ: RadialResult | None
+
+    @property
+    def figures(self) -> Mapping[str, AxisResult | RadialResult]:
+        """Axes, then XY and XYZ where they are there, by name."""
+        radial = {"XY": self.XY, "XYZ": self.XYZ}
+        return {**self.axes, **{name: found for name, found in radial.items() if found}}
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,6 +56,10 @@ class Axis:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
+        stated = {"resolution": self.resolution, "uncertainty": self.uncertainty}
+        for name, value in stated.items():
+            if value is not None and not 0 < value < FARTHEST:
+                raise DataError(f"axis {self.name}: a {name} of {value:g} {self.unit}")
 
     @property
     def unit(self) -> str:
@@ -106,6 +110,9 @@ class Run:
         }
         columns |= {"pose": self.pose} if self.pose is not None else {}
         columns |= {"lines": self.lines} if self.lines is not None else {}
+        misnamed = [key for key, axis in self.axes.items() if key != axis.name]
+        if misnamed:
+            raise DataError(f"axis {misnamed[0]} holds the readings of another")
         wrong = [name for name, values in columns.items() if values.shape != self.cycle.shape]
         if wrong:
             raise DataError(f"{', '.join(wrong)}: not one value for each of {len(self)} rows")

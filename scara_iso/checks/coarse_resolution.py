@@ -16,16 +16,16 @@ LARGEST_SHARE = 0.25  # background knowledge of ISO 9283's practice, not verifie
 
 
 def check(measured: Measured) -> Iterator[Finding]:
-    """Yield a warning for each axis whose uncertainty is more than 25 % of its RP."""
+    """Yield a warning for each axis or plane whose uncertainty is more than 25 % of its RP."""
     for pose in measured.poses:
-        for axis in pose.axes.values():
-            ratio = axis.uncertainty_ratio
+        for name, figure in pose.figures.items():
+            ratio = figure.uncertainty_ratio
             if ratio is not None and ratio > LARGEST_SHARE:
                 yield Finding(
                     CODE,
                     "warning",
                     f"the indicator's uncertainty is {ratio:.0%} of RP: the figure is mostly the "
                     "dial; measure with a finer one",
-                    axis.name,
+                    name,
                     pose.label,
                 )

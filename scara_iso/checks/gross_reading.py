@@ -14,19 +14,19 @@ from scara_iso.results import AxisResult, Finding, Measured
 from scara_iso.run import FloatArray
 
 CODE = "gross-reading"
-_FARTHEST = 5.0
+_FARTHEST = 6.0
 _MAD_TO_SIGMA = 1.4826
-_MOST = 2  # more of them are no single readings
+_MOST = 3  # more of them are no single readings
 
 
 def check(measured: Measured) -> Iterator[Finding]:
-    """Yield a warning for each axis with one or two readings over five sigma from the median."""
+    """Yield a warning for each axis with up to three readings over six sigma from the median."""
     for pose in measured.poses:
         for axis in pose.axes.values():
             far = _far_readings(axis)
             if 0 < len(far) <= _MOST:
                 named = ", ".join(
-                    f"{axis.readings[k]:g} {axis.unit} in cycle {pose.cycle[k]}" for k in far
+                    f"{axis.readings[k]:.7g} {axis.unit} in cycle {pose.cycle[k]}" for k in far
                 )
                 yield Finding(
                     CODE,

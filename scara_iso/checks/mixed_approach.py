@@ -9,18 +9,32 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from scara_iso.results import Finding, Measured
 
 CODE = "mixed-approach"
 
 
 def check(measured: Measured) -> Iterator[Finding]:
-    """Yield a note where the column ``approach`` takes both signs."""
+    """Yield a note for each pose approached from both sides, a warning for an unknown coding."""
     approach = measured.run.covariates.get("approach")
-    if approach is not None and approach.min() < 0 < approach.max():
+    if approach is None:
+        return
+    others = np.setdiff1d(approach, [-1, 1])
+    if len(others):
         yield Finding(
             CODE,
-            "info",
-            "the pose is approached from both sides: RP includes the reversal; --definitions "
-            "gives each direction",
+            "warning",
+            f"the column approach holds {others[0]:g}, where only +1 and -1 say a side",
         )
+        return
+    for pose in measured.poses:
+        if np.ptp(approach[pose.rows]) > 0:
+            yield Finding(
+                CODE,
+                "info",
+                "the pose is approached from both sides: RP includes the reversal; --definitions "
+                "gives each direction",
+                pose=pose.label,
+            )

@@ -22,7 +22,7 @@ def check(measured: Measured) -> Iterator[Finding]:
                 yield Finding(
                     CODE,
                     "warning",
-                    f"RP is 0: all {axis.n} readings are {axis.mean:g} {axis.unit}; the dial is "
+                    f"RP is 0: all {axis.n} readings are {axis.mean:.7g} {axis.unit}; the dial is "
                     "too coarse, or was not touched",
                     axis.name,
                     pose.label,

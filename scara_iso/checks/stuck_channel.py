@@ -1,7 +1,7 @@
-"""An axis varied at first and then showed one reading for the rest of the test.
+"""An axis that varies shows one reading for a long stretch of the test.
 
-A channel that scattered over several divisions and then repeats one reading to the end has most
-likely lost its target, run into its stop, or was put on hold.
+A channel that scatters over several divisions and repeats one reading ten times running has most
+likely lost its target, run into its stop, or was put on hold for a while.
 """
 
 from __future__ import annotations
@@ -14,27 +14,30 @@ from scara_iso.results import Finding, Measured
 from scara_iso.run import FloatArray
 
 CODE = "stuck-channel"
-_LONGEST = 8
-_LEVELS_BEFORE = 4
+_LONGEST = 10
+_LEVELS_BESIDE = 4
 
 
 def check(measured: Measured) -> Iterator[Finding]:
-    """Yield a warning for each axis that ends in at least eight equal readings after scatter."""
+    """Yield a warning for each axis with ten equal readings running, and scatter beside them."""
     for pose in measured.poses:
         for axis in pose.axes.values():
-            tail = _equal_at_the_end(axis.readings)
-            before = set(axis.readings[: axis.n - tail].tolist())
-            if tail >= _LONGEST and len(before) >= _LEVELS_BEFORE:
+            first, length = longest_stretch(axis.readings)
+            beside = {*axis.readings[:first].tolist(), *axis.readings[first + length :].tolist()}
+            if length >= _LONGEST and len(beside) >= _LEVELS_BESIDE:
                 yield Finding(
                     CODE,
                     "warning",
-                    f"the last {tail} readings, from cycle {pose.cycle[-tail]}, are all "
-                    f"{axis.readings[-1]:g} {axis.unit}: the indicator may be stuck",
+                    f"{length} readings running, from cycle {pose.cycle[first]}, are all "
+                    f"{axis.readings[first]:.7g} {axis.unit}: the indicator may have been stuck",
                     axis.name,
                     pose.label,
                 )
 
 
-def _equal_at_the_end(readings: FloatArray) -> int:
-    other = np.flatnonzero(readings != readings[-1])
-    return len(readings) - (int(other[-1]) + 1 if len(other) else 0)
+def longest_stretch(readings: FloatArray) -> tuple[int, int]:
+    """Return where the longest stretch of equal readings begins, and how long it is."""
+    begins = np.flatnonzero(np.diff(readings, prepend=np.nan) != 0)
+    lengths = np.diff(begins, append=len(readings))
+    longest = int(np.argmax(lengths))
+    return int(begins[longest]), int(lengths[longest])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import typer
@@ -68,7 +69,7 @@ def analyze_command(
         run,
         first_cycle_discarded=first_cycle_discarded,
         cycles=cycles,
-        limits=dict(_parse_limit(text) for text in limit or ()),
+        limits=_parse_limits(limit or ()),
         other_definitions=definitions,
     )
     if json:
@@ -79,11 +80,17 @@ def analyze_command(
         raise typer.Exit(OUTSIDE_A_LIMIT)
 
 
-def _parse_limit(text: str) -> tuple[str, float]:
-    figure, _, number = text.rpartition("=")
-    try:
-        return figure.strip(), float(number)
-    except ValueError:
-        raise UsageError(
-            f"--limit {text!r} is not a length", remedy="write --limit 0.02 or --limit XY=0.02"
-        ) from None
+def _parse_limits(texts: Sequence[str]) -> dict[str, float]:
+    from scara_iso.quantities import parse_number
+
+    limits: dict[str, float] = {}
+    for text in texts:
+        figure, _, number = text.rpartition("=")
+        value = parse_number(number)
+        if value is None:
+            remedy = "write --limit 0.02 or --limit XY=0.02"
+            raise UsageError(f"--limit {text!r} is not a length", remedy=remedy)
+        if figure.strip() in limits:
+            raise UsageError(f"--limit {text!r}: this figure has a limit already")
+        limits[figure.strip()] = value
+    return limits

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson
+from scara_iso.cli.analyze import AsJson, FirstDiscarded
 from scara_iso.cli.output import write_json, write_report
+from scara_iso.errors import DataError
+
+if TYPE_CHECKING:
+    from scara_iso.results import PoseResult
 
 
 def backlash_command(
@@ -23,6 +27,7 @@ def backlash_command(
         str | None,
         typer.Option("--actual", metavar="TABLE", help="A table of readings to set beside it."),
     ] = None,
+    first_cycle_discarded: FirstDiscarded = False,
     json: AsJson = False,
 ) -> None:
     """Deviation of the load through the gear's backlash, paper eq. 7-22.
@@ -34,9 +39,7 @@ def backlash_command(
     result = backlash(Im=Im, IL=IL, arcmin=arcmin, arm=arm, ratio=ratio)
     pose = None
     if actual is not None:
-        from scara_iso import analyze, read_table
-
-        pose = analyze(read_table(actual)).poses[0]
+        pose = _measured_pose(actual, first_cycle_discarded)
     if json:
         from scara_iso.render.json import backlash_json
 
@@ -45,3 +48,16 @@ def backlash_command(
         from scara_iso.report.backlash import backlash_report
 
         write_report(backlash_report(result, pose))
+
+
+def _measured_pose(table: str, first_cycle_discarded: bool) -> PoseResult:
+    from scara_iso import analyze, read_table
+
+    poses = analyze(read_table(table), first_cycle_discarded=first_cycle_discarded).poses
+    if len(poses) > 1 or poses[0].XY is None:
+        raise DataError(
+            "--actual takes a table of one pose with X and Y as lengths",
+            where=table,
+            remedy="leave the other poses out",
+        )
+    return poses[0]

@@ -13,7 +13,6 @@ from scara_iso.results import (
     Interval,
     LimitCheck,
     PoseResult,
-    RadialResult,
 )
 
 _MOST_POSES = 10
@@ -37,7 +36,7 @@ def analysis_report(analysis: Analysis) -> Report:
         )
     if analysis.limits:
         shown = analysis.limits[:_MOST_LIMITS]
-        sections.append(Section("limits", (_limits_table(shown),)))
+        sections.append(Section("limits", (_limits_table(shown), *_more(analysis.limits, shown))))
     return (*sections, *_findings(analysis))
 
 
@@ -63,7 +62,7 @@ def _verdict(analysis: Analysis) -> Iterator[Block]:
     if analysis.limits:
         outside = [_checked(check) for check in analysis.limits if not check.inside]
         if outside:
-            yield Text(f"OUTSIDE the limit: {', '.join(outside[:_MOST_LIMITS])}", "bad")
+            yield Text(f"OUTSIDE the limit: {_listed(outside)}", "bad")
         else:
             yield Text("inside the limits", "good")
 
@@ -106,7 +105,7 @@ def _axis_verdict(axis: AxisResult) -> str:
 
 def _largest(poses: Sequence[PoseResult]) -> str:
     def figure(pose: PoseResult) -> float:
-        return pose.XY.RP if pose.XY is not None else max(a.RP for a in pose.axes.values())
+        return pose.XY.RP if pose.XY is not None else max(_lengths(pose), default=0.0)
 
     worst = max(poses, key=figure)
     return f"{len(poses)} poses; the largest figure at {worst.label}: {_headline(worst)}"
@@ -124,13 +123,15 @@ def _limits_table(checks: Sequence[LimitCheck]) -> Table:
             f"{check.RP:.{places}f}",
             f"{check.limit:g}",
             "not known" if check.guard is None else f"± {check.guard:.{places}f}",
-            ("inside" if check.inside else "OUTSIDE") + ("" if check.clear else ", not proven"),
+            ("inside" if check.inside else "OUTSIDE")
+            + (", in the guard band" if check.guard is not None and not check.clear else ""),
         )
         for check in checks
     ]
     note = (
         "Inside: RP is at most the limit. Guard band: U = 2 u of the indicator (ISO 14253-1); "
-        "nearer to the limit than that, neither side is proven."
+        "nearer to the limit than that, neither side is proven. What so few cycles leave open is "
+        "the 95 % interval above."
     )
     return Table(("limit of", "RP", "limit", "guard band", "verdict"), tuple(rows), note)
 
@@ -167,11 +168,20 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
         )
         for axis in axes
     ]
-    rule = "an angle's RP is ± 3 s (7.2.2)" if angle else "of an axis, eq. 2-6"
+    rule = "; an angle's RP is ± 3 s (7.2.2)" if angle else ""
     return Table(
-        ("axis", "mean", "l_bar", "S_l", "RP", "95 % interval", "3 s", "u/RP"),
+        (
+            "axis",
+            "mean",
+            "l_bar",
+            "S_l",
+            "RP",
+            "95 % interval",
+            "± 3 s" if angle else "3 s",
+            "u/RP",
+        ),
         (*rows, *(() if angle else _radial_rows(pose, places))),
-        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l: {rule}",
+        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}",
     )
 
 
@@ -185,14 +195,10 @@ def _radial_rows(pose: PoseResult, places: int) -> Iterator[tuple[str, ...]]:
             *(f"{x:.{places}f}" for x in (found.l_bar, found.S_l, found.RP)),
             _interval(found.RP_interval, places),
             "",
-            _share(_radial_share(found)),
+            _share(found.uncertainty_ratio),
         )
         if found.RP_rss is not None:
             yield (f"{name} eq. 23", "", "", "", f"{found.RP_rss:.{places}f}", "", "", "")
-
-
-def _radial_share(found: RadialResult) -> float | None:
-    return None if found.uncertainty is None or found.RP == 0 else found.uncertainty / found.RP
 
 
 def _accuracy(pose: PoseResult) -> Iterator[str]:
@@ -228,15 +234,25 @@ def _strips(pose: PoseResult) -> Iterator[Block]:
 def _findings(analysis: Analysis) -> Iterator[Section]:
     if analysis.deviations:
         rows = sorted({(finding.rule, _said(finding)) for finding in analysis.deviations})
-        blocks = tuple(Text(f"{rule} - {said}") for rule, said in rows[:_MOST_NOTICES])
-        yield Section("deviations from ISO 9283", blocks)
+        shown = rows[:_MOST_NOTICES]
+        blocks = [Text(f"{rule} - {said}") for rule, said in shown]
+        yield Section("deviations from ISO 9283", (*blocks, *_more(rows, shown)))
     others = [finding for finding in analysis.findings if not finding.rule]
     others.sort(key=lambda finding: _GRAVITY[finding.severity])
     notices = [_notice(finding) for finding in others[:_MOST_NOTICES]]
-    more = len(others) - len(notices)
-    tail = [Text(f"{more} more findings; --json gives them all", "quiet")] if more > 0 else []
     if notices:
-        yield Section("findings", (*notices, *tail))
+        yield Section("findings", (*notices, *_more(others, notices)))
+
+
+def _more(all_of_them: Sequence[object], shown: Sequence[object]) -> Iterator[Block]:
+    hidden = len(all_of_them) - len(shown)
+    if hidden > 0:
+        yield Text(f"{hidden} more; --json gives them all", "quiet")
+
+
+def _listed(names: Sequence[str]) -> str:
+    hidden = len(names) - _MOST_LIMITS
+    return ", ".join(names[:_MOST_LIMITS]) + (f" and {hidden} more" if hidden > 0 else "")
 
 
 def _notice(finding: Finding) -> Notice:
@@ -261,4 +277,6 @@ def _share(ratio: float | None) -> str:
 
 
 def _lengths(pose: PoseResult) -> list[float]:
-    return [axis.RP for axis in pose.axes.values() if axis.unit == "mm"]
+    """Return RP of the length axes, or what may hide behind an RP of 0."""
+    axes = [axis for axis in pose.axes.values() if axis.unit == "mm"]
+    return [a.RP or (a.RP_interval[1] if a.RP_interval else 0.0) for a in axes]
