@@ -89,6 +89,22 @@ def test_stuck_channel(rng):
     assert "stuck-channel" in codes(clean_run(rng, X=x_axis(readings)))
 
 
+def test_a_stretch_of_equal_readings_in_the_middle(rng):
+    readings = rng.normal(0, 0.01, 31).round(3)
+    readings[8:18] = readings[8]
+    assert "stuck-channel" in codes(clean_run(rng, X=x_axis(readings)))
+    readings[12] += 0.001
+    assert "stuck-channel" not in codes(clean_run(rng, X=x_axis(readings)))
+
+
+def test_the_plane_may_be_too_fine_for_the_dial(rng):
+    coarse = {name: rng.permutation([0.01] * 8 + [0.0] * 23) for name in "XY"}
+    axes = {name: x_axis(values, 0.01) for name, values in coarse.items()}
+    axes["Y"] = Axis("Y", axes["Y"].readings, resolution=0.01, uncertainty=0.02)
+    found = analyze(clean_run(rng, **axes)).findings
+    assert {"XY", "Y"} <= {f.axis for f in found if f.code == "coarse-resolution"}
+
+
 def test_trend(rng):
     ramp = rng.normal(0, 0.01, 31) + np.linspace(0, 0.05, 31)
     assert "trend" in codes(clean_run(rng, X=x_axis(ramp.round(3))))
@@ -144,6 +160,19 @@ def test_both_approaches(rng):
     approach = np.tile([1.0, -1.0], 78)[:155]
     assert "mixed-approach" in codes(clean_run(rng, covariates={"approach": approach}))
     assert "mixed-approach" not in codes(clean_run(rng, covariates={"approach": approach**2}))
+    by_pose = np.repeat([1.0, -1.0, 1.0, 1.0, -1.0], 31)
+    assert "mixed-approach" not in codes(clean_run(rng, covariates={"approach": by_pose}))
+    only_the_discarded = np.tile([-1.0, *[1.0] * 30], 5)
+    assert "mixed-approach" not in codes(
+        clean_run(rng, covariates={"approach": only_the_discarded})
+    )
+
+
+def test_an_approach_of_unknown_coding_is_said(rng):
+    run = clean_run(rng, covariates={"approach": np.resize([0.0, 1.0], 155)})
+    (finding,) = [f for f in analyze(run).findings if f.code == "mixed-approach"]
+    assert finding.severity == "warning"
+    assert "holds 0" in finding.message
 
 
 def test_theta_as_a_length(rng):
@@ -156,6 +185,16 @@ def test_theta_as_a_length(rng):
 
 def test_fewer_than_five_poses(rng):
     assert "poses" in codes(clean_run(rng, poses=4))
+
+
+def test_the_trend_s_level_is_shared_by_all_axes_and_poses(rng):
+    ramp = 0.001 * np.array([0, *rng.permutation(15), *(9 + rng.permutation(15))])
+    assert 0.01 / 80 < mann_kendall(ramp[1:]) < 0.01
+    alone = Axis("X", ramp, resolution=0.001)
+    assert "trend" in codes(Run(np.arange(1, 32), {"X": alone}, metadata=STATED))
+    rest = clean_run(rng, poses=40).axes["X"].readings[31:]
+    among_many = Axis("X", np.concatenate([ramp, rest]), resolution=0.001)
+    assert "trend" not in codes(clean_run(rng, poses=40, X=among_many))
 
 
 def test_mann_kendall_is_kendall_s_tau(rng):

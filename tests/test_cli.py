@@ -106,6 +106,18 @@ def test_actual_rows_of_table_ii(call):
     assert "is not a one-sided scatter" in out
 
 
+def test_actual_takes_one_pose_with_x_and_y(call, tmp_path):
+    path = tmp_path / "x.csv"
+    rows = "".join(f"{k},{k % 3}\n" for k in range(1, 32))
+    path.write_text(f"# unit: um\ncycle,X\n{rows}", encoding="utf-8")
+    code, out, err = call("backlash", *FIRST_JOINT, "--arm", "0.7", "--actual", path)
+    assert (code, out) == (65, "")
+    assert "one pose with X and Y" in err
+    silent = without_its_statement(tmp_path)
+    assert call("backlash", *FIRST_JOINT, "--actual", silent)[0] == 65
+    assert call("backlash", *FIRST_JOINT, "--actual", silent, "--first-cycle-discarded")[0] == 0
+
+
 @pytest.mark.parametrize("bad", ["0", "-1", "nan", "inf", "1e999", "", "twelve"])
 def test_inertias_that_are_none(call, bad):
     code, out, err = call("backlash", "--Im", bad, "--IL", "1", "--arcmin", "1")
@@ -147,6 +159,8 @@ def test_a_limit_makes_the_exit_code_a_verdict(call, limit, code):
         (["analyze", "--bogus"], 2, "--bogus"),
         (["analyze", TABLE_1, "--limit", "much"], 2, "--limit"),
         (["analyze", TABLE_1, "--limit", "Q=1"], 2, "no such figure"),
+        (["analyze", TABLE_1, "--limit", "X=1_0"], 2, "not a length"),
+        (["analyze", TABLE_1, "--limit", "X=1", "--limit", "X=2"], 2, "already"),
         (["analyze", TABLE_1, "--cycles", "5"], 65, "--cycles"),
         (["analyze", TABLE_1, "--unit", "furlong"], 2, "furlong"),
     ],

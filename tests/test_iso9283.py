@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.errors import DataError
+from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
 from scara_iso.run import Axis, Run
 
@@ -120,3 +120,21 @@ def test_poses_that_disagree_about_their_first_cycle_are_refused():
 def test_a_run_without_line_numbers_is_refused_without_them():
     error = refused([1, 3], lines=False)
     assert error.faults[0].line is None
+
+
+def test_poses_of_different_length_are_refused():
+    pose = ["P1"] * 31 + ["P2"] * 30
+    numbers = [*range(1, 32), *range(2, 32)]
+    error = refused(numbers, pose=pose, options={"cycles": 31, "first_cycle_discarded": True})
+    assert "some poses" in error.what
+
+
+def test_the_first_cycles_of_poses_numbered_apart():
+    chosen = used_cycles(run_of([*range(31), *range(1, 32)], pose=["P1"] * 31 + ["P2"] * 31))
+    assert chosen.discarded == (0, 1)
+
+
+@pytest.mark.parametrize("cycles", [1, 0, -5])
+def test_a_number_of_cycles_that_is_none(cycles):
+    with pytest.raises(UsageError, match=f"{cycles} cycles"):
+        used_cycles(run_of(range(1, 32)), cycles=cycles)

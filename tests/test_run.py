@@ -85,3 +85,15 @@ def test_poses_come_in_order_of_first_appearance():
     run = Run(np.arange(5), {"X": Axis("X", np.zeros(5))}, pose=np.array(list("BABCA")))
     found = [(label, rows.tolist()) for label, rows in run.rows_by_pose()]
     assert found == [("B", [0, 2]), ("A", [1, 4]), ("C", [3])]
+
+
+@pytest.mark.parametrize("stated", [{"resolution": -1.0}, {"resolution": 0.0},
+                                    {"resolution": np.nan}, {"uncertainty": np.inf}])  # fmt: skip
+def test_a_resolution_or_uncertainty_that_is_none(stated):
+    with pytest.raises(DataError, match="axis X"):
+        Axis("X", np.zeros(3), **stated)
+
+
+def test_an_axis_goes_by_its_own_name():
+    with pytest.raises(DataError, match="axis X"):
+        Run(np.arange(3), {"X": Axis("Y", np.zeros(3))})
