@@ -257,7 +257,7 @@ def test_a_full_disk_is_said():
 
 @pytest.mark.parametrize(
     "argv", [["--help"], ["analyze", str(TABLE_1)], ["analyze", str(TABLE_1), "--json"],
-             ["backlash", *FIRST_JOINT]],
+             ["backlash", *FIRST_JOINT], ["simulate", str(ROOT / "examples" / "fum_scara.toml")]],
     ids=lambda argv: argv[0],
 )  # fmt: skip
 def test_heavy_packages_are_not_imported(argv):
@@ -282,3 +282,65 @@ def test_the_library_gives_what_the_command_uses():
 def test_the_packaged_table_is_the_example():
     packaged = ROOT / "scara_iso" / "data" / TABLE_1.name
     assert packaged.read_bytes() == TABLE_1.read_bytes()
+
+
+MODEL = ROOT / "examples" / "fum_scara.toml"
+
+
+def test_plan_says_the_cube_and_writes_visits_and_picture(call, tmp_path):
+    visits, picture = tmp_path / "visits.csv", tmp_path / "plan.svg"
+    code, out, err = call("plan", MODEL, "-o", visits, "--picture", picture)
+    assert (code, err) == (0, "")
+    assert "200.0 x 200.0 x 200.0 mm" in out
+    header, *rows = visits.read_text(encoding="utf-8").splitlines()
+    assert header.startswith("visit,pose,x_mm")
+    assert [row.split(",")[1] for row in rows] == ["P5", "P4", "P3", "P2", "P1"]
+    assert picture.read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_plan_as_json(call):
+    document = json.loads(call("plan", MODEL, "--json")[1], parse_constant=pytest.fail)
+    assert document["schema"] == "scara-iso/plan/1"
+    assert document["m_mm"] == pytest.approx(0.1 * document["diagonal_mm"])
+    assert len(document["corners"]) == 8
+
+
+@pytest.mark.parametrize("argv", [["--m", "0.2"], ["--plane", "C1-C2"], ["--picture", "a.txt"]])
+def test_a_plan_that_cannot_be_meant(call, argv):
+    assert call("plan", MODEL, *argv)[0] == 2
+
+
+def test_simulate_is_read_by_analyze():
+    made = shell("simulate", MODEL, "--effect", "warm_up@X:size=0.3,tau=8", "--seed", "1")
+    again = shell("simulate", MODEL, "--effect", "warm_up@X:size=0.3,tau=8", "--seed", "1")
+    assert made.stdout == again.stdout
+    assert b"warm" not in made.stdout
+    found = json.loads(shell("analyze", "-", "--json", stdin=made.stdout).stdout)
+    assert found["cycles"] == {"read": 31, "discarded": [1], "used": 30}
+    assert found["poses"][0]["axes"]["X"]["RP"] > 0.1
+
+
+def test_simulate_adds_the_columns_that_were_asked_for(call):
+    code, out, _ = call("simulate", MODEL, "--approach", "both", "--temperature", "20:23",
+                        "--payload", "0,2", "--cycles", "6")  # fmt: skip
+    assert code == 0
+    rows = [line for line in out.splitlines() if not line.startswith("#")]
+    assert rows[0] == "cycle,X,Y,Z,theta,temperature_C,payload_kg,approach"
+    assert rows[1].endswith(",20.0,0.0,+1")
+    assert rows[-1].endswith(",23.0,2.0,-1")
+
+
+def test_simulate_by_the_drive_train_scatters_over_the_gap(call):
+    _, out, _ = call("simulate", MODEL, "--drivetrain", "--approach", "both")
+    y = [float(line.split(",")[2]) for line in out.splitlines() if line[:1].isdigit()]
+    assert max(y) - min(y) > 1.0
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [["--effect", "magic:size=1"], ["--temperature", "20"], ["--payload", "a"], ["--seed", "-1"]],
+)
+def test_a_simulation_that_cannot_be_meant(call, argv):
+    code, out, err = call("simulate", MODEL, *argv)
+    assert (code, out) == (2, "")
+    assert len(err.splitlines()) <= 3

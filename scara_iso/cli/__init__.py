@@ -14,6 +14,7 @@ from scara_iso.cli.analyze import analyze_command
 from scara_iso.cli.backlash import backlash_command
 from scara_iso.cli.demo import demo_command
 from scara_iso.cli.output import settings
+from scara_iso.cli.plan import plan_command
 from scara_iso.cli.simulate import simulate_command
 from scara_iso.errors import DataError, ScaraIsoError
 
@@ -34,6 +35,7 @@ app = typer.Typer(
 app.command("analyze")(analyze_command)
 app.command("backlash")(backlash_command)
 app.command("simulate")(simulate_command)
+app.command("plan")(plan_command)
 app.command("demo")(demo_command)
 
 

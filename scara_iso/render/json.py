@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
 from scara_iso.two_inertia import Backlash, Crossing
+
+if TYPE_CHECKING:
+    from scara_iso.plan import Plan
 
 Json = dict[str, Any]
 
@@ -139,4 +142,22 @@ def _crossing(crossing: Crossing) -> Json:
         "load_deviation_rad": crossing.load_deviation_rad,
         "inertia_ratio": crossing.inertia_ratio,
         "deviation_mm": crossing.deviation_mm,
+    }
+
+
+def plan_json(plan: Plan) -> Json:
+    """Return the object of ``plan --json``, schema ``scara-iso/plan/1``."""
+    return {
+        "schema": "scara-iso/plan/1",
+        "unit": "mm",
+        "solid": plan.solid.value,
+        "size_mm": list(plan.size_mm),
+        "corners": plan.corners.tolist(),
+        "plane": plan.plane.value,
+        "elbow": plan.elbow.value,
+        "diagonal_mm": plan.diagonal_mm,
+        "m_mm": plan.m_mm,
+        "stroke_limits": plan.stroke_limits,
+        "cycles": {"run": plan.conditions.cycles, "used": plan.conditions.used},
+        "visits": [dict(row) for row in plan.rows()],
     }
