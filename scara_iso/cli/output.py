@@ -1,0 +1,36 @@
+"""How every command writes: one JSON line, or a report on the terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from scara_iso.report import Report
+
+
+@dataclass(slots=True)
+class Settings:
+    """The general options of one call of the program."""
+
+    debug: bool = False
+    no_color: bool = False
+
+
+settings = Settings()
+
+
+def write_json(document: Mapping[str, Any]) -> None:
+    """Write one JSON object on a line of standard output."""
+    from scara_iso.render.json import to_text
+
+    sys.stdout.write(f"{to_text(document)}\n")
+
+
+def write_report(report: Report) -> None:
+    """Write a report on standard output."""
+    from scara_iso.render.terminal import open_console, show
+
+    show(report, open_console(sys.stdout, no_color=settings.no_color))
