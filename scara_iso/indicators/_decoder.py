@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import re
 
-from scara_iso.indicators._dialect import Dialect, Event, Garbage, Notice, Reading
+from scara_iso.indicators._dialect import (
+    Dialect,
+    Event,
+    Garbage,
+    InstrumentFault,
+    Notice,
+    Reading,
+)
 
 _SEVEN_BITS = bytes(byte & 0x7F for byte in range(256))
 _TEXT = re.compile(rb"[ -~\r\n]{3,}")
@@ -77,8 +84,10 @@ class Decoder:
         return Garbage(diagnose_parity(line) or f"no frame of {self._dialect.key}", line)
 
     def _of_channel(self, event: Event) -> Event:
-        if isinstance(event, Reading) and event.channel not in (None, self._dialect.channel):
-            return Notice(f"reading of channel {event.channel}, not asked for", event.raw)
+        match event:
+            case Reading(channel=str(other)) | InstrumentFault(channel=str(other)):
+                if other != self._dialect.channel:
+                    return Notice(f"channel {other} speaks, and was not asked", event.raw)
         return event
 
 

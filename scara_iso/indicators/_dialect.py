@@ -55,6 +55,7 @@ class InstrumentFault:
     code: str
     message: str
     raw: bytes
+    channel: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

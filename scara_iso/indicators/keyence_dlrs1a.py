@@ -47,9 +47,9 @@ def _parser(field: bytes) -> Callable[[bytes], tuple[Event, ...]]:
 
 def _value(field: bytes, channel: str, mode: str, line: bytes) -> Event:
     if _LETTERS.fullmatch(field):
-        return InstrumentFault(field.decode(), f"unit {channel}: error of the amplifier", line)
+        return InstrumentFault(field.decode(), "error of the amplifier", line, channel)
     if _NINES.fullmatch(field):
-        return InstrumentFault(field.decode(), f"unit {channel}: out of range", line)
+        return InstrumentFault(field.decode(), "out of range", line, channel)
     return Reading(decimal_text(field[:1], field[1:]), None, channel, mode, line)
 
 

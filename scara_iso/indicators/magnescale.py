@@ -40,10 +40,10 @@ def _event(fields: tuple[bytes, ...], line: bytes) -> Event:
     channel = header.decode("ascii")
     if alarm or judgement == b"E":
         what = "overflow" if b"F" in alarm else "alarm"
-        return InstrumentFault((judgement + alarm).strip().decode(), f"{channel}: {what}", line)
+        return InstrumentFault((judgement + alarm).strip().decode(), what, line, channel)
     if mode in _HELD:
-        message = f"{channel}: {_HELD[mode]} value, not the reading"
-        return InstrumentFault(mode.decode(), message, line)
+        message = f"{_HELD[mode]} value, not the reading"
+        return InstrumentFault(mode.decode(), message, line, channel)
     text = decimal_text(sign, digits)
     return Reading(text, _UNITS[unit], channel, judgement.decode() or None, line)
 

@@ -13,7 +13,7 @@ from scara_iso.indicators._grammar import UNITS, decimal_text, show, spell
 
 _READING = re.compile(rb"V([1-8]): (mm  |in  |inch|um  ) ([ -~]{3}) ([+-])(\d{5}\.\d{6})")
 _FAULT = re.compile(rb"N([1-8])[ -~]?:E(\d)")
-_FAULTS = {b"1": "communication", b"3": "reading"}
+_FAULTS = {b"1": "communication error", b"3": "reading error"}
 
 
 def parse(line: bytes) -> tuple[Event, ...]:
@@ -21,14 +21,14 @@ def parse(line: bytes) -> tuple[Event, ...]:
     if found := _READING.fullmatch(line):
         channel, unit, kind, sign, digits = found.groups()
         if kind != b"   ":
-            # The source does not explain this field; a blank one is its only example.
-            message = f"channel {channel.decode()}: value of type {kind.decode().strip()}"
-            return (InstrumentFault(kind.decode().strip(), message, line),)
+            # The source does not explain this field; its only example leaves it blank.
+            code = kind.decode("ascii").strip()
+            return (InstrumentFault(code, f"value of type {code}", line, channel.decode()),)
         text = decimal_text(sign, digits)
-        return (Reading(text, UNITS[unit.rstrip()], channel.decode("ascii"), None, line),)
+        return (Reading(text, UNITS[unit.rstrip()], channel.decode(), None, line),)
     if found := _FAULT.fullmatch(line):
-        message = f"channel {found[1].decode()}: {_FAULTS.get(found[2], 'unknown')} error"
-        return (InstrumentFault(f"E{found[2].decode()}", message, line),)
+        code, message = f"E{found[2].decode()}", _FAULTS.get(found[2], "unknown error")
+        return (InstrumentFault(code, message, line, found[1].decode()),)
     return ()
 
 

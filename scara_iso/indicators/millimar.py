@@ -43,10 +43,10 @@ def _feature(found: re.Match[bytes], line: bytes) -> Event:
     channel = number.decode("ascii")
     match other:
         case b"ERR6":
-            return InstrumentFault("ERR6", f"feature {channel} is switched off", line)
+            return InstrumentFault("ERR6", "the feature is switched off", line, channel)
         case bytes():
-            message = f"feature {channel} shows degrees, minutes and seconds: set it to degrees"
-            return InstrumentFault("dms", message, line)
+            message = "the feature shows degrees, minutes and seconds: set it to degrees"
+            return InstrumentFault("dms", message, line, channel)
     mode = judgement.decode("ascii") if judgement else None
     return Reading(decimal_text(sign, digits), UNITS[unit], channel, mode, line)
 

@@ -29,8 +29,8 @@ def parse(line: bytes) -> tuple[Event, ...]:
         mode, channel, sign, digits = found.groups()
         if mode in _HELD:
             message = f"the gauge sends the {_HELD[mode]}, not the reading"
-            return (InstrumentFault(f"G{mode.decode()}", message, line),)
-        return (Reading(decimal_text(sign, digits), None, channel.decode("ascii"), None, line),)
+            return (InstrumentFault(f"G{mode.decode()}", message, line, channel.decode()),)
+        return (Reading(decimal_text(sign, digits), None, channel.decode(), None, line),)
     if _NOTICE.fullmatch(line):
         return (Notice(line.decode("ascii"), line),)
     return ()

@@ -22,8 +22,8 @@ def parse(line: bytes) -> tuple[Event, ...]:
         channel, sign, digits = found.groups()
         return (Reading(decimal_text(sign, digits), None, channel.decode("ascii"), None, line),)
     if found := _FAULT.fullmatch(line):
-        message = f"channel {found[1].decode()}: {_FAULTS.get(found[2], 'unknown fault')}"
-        return (InstrumentFault(line.decode("ascii"), message, line),)
+        code, channel = line.decode("ascii"), found[1].decode("ascii")
+        return (InstrumentFault(code, _FAULTS.get(found[2], "unknown fault"), line, channel),)
     return ()
 
 

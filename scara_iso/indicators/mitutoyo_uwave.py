@@ -37,10 +37,11 @@ def parse(line: bytes) -> tuple[Event, ...]:
         return (Reading(text, _UNITS[unit], channel.decode("ascii"), None, line),)
     if found := _STATUS.fullmatch(line):
         group, channel, _, code = found.groups()
-        message = f"{(group + channel).decode()}: {_CODES.get(code, 'unknown status')}"
+        message = _CODES.get(code, "unknown status")
         if code in (b"00", b"51"):
             return (Notice(message, line),)
-        return (InstrumentFault(f"ST1 {code.decode()}", message, line),)
+        whose = None if b"FF" in (group, channel) else (group + channel).decode("ascii")
+        return (InstrumentFault(f"ST1 {code.decode()}", message, line, whose),)
     return ()
 
 

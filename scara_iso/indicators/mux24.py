@@ -24,7 +24,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
     if found := _OTHER.fullmatch(line):
         channel, kind = found.groups()
         what = "error reading the gauge" if kind == b"TO" else "no measured value"
-        return (InstrumentFault(kind.decode(), f"channel {channel.decode()}: {what}", line),)
+        return (InstrumentFault(kind.decode(), what, line, channel.decode()),)
     return ()
 
 
