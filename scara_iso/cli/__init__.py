@@ -14,6 +14,8 @@ from scara_iso.cli.analyze import analyze_command
 from scara_iso.cli.backlash import backlash_command
 from scara_iso.cli.demo import demo_command
 from scara_iso.cli.output import settings
+from scara_iso.cli.ports import ports_command
+from scara_iso.cli.record import record_command
 from scara_iso.errors import DataError, ScaraIsoError
 
 INTERRUPTED = 130
@@ -33,6 +35,8 @@ app = typer.Typer(
 app.command("analyze")(analyze_command)
 app.command("backlash")(backlash_command)
 app.command("demo")(demo_command)
+app.command("record")(record_command)
+app.command("ports")(ports_command)
 
 
 def _show_version(wanted: bool) -> None:

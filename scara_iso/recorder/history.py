@@ -23,6 +23,7 @@ from scara_iso.run import Axis, Origin, Run
 VOIDABLE = 100
 """How many readings back an operator may void."""
 _SHOWN = 10
+_GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
 _MAX_CYCLES = 10_000_000
 
 
@@ -107,6 +108,7 @@ class History:
         if record["schema"] != SCHEMA:
             raise ValueError(f"schema {record['schema']!r} is not {SCHEMA}")
         if not self.header:
+            _check_header(record)
             self.header = record
             self.columns = {str(axis): Column() for axis in record["gauges"]}
         self._start = max(self._last, _seconds(self.header["wall"], record["wall"]))
@@ -131,6 +133,13 @@ class History:
             here[: len(column.values)] = ~np.isnan(np.array(column.values))
             complete &= here
         return complete
+
+    def readings(self) -> dict[str, dict[int, float]]:
+        """Return the readings by axis and cycle [mm or deg]."""
+        return {
+            axis: {k + 1: v for k, v in enumerate(column.values) if not math.isnan(v)}
+            for axis, column in self.columns.items()
+        }
 
     def check(self) -> None:
         """Raise `DataError` where the file is no recording, or contradicts itself."""
@@ -186,6 +195,13 @@ def read_history(path: Path) -> History:
     for line, record in read_tape(path):
         history.take(line, record)
     return history
+
+
+def _check_header(record: Record) -> None:
+    """Raise one of the errors of a record that lacks what the table needs."""
+    _ = int(record["cycles"]), dict(record["metadata"]), str(record["trigger"])
+    for gauge in record["gauges"].values():
+        _ = [gauge[key] for key in _GAUGE_KEYS]
 
 
 def _indicator(gauge: Record) -> str:

@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from urllib.parse import quote_plus
 
 from scara_iso.errors import DataError, NoInputError, UsageError
 from scara_iso.indicators import Dialect, Parity, find_dialect
@@ -41,6 +42,7 @@ class GaugeSpec:
     """One indicator: its axis, how it speaks, its port, and the unit that the user states."""
 
     text: str
+    """As the user wrote it, its unit included wherever that was stated."""
     axis: str
     dialect: Dialect
     address: str
@@ -62,8 +64,10 @@ def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
         )
     key, options = split_options(driver, OPTIONS)
     stated = options.get("unit", unit)
+    if "unit" not in options and stated is not None:
+        driver += f"{'&' if options else '?'}unit={quote_plus(stated)}"
     return GaugeSpec(
-        text=text,
+        text=f"{axis}={driver}@{address}",
         axis=axis,
         dialect=_dialect(key.strip(), options),
         address=address.strip(),
