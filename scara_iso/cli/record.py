@@ -34,8 +34,13 @@ def record_command(
         int, typer.Option(help="Ask until so many readings agree within one count.", min=1, max=50)
     ] = 1,
     rearm: Annotated[
-        float, typer.Option(help="Refuse a pushed reading so soon after the last [s].", min=0)
-    ] = 0.5,
+        float | None,
+        typer.Option(
+            help="Refuse a reading that comes by itself so soon after the last [s]: 0.5; 0 for "
+            "recorded streams.",
+            min=0,
+        ),
+    ] = None,
     unit: Annotated[
         str | None, typer.Option(help="Unit of indicators that do not state theirs.")
     ] = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +18,7 @@ from scara_iso.ports import choose_clock
 from scara_iso.recorder import (
     Done,
     Enter,
+    GaugeSpec,
     History,
     Job,
     Operator,
@@ -41,6 +42,7 @@ from scara_iso.render.terminal import open_console
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""
 _CYCLES = 31
+_REARM_S = 0.5
 _SHOWN = 5
 
 
@@ -53,7 +55,7 @@ class Options:
     trigger: str | None
     cycles: int | None
     stable: int
-    rearm: float
+    rearm: float | None
     unit: str | None
     meta: tuple[str, ...]
     meta_file: Path | None
@@ -76,7 +78,7 @@ def record_table(options: Options) -> None:
         _trigger(options.trigger or header.get("trigger"), on_terminal=on_terminal),
         options.cycles or int(header.get("cycles", _CYCLES)),
         options.stable,
-        options.rearm,
+        _rearm(options.rearm, specs),
     )
     metadata = {} if options.meta_file is None else read_metadata(options.meta_file)
     metadata |= parse_metadata(options.meta)
@@ -108,6 +110,12 @@ def _operator(plan: Plan, stack: ExitStack, *, on_terminal: bool) -> Operator:
     if sys.stdin is not None and sys.stdin.isatty() and (on_terminal or plan.trigger == Enter()):
         return Keys(stack.enter_context(open_keyboard()))
     return Lines(sys.stdin) if plan.trigger == Enter() else Nobody()
+
+
+def _rearm(seconds: float | None, specs: Sequence[GaugeSpec]) -> float:
+    """Return the time; a recorded stream was pressed as it was pressed, and is taken whole."""
+    recorded = all(spec.address.startswith("replay:") for spec in specs)
+    return seconds if seconds is not None else (0.0 if recorded else _REARM_S)
 
 
 def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:

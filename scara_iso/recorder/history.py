@@ -180,7 +180,7 @@ class History:
         gauges = self.header["gauges"]
         if len(gauges) > 1:
             yield "axes_recorded", "together"
-        yield from ((f"indicator_{axis}", _indicator(gauge)) for axis, gauge in gauges.items())
+        yield "indicator", " | ".join(f"{axis} {_indicator(g)}" for axis, g in gauges.items())
         simulated = [axis for axis, gauge in gauges.items() if gauge["simulated"]]
         if simulated:
             yield "simulated", " ".join(simulated)

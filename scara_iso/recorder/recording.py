@@ -123,7 +123,7 @@ def _resume(job: Job, raw: Path, disk: Disk) -> Position:
     if history.header or history.faults:
         history.check()
         _compare(job, history)
-    disk.remove(manifest_path(job.table))
+    _remove(disk, manifest_path(job.table))
     cycle = history.cycle
     if any(history.present(later) for later in range(cycle + 1, len(history.times) + 1)):
         raise DataError(
@@ -173,7 +173,7 @@ def _finish(job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]
     """Write table and manifest from what the raw file holds."""
     history = read_history(journal.path)
     if not history.latest and not history.troubles["voided"] and not job.resume:
-        disk.remove(journal.path)
+        _remove(disk, journal.path)
         return
     rows = int(history.complete_rows().sum())
     complete = rows == job.plan.cycles
@@ -196,6 +196,13 @@ def _table_bytes(history: History) -> bytes:
 def _write(disk: Disk, path: Path, data: bytes) -> None:
     try:
         write_atomically(disk, path, data)
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+
+
+def _remove(disk: Disk, path: Path) -> None:
+    try:
+        disk.remove(path)
     except OSError as error:
         raise _cannot_write(path, error) from error
 

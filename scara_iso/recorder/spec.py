@@ -32,7 +32,7 @@ _EXAMPLE = "X=opto-rs232@/dev/ttyUSB0 or X=mitutoyo-mux?unit=mm&channel=1@COM3"
 _AXES = {name.lower(): name for name in AXES}
 _TABLE_KEY = re.compile(
     r"(unit|resolution)(_.*)?|indicator_uncertainty_.*|first_cycle_discarded|axes_recorded"
-    r"|simulated|cycles_planned|record_.*|indicator_(x|y|z|theta)"
+    r"|simulated|cycles_planned|record_.*|indicator"
 )
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,60}")
 
