@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from scara_iso.errors import InstrumentError
 from scara_iso.ports import StreamClock
 from scara_iso.recorder import (
     Job,
@@ -41,8 +42,6 @@ class Script:
         return not self._waiting and self._answer(len(self.requests)) is None
 
     def read(self):
-        from scara_iso.errors import InstrumentError
-
         if self._clock.now() >= self._lost_at:
             raise InstrumentError("the port is lost", where="script")
         if self._waiting and self._waiting[0][0] <= self._clock.now():

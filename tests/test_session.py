@@ -9,6 +9,7 @@ from bench import Orders, Script, kept, run_session, stored
 
 from scara_iso import read_table
 from scara_iso.errors import InstrumentError, UsageError
+from scara_iso.ports import StreamClock
 from scara_iso.recorder import (
     CycleDone,
     Note,
@@ -336,8 +337,6 @@ def test_paused_readings_are_refused_and_notes_are_kept(tmp_path, monkeypatch):
             if self.orders and clock.now() >= self.orders[0][0]:
                 return self.orders.pop(0)[1]
             return None
-
-    from scara_iso.ports import StreamClock
 
     clock = StreamClock(paced=False)
     clock.watch(lambda: next((t for t in (1.5, 2.5, 2.6) if t > clock.now()), math.inf))

@@ -21,7 +21,7 @@ SCHEMA = "scara-iso/raw/1"
 LONGEST_LINE = 1 << 20
 """A longer line is no line of ours; bounds the memory that a strange file takes [bytes]."""
 
-_TAIL = len(b',"crc":"01234567"}\n')
+_TAIL = len(b',"crc":"01234567"}')
 
 Record = dict[str, Any]
 
@@ -33,9 +33,13 @@ def encode(record: Mapping[str, object]) -> bytes:
 
 
 def decode(line: bytes) -> Record | None:
-    """Return the record of a line, or None where the line is torn or damaged."""
+    """Return the record of a line, or None where the line is torn or damaged.
+
+    A line that lost only its end of line is whole: what is appended after it begins with one.
+    """
+    line = line.removesuffix(b"\n")
     body = line[:-_TAIL] + b"}"
-    if line[-_TAIL:] != b',"crc":"%08x"}\n' % zlib.crc32(body):
+    if line[-_TAIL:] != b',"crc":"%08x"}' % zlib.crc32(body):
         return None
     try:
         record = json.loads(body)
@@ -47,6 +51,8 @@ def decode(line: bytes) -> Record | None:
 def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
     """Yield each line's number (from 1) and record, None where it is torn or damaged.
 
+    Empty lines, which a session that goes on begins with, mean nothing.
+
     Raises `NoInputError` where the file cannot be read.
     """
     try:
@@ -54,7 +60,8 @@ def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
             number = 0
             while line := file.readline(LONGEST_LINE):
                 number += 1
-                yield number, decode(line)
+                if line != b"\n":
+                    yield number, decode(line)
     except OSError as error:
         raise NoInputError(
             f"cannot be read: {error.strerror}", where=str(path), remedy="check the file name"
