@@ -27,7 +27,7 @@ from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states 
 
 from scara_iso import read_table  # noqa: E402
 from scara_iso.errors import ScaraIsoError  # noqa: E402
-from scara_iso.recorder import Stored, raw_path, read_history  # noqa: E402
+from scara_iso.recorder import Stored, SystemDisk, raw_path, read_history  # noqa: E402
 
 GAUGES = ["X=opto-rs232@sim:?pace=0", "Y=mitutoyo-mux@sim:?pace=0"]
 FOUR = [*GAUGES, "Z=cdi-starrett-iq@sim:?pace=0", "theta=heidenhain-nd@sim:?pace=0"]
@@ -175,7 +175,7 @@ def long_session(hours: float, folder: Path) -> Iterator[str]:
         run_session.said.clear()
 
     start = time.perf_counter()
-    run_session(folder, FOUR, trigger="timer:0.4", cycles=cycles, tell=tell)
+    run_session(folder, FOUR, trigger="timer:0.4", cycles=cycles, tell=tell, disk=SystemDisk())
     took = time.perf_counter() - start
     rows = len(read_history(raw_path(folder / "run.csv")).times)
     yield f"{4 * rows} readings of 4 gauges, {hours:g} simulated hours, in {took:.0f} s"

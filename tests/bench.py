@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from disks import UnsyncedDisk
+
 from scara_iso.errors import InstrumentError
 from scara_iso.ports import StreamClock
 from scara_iso.recorder import (
     Job,
     Plan,
     Stored,
-    SystemDisk,
     parse_gauges,
     parse_trigger,
     raw_path,
@@ -111,7 +112,7 @@ def run_session(
             tell(event)
 
     run_session.said = said
-    record(job, disk=disk or SystemDisk(), clock=clock, operator=operator or Orders(), tell=hear)
+    record(job, disk=disk or UnsyncedDisk(), clock=clock, operator=operator or Orders(), tell=hear)
     return said
 
 

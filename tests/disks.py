@@ -9,7 +9,17 @@ from pathlib import Path
 from scara_iso.recorder import SystemDisk
 
 
-class LoggedDisk(SystemDisk):
+class UnsyncedDisk(SystemDisk):
+    """A disk for tests that look at something else: it does not wait for the platter."""
+
+    def sync(self, file):
+        pass
+
+    def sync_folder(self, folder):
+        pass
+
+
+class LoggedDisk(UnsyncedDisk):
     """A real disk that keeps the list of what was done to it, and of what was announced."""
 
     def __init__(self):
@@ -95,7 +105,7 @@ def _left(data: bytes, synced: int, how: str) -> bytes:
     return data[:synced] + bytes(len(loose))
 
 
-class FailingDisk(SystemDisk):
+class FailingDisk(UnsyncedDisk):
     """A disk whose n-th operation (from 0) fails; what comes after it works again."""
 
     def __init__(self, n, number=errno.EIO):
@@ -137,7 +147,7 @@ class FailingDisk(SystemDisk):
         super().sync_folder(folder)
 
 
-class FullDisk(SystemDisk):
+class FullDisk(UnsyncedDisk):
     """A disk with room for so many bytes more; the last write is taken in part."""
 
     def __init__(self, room):
@@ -149,13 +159,3 @@ class FullDisk(SystemDisk):
         taken = super().write(file, data[: self.room])
         self.room -= taken
         return taken
-
-
-class UnsyncedDisk(SystemDisk):
-    """A disk for tests that look at something else: it does not wait for the platter."""
-
-    def sync(self, file):
-        pass
-
-    def sync_folder(self, folder):
-        pass
