@@ -22,7 +22,8 @@ IntArray = npt.NDArray[np.int64]
 AXES = ("X", "Y", "Z", "theta")
 """Names of the indicator axes, in the order in which they are reported."""
 
-_FARTHEST = 1e9  # mm or degrees
+FARTHEST = 1e9
+"""Largest reading, in mm or degrees, that can be meant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +109,7 @@ class Run:
         wrong = [name for name, values in columns.items() if values.shape != self.cycle.shape]
         if wrong:
             raise DataError(f"{', '.join(wrong)}: not one value for each of {len(self)} rows")
-        absurd = [n for n, a in self.axes.items() if not np.all(np.abs(a.readings) <= _FARTHEST)]
+        absurd = [n for n, a in self.axes.items() if not np.all(np.abs(a.readings) <= FARTHEST)]
         if absurd:
             raise DataError(f"{', '.join(absurd)}: a reading is not finite, or beyond any dial")
 

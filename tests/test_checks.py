@@ -2,7 +2,6 @@
 
 import inspect
 import re
-import sys
 
 import numpy as np
 import pytest
@@ -174,13 +173,13 @@ def test_mann_kendall_holds_its_level(rng):
     assert 0.004 < alarms < 0.018
 
 
-def test_third_parties_add_checks(monkeypatch):
-    class Entry:
-        name = "mine"
-
-        @staticmethod
-        def load():
-            return sys.modules[__name__]
-
-    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [Entry])
-    assert find_modules(checks, "scara_iso.checks")[-1] is sys.modules[__name__]
+def test_third_parties_add_checks(monkeypatch, tmp_path):
+    (tmp_path / "their_check.py").write_text("CODE = 'theirs'\n", encoding="utf-8")
+    declared = tmp_path / "theirs-1.0.dist-info"
+    declared.mkdir()
+    (declared / "METADATA").write_text("Metadata-Version: 2.1\nName: theirs\nVersion: 1.0\n")
+    (declared / "entry_points.txt").write_text("[scara_iso.checks]\ntheirs = their_check\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    found = find_modules(checks, "scara_iso.checks")
+    assert found[:-1] == MODULES
+    assert found[-1].CODE == "theirs"

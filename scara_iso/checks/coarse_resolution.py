@@ -28,5 +28,4 @@ def check(measured: Measured) -> Iterator[Finding]:
                     "dial; measure with a finer one",
                     axis.name,
                     pose.label,
-                    rule="uncertainty at most 25 % of the figure",
                 )

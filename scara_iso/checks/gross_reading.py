@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scara_iso.results import AxisResult, Finding, Measured
+from scara_iso.run import FloatArray
 
 CODE = "gross-reading"
 _FARTHEST = 5.0
@@ -37,9 +38,14 @@ def check(measured: Measured) -> Iterator[Finding]:
 
 
 def _far_readings(axis: AxisResult) -> list[int]:
-    distance = np.abs(axis.readings - np.median(axis.readings))
+    distance = np.abs(axis.readings - _median(axis.readings))
     # A coarse dial makes the median distance 0: half a division is the least that it can mean.
-    sigma = max(_MAD_TO_SIGMA * float(np.median(distance)), (axis.resolution or 0.0) / 2)
+    sigma = max(_MAD_TO_SIGMA * _median(distance), (axis.resolution or 0.0) / 2)
     if sigma == 0:
         return []
     return [int(k) for k in np.flatnonzero(distance > _FARTHEST * sigma)]
+
+
+def _median(values: FloatArray) -> float:
+    ordered = np.sort(values)  # np.median is ten times as slow on thirty readings
+    return float(ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]) / 2

@@ -16,6 +16,7 @@ from scara_iso.cli.demo import demo_command
 from scara_iso.cli.output import settings
 from scara_iso.cli.ports import ports_command
 from scara_iso.cli.record import record_command
+from scara_iso.cli.simulate import simulate_command
 from scara_iso.errors import DataError, ScaraIsoError
 
 INTERRUPTED = 130
@@ -34,6 +35,7 @@ app = typer.Typer(
 )
 app.command("analyze")(analyze_command)
 app.command("backlash")(backlash_command)
+app.command("simulate")(simulate_command)
 app.command("demo")(demo_command)
 app.command("record")(record_command)
 app.command("ports")(ports_command)
@@ -111,7 +113,8 @@ def _explain(error: Exception) -> tuple[list[str], int]:
         lines += [f"  {error.remedy}"] if error.remedy else []
         return lines, error.exit_code
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
-        return [f"scara-iso: {error.format_message()}", _help_hint(error)], int(error.exit_code)
+        said = error.format_message()  # empty where the help was shown for want of a command
+        return [f"scara-iso: {said}", _help_hint(error)] if said else [], int(error.exit_code)
     if isinstance(error, OSError):
         return [f"scara-iso: cannot write: {error}"], CANNOT_WRITE
     return [

@@ -5,7 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from scara_iso.errors import CannotCreateError
 
 if TYPE_CHECKING:
     from scara_iso.report import Report
@@ -34,3 +37,14 @@ def write_report(report: Report) -> None:
     from scara_iso.render.terminal import open_console, show
 
     show(report, open_console(sys.stdout, no_color=settings.no_color))
+
+
+def write_text(text: str, path: Path | None) -> None:
+    """Write ``text`` to a file, or to standard output where there is none."""
+    if path is None:
+        sys.stdout.write(text)
+        return
+    try:
+        path.write_text(text, encoding="utf-8", newline="")
+    except OSError as error:
+        raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(path)) from error

@@ -19,7 +19,14 @@ from rich.text import Text as RichText
 from scara_iso.report import Block, Notice, Report, Strip, Table, Text
 from scara_iso.run import FloatArray
 
-_STYLES = {"plain": "", "quiet": "dim", "strong": "bold", "good": "green", "bad": "bold red"}
+_STYLES = {
+    "plain": "",
+    "quiet": "dim",
+    "strong": "bold",
+    "good": "green",
+    "warn": "yellow",
+    "bad": "bold red",
+}
 _MARKS = {"error": ("x", "bold red"), "warning": ("!", "yellow"), "info": ("-", "dim")}
 _BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
 _HIDDEN = {"Cc", "Cf", "Co", "Cs", "Zl", "Zp"}

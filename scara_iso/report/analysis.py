@@ -58,6 +58,7 @@ def _verdict(analysis: Analysis) -> Iterator[Block]:
         yield Text(_headline(analysis.poses[0]), "strong")
     else:
         yield Text(_largest(analysis.poses), "strong")
+    yield from _warnings(analysis)
     yield Text(_cycles(analysis))
     if analysis.limits:
         outside = [_checked(check) for check in analysis.limits if not check.inside]
@@ -65,6 +66,17 @@ def _verdict(analysis: Analysis) -> Iterator[Block]:
             yield Text(f"OUTSIDE the limit: {', '.join(outside[:_MOST_LIMITS])}", "bad")
         else:
             yield Text("inside the limits", "good")
+
+
+def _warnings(analysis: Analysis) -> Iterator[Block]:
+    grave = [finding for finding in analysis.findings if finding.severity != "info"]
+    by_subject: dict[str, list[str]] = {}
+    for finding in grave:
+        by_subject.setdefault(_subject(finding) or "test", []).append(finding.code)
+    if grave:
+        said = "; ".join(f"{name}: {', '.join(codes)}" for name, codes in by_subject.items())
+        count = f"{len(grave)} warning{'s' if len(grave) > 1 else ''}"
+        yield Text(f"{count} - {said}" if len(grave) <= _MOST_NOTES else f"{count}, below", "warn")
 
 
 def _cycles(analysis: Analysis) -> str:

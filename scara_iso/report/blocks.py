@@ -14,7 +14,7 @@ class Text:
     """A paragraph."""
 
     text: str
-    tone: Literal["plain", "quiet", "strong", "good", "bad"] = "plain"
+    tone: Literal["plain", "quiet", "strong", "good", "warn", "bad"] = "plain"
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
+from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, show
@@ -28,6 +28,10 @@ class Options:
 
 
 def assemble(rows: list[Row], columns: Columns, body: Body, options: Options, how: str) -> Run:
+    """Return the run that the head ``rows``, ``columns`` and ``body`` hold, or raise `DataError`.
+
+    ``how`` says how the file was split into cells.
+    """
     faults, layout = columns.faults, columns.layout
     statements, notes = read_preamble(rows, layout.header_line, faults)
     _check_layout(layout, faults)
@@ -84,7 +88,7 @@ def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
     if Mark.BOTH in marks or (comma and Mark.POINT in marks):
         for mark, (line, column, text) in marks.items():
             faults.add(
-                f"{show(text) if text else 'numbers'} with {mark.value}: commas and points "
+                f"{show(text)} with {mark.value}: commas and points "
                 "both occur, --decimal says which is decimal",
                 line,
                 column,
@@ -93,7 +97,7 @@ def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
     elif Mark.EITHER in marks and Mark.COMMA not in marks:
         line, column, text = marks[Mark.EITHER]
         faults.add(
-            f"{show(text) if text else 'a number'} could have a decimal comma or group "
+            f"{show(text)} could have a decimal comma or group "
             "thousands: --decimal , or --decimal . says which",
             line,
             column,
@@ -136,10 +140,11 @@ def _run(
 ) -> Run:
     layout = columns.layout
     metadata = {key: s.value for key, s in statements.items() if not is_of_axes(key)}
-    axes = {c.name: _axis(c, columns, scales[c.name], faults) for c in layout.of(Kind.AXIS)}
+    axes = {c.name: _axis(c, columns, lines, scales[c.name], faults) for c in layout.of(Kind.AXIS)}
     covariates = {c.name: columns.numbers(c) for c in layout.of(Kind.COVARIATE)}
     for column in layout.of(Kind.TIMESTAMP):
         covariates["time_s"] = _seconds(column, columns, lines, metadata, faults)
+    faults.check()
     counters, poses = layout.of(Kind.CYCLE), layout.of(Kind.POSE)
     cycle = columns.numbers(counters[0]) if counters else np.arange(1, len(lines) + 1)
     return Run(
@@ -152,12 +157,13 @@ def _run(
     )
 
 
-def _axis(column: Column, columns: Columns, scale: Scale, faults: Faults) -> Axis:
+def _axis(column: Column, columns: Columns, lines: IntArray, scale: Scale, faults: Faults) -> Axis:
     with np.errstate(over="ignore"):
         readings = scale.unit.to_base(columns.numbers(column))
-    if not np.isfinite(readings).all():
-        faults.add("a reading too large", None, column.position + 1)
-    return Axis(column.name, readings, scale.unit.dimension, scale.resolution, scale.uncertainty)
+    for k in np.flatnonzero(~(np.abs(readings) <= FARTHEST)).tolist():
+        faults.add("a reading beyond any dial", int(lines[k]), column.position + 1)
+    stated = scale.resolution, scale.uncertainty, scale.command
+    return Axis(column.name, readings, scale.unit.dimension, *stated)
 
 
 def _seconds(

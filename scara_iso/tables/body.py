@@ -15,88 +15,15 @@ from scara_iso.tables.text import Row
 
 _NOTES = 50
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
-_WORDS = {
-    "mean",
-    "means",
-    "average",
-    "averages",
-    "avg",
-    "mittel",
-    "mittelwert",
-    "mw",
-    "mittelw",
-    "arith",
-    "moyenne",
-    "std",
-    "stdev",
-    "stddev",
-    "sd",
-    "stdabw",
-    "standard",
-    "standardabweichung",
-    "standardabw",
-    "sigma",
-    "variance",
-    "varianz",
-    "var",
-    "min",
-    "minimum",
-    "max",
-    "maximum",
-    "range",
-    "spannweite",
-    "median",
-    "mode",
-    "cp",
-    "cpk",
-    "cm",
-    "cmk",
-    "pp",
-    "ppk",
-    "cg",
-    "cgk",
-    "repeatability",
-    "wiederholgenauigkeit",
-    "wiederholpräzision",
-    "rp",
-    "ap",
-    "count",
-    "anzahl",
-    "total",
-    "sum",
-    "summe",
-    "usl",
-    "lsl",
-    "ucl",
-    "lcl",
-    "nominal",
-    "sollwert",
-    "target",
-    "tolerance",
-    "toleranz",
-    "result",
-    "results",
-    "ergebnis",
-    "rms",
-}
-_SHORT_WORDS = {
-    "s",
-    "n",
-    "r",
-    "x",
-    "x̄",
-    "x̅",
-    "xbar",
-    "σ",
-    "μ",
-    "µ",
-    "ø",
-    "3s",
-    "6s",
-    "2s",
-    "3σ",
-    "6σ",
-}
+_FOOTERS = """
+mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev sd
+stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max maximum
+range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
+wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
+tolerance toleranz result results ergebnis rms
+"""
+_WORDS = frozenset(_FOOTERS.split())
+_SHORT = frozenset(["s", "n", "r", "x", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])
 _FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
 
 
@@ -111,6 +38,7 @@ class Body:
         self.footer: int | None = None
         self._cycle = next((c.position for c in layout.of(Kind.CYCLE)), None)
         self._blocks = [0]
+        self._labels: set[str] = set()
 
     @property
     def plain(self) -> bool:
@@ -133,31 +61,45 @@ class Body:
         """Yield line and cells of the rows of readings, each as wide as the header."""
         for line, cells in rows:
             texts = [cell if isinstance(cell, str) else repr(cell) for cell in cells]
-            text = ", ".join(t for t in (t.strip(BLANKS) for t in texts) if t)
+            if self._is_numbered(cells):
+                self._check_label(line, texts[0])
+                yield from self._reading(line, cells)
+                continue
+            text = ", ".join(t for t in map(_stripped, texts) if t)
             if not text:
-                if self._blocks[-1]:
-                    self._blocks.append(0)
-            elif not self._is_besides(line, cells, texts, text):
+                self._blocks.append(0)
+            elif not self._is_besides(line, texts, text):
                 yield from self._reading(line, cells)
 
-    def _is_besides(self, line: int, cells: Sequence[Cell], texts: list[str], text: str) -> bool:
+    def _check_label(self, line: int, label: str) -> None:
+        """Refuse a footer's name where a pose may have it: the rows would be lost."""
+        if _first_word(label) in _WORDS:
+            self.faults.add(
+                f"{show(label)}: the label of readings or of a footer?",
+                line,
+                remedy="name the pose otherwise, or remove the footer",
+            )
+
+    def _is_besides(self, line: int, texts: list[str], text: str) -> bool:
         """Return whether a row is no reading, and say what it is."""
         if tuple(header_cells(texts)) == self.layout.header:
             self._repeated(line)
-        elif text.startswith("#") and not self._is_numbered(cells):
+        elif text.startswith("#"):
             statement = read_statement(Row(line, texts, text, line))
             if statement and is_of_axes(statement[0]):
                 self.faults.add(f"{show(text)} under the header", line, remedy=_ONE_TABLE)
             self.note(f"line {line}: comment {show(text)} not used")
-        elif self._is_footer(cells, texts):
+        elif self._is_footer(line, texts):
             self.footer = self.footer or line
             self.note(f"line {line}: footer {show(text)} not averaged")
         elif names_an_axis(texts):
             self.faults.add("a second table begins", line, remedy=_ONE_TABLE)
         elif self._is_remark(texts):
             self.note(f"line {line}: {show(text)} not used")
+        elif is_rule(text) and (self._cycle is not None or not any(self._blocks)):
+            self.note(f"line {line}: ruled line")
         else:
-            return is_rule(text)
+            return False
         return True
 
     def _repeated(self, line: int) -> None:
@@ -174,23 +116,16 @@ class Body:
         cell = cells[self._cycle] if self._cycle is not None and self._cycle < len(cells) else ""
         return isinstance(cell, float) or parse_number(cell) is not None
 
-    def _is_footer(self, cells: Sequence[Cell], texts: list[str]) -> bool:
-        if self._cycle is not None and self._is_numbered(cells):
-            return self._cycle != 0 and self._is_named_before(texts)
-        words = (
-            cell.strip(BLANKS)
-            for cell in cells
-            if isinstance(cell, str) and cell.strip(BLANKS) and parse_number(cell) is None
-        )
-        label = next(words, "")
-        match = _FIRST_WORD.search(label.lower())
-        word = match[0] if match else ""
-        return word in _WORDS or (word in _SHORT_WORDS and self._cycle is not None)
-
-    def _is_named_before(self, texts: list[str]) -> bool:
-        """Return whether a footer's label stands before its number of cycles (``Mean; 30; ..``)."""
-        match = _FIRST_WORD.search(texts[0].lower())
-        return bool(match) and match[0] in _WORDS if match else False
+    def _is_footer(self, line: int, texts: list[str]) -> bool:
+        """Return whether the first text of a row is the label of a footer, such as ``Mean``."""
+        label = next((t for t in map(_stripped, texts) if t and parse_number(t) is None), "")
+        word = _first_word(label)
+        if word not in _WORDS and (self._cycle is None or word not in _SHORT):
+            return False
+        if self._cycle is None and label in self._labels:
+            self._check_label(line, label)
+        self._labels.add(label)
+        return True
 
     def _is_remark(self, texts: list[str]) -> bool:
         """Return whether a row is a line of text such as ``Inspector: A. Smith``."""
@@ -242,6 +177,15 @@ class Body:
                 "readings or a summary?",
                 remedy="number the cycles in a column 'cycle', or remove the blank lines",
             )
+
+
+def _stripped(text: str) -> str:
+    return text.strip(BLANKS)
+
+
+def _first_word(label: str) -> str:
+    match = _FIRST_WORD.search(label.lower())
+    return match[0] if match else ""
 
 
 def _is_filled(cell: Cell) -> bool:

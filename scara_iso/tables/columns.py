@@ -37,19 +37,26 @@ class Columns:
         """Take rows that are all as the header says, or take nothing and return False."""
         if set(map(len, rows)) != {self.layout.width}:
             return False
-        taken: list[tuple[Column, npt.NDArray[np.generic], Mark]] = []
-        for column, cells in zip(self.layout.columns, zip(*rows, strict=True), strict=True):
+        columns = list(zip(*rows, strict=True))
+        parts = []
+        for column, cells in zip(self.layout.columns, columns, strict=True):
             part = self._clean_part(column, cells)
             if part is None:
                 return False
-            taken.append((column, *part))
-        for column, values, mark in taken:
+            parts.append(part)
+        lines = range(first_line, first_line + len(rows))
+        for column, cells, (values, mark) in zip(self.layout.columns, columns, parts, strict=True):
             self._parts[column].append(values)
-            self._note_unit(column, "", first_line)
-            if mark is not Mark.NONE:
-                self.marks.setdefault(mark, (first_line, column.position + 1, ""))
-        self._add_lines(np.arange(first_line, first_line + len(rows)))
+            self._note(column, mark, cells, lines)
+        self._add_lines(np.array(lines))
         return True
+
+    def _note(self, column: Column, mark: Mark, cells: Sequence[str], lines: Sequence[int]) -> None:
+        self._note_unit(column, "", lines[0])
+        if mark is not Mark.NONE and mark not in self.marks:
+            character = "." if mark is Mark.POINT else ","
+            k = next(k for k, cell in enumerate(cells) if character in cell)
+            self.marks[mark] = (lines[k], column.position + 1, cells[k].strip(BLANKS))
 
     def _clean_part(
         self, column: Column, cells: Sequence[str]
@@ -88,7 +95,16 @@ class Columns:
     def _part(
         self, column: Column, cells: Sequence[Cell], lines: Sequence[int]
     ) -> npt.NDArray[np.generic]:
-        pairs = zip(cells, lines, strict=True)
+        texts = [cell for cell in cells if isinstance(cell, str)]
+        clean = self._clean_part(column, texts) if len(texts) == len(cells) else None
+        if clean is not None:
+            self._note(column, clean[1], texts, lines)
+            return clean[0]
+        return self._part_by_cell(column, zip(cells, lines, strict=True))
+
+    def _part_by_cell(
+        self, column: Column, pairs: Iterable[tuple[Cell, int]]
+    ) -> npt.NDArray[np.generic]:
         match column.kind:
             case Kind.AXIS | Kind.COVARIATE:
                 return np.array([self._number(column, cell, line) for cell, line in pairs])
@@ -97,7 +113,8 @@ class Columns:
             case Kind.POSE:
                 return np.array([self._label(column, cell, line) for cell, line in pairs])
             case Kind.TIMESTAMP:
-                return self._stamps(column, pairs)
+                stamps = [self._stamp(column, cell, line) for cell, line in pairs]
+                return np.array(stamps, dtype=object)
             case Kind.NAMELESS:
                 for cell, line in pairs:
                     if not isinstance(cell, str) or cell.strip(BLANKS):
@@ -117,8 +134,9 @@ class Columns:
         return number.value
 
     def _note_mark(self, column: Column, number: Number, cell: str, line: int) -> None:
-        if number.mark is not Mark.NONE and not self.marks.get(number.mark, (0, 0, ""))[2]:
-            self.marks[number.mark] = (line, column.position + 1, cell.strip(BLANKS))
+        if number.mark is not Mark.NONE:
+            place = (line, column.position + 1, cell.strip(BLANKS))
+            self.marks.setdefault(number.mark, place)
 
     def _note_unit(self, column: Column, unit: str, line: int) -> None:
         seen = self.units.setdefault(column, {})
@@ -145,14 +163,11 @@ class Columns:
             return ""
         return label[1:] if label[:1] == "'" and label[1:2] in _ESCAPED else label
 
-    def _stamps(self, column: Column, pairs: Iterable[tuple[Cell, int]]) -> npt.NDArray[np.generic]:
-        stamps: list[datetime | None] = []
-        for cell, line in pairs:
-            stamp = read_timestamp(cell) if isinstance(cell, str) else None
-            if stamp is None:
-                self._fault(column, f"{_text(cell)} is not an ISO 8601 time", line)
-            stamps.append(stamp)
-        return np.array(stamps, dtype=object)
+    def _stamp(self, column: Column, cell: Cell, line: int) -> datetime | None:
+        stamp = read_timestamp(cell) if isinstance(cell, str) else None
+        if stamp is None:
+            self._fault(column, f"{_text(cell)} is not an ISO 8601 time", line)
+        return stamp
 
     def _fault(self, column: Column, message: str, line: int) -> None:
         self.faults.add(message, line, column.position + 1)

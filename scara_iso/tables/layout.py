@@ -15,7 +15,7 @@ HEAD = 200
 """Lines in which the header must come."""
 COLUMNS = 1000
 """Columns that a table may have."""
-_RULE = re.compile(r"[-=_+*| \t]{3,}")
+_RULE = re.compile(r"[-=_+*|]{3,}(?:[, ]*[-=_+*|]{3,})*")
 _NAME = 80
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
 _STATEMENT = re.compile(r"([^\W\d_][^:=]{0,60}?)\s*[:=]\s*(.*)", re.DOTALL)
@@ -130,7 +130,7 @@ def _next_row(rows: Sequence[Row], k: int) -> int | None:
 
 
 def is_rule(text: str) -> bool:
-    """Return whether a row is a line drawn under the header."""
+    """Return whether a row is a ruled line, of three strokes or more in every cell."""
     return bool(_RULE.fullmatch(text))
 
 

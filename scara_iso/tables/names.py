@@ -38,7 +38,7 @@ _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "t
 _AXIS_WORD = re.compile(r"(?:axis|achse)[ _-]*|[ _-]*(?:axis|achse)$")
 _CYCLE_PROPER = {"cycle", "zyklus"}
 _CYCLE = _CYCLE_PROPER | {
-    "cycles", "cycle no", "cycle nr", "cycle number", "cycle #", "number of cycle",
+    "cycles", "cycle no", "cycle nr", "cycle number", "cycle #", "number of", "number of cycle",
     "number of cycles", "no of cycle", "no of cycles", "zyklen", "zyklus nr", "zyklusnr",
     "zyklusnummer", "n", "nr", "no", "num", "number", "nummer", "#", "№", "lfd nr", "lfdnr",
     "takt", "trial", "sample", "messung", "messung nr", "index", "obs", "obs #", "observation",

@@ -50,8 +50,8 @@ def read_table(
     thousands; ``sheet`` names the sheet of a workbook.
 
     Readings come in mm, or degrees where their unit is an angle. `Axis` holds what the file
-    states as unit, resolution and indicator_uncertainty; ``Run.metadata`` every other statement,
-    keys in lower case with underscores. Columns of a fault are numbers of fields, from 1.
+    states as unit, resolution, indicator_uncertainty and command_X; ``Run.metadata`` every other
+    statement, keys in lower case with underscores. Columns of a fault are field numbers, from 1.
 
     Raises `NoInputError` for a file that cannot be opened, `DataError` with its faults (the first
     thousand kept) for one that is no table or could be read two ways, `UsageError` for an option

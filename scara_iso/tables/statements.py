@@ -15,20 +15,23 @@ from scara_iso.tables.numbers import Mark, parse_number
 
 OF_AXES = ("unit", "resolution", "indicator_uncertainty")
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
+COMMAND = "command"
+"""Key of the command pose, with ``_X`` and the like behind."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """Unit of an axis; resolution and standard uncertainty in its base unit, None if unstated."""
+    """Unit of an axis, and what else is stated of it, in its base unit; None if unstated."""
 
     unit: Unit
     resolution: float | None
     uncertainty: float | None
+    command: float | None
 
 
 def is_of_axes(key: str) -> bool:
     """Return whether a statement is about the axes and so is held by them."""
-    return any(key == name or key in _keys(name) for name in OF_AXES)
+    return key in OF_AXES or any(key in _keys(name) for name in (*OF_AXES, COMMAND))
 
 
 def _keys(name: str) -> list[str]:
@@ -50,6 +53,7 @@ def read_scales(
     ``behind`` holds, per axis, the units found behind its values and the first line of each;
     ``unit`` and ``resolution`` are the user's options and stand for the statements of that name.
     """
+    before = faults.total
     general = _general_unit(statements, unit, faults)
     units: dict[str, Unit] = {}
     for column in columns:
@@ -58,7 +62,7 @@ def read_scales(
         if found is not None:
             units[column.name] = found
     missing = [c.name for c in columns if c.name not in units]
-    if missing and not faults.total:
+    if missing and faults.total == before:
         faults.add(
             f"no unit stated for {listed(missing)}",
             remedy="name it with --unit mm, or in a line '# unit: mm' above the header",
@@ -66,8 +70,9 @@ def read_scales(
     sizes = _Sizes(statements, units, general, faults)
     resolutions = sizes.of("resolution", resolution)
     uncertainties = sizes.of("indicator_uncertainty")
+    commands = sizes.of_one(COMMAND, above=-math.inf)
     return {
-        axis: Scale(size, resolutions.get(axis), uncertainties.get(axis))
+        axis: Scale(size, resolutions.get(axis), uncertainties.get(axis), commands.get(axis))
         for axis, size in units.items()
     }
 
@@ -154,16 +159,19 @@ class _Sizes:
 
     def of(self, key: str, option: float | None = None) -> dict[str, float]:
         """Return the size per axis, in its base unit, that statements of ``key`` give."""
-        sizes = self._for_all(key, option)
+        return {**self._for_all(key, option), **self.of_one(key)}
+
+    def of_one(self, key: str, *, above: float = 0.0) -> dict[str, float]:
+        """Return what the statements of ``key_X`` and the like give, per axis."""
+        sizes: dict[str, float] = {}
         for axis, unit in self.units.items():
             own = self.statements.get(f"{key}_{axis.lower()}")
-            size = self._read(own, f"{key}_{axis}") if own else None
+            size = self._read(own, f"{key}_{axis}", above) if own else None
             if own and size:
                 value, stated = size
                 if stated and stated.dimension is not unit.dimension:
-                    self.faults.add(
-                        f"{key}_{axis} in {stated.name}, {axis} in {unit.name}", own.line
-                    )
+                    what = f"{key}_{axis} in {stated.name}, {axis} in {unit.name}"
+                    self.faults.add(what, own.line)
                 sizes[axis] = (stated or unit).to_base(value)
         return sizes
 
@@ -200,16 +208,17 @@ class _Sizes:
         same = all(same_size(unit, lengths[0]) for unit in lengths)
         return lengths[0] if lengths and same else None
 
-    def _read(self, statement: Statement, key: str) -> tuple[float, Unit | None] | None:
+    def _read(
+        self, statement: Statement, key: str, above: float = 0.0
+    ) -> tuple[float, Unit | None] | None:
         number = parse_number(statement.value)
         if (
             number is None
             or number.mark in (Mark.EITHER, Mark.BOTH)
-            or not (0 < number.value < math.inf)
+            or not above < number.value < math.inf
         ):
-            self.faults.add(
-                f"{key}: {show(statement.value)} is not a size above zero", statement.line
-            )
+            kind = "a number" if above < 0 else "a number above zero"
+            self.faults.add(f"{key}: {show(statement.value)} is not {kind}", statement.line)
             return None
         if not number.unit:
             return number.value, None

@@ -15,7 +15,7 @@ from scara_iso.tables.numbers import BLANKS
 
 LINE_LIMIT = 100_000
 """Characters in one line: bounds the length of a cell and the number of columns."""
-_CHUNK = 1_000_000
+_CHUNK = 500_000
 _JOINED = 5
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _BOMS = (
@@ -32,7 +32,7 @@ def decode(data: bytes, where: str) -> tuple[str, str]:
     Raises `DataError` for text in no known encoding and for control characters.
     """
     text, encoding = _decode(data, where)
-    text = text.rstrip("\x1a")  # the end-of-file mark of old DOS programs
+    text = text.rstrip("\r\n\x1a")  # 0x1A is the end-of-file mark of old DOS programs
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     _refuse_control(text, where)
@@ -78,7 +78,7 @@ def _refuse_control(text: str, where: str) -> None:
 
 
 def chunks(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the lines of ``text`` in pieces of about a million characters.
+    """Yield the lines of ``text`` in pieces of about half a million characters.
 
     Each piece comes with the number, from 1, of its first line.
     """

@@ -16,7 +16,7 @@ from scara_iso.run import AXES, Axis, FloatArray, Run
 from scara_iso.tables.layout import normal_key
 from scara_iso.tables.names import Column, Kind, read_name
 from scara_iso.tables.numbers import parse_number
-from scara_iso.tables.statements import is_of_axes
+from scara_iso.tables.statements import COMMAND, is_of_axes
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]+")
 _FORMULA_CELL = re.compile(r"[,;]\s*[\"']?[=+@-]|[,;\"]\s*$|^[^:]*\"")
@@ -63,6 +63,9 @@ def _preamble(run: Run) -> Iterator[str]:
         yield f"# unit_{name}: deg"
     yield from _sizes("resolution", lengths, angles, lambda axis: axis.resolution)
     yield from _sizes("indicator_uncertainty", lengths, angles, lambda axis: axis.uncertainty)
+    for name, axis in run.axes.items():
+        if axis.command is not None:
+            yield f"# {COMMAND}_{name}: {axis.command!r}"
     for key, value in run.metadata.items():
         name = _CONTROL.sub(" ", normal_key(key).replace(":", "_").replace("=", "_"))
         if not is_of_axes(name):

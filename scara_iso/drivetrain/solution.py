@@ -1,0 +1,267 @@
+"""The closed form: constant accelerations from one event to the next, many runs at once.
+
+Between events the paper's eq. 7 and 8 have constant accelerations, so that the next event is the
+root of a line or a parabola. Friction and a motor held to its command keep it so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.drivetrain.train import (
+    Drive,
+    DriveTrain,
+    Held,
+    Servo,
+    State,
+    Torque,
+    Trajectory,
+    check_drive,
+)
+from scara_iso.errors import UsageError
+from scara_iso.run import FloatArray, IntArray
+
+_MOST_EVENTS = 100_000
+
+
+class Moving(NamedTuple):
+    """State of n runs: arrays of shape (n,); ``contact`` holds -1, 0 or +1."""
+
+    load_angle: FloatArray
+    load_velocity: FloatArray
+    gap_angle: FloatArray
+    motor_velocity: FloatArray
+    contact: IntArray
+
+
+class Phase(NamedTuple):
+    """What n runs do until their next events, each of shape (n,)."""
+
+    start: FloatArray
+    """Time at which each run's phase begins [s]."""
+    state: Moving
+    load_acceleration: FloatArray
+    motor_acceleration: FloatArray
+    duration: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Constants:
+    """What the equations need of n trains, each a number or of shape (n,)."""
+
+    half_gap: float | FloatArray
+    motor_share: float | FloatArray
+    """Motor's share of the inertia in contact: 1 where the motor follows its command."""
+    load_push: float | FloatArray
+    """Acceleration that the load torque gives the free load [rad/s²]."""
+    friction: float | FloatArray
+    """Deceleration that Coulomb friction gives the free load [rad/s²]."""
+
+
+def solve(train: DriveTrain, drive: Drive, start: State, *, points: int = 2) -> Trajectory:
+    """Return what a rigid train does under ``drive``, exact to rounding.
+
+    ``points`` is the number of samples in each phase between two events (Trajectory). Source: eq.
+    7-9 with plastic impacts; Coulomb friction and load torque are added to the load's equation.
+    Raises `UsageError` for viscous friction, compliance or a servo of finite gain, which have no
+    closed form here, and for a state outside the gap.
+    """
+    check_drive(drive)
+    if isinstance(drive, Servo) or train.viscous or not train.rigid:
+        raise UsageError(
+            "no closed form for viscous friction, a compliant gear or a servo of finite gain",
+            remedy="use integrate, or leave them out",
+        )
+    if abs(start.gap_angle) > train.gap / 2 * (1 + 1e-12):
+        raise UsageError(f"start lies outside the gap: {start.gap_angle:g} rad")
+    accelerations = np.array(motor_accelerations(train, drive))[:, None]
+    state = Moving(
+        load_angle=np.array([start.load_angle]),
+        load_velocity=np.array([start.load_velocity]),
+        gap_angle=np.array([start.gap_angle]),
+        motor_velocity=np.array([start.load_velocity + start.gap_velocity]),
+        contact=np.array([start.contact(train)]),
+    )
+    durations = np.array(drive.durations)[:, None]
+    phases = run_events(constants(train, drive), durations, accelerations, state)
+    return Trajectory.joined(_sample(phase, points) for phase in phases if phase.duration[0] > 0)
+
+
+def constants(train: DriveTrain, drive: Drive) -> Constants:
+    """Return the numbers that the equations of motion of ``train`` need."""
+    total = train.reflected_inertia + train.load_inertia
+    return Constants(
+        half_gap=train.gap / 2,
+        motor_share=1.0 if isinstance(drive, Held) else train.reflected_inertia / total,
+        load_push=train.load_torque / train.load_inertia,
+        friction=train.coulomb / train.load_inertia,
+    )
+
+
+def motor_accelerations(train: DriveTrain, drive: Torque | Held) -> tuple[float, ...]:
+    """Return the free motor's acceleration in each piece, at the output [rad/s²].
+
+    A torque T_m at the motor shaft is N T_m at the output, where the rotor is N² I_m.
+    """
+    match drive:
+        case Held():
+            return drive.accelerations
+        case Torque():
+            return tuple(t * train.ratio / train.reflected_inertia for t in drive.torques)
+
+
+def run_events(
+    train: Constants, durations: FloatArray, accelerations: FloatArray, state: Moving
+) -> Iterator[Phase]:
+    """Yield the phases of n runs until all pieces are over, or nothing more can happen.
+
+    ``durations`` and ``accelerations`` (of the free motor) have shape (pieces, n); the last
+    duration may be infinite.
+    """
+    everyone = np.arange(len(state.load_angle))
+    targets = _commanded(train, durations, accelerations, state)
+    piece, over = np.zeros_like(everyone), np.zeros(len(everyone), dtype=bool)
+    time, left = np.zeros(len(everyone)), durations[0].copy()
+    for _ in range(_MOST_EVENTS):
+        state, a_load, a_motor = _settle(train, state, accelerations[piece, everyone])
+        to_flank = _time_to_flank(train, state, a_motor - a_load)
+        to_stop = _time_to_stop(train, state, a_load)
+        step = np.minimum(np.minimum(to_flank, to_stop), left)
+        step[over | np.isinf(step)] = 0.0
+        phase = Phase(time, state, a_load, a_motor, step)
+        yield phase
+        ended = ~over & (step == left)
+        over = over | (np.isinf(left) & np.isinf(to_flank) & np.isinf(to_stop))
+        state = _advance(train, phase, step == to_flank, step == to_stop)
+        state = _arrive(state, ended, targets[piece, everyone])
+        over = over | (ended & (piece == len(durations) - 1))
+        if over.all():
+            return
+        time, left, piece = time + step, left - step, np.where(ended & ~over, piece + 1, piece)
+        left = np.where(ended & ~over, durations[piece, everyone], left)
+    raise UsageError(f"more than {_MOST_EVENTS} events: shorten the drive")
+
+
+def _commanded(
+    train: Constants, durations: FloatArray, accelerations: FloatArray, state: Moving
+) -> FloatArray:
+    """Return the motor's velocity at the end of each piece if it is held to a command, else nan.
+
+    Rounding must not leave a standing motor creeping: it would cross the gap in the end.
+    """
+    held = np.broadcast_to(train.motor_share, state.motor_velocity.shape) == 1.0
+    velocity, ends = state.motor_velocity, []
+    for duration, acceleration in zip(durations, accelerations, strict=True):
+        change = acceleration * np.where(np.isinf(duration) & (acceleration == 0), 0.0, duration)
+        total = velocity + change
+        velocity = np.where(np.abs(total) <= 1e-15 * np.abs(velocity), 0.0, total)
+        ends.append(np.where(held, velocity, np.nan))
+    return np.array(ends)
+
+
+def _arrive(state: Moving, ended: npt.NDArray[np.bool_], target: FloatArray) -> Moving:
+    """Return the state with a held motor, and what it pushes, exactly at its command's velocity."""
+    exact = ended & ~np.isnan(target)
+    return state._replace(
+        motor_velocity=np.where(exact, target, state.motor_velocity),
+        load_velocity=np.where(exact & (state.contact != 0), target, state.load_velocity),
+    )
+
+
+def _settle(
+    train: Constants, state: Moving, motor: FloatArray
+) -> tuple[Moving, FloatArray, FloatArray]:
+    """Return the state after impacts and partings, and the accelerations of load and motor."""
+    side, share = state.contact, train.motor_share
+    hits = side * (state.motor_velocity - state.load_velocity) > 0
+    # plastic impact: common velocity, momentum kept
+    common = share * state.motor_velocity + (1.0 - share) * state.load_velocity
+    velocity = np.where(hits, common, state.load_velocity)
+    motor_velocity = np.where(hits, common, state.motor_velocity)
+    alone = _slide(np.broadcast_to(train.load_push, motor.shape), train.friction, velocity)
+    # contact can only push: it lasts while the bodies, left alone, would not move apart
+    stays = (side != 0) & (motor_velocity == velocity) & (side * (motor - alone) >= 0)
+    push = share * motor + (1.0 - share) * train.load_push
+    together = _slide(push, (1.0 - share) * train.friction, velocity)
+    settled = state._replace(
+        load_velocity=velocity, motor_velocity=motor_velocity, contact=np.where(stays, side, 0)
+    )
+    return settled, np.where(stays, together, alone), np.where(stays, together, motor)
+
+
+def _slide(push: FloatArray, friction: float | FloatArray, velocity: FloatArray) -> FloatArray:
+    """Return the acceleration under Coulomb friction: sticking where at rest and pushed weakly."""
+    held = np.sign(push) * np.maximum(np.abs(push) - friction, 0.0)
+    return np.where(velocity == 0, held, push - np.sign(velocity) * friction)
+
+
+def _time_to_flank(train: Constants, state: Moving, a_gap: FloatArray) -> FloatArray:
+    times = [
+        _first_arrival(
+            np.maximum(train.half_gap - side * state.gap_angle, 0.0),
+            side * (state.motor_velocity - state.load_velocity),
+            side * a_gap,
+        )
+        for side in (1, -1)
+    ]
+    return np.where(state.contact == 0, np.minimum(*times), np.inf)
+
+
+def _first_arrival(
+    way: FloatArray, velocity: npt.NDArray[np.float64], acceleration: npt.NDArray[np.float64]
+) -> FloatArray:
+    """Return the least positive time at which v t + a t²/2 = way >= 0, or infinity."""
+    square = velocity**2 + 2 * acceleration * way
+    root = np.sqrt(np.maximum(square, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        forward = np.where(velocity + root > 0, 2 * way / (velocity + root), np.inf)
+        back = np.where(acceleration > 0, (root - velocity) / acceleration, np.inf)
+    time = np.where(square < 0, np.inf, np.where(velocity < 0, back, forward))
+    # parted by less than rounding shows, and coming together again
+    return np.where((way == 0) & (velocity == 0) & (acceleration > 0), 0.0, time)
+
+
+def _time_to_stop(train: Constants, state: Moving, a_load: FloatArray) -> FloatArray:
+    slows = (state.load_velocity * a_load < 0) & (np.asarray(train.friction) > 0)
+    with np.errstate(over="ignore"):
+        return np.where(slows, -state.load_velocity / np.where(slows, a_load, 1.0), np.inf)
+
+
+def _advance(
+    train: Constants, phase: Phase, flank: npt.NDArray[np.bool_], stop: npt.NDArray[np.bool_]
+) -> Moving:
+    """Return the state at the end of a phase: exactly on the flank, or at rest, if that ends it."""
+    state, step, a_load = phase.state, phase.duration, phase.load_acceleration
+    a_gap = phase.motor_acceleration - a_load
+    gap_velocity = state.motor_velocity - state.load_velocity
+    gap_angle = state.gap_angle + (gap_velocity + a_gap * step / 2) * step
+    side = np.where(gap_angle > 0, 1, -1)
+    stands = stop & (state.contact != 0)
+    return Moving(
+        load_angle=state.load_angle + (state.load_velocity + a_load * step / 2) * step,
+        load_velocity=np.where(stop, 0.0, state.load_velocity + a_load * step),
+        gap_angle=np.where(flank, side * train.half_gap, gap_angle),
+        motor_velocity=np.where(
+            stands, 0.0, state.motor_velocity + phase.motor_acceleration * step
+        ),
+        contact=np.where(flank, side, state.contact),
+    )
+
+
+def _sample(phase: Phase, points: int) -> tuple[FloatArray, int, FloatArray]:
+    t = np.linspace(0.0, phase.duration[0], points)
+    angle, velocity, gap, motor, contact = (values[0] for values in phase.state)
+    a_load = phase.load_acceleration[0]
+    a_gap, gap_velocity = phase.motor_acceleration[0] - a_load, motor - velocity
+    states = np.array([
+        angle + (velocity + a_load * t / 2) * t,
+        velocity + a_load * t,
+        gap + (gap_velocity + a_gap * t / 2) * t,
+        gap_velocity + a_gap * t,
+    ])  # fmt: skip
+    return phase.start[0] + t, int(contact), states

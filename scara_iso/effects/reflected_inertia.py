@@ -1,0 +1,20 @@
+"""The rotor seen through the gearbox: N^2 I_m takes the place of I_m in eq. 16."""
+
+from scara_iso.effects._effect import GearEffect, Parameter, Sizes, Sweep
+from scara_iso.effects._gap import deviation
+from scara_iso.run import FloatArray
+
+
+def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
+    return deviation(values["N"] ** 2 * sweep.I_m, sweep.I_L, sweep.gap)
+
+
+EFFECT = GearEffect(
+    name="reflected_inertia",
+    parameters=(Parameter("N", "N", "", "gear ratio through which the rotor acts"),),
+    cause="the rotor's inertia acts on the load through the gearbox, as N² Im",
+    confirm_by="vary the inertia of the payload: the deviation must follow 1 / (1 + IL / (N² Im))",
+    deviation=_deviation,
+    start=(10.0,),
+    bounds=((1.0, 1e4),),
+)
