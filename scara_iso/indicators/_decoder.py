@@ -25,21 +25,20 @@ def diagnose_parity(raw: bytes) -> str | None:
     """
     if raw.isascii() or not _TEXT.fullmatch(raw.translate(_SEVEN_BITS)):
         return None
-    match {byte.bit_count() % 2 for byte in raw}:
-        case parities if parities == {0}:
-            return "looks like 7E2 read as 8N1: open the port with 7 data bits and even parity"
-        case parities if parities == {1}:
-            return "looks like 7O2 read as 8N1: open the port with 7 data bits and odd parity"
-        case _:
-            return None
+    parities = {byte.bit_count() % 2 for byte in raw}
+    if parities == {0}:
+        return "looks like 7E2 read as 8N1: open the port with 7 data bits and even parity"
+    if parities == {1}:
+        return "looks like 7O2 read as 8N1: open the port with 7 data bits and odd parity"
+    return None
 
 
 class Decoder:
     """Turns the bytes of one port into the events of one dialect.
 
-    Holds at most ``dialect.longest_frame`` bytes. NULs and line ends before a frame are skipped:
-    instruments and adapters really send them. Everything else between two line ends is one line,
-    and a line is a frame as a whole or not at all.
+    Holds one byte more than ``dialect.longest_frame`` at most. NULs and line ends before a frame
+    are skipped: instruments and adapters really send them. Everything else between two line ends
+    is one line, and a line is a frame as a whole or not at all.
     """
 
     def __init__(self, dialect: Dialect) -> None:
@@ -63,14 +62,15 @@ class Decoder:
                 events.append(self._too_long(line))
             elif line:
                 events.extend(parse(line) or (self._garbage(line),))
-        self._rest = rest[:longest]
+        self._rest = rest[: longest + 1]
         self._beyond += len(rest) - len(self._rest)
-        return events if self._dialect.channel is None else [*map(self._of_channel, events)]
+        return events if self._dialect.channel is None else self._of_channel(events)
 
     def drop_partial(self) -> Garbage | None:
         """Forget a line that never ended, and return it: half a frame is never parsed."""
         count = len(self._rest) + self._beyond
-        dropped = Garbage(f"{count} bytes of a line that never ended", self._rest)
+        head = self._rest[: self._dialect.longest_frame]
+        dropped = Garbage(f"{count} bytes of a line that never ended", head)
         self._rest, self._beyond = b"", 0
         return dropped if count else None
 
@@ -78,17 +78,19 @@ class Decoder:
         longest = self._dialect.longest_frame
         count = len(line) + self._beyond
         reason = f"line of {count} bytes, and no frame has more than {longest}"
-        return Garbage(diagnose_parity(line[:longest]) or reason, line[:longest])
+        return Garbage(diagnose_parity(line[: longest + 1]) or reason, line[:longest])
 
     def _garbage(self, line: bytes) -> Garbage:
         return Garbage(diagnose_parity(line) or f"no frame of {self._dialect.key}", line)
 
-    def _of_channel(self, event: Event) -> Event:
-        match event:
-            case Reading(channel=str(other)) | InstrumentFault(channel=str(other)):
-                if other != self._dialect.channel:
-                    return Notice(f"channel {other} speaks, and was not asked", event.raw)
-        return event
+    def _of_channel(self, events: list[Event]) -> list[Event]:
+        asked = self._dialect.channel
+        return [
+            Notice(f"channel {event.channel} speaks, and was not asked", event.raw)
+            if isinstance(event, Reading | InstrumentFault) and event.channel not in (None, asked)
+            else event
+            for event in events
+        ]
 
 
 def _split(data: bytes) -> list[bytes]:

@@ -32,16 +32,15 @@ _TYPES = {
 
 def parse(line: bytes) -> tuple[Event, ...]:
     """Return what one line of 13 nibbles says; nothing unless every nibble is in its range."""
-    line_ = line.upper() if line[:1] == b"f" else line
-    if found := _NORMAL.fullmatch(line_):
+    if found := _NORMAL.fullmatch(line):
         sign, digits, decimals, unit = found.groups()
         return (_reading(sign, digits, decimals, unit, line),)
-    if found := _LONG.fullmatch(line_):
+    if found := _LONG.fullmatch(line):
         more, sign, digits, decimals, unit = found.groups()
         return (_reading(sign, more + digits, decimals, unit, line),)
-    if found := _OTHER.fullmatch(line_):
+    if found := _OTHER.fullmatch(line):
         return (InstrumentFault(f"D1={found[1].decode()}", f"{_TYPES[found[1]]} value", line),)
-    if _NO_UNIT.fullmatch(line_):
+    if _NO_UNIT.fullmatch(line):
         # A dial always has a unit; nibble 8 is also what inch becomes with its bits reversed.
         return (InstrumentFault("D13", "the frame states no unit", line),)
     return ()

@@ -12,7 +12,7 @@ import re
 from scara_iso.indicators._dialect import Dialect, Event, InstrumentFault, LineSettings, Reading
 from scara_iso.indicators._grammar import decimal_text, show, spell
 
-_READING = re.compile(rb'([+-])(?=[ \d.]{10} )( *\d*\.\d+) ([ "?])([<=>? ])([SAGD ])')
+_READING = re.compile(rb'(?=.{15}\Z)([+-])( *\d*\.\d+) ([ "?])([<=>? ])([SAGD ])')
 _UNITS = {b" ": "mm", b'"': "inch"}
 _SERIES = {b"S": "minimum", b"G": "maximum", b"D": "difference"}
 

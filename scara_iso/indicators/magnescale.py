@@ -28,6 +28,8 @@ def _parser(header: bytes, *, width: int, values: int) -> Callable[[bytes], tupl
     whole = re.compile(rb"%b(?: %b){0,%d}" % (one, one, values - 1))
 
     def parse(line: bytes) -> tuple[Event, ...]:
+        if alone := item.fullmatch(line):
+            return (_event(alone.groups(b""), line),)
         if whole.fullmatch(line) is None:
             return ()
         return tuple(_event(fields, line) for fields in item.findall(line))

@@ -21,7 +21,7 @@ from scara_iso.indicators._dialect import (
 from scara_iso.indicators._grammar import UNITS, decimal_text, show, spell
 
 _FEATURE = re.compile(
-    rb"([123]) (?:([+-])(\d{3}\.\d{1,6}) (mm|um|inch|deg|rad)(?: ([<=>](?: [<=>])?))?"
+    rb"([123]) (?:([+-])(?=[\d.]{6} )(\d+\.\d+) (mm|um|inch|deg|rad)(?: ([<=>](?: [<=>])?))?"
     rb"|(ERR6|[+-]\d+:\d\d:\d\d dms))"
 )
 _SINGLE = re.compile(rb"([+\- ])(?=[\d.]{7}(?![\d.]))(\d+\.\d+)(mm|inch|in|um)")
@@ -53,8 +53,7 @@ def _feature(found: re.Match[bytes], line: bytes) -> Event:
 
 def compose_feature(text: str, unit: str | None, channel: str | None) -> bytes:
     """Return the answer of a C1202 to ``M1?`` when the feature shows ``text``."""
-    decimals = len(text.partition(".")[2])
-    sign, digits = show(text, digits=3 + decimals, decimals=_C1202.decimals)
+    sign, digits = show(text, digits=5, decimals=_C1202.decimals)
     name = spell(unit, {**_SPELLINGS, "deg": "deg", "rad": "rad"}, key=_C1202.key)
     return f"{channel or 1} {sign}{digits} {name}\r".encode("ascii")
 
@@ -84,15 +83,15 @@ _C1202 = Dialect(
     parse=parse_features,
     compose=compose_feature,
     longest_frame=3 * 24,
-    digits=6,
-    decimals=(3, 1, 2, 4, 5, 6),
+    digits=5,
+    decimals=(2, 1, 3, 4),
     units=("mm", "um", "inch", "deg", "rad"),
     request_template=b"M{channel}?\r",
     channels=("1", "2", "3"),
     channel="1",
     source="Mahr Millimar C1202 manual p. 82",
     confidence="high",
-    unverified=("decimals other than two, which follow unit and resolution",),
+    unverified=("five digits for every unit and resolution, as in the manual's examples",),
 )
 
 _C1240 = replace(
@@ -104,6 +103,7 @@ _C1240 = replace(
     compose=compose_single,
     terminator=b"\r\n",
     longest_frame=32,
+    digits=6,
     decimals=(3, 1, 2, 4, 5),
     units=("mm", "um", "inch"),
     request_template=b"?\r",

@@ -59,7 +59,8 @@ def _other_line(line: bytes) -> tuple[Event, ...]:
         message = _FAULTS.get(found[1], "unknown error") if found[1] else "outside the range"
         return (InstrumentFault(text, message, line),)
     if found := _NOTICE.fullmatch(line):
-        return (Notice(text, line, UNITS[found[1].lower()] if found[1] else None),)
+        low = ": battery low" if text.upper().endswith((" B0", "BAT0")) else ""
+        return (Notice(text + low, line, UNITS[found[1].lower()] if found[1] else None),)
     return ()
 
 
