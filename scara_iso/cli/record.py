@@ -17,39 +17,49 @@ def record_command(
         list[str] | None,
         typer.Option(
             metavar="AXIS=DRIVER@PORT",
-            help="An indicator, such as X=opto-rs232@/dev/ttyUSB0; once for each axis. PORT may "
-            "be a device, a URL, replay:FILE or sim:. Options go behind the driver: "
-            "X=mitutoyo-mux?unit=mm&channel=1@COM3 (unit, channel, baud, bits, parity, stop, "
-            "request, pattern).",
+            help="An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
+            "a URL such as socket://HOST:PORT, replay:FILE, or sim:.",
         ),
     ] = None,
     trigger: Annotated[
         str | None,
-        typer.Option(help="enter (key or foot switch), data (DATA key) or timer:SECONDS."),
+        typer.Option(
+            metavar="WHEN", help="enter (key or foot switch), data (DATA key), timer:SECONDS."
+        ),
     ] = None,
     cycles: Annotated[
-        int | None, typer.Option(help="Cycles to record, the first included; 31.", min=1)
+        int | None,
+        typer.Option(metavar="N", help="Cycles to record, the first included: 31.", min=1),
     ] = None,
     stable: Annotated[
-        int, typer.Option(help="Ask until so many readings agree within one count.", min=1, max=50)
+        int,
+        typer.Option(
+            metavar="K",
+            help="Ask until K readings in a row agree within one count.",
+            min=1,
+            max=50,
+        ),
     ] = 1,
     rearm: Annotated[
         float | None,
         typer.Option(
-            help="Refuse a reading that comes by itself so soon after the last [s]: 0.5; 0 for "
+            metavar="SECONDS",
+            help="Refuse a reading that comes by itself so soon after the last: 0.5, but 0 for "
             "recorded streams.",
             min=0,
         ),
     ] = None,
     unit: Annotated[
-        str | None, typer.Option(help="Unit of indicators that do not state theirs.")
+        str | None,
+        typer.Option(metavar="UNIT", help="Unit of indicators that do not state theirs."),
     ] = None,
     meta: Annotated[
         list[str] | None,
         typer.Option(metavar="KEY=VALUE", help='For the table\'s head: robot="FUM SCARA".'),
     ] = None,
     meta_file: Annotated[
-        Path | None, typer.Option(help="TOML file with lines for the table's head.")
+        Path | None,
+        typer.Option(metavar="FILE.toml", help="Lines key = value for the table's head."),
     ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the recording of OUT.csv.")
@@ -65,6 +75,9 @@ def record_command(
     """Record indicators into a table for analyze; every stored reading is safe on the disk.
 
     Example: scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data
+
+    Options of an indicator stand behind its driver: X=mitutoyo-mux?unit=mm&channel=1@COM3.
+    They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
     """
     from scara_iso.cli.recording import Options, rebuild_table, record_table
 

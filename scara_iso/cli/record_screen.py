@@ -8,6 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Mapping
 from types import TracebackType
+from typing import TypeAlias
 
 from scara_iso.cli.keyboard import KEYS, Keys
 from scara_iso.errors import WriteError
@@ -31,6 +32,8 @@ from scara_iso.recorder import (
 from scara_iso.render.live import AxisView, LiveScreen, LiveView
 
 REDRAW_S = 0.1
+_Shown: TypeAlias = tuple[float, str, str]
+"""A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
 _NEXT = {
     "enter": "bring the arm to the pose, let it settle, press Enter",
     "data": "bring the arm to the pose, let it settle, press DATA on the indicator",
@@ -71,11 +74,14 @@ class Screen:
         self._cycle = 1
         self._waiting: tuple[str, ...] = ()
         self._stored = 0
-        self._readings = {axis: dict(readings) for axis, readings in earlier.items()}
-        self._shown: dict[str, tuple[str, str]] = {}
+        self._readings: dict[str, dict[int, _Shown]] = {
+            axis: {cycle: (value, f"{value:g}", "") for cycle, value in readings.items()}
+            for axis, readings in earlier.items()
+        }
         self._status = ("", "plain")
         self._troubles: Counter[str] = Counter()
         self._paused = False
+        self._last = ""
         self._drawn = 0.0
         self._stale = True
 
@@ -95,15 +101,22 @@ class Screen:
     def poll(self) -> Command | None:
         """Redraw if it is time to, and return the operator's command."""
         command = self._operator.poll()
-        asking = isinstance(self._operator, Keys) and bool(self._operator.prompt)
-        if (self._stale or asking) and time.monotonic() - self._drawn > REDRAW_S:
-            self._live.show(self._view())
-            self._drawn, self._stale = time.monotonic(), asking
+        self._stale |= isinstance(self._operator, Keys) and bool(self._operator.prompt)
+        self._redraw()
         return command
 
-    def tell(self, said: Said) -> None:  # noqa: C901 - one case for each thing said
+    def _redraw(self) -> None:
+        if self._stale and time.monotonic() - self._drawn > REDRAW_S:
+            self._live.show(self._view())
+            self._drawn, self._stale = time.monotonic(), False
+
+    def tell(self, said: Said) -> None:
         """Take what the session says."""
+        self._take(said)
         self._stale = True
+        self._redraw()
+
+    def _take(self, said: Said) -> None:  # noqa: C901 - one case for each thing said
         match said:
             case Started():
                 self._trigger, self._cycles = said.trigger, said.cycles
@@ -112,8 +125,7 @@ class Screen:
             case Waiting():
                 self._cycle, self._waiting = said.cycle, said.missing
             case Stored():
-                self._readings[said.axis][said.cycle] = said.value
-                self._shown[said.axis] = (said.text, said.unit)
+                self._readings[said.axis][said.cycle] = (said.value, said.text, said.unit)
                 self._status = (f"{said.axis} {said.text} {said.unit} of cycle {said.cycle} STORED",
                                 "good")  # fmt: skip
             case CycleDone():
@@ -138,6 +150,8 @@ class Screen:
                 self._status = ("paused" if on else "goes on", "plain")
             case Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
+                short = said.cycles < said.planned
+                self._last = f"{'record --resume' if short else 'analyze'} {said.table}"
 
     def _trouble(self, kind: str, message: str) -> None:
         self._troubles[kind] += 1
@@ -151,18 +165,22 @@ class Screen:
             axes=[self._axis(name) for name in self._readings],
             status=self._status,
             troubles=", ".join(f"{n} {kind}" for kind, n in sorted(self._troubles.items())),
-            next_step="" if over else self._next_step(),
+            next_step=self._next_step(),
             keys="" if over or not isinstance(self._operator, Keys) else KEYS,
             prompt=self._operator.prompt if isinstance(self._operator, Keys) else "",
         )
 
     def _axis(self, name: str) -> AxisView:
-        text, unit = self._shown.get(name, ("", ""))
-        used = tuple(v for cycle, v in self._readings[name].items() if cycle > 1)
+        readings = self._readings[name]
+        last = max(readings, default=0)
+        _, text, unit = readings.get(last, (0.0, "", ""))
+        used = tuple(shown[0] for cycle, shown in readings.items() if cycle > 1)
         mean, RP = _figures(used)
-        return AxisView(name, text, unit, max(self._readings[name], default=0), used, mean, RP)
+        return AxisView(name, text, unit, last, used, mean, RP)
 
     def _next_step(self) -> str:
+        if self._last:
+            return f"Now: scara-iso {self._last}"
         if self._paused:
             return "Paused: press p to go on"
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""

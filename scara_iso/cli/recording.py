@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -133,7 +133,10 @@ def _ask_metadata() -> dict[str, str]:
     """Ask once for what the report will want to state; an empty answer leaves it out."""
     sys.stdout.write("For the head of the table (Enter leaves a line out):\n")
     width = max(map(len, ASKED))
-    answers = {key: input(f"  {key.replace('_', ' '):<{width}} ").strip() for key in ASKED}
+    answers: dict[str, str] = {}
+    with suppress(EOFError):
+        for key in ASKED:
+            answers[key] = input(f"  {key.replace('_', ' '):<{width}} ").strip()
     return check_metadata({key: answer for key, answer in answers.items() if answer})
 
 

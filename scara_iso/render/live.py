@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
+from rich.padding import Padding
 from rich.text import Text
 
 from scara_iso.render.terminal import encodes, printable, sparkline
@@ -16,6 +17,7 @@ from scara_iso.report.digits import decimals
 _BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
 _TONES = {"good": "bold green", "bad": "bold red", "quiet": "dim", "plain": ""}
 _INDENT = "  "
+_WIDE = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,26 +75,37 @@ def draw(view: LiveView, console: Console) -> RenderableType:
     """Return the view for the console's width and characters."""
     blocks = encodes(console, _BLOCKS)
     width = max(console.width, 20)
-    lines = [_head(view, width), _progress(view, width, blocks=blocks), Text()]
+    lines: list[RenderableType] = [
+        _head(view, width),
+        _progress(view, width, blocks=blocks),
+        Text(),
+    ]
+    places = decimals([axis.RP for axis in view.axes if axis.RP])
     for axis in view.axes:
-        lines += _axis(axis, width, blocks=blocks)
+        lines += _axis(axis, width, places, blocks=blocks)
+    return Group(*lines, Text(), *_foot(view, blocks=blocks))
+
+
+def _foot(view: LiveView, *, blocks: bool) -> list[RenderableType]:
     text, tone = view.status
     mark = {"good": "✔ " if blocks else "OK ", "bad": "✘ " if blocks else "!! "}.get(tone, "")
-    lines += [Text(), Text(f"{_INDENT}{mark}{printable(text)}", _TONES[tone])]
-    lines += [Text(f"{_INDENT}{view.troubles}", "yellow")] if view.troubles else []
-    lines += [Text(f"{_INDENT}{printable(view.next_step)}", "bold")]
-    last = Text(f"{_INDENT}{printable(view.prompt)}_", "bold yellow")
-    lines += [last if view.prompt else Text(f"{_INDENT}{view.keys}", "dim")]
-    return Group(*lines)
+    last = (f"{view.prompt}_", "bold yellow") if view.prompt else (view.keys, "dim")
+    lines = [(f"{mark}{text}", _TONES[tone]), (view.troubles, "yellow"), (view.next_step, "bold")]
+    return [
+        Padding(Text(printable(text), style), (0, 0, 0, len(_INDENT)))
+        for text, style in [*lines, last]
+        if text
+    ]
 
 
 def _head(view: LiveView, width: int) -> Text:
-    count = f"{view.stored} of {view.cycles} cycles stored"
+    words = "cycles stored" if width >= _WIDE else "stored"
+    count = f"{view.stored} of {view.cycles} {words}"
     title = printable(view.title)
-    room = width - len(count) - 2 * len(_INDENT)
+    room = width - len(count) - 2 * len(_INDENT) - 1
     if len(title) > room:
         title = "…" + title[len(title) - room + 1 :] if room > 4 else ""
-    line = Text(f"{_INDENT}{title:<{room}}", "bold")
+    line = Text(f"{_INDENT}{title:<{room}} ", "bold")
     line.append(f"{count}", "bold" if view.stored < view.cycles else "bold green")
     return line
 
@@ -104,14 +117,14 @@ def _progress(view: LiveView, width: int, *, blocks: bool) -> Text:
     return Text.assemble(_INDENT, (full * done, "green"), (empty * (room - done), "dim"))
 
 
-def _axis(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
+def _axis(axis: AxisView, width: int, places: int, *, blocks: bool) -> list[Text]:
     """Return the figures of an axis, on one line or two, and its strip."""
     name = Text(f"{_INDENT}{axis.name:<6}", "bold")
     value = f"{axis.shown} {axis.unit}".strip() or "-"
     name.append(f"{printable(value):>14} ", "bold green" if axis.stored else "")
     mark = "✔" if blocks else "OK"
     name.append(f"{mark} {axis.stored:<3}" if axis.stored else " " * 5, "bold green")
-    figures = Text(_figures(axis), "cyan")
+    figures = Text(_figures(axis, places), "cyan")
     lines = [name + figures] if len(name) + len(figures) <= width else [name, _below(figures)]
     if axis.readings:
         shown = np.array(axis.readings[-(width - 10) :])
@@ -119,11 +132,11 @@ def _axis(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
     return lines
 
 
-def _figures(axis: AxisView) -> str:
+def _figures(axis: AxisView, places: int) -> str:
     if axis.RP is None or axis.mean is None:
         return ""
-    places = decimals([axis.RP]) if axis.RP else 4
-    return f" mean {axis.mean:.{places}f}  RP {axis.RP:.{places}f}"
+    count = len(axis.readings)
+    return f"  n {count}  mean {axis.mean:.{places}f}  RP {axis.RP:.{places}f}"
 
 
 def _below(text: Text) -> Text:
