@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scara_iso.render.terminal import open_console, printable, show, sparkline
-from scara_iso.report import Notice, Section, Strip, Table, Text
+from scara_iso.report.blocks import Notice, Section, Strip, Table, Text
 
 HOSTILE = "[bold red]x[/] \x1b[31mred \x07 \u202egnp.exe \u2028 :smile: [link=http://e]e[/link]"
 

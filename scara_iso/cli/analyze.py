@@ -61,7 +61,7 @@ def analyze_command(
     """
     from scara_iso import analyze, read_table
     from scara_iso.render.json import analysis_json
-    from scara_iso.report import analysis_report
+    from scara_iso.report.analysis import analysis_report
 
     run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
     analysis = analyze(

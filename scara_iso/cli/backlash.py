@@ -42,6 +42,6 @@ def backlash_command(
 
         write_json(backlash_json(result, pose))
     else:
-        from scara_iso.report import backlash_report
+        from scara_iso.report.backlash import backlash_report
 
         write_report(backlash_report(result, pose))

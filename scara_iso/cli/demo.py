@@ -12,7 +12,8 @@ def demo_command() -> None:
     """
     from scara_iso import analyze
     from scara_iso.paper import first_joint, table_1
-    from scara_iso.report import analysis_report, backlash_report
+    from scara_iso.report.analysis import analysis_report
+    from scara_iso.report.backlash import backlash_report
     from scara_iso.report.paper import next_steps, paper_section
 
     analysis = analyze(table_1())

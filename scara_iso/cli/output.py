@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from scara_iso.errors import CannotCreateError
 
 if TYPE_CHECKING:
-    from scara_iso.report import Report
+    from scara_iso.report.blocks import Report
 
 
 @dataclass(slots=True)

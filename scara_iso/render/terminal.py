@@ -16,7 +16,7 @@ from rich.measure import Measurement
 from rich.table import Table as RichTable
 from rich.text import Text as RichText
 
-from scara_iso.report import Block, Notice, Report, Strip, Table, Text
+from scara_iso.report.blocks import Block, Notice, Report, Strip, Table, Text
 from scara_iso.run import FloatArray
 
 _STYLES = {

@@ -64,7 +64,7 @@ def _check_layout(layout: Layout, faults: Faults) -> None:
         field = column.position + 1
         if column.kind in (Kind.NAMELESS, Kind.COMMENT):
             continue
-        if column.name.startswith(("=", "@")):
+        if layout.header[column.position].startswith(("=", "@")):
             faults.add("a formula for a column's name", layout.header_line, field)
         kind = Kind.COVARIATE if column.kind is Kind.TIMESTAMP else column.kind
         name = "time_s" if column.kind is Kind.TIMESTAMP else column.name

@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import KEPT, Faults, show
-from scara_iso.tables.layout import Layout, header_cells, is_rule, names_an_axis, read_statement
-from scara_iso.tables.names import Kind
+from scara_iso.tables.layout import (
+    Layout,
+    header_cells,
+    is_comment,
+    is_rule,
+    names_an_axis,
+    read_statement,
+)
+from scara_iso.tables.names import Kind, names_a_footer
 from scara_iso.tables.numbers import BLANKS, parse_number
 from scara_iso.tables.statements import is_of_axes
 from scara_iso.tables.text import Row
 
 _NOTES = 50
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
-_FOOTERS = """
-mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev sd
-stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max maximum
-range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
-wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
-tolerance toleranz result results ergebnis rms
-"""
-_WORDS = frozenset(_FOOTERS.split())
-_SHORT = frozenset(["s", "n", "r", "x", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])
-_FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
 
 
 class Body:
@@ -61,8 +57,8 @@ class Body:
         """Yield line and cells of the rows of readings, each as wide as the header."""
         for line, cells in rows:
             texts = [cell if isinstance(cell, str) else repr(cell) for cell in cells]
-            if self._is_numbered(cells):
-                self._check_label(line, texts[0])
+            comment = bool(texts) and is_comment(texts[0])
+            if self._is_numbered(cells) and not comment:
                 yield from self._reading(line, cells)
                 continue
             text = ", ".join(t for t in map(_stripped, texts) if t)
@@ -71,20 +67,11 @@ class Body:
             elif not self._is_besides(line, texts, text):
                 yield from self._reading(line, cells)
 
-    def _check_label(self, line: int, label: str) -> None:
-        """Refuse a footer's name where a pose may have it: the rows would be lost."""
-        if _first_word(label) in _WORDS:
-            self.faults.add(
-                f"{show(label)}: the label of readings or of a footer?",
-                line,
-                remedy="name the pose otherwise, or remove the footer",
-            )
-
     def _is_besides(self, line: int, texts: list[str], text: str) -> bool:
         """Return whether a row is no reading, and say what it is."""
         if tuple(header_cells(texts)) == self.layout.header:
             self._repeated(line)
-        elif text.startswith("#"):
+        elif is_comment(text):
             statement = read_statement(Row(line, texts, text, line))
             if statement and is_of_axes(statement[0]):
                 self.faults.add(f"{show(text)} under the header", line, remedy=_ONE_TABLE)
@@ -119,11 +106,12 @@ class Body:
     def _is_footer(self, line: int, texts: list[str]) -> bool:
         """Return whether the first text of a row is the label of a footer, such as ``Mean``."""
         label = next((t for t in map(_stripped, texts) if t and parse_number(t) is None), "")
-        word = _first_word(label)
-        if word not in _WORDS and (self._cycle is None or word not in _SHORT):
+        if not names_a_footer(label, short=self._cycle is not None):
             return False
         if self._cycle is None and label in self._labels:
-            self._check_label(line, label)
+            self.faults.add(
+                f"{show(label)} again: a pose or a footer?", line, remedy="number the cycles"
+            )
         self._labels.add(label)
         return True
 
@@ -181,11 +169,6 @@ class Body:
 
 def _stripped(text: str) -> str:
     return text.strip(BLANKS)
-
-
-def _first_word(label: str) -> str:
-    match = _FIRST_WORD.search(label.lower())
-    return match[0] if match else ""
 
 
 def _is_filled(cell: Cell) -> bool:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scara_iso.run import FloatArray, IntArray
 from scara_iso.tables.faults import Faults, show
 from scara_iso.tables.layout import Layout
-from scara_iso.tables.names import Column, Kind, read_timestamp
+from scara_iso.tables.names import Column, Kind, names_a_footer, read_timestamp, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, Number, parse_clean, parse_number
 
 Cell = str | float
@@ -35,7 +35,7 @@ class Columns:
 
     def add_clean(self, rows: Sequence[Sequence[str]], first_line: int) -> bool:
         """Take rows that are all as the header says, or take nothing and return False."""
-        if set(map(len, rows)) != {self.layout.width}:
+        if set(map(len, rows)) != {self.layout.width} or any(row[0][:1] == "#" for row in rows):
             return False
         columns = list(zip(*rows, strict=True))
         parts = []
@@ -69,7 +69,7 @@ class Columns:
                 return part if part is not None and _are_counts(part[0]) else None
             case Kind.POSE:
                 labels = [cell.strip(BLANKS) for cell in cells]
-                clean = not any(_label_fault(x) or x[0] in "#'" for x in set(labels))
+                clean = not any(_label_fault(x) or x[0] == "'" for x in set(labels))
                 return (np.array(labels), Mark.NONE) if clean else None
             case Kind.TIMESTAMP:
                 stamps = [read_timestamp(cell) for cell in cells]
@@ -126,7 +126,8 @@ class Columns:
             self._note_unit(column, "", line)
             return cell
         number = parse_number(cell, self.decimal)
-        if number is None or not math.isfinite(number.value):
+        strange = column.kind is Kind.AXIS and number and number.unit and not read_unit(number.unit)
+        if number is None or strange or not math.isfinite(number.value):
             self._fault(column, _not_a_number(cell), line)
             return 0.0
         self._note_mark(column, number, cell, line)
@@ -196,6 +197,8 @@ def _label_fault(label: str) -> str:
     """Return what is wrong with a pose label, or nothing."""
     if not label:
         return "is no pose"
+    if names_a_footer(label):
+        return "is the label of a footer, not of a pose"
     if len(label) > _LABEL:
         return f"is longer than the {_LABEL} characters of a pose label"
     if label[0] in "=@" or (label[0] in "+-" and parse_number(label) is None):

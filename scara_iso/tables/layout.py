@@ -15,6 +15,7 @@ HEAD = 200
 """Lines in which the header must come."""
 COLUMNS = 1000
 """Columns that a table may have."""
+_ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
 _RULE = re.compile(r"[-=_+*|]{3,}(?:[, ]*[-=_+*|]{3,})*")
 _NAME = 80
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
@@ -127,6 +128,11 @@ def _next_row(rows: Sequence[Row], k: int) -> int | None:
         if text and not is_rule(text) and not text.startswith("#"):
             return j
     return None
+
+
+def is_comment(text: str) -> bool:
+    """Return whether a row begins with ``#``, and not with a spreadsheet's ``#DIV/0!``."""
+    return text.startswith("#") and not _ERROR_CODE.match(text)
 
 
 def is_rule(text: str) -> bool:

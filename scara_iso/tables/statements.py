@@ -65,6 +65,7 @@ def read_scales(
     if missing and faults.total == before:
         faults.add(
             f"no unit stated for {listed(missing)}",
+            header_line,
             remedy="name it with --unit mm, or in a line '# unit: mm' above the header",
         )
     sizes = _Sizes(statements, units, general, faults)

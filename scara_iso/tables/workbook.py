@@ -19,6 +19,7 @@ _UNPACKED = 512 * 2**20
 _CELLS = 10_000_000
 _PARTS = 1_000_000
 _CELL = re.compile(rb'<c [^<>]*?\br="([A-Z]{1,3})([0-9]{1,7})"[^<>]*>')
+_ERROR = "#VALUE!"
 _REMEDY = "save the sheet with the readings as CSV (UTF-8)"
 _MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 _LINK = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id"
@@ -104,9 +105,11 @@ def _column(letters: bytes) -> int:
 
 def _with_errors(rows: list[list[Cell]], errors: list[tuple[int, int]]) -> list[list[Cell]]:
     for row, column in errors:
-        if row < len(rows) and column < len(rows[row]):
-            rows[row][column] = "#ERROR!"
-    return rows
+        rows += [[] for _ in range(row + 1 - len(rows))]
+        rows[row] += [""] * (column + 1 - len(rows[row]))
+        rows[row][column] = _ERROR
+    width = max(map(len, rows), default=0)
+    return [row + [""] * (width - len(row)) for row in rows]
 
 
 def _cell(value: object) -> Cell:
