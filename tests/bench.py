@@ -27,6 +27,7 @@ class Script:
 
     settle_s = 0.0
     unit = None
+    simulated = False
 
     def __init__(self, clock, *, answer=lambda k: [], pushes=(), lost_at=math.inf, settle_s=0.0):
         self.address = self.identity = "script"

@@ -3,12 +3,16 @@
 import socket
 import sys
 import threading
+from pathlib import Path
 
+import numpy as np
 import pytest
 import serial
 
+from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, InstrumentError, NoInputError, UsageError
 from scara_iso.indicators import Decoder, LineSettings, Reading, find_dialect, find_dialects
+from scara_iso.model import read_model, simulate
 from scara_iso.ports import (
     DevicePort,
     ReplayPort,
@@ -20,6 +24,7 @@ from scara_iso.ports import (
     open_port,
     refuse_same_device,
 )
+from scara_iso.ports.simulated import MODEL_CYCLES
 from scara_iso.ports.tape import decode, encode, read_tape
 from scara_iso.recorder.spec import parse_gauge, parse_gauges, parse_metadata, read_metadata
 
@@ -66,9 +71,15 @@ def test_a_file_of_bytes_answers_each_request_with_a_line(tmp_path):
     assert port.ended
 
 
+SESSION = {
+    "event": "session",
+    "t": 0.0,
+    "gauges": {"X": {"unit": "mm", "simulated": True}, "Y": {"unit": None, "simulated": False}},
+}
+
+
 def tape(path, *records):
-    header = {"event": "session", "t": 0.0, "gauges": {"X": {"unit": "mm"}, "Y": {"unit": None}}}
-    path.write_bytes(b"".join(map(encode, [header, *records])))
+    path.write_bytes(b"".join(map(encode, [SESSION, *records])))
     return path
 
 
@@ -80,12 +91,12 @@ def test_a_raw_file_comes_at_its_recorded_times(tmp_path):
     path = tape(
         tmp_path / "r.raw.jsonl",
         chunk(0.5, b"+001."), chunk(0.6, b"234\r"), chunk(0.7, b"nothing", "Y"),
-        {"event": "session", "t": 0.0, "gauges": {"X": {"unit": "mm"}, "Y": {"unit": None}}},
-        chunk(0.5, b"+001.235\r"),
+        SESSION, chunk(0.5, b"+001.235\r"),
     )  # fmt: skip
     clock = StreamClock(paced=False)
     port = replay(path, clock)
     assert port.unit == "mm"
+    assert port.simulated
     assert listen(port, clock, 5) == [(0.5, b"+001."), (0.6, b"234\r"), (1.2, b"+001.235\r")]
 
 
@@ -154,6 +165,18 @@ def test_a_simulation_is_the_same_every_time_and_differs_by_seed_and_axis():
 def test_a_simulation_shows_what_its_source_says():
     assert simulated("sim:", source=lambda k: k / 1000).startswith(b"+000.000mm\r+000.001mm\r")
     assert simulated("sim:?unit=inch", source=lambda k: 25.4).startswith(b"+001.000in\r")
+
+
+def test_a_simulation_shows_what_a_model_predicts():
+    model = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+    heard = simulated(f"sim:?model={model}")
+    values = [float(e.text) for e in Decoder(OPTO).feed(heard)]
+    rng = np.random.default_rng(0)
+    conditions = Conditions(np.arange(1, MODEL_CYCLES + 1), {})
+    predicted = simulate(read_model(model), conditions, rng=rng).axes["X"].readings
+    assert values == pytest.approx(predicted[: len(values)], abs=0.0005)
+    with pytest.raises(UsageError, match="no axis X in deg"):
+        simulated(f"sim:?unit=deg&model={model}")
 
 
 @pytest.mark.parametrize(

@@ -90,6 +90,7 @@ def test_a_recording_replayed_gives_the_readings_again(run, tmp_path, trigger):
     before, after = read_table(tmp_path / "run.csv"), read_table(tmp_path / "again.csv")
     for axis in "XY":
         assert after.axes[axis].readings.tolist() == before.axes[axis].readings.tolist()
+    assert after.metadata["simulated"] == "X Y"
 
 
 def test_every_stored_reading_stands_in_the_received_bytes(run, tmp_path):
@@ -108,6 +109,16 @@ def test_a_stream_that_ends_early_says_so(run, tmp_path):
     assert code == 0
     assert events(out)[-1]["cycles"] == 2
     assert run("analyze", "a.csv")[0] == 65
+
+
+def test_a_stream_without_a_reading_is_an_error_and_leaves_nothing(run, tmp_path):
+    (tmp_path / "stream").write_bytes(b"ERR3\r")
+    code, _, err = run(
+        "record", "a.csv", "--gauge", "X=opto-rs232@replay:stream", "--trigger", "data"
+    )
+    assert code == 69
+    assert "no reading was recorded" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["stream"]
 
 
 def test_a_unit_that_nobody_states_is_an_error_that_names_the_option(run, tmp_path):

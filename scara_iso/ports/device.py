@@ -38,6 +38,7 @@ class DevicePort:
     unit: str | None = None
     settle_s = SETTLE_S
     ended = False
+    simulated = False
 
     def __init__(self, address: str, line: LineSettings) -> None:
         self.address = address

@@ -19,6 +19,8 @@ class Port(Protocol):
     """One line for the record: which device this is."""
     unit: str | None
     """The unit that a recording or a simulation states for its indicator; None for a cable."""
+    simulated: bool
+    """Whether the readings are made up, also where they were recorded so."""
     settle_s: float
     """What arrives in this time after opening was under way before it [s]."""
 

@@ -42,6 +42,7 @@ class Stream:
     pushed: _Chunks = field(default_factory=list)
     answers: dict[bytes, deque[_Chunks]] = field(default_factory=lambda: defaultdict(deque))
     unit: str | None = None
+    simulated: bool = False
 
 
 class ReplayPort:
@@ -59,6 +60,7 @@ class ReplayPort:
         self.address = self.identity = address
         stream = _load(Path(name), dialect, options.get("gauge", axis), asked=asked)
         self.unit = stream.unit
+        self.simulated = stream.simulated
         self._clock = clock
         self._answers = stream.answers
         self._order = 0
@@ -141,6 +143,7 @@ def _from_tape(path: Path, axis: str, *, asked: bool) -> Stream:
         match record:
             case {"event": "session", "gauges": gauges}:
                 stream.unit = gauges[axis]["unit"] or stream.unit
+                stream.simulated |= gauges[axis]["simulated"]
             case {"event": "stored", "unit": str(unit)}:
                 stream.unit = unit
             case {"event": "out", "hex": str(text)} if asked:

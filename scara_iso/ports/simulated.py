@@ -6,13 +6,14 @@ import math
 import random
 from collections.abc import Callable
 from decimal import Decimal
+from pathlib import Path
 from typing import TypeAlias
 
 from scara_iso.errors import UsageError
 from scara_iso.indicators import Dialect, LinePulse, find_dialect
 from scara_iso.ports.clock import Clock, StreamClock
 from scara_iso.ports.port import number, split_options
-from scara_iso.quantities import parse_unit
+from scara_iso.quantities import Unit, parse_unit
 
 OPTIONS = {
     "value": "value it scatters around [mm]",
@@ -20,9 +21,12 @@ OPTIONS = {
     "unit": "unit of its display",
     "seed": "whole number, default 0",
     "every": "seconds between readings that it sends by itself",
+    "model": "model file (.toml) that gives the values, instead of value and scatter",
     "pace": "0 for as fast as possible, 1 (default) for real time",
 }
 ANSWER_S = 0.02
+MODEL_CYCLES = 10_000
+"""As many cycles are computed of a model; the last one is shown ever after."""
 AT_REST_S = 0.03
 """Asked again within this time after an answer, the arm has not moved: the same value [s]."""
 
@@ -39,6 +43,7 @@ class SimulatedPort:
 
     settle_s = 0.0
     ended = False
+    simulated = True
 
     def __init__(
         self,
@@ -56,7 +61,7 @@ class SimulatedPort:
         self.identity = f"{address} (simulated)"
         self.unit: str | None = options.get("unit") or self._dialect.units[0] or "mm"
         self._size = parse_unit(self.unit)
-        self._source = source or scatter(axis, options)
+        self._source = source or _source(axis, options, self._size)
         self._clock = clock
         self._poses = 0
         self._text = ""
@@ -111,11 +116,40 @@ def paced(address: str) -> bool:
     return split_options(address.removeprefix("sim:"), OPTIONS)[1].get("pace", "1") != "0"
 
 
-def scatter(axis: str, options: dict[str, str]) -> Source:
-    """Return readings that warm up by 3 um over the first ten poses and scatter around a value."""
+def _source(axis: str, options: dict[str, str], unit: Unit) -> Source:
     seed = options.get("seed", "0")
-    if not seed.isdecimal():
+    if not (seed.isascii() and seed.isdigit() and len(seed) < 19):
         raise UsageError(f"seed={seed} is not a whole number")
+    if "model" in options:
+        return of_model(Path(options["model"]), axis, unit, int(seed))
+    return scatter(axis, options, int(seed))
+
+
+def of_model(path: Path, axis: str, unit: Unit, seed: int) -> Source:
+    """Return the readings that a model file predicts, with its scatter; the same for every axis.
+
+    Raises what `read_model` raises, and `UsageError` where the model has no such axis.
+    """
+    import numpy as np  # noqa: PLC0415 - only where a model is named
+
+    from scara_iso.effects import Conditions  # noqa: PLC0415
+    from scara_iso.model import read_model, simulate  # noqa: PLC0415
+
+    rng = np.random.default_rng(seed)
+    run = simulate(read_model(path), Conditions(np.arange(1, MODEL_CYCLES + 1), {}), rng=rng)
+    column = run.axes.get(axis)
+    if column is None or column.dimension is not unit.dimension:
+        raise UsageError(
+            f"the model has no axis {axis} in {unit.base_name}",
+            where=str(path),
+            remedy=f"its axes: {', '.join(f'{a.name} in {a.unit}' for a in run.axes.values())}",
+        )
+    readings = column.readings.tolist()
+    return lambda k: float(readings[min(k, MODEL_CYCLES - 1)])
+
+
+def scatter(axis: str, options: dict[str, str], seed: int) -> Source:
+    """Return readings that warm up by 3 um over the first ten poses and scatter around a value."""
     noise = random.Random(f"{axis}/{seed}")  # noqa: S311 - readings, not secrets
     value = number(options, "value", round(noise.uniform(0.2, 0.9), 3))
     deviation = number(options, "scatter", 0.004)

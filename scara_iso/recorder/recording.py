@@ -10,11 +10,12 @@ from pathlib import Path
 from scara_iso.errors import (
     CannotCreateError,
     DataError,
+    InstrumentError,
     ScaraIsoError,
     UsageError,
     WriteError,
 )
-from scara_iso.ports import Clock, is_device, is_simulated, open_port, refuse_same_device
+from scara_iso.ports import Clock, is_device, open_port, refuse_same_device
 from scara_iso.ports.tape import SCHEMA
 from scara_iso.recorder.disk import Disk, write_atomically
 from scara_iso.recorder.events import Done, Operator, Said
@@ -73,7 +74,11 @@ def record(
         except BaseException:
             _finish(job, journal, disk, tell)
             raise
-        _finish(job, journal, disk, tell)
+        if not _finish(job, journal, disk, tell):
+            raise InstrumentError(
+                "no reading was recorded, and nothing is left behind",
+                remedy="`scara-iso ports --probe PORT` shows what an indicator sends",
+            )
 
 
 def rebuild(raw: Path, table: Path | None, *, disk: Disk) -> tuple[Path, History]:
@@ -158,7 +163,7 @@ def _write_header(job: Job, gauges: Sequence[Gauge], journal: Journal) -> None:
             "identity": gauge.port.identity,
             "unit": gauge.unit,
             "unit_from": gauge.unit_from,
-            "simulated": is_simulated(spec.address),
+            "simulated": gauge.port.simulated,
         }
         for spec, gauge in zip(job.gauges, gauges, strict=True)
     }
@@ -169,12 +174,12 @@ def _write_header(job: Job, gauges: Sequence[Gauge], journal: Journal) -> None:
     journal.sync()
 
 
-def _finish(job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]) -> None:
-    """Write table and manifest from what the raw file holds."""
+def _finish(job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]) -> bool:
+    """Write table and manifest from what the raw file holds; False where it holds no reading."""
     history = read_history(journal.path)
     if not history.latest and not history.troubles["voided"] and not job.resume:
         _remove(disk, journal.path)
-        return
+        return False
     rows = int(history.complete_rows().sum())
     complete = rows == job.plan.cycles
     journal.append("end", complete=complete)
@@ -185,6 +190,7 @@ def _finish(job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]
     except OSError as error:
         raise _cannot_write(manifest_path(job.table), error) from error
     tell(Done(rows, job.plan.cycles, str(job.table), str(journal.path)))
+    return True
 
 
 def _table_bytes(history: History) -> bytes:
