@@ -29,13 +29,23 @@ class Script:
     unit = None
     simulated = False
 
-    def __init__(self, clock, *, answer=lambda k: [], pushes=(), lost_at=math.inf, settle_s=0.0):
+    def __init__(
+        self,
+        clock,
+        *,
+        answer=lambda k: [],
+        pushes=(),
+        lost_at=math.inf,
+        settle_s=0.0,
+        shows=b"MM\r",
+    ):
         self.address = self.identity = "script"
         self.settle_s = settle_s
         self._clock = clock
         self._answer = answer
         self._waiting = sorted(pushes)
         self._lost_at = lost_at
+        self._shows = shows
         self.requests = []
         clock.watch(lambda: self._waiting[0][0] if self._waiting else math.inf)
 
@@ -51,6 +61,9 @@ class Script:
         return b""
 
     def write(self, data):
+        if data == b"UNI?\r" and self._shows is not None:
+            self._waiting.insert(0, (self._clock.now(), self._shows))
+            return
         answers = self._answer(len(self.requests)) or []
         self.requests.append(data)
         self._waiting += [(self._clock.now() + delay, frame) for delay, frame in answers]

@@ -39,7 +39,10 @@ def main():
     if answers[-1].startswith("push:"):
         push(master, answers[:-1], float(answers[-1][5:]))
     k = 0
-    while os.read(master, 64):
+    while request := os.read(master, 64):
+        if request == b"UNI?\r":
+            os.write(master, b"MM\r")
+            continue
         send(master, answers[min(k, len(answers) - 1)])
         k += 1
 

@@ -139,8 +139,7 @@ def test_a_port_in_use_is_refused(tmp_path, capsys, instrument):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="asks the kernel of Linux")
 def test_a_program_without_a_lock_is_kept_out_too(instrument):
-    import fcntl
-
+    fcntl = pytest.importorskip("fcntl")
     device = instrument("-")
     port = DevicePort(device, LineSettings())
     other = os.open(device, os.O_RDWR | os.O_NOCTTY) if os.getuid() == 0 else None

@@ -203,7 +203,7 @@ def test_the_instrument_is_asked_for_its_unit(tmp_path, monkeypatch):
 
     def make(clock):
         nonlocal port
-        port = Script(clock, answer=answers([(0.05, b"IN\r")], [(0.02, b"+0.10000\r")]))
+        port = Script(clock, answer=answers([(0.05, b"IN\r")], [(0.02, b"+0.10000\r")]), shows=None)
         return port
 
     said = run_session(
@@ -221,10 +221,50 @@ def test_an_unknown_unit_is_refused_and_the_option_named(tmp_path, monkeypatch, 
     with pytest.raises(UsageError) as caught:
         run_session(
             tmp_path, [f"X={driver}@script"],
-            ports={"X": lambda c: Script(c, answer=lambda k: value)}, monkeypatch=monkeypatch,
+            ports={"X": lambda c: Script(c, answer=lambda k: value, shows=None)},
+            monkeypatch=monkeypatch,
         )  # fmt: skip
     assert "--unit mm" in caught.value.remedy
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_stated_unit_is_held_against_the_display(tmp_path, monkeypatch):
+    with pytest.raises(InstrumentError, match="shows inch, and the option said mm"):
+        run_session(
+            tmp_path, [OPTO], ports={"X": script("0.1", shows=b"IN\r")}, monkeypatch=monkeypatch
+        )
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_instrument_that_does_not_tell_its_unit_is_believed_to_show_the_stated_one(
+    tmp_path, monkeypatch
+):
+    value = [(0.02, frame("0.101"))]
+    said = run_session(
+        tmp_path, [OPTO], cycles=1, monkeypatch=monkeypatch,
+        ports={"X": lambda c: Script(c, answer=answers(None, value), shows=None)},
+    )  # fmt: skip
+    assert stored(said) == [(1, "0.101")]
+
+
+def test_resume_keeps_the_unit_of_the_readings_there_are(tmp_path, monkeypatch):
+    def mux(clock):
+        return Script(clock, answer=lambda k: [(0.02, b"01A+0000.500\r")])
+
+    spec = "X=mitutoyo-mux{}@script"
+    run_session(
+        tmp_path, [spec.format("?unit=inch")], ports={"X": mux}, cycles=1, monkeypatch=monkeypatch
+    )
+    with pytest.raises(UsageError, match="recorded in inch, and the option says mm"):
+        run_session(
+            tmp_path, [spec.format("?unit=mm")], ports={"X": mux}, resume=True,
+            monkeypatch=monkeypatch,
+        )  # fmt: skip
+    run_session(
+        tmp_path, [spec.format("")], ports={"X": mux}, cycles=2, resume=True,
+        monkeypatch=monkeypatch,
+    )  # fmt: skip
+    assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [12.7, 12.7]
 
 
 def test_pushed_readings_make_cycles_and_repeats_are_refused(tmp_path, monkeypatch):
@@ -261,10 +301,10 @@ def test_a_reading_pushed_while_none_is_asked_for_is_refused(tmp_path, monkeypat
 
 def test_the_line_under_way_at_opening_is_refused(tmp_path, monkeypatch):
     # What follows the opening looks like a frame of its own on some dialects.
-    pushes = [(0.1, b"-01"), (0.3, b"2.345\r"), (1.0, frame("0.101"))]
+    pushes = [(0.1, b"-01"), (1.5, b"2.345\r"), (3.0, frame("0.101"))]
     said = run_session(
         tmp_path, [OPTO], trigger="data", cycles=1, monkeypatch=monkeypatch,
-        ports={"X": lambda c: Script(c, pushes=pushes, settle_s=0.2)},
+        ports={"X": lambda c: Script(c, pushes=pushes, settle_s=0.2, shows=None)},
     )  # fmt: skip
     assert stored(said) == [(1, "0.101")]
     assert refusals(said) == [("-12.345", "began before the session")]

@@ -165,7 +165,7 @@ class Screen:
             axes=[self._axis(name) for name in self._readings],
             status=self._status,
             troubles=", ".join(f"{n} {kind}" for kind, n in sorted(self._troubles.items())),
-            next_step=self._next_step(),
+            next_step=self._next_step() if self._last or not over else "",
             keys="" if over or not isinstance(self._operator, Keys) else KEYS,
             prompt=self._operator.prompt if isinstance(self._operator, Keys) else "",
         )

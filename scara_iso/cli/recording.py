@@ -21,6 +21,7 @@ from scara_iso.recorder import (
     GaugeSpec,
     History,
     Job,
+    Listen,
     Operator,
     Plan,
     Said,
@@ -80,6 +81,8 @@ def record_table(options: Options) -> None:
         options.stable,
         _rearm(options.rearm, specs),
     )
+    if plan.stable > 1 and plan.trigger == Listen():
+        raise UsageError("--stable goes with readings that are asked for, not with --trigger data")
     metadata = {} if options.meta_file is None else read_metadata(options.meta_file)
     metadata |= parse_metadata(options.meta)
     if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():

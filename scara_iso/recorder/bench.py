@@ -49,8 +49,10 @@ class Bench:
         """
         self.drain(max(gauge.port.settle_s for gauge in self.gauges), "sent before the session")
         deadline = max(gauge.ask_unit(self._journal, self._clock) for gauge in self.gauges)
-        while self._clock.now() < deadline and any(g.outstanding for g in self.gauges):
+        while self._clock.now() < deadline:
             self.refuse(self.receive(), "the unit was asked for")
+            if not any(gauge.outstanding for gauge in self.gauges):
+                break
             self._clock.idle(deadline)
         for gauge in self.gauges:
             if gauge.unit is None and gauge.dialect.units == (None,):

@@ -32,12 +32,20 @@ class Gauge:
     it is not zero, the next frame may be the answer to an earlier one.
     """
 
-    def __init__(self, axis: str, dialect: Dialect, port: Port, *, unit: str | None) -> None:
+    def __init__(
+        self,
+        axis: str,
+        dialect: Dialect,
+        port: Port,
+        *,
+        unit: str | None,
+        unit_from: str = "the option",
+    ) -> None:
         self.axis = axis
         self.dialect = dialect
         self.port = port
         self.unit = port.unit or unit
-        self.unit_from = _origin(axis, port, unit)
+        self.unit_from = _origin(axis, port, unit, unit_from)
         self.outstanding = 0
         self._channel: str | None = None
         self._decoder = Decoder(dialect)
@@ -80,8 +88,11 @@ class Gauge:
         return clock.now() + self.dialect.answer_time_s
 
     def ask_unit(self, journal: Journal, clock: Clock) -> float:
-        """Ask which unit the display shows, where that can be asked; as `ask`."""
-        if self.unit_from or self.dialect.unit_request is None or self.dialect.request_line:
+        """Ask which unit the display shows, also where it was stated; as `ask`.
+
+        A recording or a simulation is not asked.
+        """
+        if self.port.unit or self.dialect.unit_request is None or self.dialect.request_line:
             return -math.inf
         self._write(self.dialect.unit_request, journal)
         return clock.now() + self.dialect.answer_time_s
@@ -140,13 +151,13 @@ def no_unit(gauge: Gauge) -> UsageError:
     )
 
 
-def _origin(axis: str, port: Port, unit: str | None) -> str:
+def _origin(axis: str, port: Port, unit: str | None, unit_from: str) -> str:
     if port.unit and unit and parse_unit(unit) != parse_unit(port.unit):
         raise UsageError(
-            f"{port.address} is in {port.unit}, and the option says {unit}",
+            f"{port.address} is in {port.unit}, and {unit_from} says {unit}",
             where=f"gauge {axis}",
             remedy="leave the option out, or give sim:?unit=",
         )
     if port.unit:
         return "the simulation" if port.address.startswith("sim:") else "the recording"
-    return "the option" if unit else ""
+    return unit_from if unit else ""

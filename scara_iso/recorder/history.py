@@ -33,6 +33,8 @@ class Column:
     def __init__(self) -> None:
         self.values = array("d")
         self.dimension: Dimension | None = None
+        self.unit: str | None = None
+        """What the indicator showed last."""
         self.resolution = 0.0
         """The coarsest that was sent: never states more than every reading holds."""
 
@@ -49,7 +51,7 @@ class Column:
         self.values[cycle - 1] = size.to_base(float(text))
         count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
         self.resolution = max(self.resolution, size.to_base(count))
-        self.dimension = size.dimension
+        self.dimension, self.unit = size.dimension, unit
 
     def void(self, cycle: int) -> None:
         """Strike out the reading of a cycle."""

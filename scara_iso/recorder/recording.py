@@ -15,7 +15,7 @@ from scara_iso.errors import (
     UsageError,
     WriteError,
 )
-from scara_iso.ports import Clock, is_device, open_port, refuse_same_device
+from scara_iso.ports import Clock, Port, is_device, open_port, refuse_same_device
 from scara_iso.ports.tape import SCHEMA
 from scara_iso.recorder.disk import Disk, write_atomically
 from scara_iso.recorder.events import Done, Operator, Said
@@ -58,10 +58,12 @@ def record(
         raw = raw_path(job.table)
         if not job.resume:
             _refuse_existing(job.table, raw)
-        gauges = _open_gauges(job, clock, stack)
+        ports = _open_ports(job, clock, stack)
         journal = Journal(raw, disk=disk, clock=clock, new=not job.resume)
         stack.callback(journal.close)
-        position = _resume(job, raw, disk) if job.resume else Position()
+        earlier = _read_earlier(job, raw, disk) if job.resume else History(str(raw))
+        gauges = [_gauge(spec, port, earlier) for spec, port in zip(job.gauges, ports, strict=True)]
+        position = Position(earlier.cycle, earlier.present(earlier.cycle), tuple(earlier.latest))
         session = Session(
             gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
             position=position,
@@ -110,20 +112,35 @@ def _refuse_existing(*paths: Path) -> None:
             )  # fmt: skip
 
 
-def _open_gauges(job: Job, clock: Clock, stack: ExitStack) -> list[Gauge]:
-    gauges = []
+def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
+    ports = []
     for spec in job.gauges:
         if job.resume and spec.address.startswith("replay:"):
             raise UsageError("a recorded stream begins anew: record it into a new file")
         asked = not isinstance(job.plan.trigger, Listen)
         port = open_port(spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked)
         stack.callback(port.close)
-        gauges.append(Gauge(spec.axis, spec.dialect, port, unit=spec.unit))
-    return gauges
+        ports.append(port)
+    return ports
 
 
-def _resume(job: Job, raw: Path, disk: Disk) -> Position:
-    """Return where the recording goes on; its manifest holds no longer."""
+def _gauge(spec: GaugeSpec, port: Port, earlier: History) -> Gauge:
+    """Return the gauge; its unit is that of the readings there are, where there are some."""
+    column = earlier.columns.get(spec.axis)
+    recorded = column.unit if column else None
+    if recorded and spec.unit and recorded != spec.unit:
+        raise UsageError(
+            f"recorded in {recorded}, and the option says {spec.unit}",
+            where=f"gauge {spec.axis}",
+            remedy="give the option as before, or none",
+        )
+    if spec.unit or not recorded:
+        return Gauge(spec.axis, spec.dialect, port, unit=spec.unit)
+    return Gauge(spec.axis, spec.dialect, port, unit=recorded, unit_from="the session before")
+
+
+def _read_earlier(job: Job, raw: Path, disk: Disk) -> History:
+    """Return what was recorded before; its manifest holds no longer."""
     history = read_history(raw)
     if history.header or history.faults:
         history.check()
@@ -136,7 +153,7 @@ def _resume(job: Job, raw: Path, disk: Disk) -> Position:
             where=str(raw),
             remedy="--rebuild the table of what is there, and repeat the test",
         )
-    return Position(cycle, history.present(cycle), tuple(history.latest))
+    return history
 
 
 def _compare(job: Job, history: History) -> None:
