@@ -15,6 +15,8 @@ from scara_iso.cli.backlash import backlash_command
 from scara_iso.cli.demo import demo_command
 from scara_iso.cli.output import settings
 from scara_iso.cli.plan import plan_command
+from scara_iso.cli.ports import ports_command
+from scara_iso.cli.record import record_command
 from scara_iso.cli.simulate import simulate_command
 from scara_iso.errors import DataError, ScaraIsoError
 
@@ -37,6 +39,8 @@ app.command("backlash")(backlash_command)
 app.command("simulate")(simulate_command)
 app.command("plan")(plan_command)
 app.command("demo")(demo_command)
+app.command("record")(record_command)
+app.command("ports")(ports_command)
 
 
 def _show_version(wanted: bool) -> None:

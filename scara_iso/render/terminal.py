@@ -112,7 +112,7 @@ def _show_rows(table: Table, console: Console) -> None:
 
 
 def _strip(strip: Strip, console: Console, label_width: int) -> RichText:
-    encodable = _encodes(console, _BLOCKS)
+    encodable = encodes(console, _BLOCKS)
     room = max(console.width - label_width - _INDENT - 1, 10)
     drawn = sparkline(strip.readings, _BLOCKS if encodable else _DIGITS, room)
     line = RichText(f"{printable(strip.label):<{label_width}} ", "bold")
@@ -139,7 +139,8 @@ def sparkline(readings: FloatArray, levels: str, width: int) -> str:
     return "".join(levels[k] for k in np.rint(place).astype(int))
 
 
-def _encodes(console: Console, text: str) -> bool:
+def encodes(console: Console, text: str) -> bool:
+    """Say whether the console can show every character of ``text``."""
     try:
         text.encode(console.encoding)
     except (UnicodeEncodeError, LookupError):
