@@ -97,6 +97,8 @@ class Chain:
 
     leave_lower: float
     leave_upper: float
+    weight: float = 1.0
+    """Prior probability within the effect, up to the factor that its shapes have too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +148,10 @@ class Effect:
     processes: Callable[[Conditions], tuple[Process, ...]] = _no_processes
     spreads: Callable[[Conditions], tuple[Spread, ...]] = _no_spreads
     chains: tuple[Chain, ...] = ()
+    ordered: bool = True
+    """False where shuffling the cycles leaves the evidence for the effect as it is."""
+    gain: float = 15.0
+    """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,5 +1,6 @@
 """Deflection in proportion to the payload. Gravity loads Z of a SCARA, not X and Y."""
 
+import numpy as np
 from numpy.random import Generator
 
 from scara_iso.effects._effect import (

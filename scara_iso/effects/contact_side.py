@@ -19,7 +19,7 @@ from scara_iso.effects._effect import (
 )
 from scara_iso.run import FloatArray
 
-_STICKY = (0.06, 0.1, 0.16, 0.24)
+_STICKY = (0.1, 0.16, 0.24)
 _SHARE_BELOW = (0.3, 0.4, 0.5, 0.6, 0.7)
 
 
@@ -44,10 +44,10 @@ EFFECT = Effect(
     confirm_by="preload the joint, or approach the pose from one side only: one level must remain",
     series=_series,
     direction=Direction.JOINT,
-    weight=2.0,
+    weight=3.0,
     shapes=_shapes,
     chains=(
-        *(Chain(q, q) for q in _STICKY),
-        *(Chain(1 - below, below) for below in _SHARE_BELOW),
+        *(Chain(q, q, 1 / len(_STICKY)) for q in _STICKY),
+        *(Chain(1 - below, below, 1 / len(_SHARE_BELOW)) for below in _SHARE_BELOW),
     ),
 )

@@ -1,5 +1,6 @@
 """Whatever else was recorded beside the readings: in proportion to that column."""
 
+import numpy as np
 from numpy.random import Generator
 
 from scara_iso.effects._effect import (

@@ -34,4 +34,6 @@ EFFECT = Effect(
     confirm_by="look at the sheet or the raw capture of that cycle",
     series=_series,
     shapes=_shapes,
+    ordered=False,
+    gain=60.0,
 )

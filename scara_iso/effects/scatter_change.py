@@ -13,7 +13,7 @@ from scara_iso.effects._effect import (
 from scara_iso.run import FloatArray
 
 _LEAST_CYCLES = 5
-_RATIOS = (1 / 4, 1 / 2.5, 1 / 1.6, 1.6, 2.5, 4.0)
+_RATIOS = (1 / 3, 1 / 1.8, 1.8, 3.0)
 
 
 def _series(conditions: Conditions, values: Sizes, rng: Generator) -> FloatArray:
@@ -25,7 +25,7 @@ def _series(conditions: Conditions, values: Sizes, rng: Generator) -> FloatArray
 
 
 def _spreads(conditions: Conditions) -> tuple[Spread, ...]:
-    starts = conditions.cycle[_LEAST_CYCLES : len(conditions) - _LEAST_CYCLES + 1]
+    starts = conditions.cycle[_LEAST_CYCLES : len(conditions) - _LEAST_CYCLES + 1 : 2]
     return tuple(Spread(int(k), ratio) for k in starts for ratio in _RATIOS)
 
 

@@ -1,5 +1,6 @@
 """Thermal growth: in proportion to a recorded temperature, centred on its mean."""
 
+import numpy as np
 from numpy.random import Generator
 
 from scara_iso.effects._effect import (
