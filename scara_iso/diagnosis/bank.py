@@ -22,9 +22,12 @@ UNKNOWN = "unknown"
 """Name of the smooth process that stands for structure outside the catalogue."""
 
 _TINY = 1e-9
-_UNKNOWN_WEIGHT = 0.5
-_UNKNOWN_LENGTHS = (1.5, 3.0, 6.0)
-_UNKNOWN_VARIANCES = (0.5, 2.0, 8.0)
+_SMOOTH_WEIGHT = 0.5
+_SMOOTH_LENGTHS = (1.5, 3.0, 6.0)
+_SMOOTH_VARIANCES = (0.5, 2.0, 8.0)
+_ROUGH_WEIGHT = 0.3
+_ROUGH_LENGTHS = (2.0, 5.0)
+_ROUGH_VARIANCES = (1.0, 4.0)
 _PASSAGE_WEIGHT = 0.5
 _LEAST_EIGENVALUE = 1e-3
 
@@ -43,6 +46,11 @@ class Member:
     gain: float = 15.0
     ordered: bool = True
     named: bool = True
+
+    @property
+    def chained(self) -> bool:
+        """Whether its course is hidden and must be inferred from the readings."""
+        return isinstance(self.form, Chain)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -88,14 +96,21 @@ def _of_effect(effect: Effect, conditions: Conditions) -> list[Member]:
 
 
 def _unknown(conditions: Conditions) -> list[Member]:
-    """Return smooth processes (squared-exponential kernels) over the cycles."""
-    lag = np.subtract.outer(conditions.elapsed, conditions.elapsed)
-    each = _UNKNOWN_WEIGHT / (len(_UNKNOWN_LENGTHS) * len(_UNKNOWN_VARIANCES))
+    """Return smooth (squared-exponential) and rough (exponential) processes over the cycles."""
+    lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
+    smooth = [np.exp(-0.5 * (lag / length) ** 2) for length in _SMOOTH_LENGTHS]
+    rough = [np.exp(-lag / length) for length in _ROUGH_LENGTHS]
     return [
-        Member(UNKNOWN, Process(variance * np.exp(-0.5 * (lag / length) ** 2)), each)
-        for length in _UNKNOWN_LENGTHS
-        for variance in _UNKNOWN_VARIANCES
+        *_processes(smooth, _SMOOTH_VARIANCES, _SMOOTH_WEIGHT),
+        *_processes(rough, _ROUGH_VARIANCES, _ROUGH_WEIGHT),
     ]
+
+
+def _processes(
+    correlations: Sequence[FloatArray], variances: Sequence[float], weight: float
+) -> list[Member]:
+    each = weight / (len(correlations) * len(variances))
+    return [Member(UNKNOWN, Process(v * c), each) for c in correlations for v in variances]
 
 
 def _passages(conditions: Conditions) -> list[Member]:

@@ -83,8 +83,8 @@ def hidden_sides(
 ) -> list[_Hidden]:
     """Return, for each effect with hidden chains, its evidence and the course of its sides.
 
-    ``division`` (axes,) is the dial's in the units of the views; ``rows`` are those of the n
-    cycles that the views hold. With several axes the sides are sought in each axis and in each
+    ``division`` (axes,) is the dial's in the units of the views, nan for an axis that can show no
+    sides; ``rows`` are those of the n cycles that the views hold. With several axes the sides are sought in each axis and in each
     principal direction.
     """
     chained: dict[str, list[tuple[Chain, float]]] = {}
@@ -92,14 +92,17 @@ def hidden_sides(
         if isinstance(member.form, Chain):
             chained.setdefault(member.effect, []).append((member.form, member.weight))
     columns = _columns(views, division)
+    if not columns:
+        return []
     return [_sides(effect, found, columns, rows, n) for effect, found in chained.items()]
 
 
 def _columns(views: Views, division: FloatArray) -> list[tuple[FloatArray, float]]:
-    axes = [(views.columns[:, a], float(division[a])) for a in range(views.axes)]
-    if views.axes == 1:
+    q = views.axes
+    axes = [(views.columns[:, a], float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
+    if len(axes) < 2:
         return axes
-    return axes + [(views.columns[:, views.axes + a], 0.0) for a in range(views.axes)]
+    return axes + [(views.columns[:, q + a], 0.0) for a in range(q)]
 
 
 def _sides(

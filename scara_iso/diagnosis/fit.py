@@ -33,19 +33,14 @@ class Term:
 class Fit:
     """Terms fitted together on some rows of the run.
 
-    ``predicted`` (n, axes) holds all cycles, the fitted pose included; ``pose`` (axes,).
-    ``parts`` is each term's contribution (n, axes) and ``coefficients`` its (k, axes).
+    ``predicted`` (n, axes) holds all cycles: the pose and each term's contribution, ``parts``
+    (n, axes) with ``coefficients`` (k, axes).
     """
 
     terms: tuple[Term, ...]
-    pose: FloatArray
+    predicted: FloatArray
     coefficients: tuple[FloatArray, ...]
     parts: tuple[FloatArray, ...]
-
-    @property
-    def predicted(self) -> FloatArray:
-        """Readings that pose and terms predict, shape (n, axes)."""
-        return np.asarray(self.pose + sum(self.parts, np.zeros_like(self.pose)))
 
 
 def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
@@ -85,7 +80,8 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
     for i, term in enumerate(terms):
         if isinstance(term.form, Process):
             parts[i] = _kriged(term.form.covariance, left, rows)
-    return Fit(tuple(terms), pose, tuple(coefficients), tuple(parts))
+    predicted = pose + sum(parts, np.zeros((n, axes)))
+    return Fit(tuple(terms), predicted, tuple(coefficients), tuple(parts))
 
 
 def row_scale(terms: Sequence[Term], cycle: IntArray) -> FloatArray:

@@ -57,7 +57,7 @@ def two_levels(y: FloatArray, division: float, chains: Sequence[Chain]) -> TwoLe
     forward, log_scale = _forward(lower, upper, leave[:, 0], leave[:, 1])
     log_weight = log_scale + scale + grid.log_prior
     peak = log_weight.max()
-    weight = np.exp(log_weight - peak) if np.isfinite(peak) else np.zeros_like(log_weight)
+    weight = np.exp(log_weight - peak)
     log_bf = peak + np.log(np.maximum(weight.sum(axis=(1, 2)), 1e-300)) - _log_scatter_alone(seen)
     c, pair, s = np.unravel_index(np.argmax(weight), weight.shape)
     share = _smoothed(

@@ -2,7 +2,7 @@
 
 The null is simulated on the dial's grid. Which scatter it has is not known, so several families
 stand for it, and a finding must be rare under each: Gaussian, Student t with 5 and 3 degrees of
-freedom, and a split normal for skewness.
+freedom, and for skewness a split normal and an exponential.
 """
 
 from __future__ import annotations
@@ -96,7 +96,8 @@ def _unit_scatter(n: int, rng: np.random.Generator) -> FloatArray:
     mean = (_SKEW - 1) / np.sqrt(2 * np.pi)
     spread = np.sqrt((1 + _SKEW**2) / 2 - mean**2)
     t5, t3 = rng.standard_t(5, size=shape), rng.standard_t(3, size=shape)
-    return np.stack([z, t5 / np.sqrt(5 / 3), t3 / np.sqrt(3), (split - mean) / spread], axis=1)
+    skewed = [(split - mean) / spread, rng.exponential(size=shape) - 1]
+    return np.stack([z, t5 / np.sqrt(5 / 3), t3 / np.sqrt(3), *skewed], axis=1)
 
 
 def _scatter(y: FloatArray, division: float) -> float:

@@ -23,6 +23,9 @@ ORDER_FREE_LEVEL = 0.01
 
 FURTHER_LEVEL = 0.01
 MOST_EFFECTS = 3
+_DUST = 1e-9
+_ADJACENT = 2.5
+"""Readings within fewer divisions than this are neighbours on the dial: no proof of two sides."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -69,10 +72,16 @@ def look(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Look:
     residual = problem.residual
     scale = row_scale(terms, residual.conditions.cycle)
     fitted = fit(terms, residual.values[rows], rows, len(residual))
-    values = (residual.values - fitted.predicted)[rows] / scale[rows]
+    values = _without_dust((residual.values - fitted.predicted)[rows] / scale[rows], residual)
     basis = fitted_basis(terms, rows)
     bank = build(problem.members, residual.conditions.cycle, rows, basis)
     return Look(rows, bank, views_of(values, basis, problem.directions), values)
+
+
+def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:
+    """Return values with 0 for an axis that the terms explain to the last digit."""
+    explained = np.ptp(values, axis=0) < _DUST * np.ptp(residual.values, axis=0)
+    return np.where(explained, 0.0, values)
 
 
 def find(problem: Problem, rng: np.random.Generator) -> tuple[tuple[Term, ...], tuple[Stage, ...]]:
@@ -132,9 +141,11 @@ def _stage(problem: Problem, terms: Sequence[Term], rng: np.random.Generator) ->
 
 def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
     chains = [m for m in problem.members if isinstance(m.form, Chain)] if with_chains else []
+    residual = problem.residual
     length = np.maximum(np.linalg.norm(now.values, axis=0), 1e-300)
-    division = problem.residual.division / length
-    sides = hidden_sides(chains, now.views, division, now.rows, len(problem.residual))
+    coarse = np.ptp(residual.values, axis=0) < _ADJACENT * residual.division
+    division = np.where(coarse | ~now.values.any(axis=0), np.nan, residual.division / length)
+    sides = hidden_sides(chains, now.views, division, now.rows, len(residual))
     return choose(now.bank, now.views, sides)
 
 
