@@ -84,8 +84,8 @@ def hidden_sides(
     """Return, for each effect with hidden chains, its evidence and the course of its sides.
 
     ``division`` (axes,) is the dial's in the units of the views, nan for an axis that can show no
-    sides; ``rows`` are those of the n cycles that the views hold. With several axes the sides are sought in each axis and in each
-    principal direction.
+    sides; ``rows`` are those of the n cycles that the views hold.
+    With several axes the sides are sought in each axis and in each principal direction.
     """
     chained: dict[str, list[tuple[Chain, float]]] = {}
     for member in members:

@@ -68,7 +68,7 @@ def log_bayes(bank: Bank, columns: FloatArray) -> FloatArray:
     shaped *= -nu / 2
     shaped -= bank.penalty[:, np.newaxis] / 2
     if not len(bank.split):
-        return shaped
+        return np.asarray(shaped)
     return np.concatenate([shaped, _log_bayes_of_spreads(bank, columns, nu)])
 
 
