@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from scara_iso.diagnosis.account import account, repeatabilities, rivals_of, shares_of
 from scara_iso.diagnosis.bank import members_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
-from scara_iso.diagnosis.residual import Residual, residual_of
+from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
@@ -21,7 +20,7 @@ from scara_iso.diagnosis.result import (
     Series,
     Verdict,
 )
-from scara_iso.diagnosis.search import ORDER_FREE_LEVEL, Problem, Stage, find
+from scara_iso.diagnosis.search import ORDER_FREE_LEVEL, Problem, Stage, find, problem_of
 from scara_iso.effects import Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
@@ -29,9 +28,6 @@ from scara_iso.run import FloatArray, Run
 SEED = 9283
 _WORTH_CHAINS = 0.02
 """Effects with hidden sides less likely than this on the whole run are not tried in the folds."""
-
-Prediction = Mapping[str, npt.ArrayLike]
-"""Predicted readings (n,) by axis."""
 
 
 def diagnose(
@@ -57,7 +53,9 @@ def diagnose(
     """
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
     rng = np.random.default_rng(seed)
-    problem = _problem(run, predicted, directions or {}, tuple(catalogue.values()))
+    problem = problem_of(
+        run, predicted, directions=directions or {}, effects=tuple(catalogue.values())
+    )
     terms, stages = find(problem, rng)
     fitted = fit(terms, problem.residual.values, problem.rows, len(run))
     second = _second(held_out, held_out_predicted, problem.residual)
@@ -80,23 +78,6 @@ def diagnose(
         repeatability=Repeatabilities(*map(repeatabilities, courses)),
         series=Series(run.cycle, *courses[:3]),
     )
-
-
-def _problem(
-    run: Run,
-    predicted: Prediction | None,
-    directions: Mapping[str, Mapping[str, float]],
-    effects: tuple[Effect, ...],
-) -> Problem:
-    if len(list(run.rows_by_pose())) > 1:
-        raise DataError("several poses in one diagnosis", remedy="diagnose one pose at a time")
-    residual = residual_of(run, predicted)
-    along = {
-        name: np.array([movement.get(axis, 0.0) for axis in residual.axes])
-        for name, movement in directions.items()
-    }
-    usable = {name: vector for name, vector in along.items() if np.any(vector)}
-    return Problem(residual, members_of(effects, residual.conditions), usable)
 
 
 def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> Residual | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,9 @@ import numpy.typing as npt
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
+
+Prediction = Mapping[str, npt.ArrayLike]
+"""Predicted readings (n,) by axis."""
 
 FEWEST_CYCLES = 12
 _SAME = 0.9999
@@ -35,7 +38,7 @@ class Residual:
         return len(self.values)
 
 
-def residual_of(run: Run, predicted: Mapping[str, npt.ArrayLike] | None) -> Residual:
+def residual_of(run: Run, predicted: Prediction | None) -> Residual:
     """Return what ``predicted`` (axis to n readings; None: a constant pose) leaves of ``run``.
 
     ``run`` holds one pose without the discarded cycle. Axes that never move, or that copy another
@@ -61,12 +64,7 @@ def residual_of(run: Run, predicted: Mapping[str, npt.ArrayLike] | None) -> Resi
     )
 
 
-def with_values(residual: Residual, values: FloatArray) -> Residual:
-    """Return the residual with other values (n, axes)."""
-    return replace(residual, values=values)
-
-
-def _checked(run: Run, predicted: Mapping[str, npt.ArrayLike]) -> dict[str, FloatArray]:
+def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:
     unknown = [name for name in predicted if name not in run.axes]
     if unknown:
         raise DataError(

@@ -7,15 +7,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import UNKNOWN, Bank, Member, build
+from scara_iso.diagnosis.bank import UNKNOWN, Bank, Member, build, members_of
 from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
 from scara_iso.diagnosis.evidence import Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, term_of
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
 from scara_iso.diagnosis.permutation import OrderTest, log_statistic, order_test
-from scara_iso.diagnosis.residual import Residual
-from scara_iso.effects import Chain, Process, Shape
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
+from scara_iso.effects import Chain, Effect, Process, Shape
+from scara_iso.errors import DataError
+from scara_iso.run import FloatArray, IntArray, Run
 
 ORDER_LEVEL = 0.04
 ORDER_FREE_LEVEL = 0.01
@@ -40,6 +41,25 @@ class Problem:
     def rows(self) -> IntArray:
         """All rows of the residual."""
         return np.arange(len(self.residual))
+
+
+def problem_of(
+    run: Run,
+    predicted: Prediction | None = None,
+    *,
+    directions: Mapping[str, Mapping[str, float]],
+    effects: tuple[Effect, ...],
+) -> Problem:
+    """Return the problem that ``predicted`` leaves of one pose's run; see `diagnose`."""
+    if len(list(run.rows_by_pose())) > 1:
+        raise DataError("several poses in one diagnosis", remedy="diagnose one pose at a time")
+    residual = residual_of(run, predicted)
+    along = {
+        name: np.array([movement.get(axis, 0.0) for axis in residual.axes])
+        for name, movement in directions.items()
+    }
+    usable = {name: vector for name, vector in along.items() if np.any(vector)}
+    return Problem(residual, members_of(effects, residual.conditions), usable)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
