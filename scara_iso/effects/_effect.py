@@ -172,8 +172,8 @@ class Sweep:
 class GearEffect:
     """A change of the two-inertia model: ``deviation(sweep, values)`` in rad, shape (m,).
 
-    ``start`` and ``bounds`` belong to ``parameters``, in the same order, for a fit; an effect that
-    needs a column which the sweep lacks says so in ``needs``.
+    ``candidates(sweep)`` are the parameter values to try, equally likely beforehand; none where
+    the sweep lacks what the effect acts through.
     """
 
     name: str
@@ -181,9 +181,7 @@ class GearEffect:
     cause: str
     confirm_by: str
     deviation: Callable[[Sweep, Sizes], FloatArray]
-    start: tuple[float, ...] = ()
-    bounds: tuple[tuple[float, float], ...] = ()
-    needs: tuple[str, ...] = ()
+    candidates: Callable[[Sweep], tuple[Sizes, ...]]
 
 
 def column(values: npt.ArrayLike) -> FloatArray:

@@ -19,7 +19,7 @@ from scara_iso.effects._effect import (
 )
 from scara_iso.run import FloatArray
 
-_STICKY = (0.06, 0.1, 0.16, 0.24)
+_STICKY = (0.1, 0.16, 0.24)
 _SHARE_BELOW = (0.3, 0.4, 0.5, 0.6, 0.7)
 
 

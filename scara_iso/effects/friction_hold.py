@@ -1,4 +1,9 @@
-"""Friction holds the load inside the gap: only a share of the deviation takes place."""
+"""Friction holds the load inside the gap: only a share of it is crossed.
+
+At one speed this cannot be told from a smaller gap.
+"""
+
+import numpy as np
 
 from scara_iso.effects._effect import GearEffect, Parameter, Sizes, Sweep
 from scara_iso.effects._gap import deviation
@@ -6,13 +11,15 @@ from scara_iso.run import FloatArray
 
 
 def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
-    """Return eq. 16's deviation, moved towards rest by the held share of the whole gap.
+    """Return eq. 16 for the share of the gap that is crossed.
 
-    The source gives no formula: the load stops ``held`` 2D before the flank, never beyond where
-    it started.
+    The source gives no formula; a load that friction holds leaves ``held`` 2D uncrossed.
     """
-    free = deviation(sweep.I_m, sweep.I_L, sweep.gap)
-    return (free + values["held"] * sweep.gap).clip(max=0.0)
+    return deviation(sweep.I_m, sweep.I_L, (1 - values["held"]) * sweep.gap)
+
+
+def _candidates(_: Sweep) -> tuple[Sizes, ...]:
+    return tuple({"held": float(held)} for held in np.linspace(0.005, 0.995, 400))
 
 
 EFFECT = GearEffect(
@@ -21,6 +28,5 @@ EFFECT = GearEffect(
     cause="friction of seal, bearing or mesh holds the load inside the gap",
     confirm_by="vary the approach speed: a held load comes to rest elsewhere",
     deviation=_deviation,
-    start=(0.1,),
-    bounds=((0.0, 1.0),),
+    candidates=_candidates,
 )

@@ -8,10 +8,15 @@ def _deviation(sweep: Sweep, _: Sizes) -> FloatArray:
     return -sweep.gap
 
 
+def _candidates(_: Sweep) -> tuple[Sizes, ...]:
+    return ({},)
+
+
 EFFECT = GearEffect(
     name="held_motor",
     parameters=(),
     cause="servo or brake holds the motor while the load is pushed across the whole gap",
     confirm_by="measure with the servo on and off",
     deviation=_deviation,
+    candidates=_candidates,
 )
