@@ -43,10 +43,9 @@ def largest_rectangle(workspace: Workspace, *, square: bool) -> Rectangle:
 
     Branch and bound over centre and aspect ratio: the size that fits cannot change faster than the
     centre moves, so that a cell whose bound is below the best found is left out for certain. Of
-    equal ones the foremost (largest x, then y) is taken. A square's side comes out to 1e-5 mm,
-    a rectangle's area to one part in a thousand (a place along which it can slide is settled
-    last). Raises
-    `UsageError` where nothing with the area of `SMALLEST_MM` squared fits.
+    equal ones the foremost (largest x, then y) is taken. A square's side comes out to 1e-5 mm, a
+    rectangle's area to one part in a thousand: its aspect ratio is settled last, about the places
+    found. Raises `UsageError` where nothing with the area of `SMALLEST_MM` squared fits.
     """
     low, high = workspace.extent()
     middle, half = (low + high) / 2, np.maximum((high - low) / 2, SMALLEST_MM)
