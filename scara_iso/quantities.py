@@ -72,6 +72,7 @@ _ALIASES = {
     "'": "arcmin", "′": "arcmin", "″": "arcsec", "radian": "rad", "radians": "rad",
 }  # fmt: skip
 _BY_NAME = {unit.name: unit for unit in _UNITS}
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 _SCALED = re.compile(r"([0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]{1,2})?)\s*[x×*]?\s*(\D.*)")
 
 
@@ -104,6 +105,17 @@ def parse_unit(text: str) -> Unit:
             remedy=f"use one of {', '.join(_BY_NAME)}, or a scaled one such as '0.01 mm'",
         )
     return unit
+
+
+def parse_number(text: str) -> float | None:
+    """Return the finite number that ``text`` spells in plain ASCII, or None.
+
+    ``float`` also takes nan, inf, 1_0 and the digits of other scripts.
+    """
+    if _NUMBER.fullmatch(text.strip()) is None:
+        return None
+    value = float(text)
+    return value if math.isfinite(value) else None
 
 
 def rounding_uncertainty(resolution: float) -> float:

@@ -22,6 +22,9 @@ IntArray = npt.NDArray[np.int64]
 AXES = ("X", "Y", "Z", "theta")
 """Names of the indicator axes, in the order in which they are reported."""
 
+FARTHEST = 1e9
+"""Largest reading, in mm or degrees, that can be meant."""
+
 
 @dataclass(frozen=True, slots=True)
 class Origin:
@@ -40,8 +43,8 @@ class Axis:
     """Readings of one indicator axis over the rows of a run.
 
     ``readings`` has shape (rows,), in mm where ``dimension`` is a length and in degrees where it
-    is an angle; ``resolution`` and ``uncertainty`` (standard uncertainty of the indicator, from
-    its certificate) are in the same unit, None where not stated.
+    is an angle; ``resolution``, ``uncertainty`` (standard uncertainty of the indicator, from its
+    certificate) and ``command`` (the command pose) are in the same unit, None where not stated.
     """
 
     name: str
@@ -49,9 +52,14 @@ class Axis:
     dimension: Dimension = Dimension.LENGTH
     resolution: float | None = None
     uncertainty: float | None = None
+    command: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
+        stated = {"resolution": self.resolution, "uncertainty": self.uncertainty}
+        for name, value in stated.items():
+            if value is not None and not 0 < value < FARTHEST:
+                raise DataError(f"axis {self.name}: a {name} of {value:g} {self.unit}")
 
     @property
     def unit(self) -> str:
@@ -94,15 +102,23 @@ class Run:
     def _check_shapes(self) -> None:
         if not self.axes:
             raise DataError("a run needs at least one axis", remedy=f"name one of {AXES}")
+        if not len(self):
+            raise DataError("a run needs at least one cycle")
         columns: dict[str, npt.NDArray[np.generic]] = {
             **{name: axis.readings for name, axis in self.axes.items()},
             **self.covariates,
         }
         columns |= {"pose": self.pose} if self.pose is not None else {}
         columns |= {"lines": self.lines} if self.lines is not None else {}
+        misnamed = [key for key, axis in self.axes.items() if key != axis.name]
+        if misnamed:
+            raise DataError(f"axis {misnamed[0]} holds the readings of another")
         wrong = [name for name, values in columns.items() if values.shape != self.cycle.shape]
         if wrong:
             raise DataError(f"{', '.join(wrong)}: not one value for each of {len(self)} rows")
+        absurd = [n for n, a in self.axes.items() if not np.all(np.abs(a.readings) <= FARTHEST)]
+        if absurd:
+            raise DataError(f"{', '.join(absurd)}: a reading is not finite, or beyond any dial")
 
     def __len__(self) -> int:
         return len(self.cycle)
@@ -152,7 +168,7 @@ class Run:
         missing or non-finite value, naming column and row.
         """
         kept = frame.attrs.get("axes", {})
-        given = {"unit": unit, "resolution": resolution, "uncertainty": None}
+        given = {"unit": unit, "resolution": resolution}
         values = {str(name): frame[name] for name in frame.columns}
         pose = values.pop("pose", None)
         numbers = {name: _finite(name, column) for name, column in values.items()}
@@ -174,29 +190,17 @@ class Run:
         )
 
 
-def _axis(
-    name: str,
-    values: FloatArray,
-    *,
-    unit: str,
-    resolution: float | None,
-    uncertainty: float | None,
-) -> Axis:
+def _axis(name: str, values: FloatArray, *, unit: str, **stated: float | None) -> Axis:
     size = parse_unit(unit)
-    return Axis(
-        name,
-        size.to_base(values),
-        size.dimension,
-        None if resolution is None else size.to_base(resolution),
-        None if uncertainty is None else size.to_base(uncertainty),
-    )
+    converted = {
+        key: None if value is None else size.to_base(value) for key, value in stated.items()
+    }
+    return Axis(name, size.to_base(values), size.dimension, **converted)
 
 
 def _axis_attributes(axes: Mapping[str, Axis]) -> dict[str, dict[str, str | float | None]]:
-    return {
-        name: {"unit": a.unit, "resolution": a.resolution, "uncertainty": a.uncertainty}
-        for name, a in axes.items()
-    }
+    stated = ("unit", "resolution", "uncertainty", "command")
+    return {name: {key: getattr(axis, key) for key in stated} for name, axis in axes.items()}
 
 
 def _finite(name: str, column: pd.Series) -> FloatArray:

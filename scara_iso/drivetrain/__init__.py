@@ -11,7 +11,7 @@ a compliant gear and a servo of finite gain, by numerical integration between lo
 Units are SI: kg m², N m, rad, s, all at the gearbox output unless said otherwise.
 """
 
-from scara_iso.drivetrain.arrivals import Approach, Arrivals, Move, arrivals
+from scara_iso.drivetrain.arrivals import Approach, Arrivals, Move, arrivals, sides
 from scara_iso.drivetrain.integration import integrate
 from scara_iso.drivetrain.solution import solve
 from scara_iso.drivetrain.train import (
@@ -43,5 +43,6 @@ __all__ = [
     "Trajectory",
     "arrivals",
     "integrate",
+    "sides",
     "solve",
 ]

@@ -73,7 +73,7 @@ def arrivals(
     viscous friction or a compliant gear, which `integrate` takes, and for a move without speed.
     """
     _check(train, move, count)
-    side = _sides(approach, count, rng)
+    side = sides(approach, count, rng)
     speed = move.speed * _scattered(move.speed_scatter, count, rng)
     friction = train.coulomb * _scattered(move.friction_scatter, count, rng)
     trains = Constants(
@@ -111,7 +111,8 @@ def _check(train: DriveTrain, move: Move, count: int) -> None:
         raise UsageError("scatter is a part of the value: from 0 to less than 0.3")
 
 
-def _sides(approach: Approach, count: int, rng: np.random.Generator) -> IntArray:
+def sides(approach: Approach, count: int, rng: np.random.Generator) -> IntArray:
+    """Return the direction of each approach, +1 or -1, shape (count,)."""
     match approach:
         case Approach.ONE_SIDE:
             return np.ones(count, dtype=np.int64)

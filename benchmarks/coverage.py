@@ -1,0 +1,172 @@
+"""How often the 95 % interval of RP holds the true RP, by simulation.
+
+    python benchmarks/coverage.py [--seed 9283] [--runs 4000] [--resampled-runs 400]
+
+Each cell draws many tests of n cycles from a known scatter and counts how often the interval lies
+wholly above the true RP (too high), wholly below it (too low), or holds it. The true RP is that of
+the scatter itself, before the dial rounds it. Beside `rp_interval` stand the plain alternatives:
+the pivot of Gaussian scatter, and the bootstrap's percentile and BCa intervals (scipy).
+"""
+
+from __future__ import annotations
+
+import argparse
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy import stats
+
+from scara_iso.repeatability import repeatability, rp_interval
+from scara_iso.run import FloatArray
+
+Limits = tuple[FloatArray, FloatArray]
+Draw = Callable[[np.random.Generator, tuple[int, ...]], FloatArray]
+
+POPULATION = 4_000_000  # readings that stand for all: the true RP to 0.1 %
+PIVOT_RUNS = 100_000
+RESAMPLES = 999
+CHUNK = 100
+CYCLES = (30, 10, 100)
+ROUNDED_SIGMAS = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0)  # of one division
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """A law of scatter; ``division`` is that of the dial, 0 for a dial without rounding.
+
+    ``place`` is where the pose lies between two divisions, in divisions; chance where None.
+    """
+
+    name: str
+    draw: Draw
+    division: float = 0.0
+    place: float | None = None
+
+
+def _gaussian(rng: np.random.Generator, shape: tuple[int, ...]) -> FloatArray:
+    return rng.standard_normal(shape)
+
+
+SCATTERS = (
+    Scatter("Gaussian", _gaussian),
+    *(Scatter(f"rounded, sigma {s} div.", _gaussian, 1 / s) for s in ROUNDED_SIGMAS),
+    Scatter("  0.1 div., on a border", _gaussian, 1 / 0.1, 0.5),
+    Scatter("  0.4 div., on a division", _gaussian, 1 / 0.4, 0.0),  # hardest for the lower limit
+    Scatter("  0.4 div., on a border", _gaussian, 1 / 0.4, 0.5),  # hardest for the upper limit
+    Scatter("uniform", lambda rng, shape: rng.uniform(-1, 1, shape)),
+    Scatter("Student t, 5", lambda rng, shape: rng.standard_t(5, shape)),
+    Scatter("gamma, shape 2", lambda rng, shape: rng.gamma(2, 1, shape)),
+    Scatter("exponential", lambda rng, shape: rng.exponential(1, shape)),
+)
+
+
+def true_rp(scatter: Scatter, components: int, seed: int) -> float:
+    """Return RP of the unrounded scatter in ``components`` independent directions."""
+    everything = scatter.draw(np.random.default_rng(seed), (components, POPULATION))
+    return float(repeatability(everything).RP)
+
+
+def draw_tests(
+    scatter: Scatter, rng: np.random.Generator, shape: tuple[int, int, int]
+) -> FloatArray:
+    """Return readings of shape (runs, components, n) as the dial shows them."""
+    readings = scatter.draw(rng, shape)
+    if not scatter.division:
+        return readings
+    place = rng.uniform(0, 1, (*shape[:2], 1)) if scatter.place is None else scatter.place
+    return np.rint(readings / scatter.division + place) * scatter.division
+
+
+def ours(tests: FloatArray, division: float) -> Limits:
+    """Return `rp_interval` as `analyze` calls it."""
+    resolutions = [division] * tests.shape[1] if division else None
+    return rp_interval(tests, resolutions=resolutions)
+
+
+def pivot(tests: FloatArray) -> Limits:
+    """Return the interval that is exact for Gaussian scatter and a dial without rounding."""
+    low, high = _pivot_quantiles(*tests.shape[1:])
+    RP = repeatability(tests).RP
+    return RP / high, RP / low
+
+
+@cache
+def _pivot_quantiles(components: int, n: int) -> tuple[float, float]:
+    rng = np.random.default_rng(components * 1000 + n)
+    found = [
+        repeatability(rng.standard_normal((PIVOT_RUNS // 10, components, n))).RP for _ in range(10)
+    ]
+    low, high = np.quantile(np.concatenate(found), (0.025, 0.975))
+    true = true_rp(SCATTERS[0], components, 0)
+    return float(low / true), float(high / true)
+
+
+def bootstrap(tests: FloatArray, rng: np.random.Generator) -> Iterator[tuple[str, Limits]]:
+    """Yield the percentile and the BCa interval, from the same resamples."""
+    chunks = np.split(tests, range(CHUNK, len(tests), CHUNK))
+    seeds = rng.integers(2**32, size=len(chunks))
+    for method in ("percentile", "BCa"):
+        found = [
+            _resample(chunk, method, np.random.default_rng(seed))
+            for chunk, seed in zip(chunks, seeds, strict=True)
+        ]
+        lower, upper = zip(*found, strict=True)
+        yield method, (np.concatenate(lower), np.concatenate(upper))
+
+
+def _resample(tests: FloatArray, method: str, rng: np.random.Generator) -> Limits:
+    def statistic(*components: FloatArray, axis: int) -> FloatArray:
+        assert axis == -1  # noqa: S101 - of repeatability's own
+        return repeatability(np.stack(components, axis=-2)).RP
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # equal readings have no BCa: nan, which counts as a miss
+        found = stats.bootstrap(
+            tuple(np.moveaxis(tests, 1, 0)),
+            statistic,
+            paired=True,
+            vectorized=True,
+            axis=-1,
+            n_resamples=RESAMPLES,
+            method=method,
+            rng=rng,
+        ).confidence_interval
+    return found.low, found.high
+
+
+def show(name: str, method: str, limits: Limits, true: float) -> None:
+    """Print one line: both kinds of misses, coverage, and median width over the true RP."""
+    lower, upper = limits
+    high, low = np.mean(lower > true), np.mean(upper < true)
+    held = np.mean((lower <= true) & (true <= upper))
+    width = np.median((upper - lower)[np.isfinite(upper - lower)]) / true
+    print(f"{name:<27}{method:<12}{high:>10.1%}{low:>9.1%}{held:>8.1%}{width:>8.2f}", flush=True)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=9283)
+    parser.add_argument("--runs", type=int, default=4000)
+    parser.add_argument("--resampled-runs", type=int, default=400)
+    wanted = parser.parse_args()
+    for n in CYCLES:
+        for components in (1, 2):
+            print(f"\nn = {n}, {'one axis' if components == 1 else 'radial in a plane'}")
+            head = ("too high", "too low", "holds", "width")
+            print("{:<27}{:<12}{:>10}{:>9}{:>8}{:>8}".format("scatter", "interval", *head))
+            for k, scatter in enumerate(SCATTERS):
+                rng = np.random.default_rng([wanted.seed, n, components, k])
+                true = true_rp(scatter, components, wanted.seed)
+                tests = draw_tests(scatter, rng, (wanted.runs, components, n))
+                show(scatter.name, "ours", ours(tests, scatter.division), true)
+                show("", "pivot", pivot(tests), true)
+                for method, limits in bootstrap(tests[: wanted.resampled_runs], rng):
+                    show("", method, limits, true)
+
+
+if __name__ == "__main__":
+    main()

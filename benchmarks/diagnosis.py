@@ -1,0 +1,366 @@
+"""How well `diagnose` finds, names and predicts: the tables of docs/diagnosis.md.
+
+    python benchmarks/diagnosis.py [--runs 300] [--only null power naming rivals outside held gains]
+
+Every table prints its seed. One core each for two worker processes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+import warnings
+from collections import Counter
+from multiprocessing import Pool
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+from diagnosis_data import (
+    CYCLE,
+    HIGH,
+    MIDDLE,
+    NAME,
+    OUTSIDE,
+    POWER,
+    SIGMAS,
+    N,
+    dial,
+    readings,
+    scatter,
+    shape,
+)  # fmt: skip
+from diagnosis_rivals import RIVALS
+
+from scara_iso.diagnosis import UNKNOWN, diagnose
+from scara_iso.diagnosis.fit import fit
+from scara_iso.diagnosis.held_out import cross_validated
+from scara_iso.diagnosis.search import ORDER_FREE_LEVEL, find, problem_of
+from scara_iso.effects import Process, find_effects
+from scara_iso.run import AXES, Axis, Run
+
+SEED = 1
+warnings.filterwarnings("ignore")  # rivals complain about ties and constant input
+
+
+def run_of(columns, sigma, covariates=None):
+    """Return the run that a table of these readings (n, axes) gives."""
+    resolution = None if sigma is None else 1.0
+    axes = {
+        name: Axis(name, columns[:, a], resolution=resolution)
+        for a, name in zip(range(columns.shape[1]), AXES, strict=False)
+    }
+    return Run(CYCLE, axes, covariates=covariates or {})
+
+
+def searched(run, rng, directions=None):
+    """Return problem, terms and stages; None where no axis moves."""
+    if all(np.ptp(axis.readings) == 0 for axis in run.axes.values()):
+        return None
+    problem = problem_of(run, directions=directions or {}, effects=find_effects())
+    terms, stages = find(problem, rng)
+    return problem, terms, stages
+
+
+def summary(found):
+    """Return what the tables need of one search."""
+    if found is None:
+        return {"found": False, "flag": False, "best": None}
+    _, terms, stages = found
+    first = stages[0]
+    flag = first.order_free.gaussian_outlier <= ORDER_FREE_LEVEL
+    ended = stages[-1].choice is None or (terms and isinstance(terms[-1].form, Process))
+    choice = first.choice
+    return {
+        "found": choice is not None,
+        "flag": flag,
+        "best": choice.best if choice else "outlier" if flag else None,
+        "p": choice.probability[choice.best] if choice else None,
+        "rivals": [choice.best, *choice.rivals] if choice else ["outlier"],
+        "unexplained": choice is not None and not ended,
+    }
+
+
+def one(task):
+    """Return the summary of one generated run of one axis."""
+    kind, size, sigma, noise, seed = task
+    rng = np.random.default_rng(seed)
+    y = readings(rng, kind, size, sigma, noise)
+    return summary(searched(run_of(y[:, np.newaxis], sigma), rng))
+
+
+def several(task):
+    """Return the summary of one run of several axes that share a structure."""
+    kind, size, sigma, moved, axes, rho, noise, seed = task
+    rng = np.random.default_rng(seed)
+    course = scatter(rng, axes, rho, noise)
+    course[:, :moved] += (size * shape(rng, kind))[:, None] * rng.choice([-1, 1], moved)
+    columns = np.stack([dial(rng, course[:, a], sigma) for a in range(axes)], axis=1)
+    return summary(searched(run_of(columns, sigma), rng))
+
+
+def tabled(pool, function, tasks):
+    """Return the results of all tasks."""
+    return pool.map(function, tasks, chunksize=10)
+
+
+def percent(results, key):
+    """Return how many per cent have ``key`` set."""
+    return 100 * np.mean([bool(r[key]) for r in results])
+
+
+def null(pool, runs):
+    """False alarms on scatter only."""
+    print("\n## False alarms on scatter only [%]: verdict (flagged readings beside it)")
+    print(f"{'scatter':9s}" + "".join(f"{s or 'no rounding':>15}" for s in SIGMAS))
+    for noise in ("normal", "t3", "skewed", "split"):
+        row = []
+        for sigma in SIGMAS:
+            r = tabled(pool, one, [("none", 0, sigma, noise, [SEED, 1, i]) for i in range(runs)])
+            row.append(f"{percent(r, 'found'):6.1f} ({percent(r, 'flag'):4.1f})")
+        print(f"{noise:9s}" + "".join(f"{c:>15}" for c in row), flush=True)
+    for noise, axes, rho in (("normal", 3, 0), ("normal", 3, 0.6), ("normal", 4, 0),
+                             ("normal", 4, 0.6), ("t3", 4, 0.6), ("skewed", 4, 0)):  # fmt: skip
+        row = []
+        for sigma in (0.3, 0.5, 1.0):
+            tasks = [("none", 0, sigma, 0, axes, rho, noise, [SEED, 2, i]) for i in range(runs)]
+            row.append(f"sigma {sigma}: {percent(tabled(pool, several, tasks), 'found'):4.1f}")
+        print(f"{noise}, {axes} axes, correlation {rho}: " + "   ".join(row), flush=True)
+
+
+def power(pool, runs):
+    """Structure found, one axis."""
+    print("\n## Structure found [%] (with flagged readings)")
+    print(f"{'effect':16s}" + "".join(f"{s or 'no rounding':>13}" for s in SIGMAS))
+    for kind, size in POWER:
+        row = []
+        for sigma in SIGMAS:
+            tasks = [(kind, size, sigma, "normal", [SEED, 3, i]) for i in range(runs)]
+            r = tabled(pool, one, tasks)
+            either = 100 * np.mean([x["found"] or x["flag"] for x in r])
+            row.append(f"{percent(r, 'found'):4.0f} ({either:3.0f})")
+        print(f"{kind:11s} {size:<4}" + "".join(f"{c:>13}" for c in row), flush=True)
+
+
+def naming(pool, runs):
+    """Named right given found, calibration, rivals."""
+    print("\n## Named right given found [%]")
+    for sigma in (0.5, 0.7, 1.0):
+        for label, cells in (("middle", MIDDLE), ("high", HIGH)):
+            right, stated, held, counts = [], [], [], []
+            for kind, size in cells:
+                tasks = [(kind, size, sigma, "normal", [SEED, 4, i]) for i in range(runs)]
+                r = [x for x in tabled(pool, one, tasks) if x["best"] is not None]
+                ok = [x["best"] == NAME[kind] for x in r]
+                right.append(100 * np.mean(ok))
+                stated += [(x["p"], o) for x, o in zip(r, ok, strict=True) if x["p"]]
+                held += [NAME[kind] in x["rivals"] for x in r]
+                counts += [len(x["rivals"]) for x in r]
+            cells_text = " ".join(f"{k} {p:.0f}" for (k, _), p in zip(cells, right, strict=True))
+            print(f"sigma {sigma} {label}: mean {np.mean(right):.1f}   {cells_text}")
+            print(f"   rivals hold the truth {100 * np.mean(held):.1f} %, {np.mean(counts):.1f} long;"
+                  f" {calibration(np.array(stated))}", flush=True)  # fmt: skip
+
+
+def calibration(stated):
+    """Return stated probability, how often right, and the count, in bins."""
+    text = []
+    for low, high in ((0.3, 0.5), (0.5, 0.7), (0.7, 0.8), (0.8, 0.9), (0.9, 0.97), (0.97, 1.01)):
+        chosen = stated[(stated[:, 0] >= low) & (stated[:, 0] < high)]
+        if len(chosen):
+            mean, right = 100 * chosen.mean(axis=0)
+            text.append(f"{mean:.0f}:{right:.0f} ({len(chosen)})")
+    return "stated:right (runs) " + ", ".join(text)
+
+
+def rival_names(task):
+    """Return what each rival says about one run."""
+    kind, size, sigma, noise, seed = task
+    y = readings(np.random.default_rng(seed), kind, size, sigma, noise)
+    if np.ptp(y) == 0:
+        return dict.fromkeys(RIVALS)
+    said = {}
+    for name, rival in RIVALS.items():
+        try:
+            said[name] = rival(y)
+        except ImportError:
+            said[name] = "not installed"
+    return said
+
+
+def rivals(pool, runs):
+    """The same data through other methods."""
+    print(
+        "\n## Rivals: effect named on scatter only [%], and named right at sigma 0.7 [% of found]"
+    )
+    empty = {}
+    for sigma in (0.3, 0.5, 0.7, 1.0):
+        tasks = [("none", 0, sigma, "normal", [SEED, 1, i]) for i in range(runs)]
+        empty[sigma] = tabled(pool, rival_names, tasks)
+    cells = {}
+    for label, chosen in (("middle", MIDDLE), ("high", HIGH)):
+        for kind, size in chosen:
+            tasks = [(kind, size, 0.7, "normal", [SEED, 4, i]) for i in range(runs)]
+            cells[label, kind] = tabled(pool, rival_names, tasks)
+    for name in RIVALS:
+        if empty[0.5][0][name] == "not installed":
+            print(f"{name}: not installed, skipped (extra: benchmark)")
+            continue
+        alarms = [f"{s}: {100 * np.mean([r[name] is not None for r in e]):.0f}"
+                  for s, e in empty.items()]  # fmt: skip
+        right = {}
+        for (label, kind), r in cells.items():
+            found = [x[name] for x in r if x[name] is not None]
+            right.setdefault(label, []).append(np.mean([f == NAME[kind] for f in found]))
+        means = [f"{label} {100 * np.mean(v):.0f}" for label, v in right.items()]
+        print(f"{name:8s} alarms {' '.join(alarms)}   right: {' '.join(means)}", flush=True)
+
+
+def outside(pool, runs):
+    """Structure that is in no catalogue."""
+    print("\n## Outside the catalogue, sigma 0.7: found, unexplained given found, wrong name > 0.9")
+    every = {}
+    for kind, size in OUTSIDE:
+        tasks = [(kind, size, 0.7, "normal", [SEED, 5, i]) for i in range(runs)]
+        r = tabled(pool, one, tasks)
+        found = [x for x in r if x["found"]]
+        sure = [x["p"] > 0.9 and x["best"] != UNKNOWN and not x["unexplained"] for x in found]
+        every.setdefault(kind, []).append((percent(found, "unexplained"), 100 * np.mean(sure)))
+        names = Counter(x["best"] for x in found if not x["unexplained"]).most_common(3)
+        print(f"{kind:12s} {size}: {percent(r, 'found'):4.0f} {every[kind][-1][0]:4.0f} "
+              f"{every[kind][-1][1]:4.1f}   named {names}", flush=True)  # fmt: skip
+    means = np.mean([np.mean(v, axis=0) for v in every.values()], axis=0)
+    print(f"mean over the five: unexplained {means[0]:.0f}, wrong name > 0.9 {means[1]:.1f}")
+
+
+def held(task):
+    """Return log ratios of error after to before: cross-validated, true, in sample."""
+    kind, size, sigma, _, seed = task
+    rng = np.random.default_rng(seed)
+    course = size * rng.choice([-1, 1]) * shape(rng, kind)
+    offset = rng.uniform(-0.5, 0.5)
+    read = (lambda c: np.round(offset + sigma * c)) if sigma else (lambda c: c)
+    y = read(course + rng.normal(size=N))
+    found = searched(run_of(y[:, np.newaxis], sigma), rng)
+    if found is None or not found[1]:
+        return None
+    problem, terms, stages = found
+    rows = np.arange(N)
+    critical = [stage.order.critical for stage in stages]
+    unseen = cross_validated(problem, critical, rng, with_chains=True)
+    fitted = fit(terms, problem.residual.values, rows, N)
+    fresh = read(course + rng.normal(size=(400, N)))
+    before = np.sqrt(((fresh - y.mean()) ** 2).mean())
+    after = np.sqrt(((fresh - fitted.predicted[:, 0]) ** 2).mean())
+    inside = (y - fitted.predicted[:, 0]).std() / y.std()
+    return [float(np.log(unseen.after[0] / unseen.before[0])), float(np.log(after / before)),
+            float(np.log(inside))]  # fmt: skip
+
+
+def held_out(pool, runs):
+    """Bias of the cross-validated error ratio."""
+    print("\n## Error after / before: log bias of cross-validation, and of the in-sample ratio")
+    every = []
+    for kind, size in (("step", 2), ("step", 3), ("linear", 3), ("warm_up", 4), ("periodic", 2),
+                       ("alternating", 2)):  # fmt: skip
+        tasks = [(kind, size, 0.7, "normal", [SEED, 6, i]) for i in range(runs)]
+        r = np.array([x for x in tabled(pool, held, tasks) if x is not None])
+        every.append(r)
+        report_bias(f"{kind} {size}", r)
+    report_bias("all", np.concatenate(every))
+
+
+def report_bias(label, r):
+    """Print mean log biases with their standard error."""
+    bias = r - r[:, 1:2]
+    error = bias.std(axis=0) / np.sqrt(len(r))
+    print(f"{label:14s} true ratio {np.exp(r[:, 1].mean()):.3f}   cross-validated "
+          f"{bias[:, 0].mean():+.3f} +/- {error[0]:.3f}   in sample {bias[:, 2].mean():+.3f}",
+          flush=True)  # fmt: skip
+
+
+def covariate(task):
+    """Return the summary of one run with a covariate that acts."""
+    kind, size, sigma, seed = task
+    rng = np.random.default_rng(seed)
+    approach = rng.permutation(np.repeat([-1.0, 1.0], N // 2))
+    payload = rng.permutation(np.repeat([1.0, 2.0, 3.0], N // 3))
+    trend = np.linspace(0, 1, N) + 0.15 * rng.normal(size=N)
+    acting = {"approach": approach / 2, "payload": (payload - 2) / 2, "temperature": trend}[kind]
+    y = dial(rng, size * acting + rng.normal(size=N), sigma)
+    recorded = {"approach": approach, "payload_kg": payload, "temperature_C": 20 + trend}
+    return summary(searched(run_of(y[:, np.newaxis], sigma, recorded), rng))
+
+
+def geometry(task):
+    """Return whether a step along joint 1 is found, knowing the arm or not."""
+    size, sigma, known, seed = task
+    rng = np.random.default_rng(seed)
+    joint = {"joint 1": {"X": 0.8, "Y": 0.6, "Z": 0.0}, "joint 2": {"X": -0.2, "Y": 1.0, "Z": 0.0}}
+    course = rng.normal(size=(N, 3)) + size * np.outer(shape(rng, "step"), [0.8, 0.6, 0.0])
+    columns = np.stack([dial(rng, course[:, a], sigma) for a in range(3)], axis=1)
+    return summary(searched(run_of(columns, sigma), rng, joint if known else None))
+
+
+def gains(pool, runs):
+    """More data of the right kind: several axes, covariates, geometry, a second run."""
+    print("\n## Gains at sigma 0.7: found [%], named right of found [%]")
+    for kind, size in (("step", 1), ("periodic", 1), ("linear", 1.5)):
+        row = []
+        for label, moved, axes in (("one axis", 1, 1), ("two runs or axes", 2, 2),
+                                   ("three axes", 3, 3)):  # fmt: skip
+            tasks = [(kind, size, 0.7, moved, axes, 0, "normal", [SEED, 7, i]) for i in range(runs)]
+            row.append(f"{label} {said(tabled(pool, several, tasks), NAME[kind])}")
+        print(f"{kind} of {size} sigma: " + ", ".join(row), flush=True)
+    for kind, size in (("approach", 2), ("payload", 3), ("temperature", 3)):
+        tasks = [(kind, size, 0.7, [SEED, 8, i]) for i in range(runs)]
+        print(f"{kind} of {size} sigma: {said(tabled(pool, covariate, tasks), NAME[kind])}")
+    for known in (False, True):
+        tasks = [(1.6, 0.7, known, [SEED, 9, i]) for i in range(runs)]
+        print(f"step of 1.6 sigma along joint 1, arm {'known' if known else 'not known'}: "
+              f"{said(tabled(pool, geometry, tasks), 'step')}", flush=True)  # fmt: skip
+
+
+def said(results, name):
+    """Return found and named right as text."""
+    found = [r for r in results if r["found"]]
+    right = 100 * np.mean([r["best"] == name for r in found]) if found else np.nan
+    return f"{percent(results, 'found'):.0f} / {right:.0f}"
+
+
+def speed(_pool, _runs):
+    """Time of one whole diagnosis: 4 axes, covariates, 999 shuffles, cross-validation."""
+    rng = np.random.default_rng(SEED)
+    course = scatter(rng, 4, 0.3) + 3 * shape(rng, "warm_up")[:, None] * [1, 0.7, 0, 0.5]
+    columns = np.round(5 * course)
+    recorded = {"temperature_C": 20 + rng.normal(size=N), "payload_kg": rng.choice([1.0, 2.0], N),
+                "approach": rng.choice([-1.0, 1.0], N)}  # fmt: skip
+    run = run_of(columns, 1.0, recorded)
+    diagnose(run)
+    start = time.process_time()
+    for _ in range(5):
+        diagnose(run)
+    print(f"\n## One diagnosis, four axes: {(time.process_time() - start) / 5:.2f} s on one core")
+
+
+TABLES = {"null": null, "power": power, "naming": naming, "rivals": rivals, "outside": outside,
+          "held": held_out, "gains": gains, "speed": speed}  # fmt: skip
+
+
+def main():
+    """Print the tables that were asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=300)
+    parser.add_argument("--only", nargs="*", choices=TABLES, default=list(TABLES))
+    options = parser.parse_args()
+    print(f"seed {SEED}, {options.runs} runs a cell, n = {N}")
+    with Pool(2, initializer=os.nice, initargs=(10,)) as pool:
+        for name in options.only:
+            start = time.perf_counter()
+            TABLES[name](pool, options.runs)
+            print(f"({name}: {time.perf_counter() - start:.0f} s)", flush=True)
+
+
+if __name__ == "__main__":
+    main()

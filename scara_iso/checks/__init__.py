@@ -1,0 +1,24 @@
+"""What a user should know about a test's figures: one small file per check.
+
+Each module's docstring is the page that explains its finding, ``CODE`` names the finding, and
+``check(measured)`` yields it. Third parties add a module through the entry-point group
+``scara_iso.checks``.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from functools import cache
+
+from scara_iso.plugins import find_modules
+from scara_iso.results import Finding, Measured
+
+Check = Callable[[Measured], Iterator[Finding]]
+
+
+@cache
+def find_checks() -> tuple[Check, ...]:
+    """Return every check there is: those of this folder by name, then those of others."""
+    modules = find_modules(sys.modules[__name__], "scara_iso.checks")
+    return tuple(module.check for module in modules)

@@ -1,0 +1,130 @@
+"""The command ``scara-iso``: options and a few lines per command, one error boundary."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+import typer
+
+from scara_iso import __version__
+from scara_iso.cli.analyze import analyze_command
+from scara_iso.cli.backlash import backlash_command
+from scara_iso.cli.demo import demo_command
+from scara_iso.cli.output import settings
+from scara_iso.cli.plan import plan_command
+from scara_iso.cli.ports import ports_command
+from scara_iso.cli.record import record_command
+from scara_iso.cli.simulate import simulate_command
+from scara_iso.errors import DataError, ScaraIsoError
+
+INTERRUPTED = 130
+BUG = 70
+CANNOT_WRITE = 74
+_MOST_FAULTS = 50
+_ANYWHERE = ("--debug", "--no-color")
+
+app = typer.Typer(
+    name="scara-iso",
+    add_completion=True,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="How repeatable a SCARA is, by ISO 9283 and digital dial indicators, and why.",
+)
+app.command("analyze")(analyze_command)
+app.command("backlash")(backlash_command)
+app.command("simulate")(simulate_command)
+app.command("plan")(plan_command)
+app.command("demo")(demo_command)
+app.command("record")(record_command)
+app.command("ports")(ports_command)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"scara-iso {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _program(
+    debug: bool = typer.Option(False, "--debug", help="Show the traceback of an error."),
+    no_color: bool = typer.Option(False, "--no-color", help="No colour, as NO_COLOR does."),
+    version: bool = typer.Option(  # noqa: ARG001 - typer calls _show_version
+        False, "--version", callback=_show_version, is_eager=True, help="Show the version."
+    ),
+) -> None:
+    settings.debug = debug
+    settings.no_color = no_color
+
+
+def run() -> None:
+    """Run the command with the process' arguments and exit: the console script."""
+    sys.exit(main())
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command with ``argv`` and return its exit code; errors go to standard error."""
+    arguments = _general_first(sys.argv[1:] if argv is None else argv)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    try:
+        code = app(args=arguments, prog_name="scara-iso", standalone_mode=False)
+        sys.stdout.flush()
+    except SystemExit as leaving:
+        return leaving.code if isinstance(leaving.code, int) else 1
+    except (KeyboardInterrupt, typer.Abort):
+        sys.stderr.write("scara-iso: interrupted\n")
+        return INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:  # noqa: BLE001 - the one error boundary
+        return _tell(error)
+    return code if isinstance(code, int) else 0
+
+
+def _general_first(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments with the general options in front: users write them anywhere."""
+    end = list(arguments).index("--") if "--" in arguments else len(arguments)
+    general = [word for word in arguments[:end] if word in _ANYWHERE]
+    return [*general, *(w for w in arguments[:end] if w not in _ANYWHERE), *arguments[end:]]
+
+
+def _tell(error: Exception) -> int:
+    from scara_iso.render.terminal import printable
+
+    if settings.debug:
+        traceback.print_exception(error)
+    lines, code = _explain(error)
+    sys.stderr.write("".join(f"{printable(line)}\n" for line in lines))
+    return code
+
+
+def _explain(error: Exception) -> tuple[list[str], int]:
+    if isinstance(error, ScaraIsoError):
+        lines = [f"scara-iso: {error}"]
+        if isinstance(error, DataError):
+            lines += [f"  {f}" for f in error.faults[:_MOST_FAULTS] if f.message != error.what]
+            more = len(error.faults) - _MOST_FAULTS
+            lines += [f"  and {more} more"] if more > 0 else []
+        lines += [f"  {error.remedy}"] if error.remedy else []
+        return lines, error.exit_code
+    if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
+        said = error.format_message()  # empty where the help was shown for want of a command
+        return [f"scara-iso: {said}", _help_hint(error)] if said else [], int(error.exit_code)
+    if isinstance(error, OSError):
+        return [f"scara-iso: cannot write: {error}"], CANNOT_WRITE
+    return [
+        f"scara-iso: a defect of this program: {type(error).__name__}: {error}",
+        "  run it again with --debug and report what it prints",
+    ], BUG
+
+
+def _help_hint(error: Exception) -> str:
+    path = getattr(getattr(error, "ctx", None), "command_path", "scara-iso")
+    return f"  see '{path} --help'"

@@ -1,0 +1,96 @@
+"""``scara-iso analyze``: repeatability of a table of readings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+from scara_iso.cli.output import write_json, write_report
+from scara_iso.errors import UsageError
+
+OUTSIDE_A_LIMIT = 1
+
+Table = Annotated[
+    str, typer.Argument(metavar="TABLE", help="CSV or .xlsx of readings; - is standard input.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
+UnitOfTable = Annotated[
+    str | None, typer.Option("--unit", help="Unit of the readings where the table states none.")
+]
+ResolutionOfTable = Annotated[
+    float | None, typer.Option("--resolution", help="Resolution of the dial, in that unit.")
+]
+DecimalMark = Annotated[
+    str | None, typer.Option("--decimal", help="',' or '.', where the table can be read two ways.")
+]
+Sheet = Annotated[str | None, typer.Option("--sheet", help="Sheet of an .xlsx file.")]
+FirstDiscarded = Annotated[
+    bool, typer.Option("--first-cycle-discarded", help="The table lacks its first cycle already.")
+]
+CyclesRun = Annotated[
+    int | None, typer.Option("--cycles", help="Cycles run, the first counted, if not 31.", min=2)
+]
+
+
+def analyze_command(
+    table: Table,
+    *,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="[FIGURE=]MM",
+            help="Exit with 1 where RP is larger: 0.02 for every length, XY=0.02 for one figure. "
+            "May be repeated.",
+        ),
+    ] = None,
+    definitions: Annotated[
+        bool, typer.Option("--definitions", help="Also half range, 2 s, 3 s and ISO 230-2.")
+    ] = False,
+    unit: UnitOfTable = None,
+    resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
+    sheet: Sheet = None,
+    first_cycle_discarded: FirstDiscarded = False,
+    cycles: CyclesRun = None,
+    json: AsJson = False,
+) -> None:
+    """Repeatability of each pose, axis and plane, with intervals and findings.
+
+    Example: scara-iso analyze run.csv --limit XY=0.02
+    """
+    from scara_iso import analyze, read_table
+    from scara_iso.render.json import analysis_json
+    from scara_iso.report.analysis import analysis_report
+
+    run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
+    analysis = analyze(
+        run,
+        first_cycle_discarded=first_cycle_discarded,
+        cycles=cycles,
+        limits=_parse_limits(limit or ()),
+        other_definitions=definitions,
+    )
+    if json:
+        write_json(analysis_json(analysis))
+    else:
+        write_report(analysis_report(analysis))
+    if not all(check.inside for check in analysis.limits):
+        raise typer.Exit(OUTSIDE_A_LIMIT)
+
+
+def _parse_limits(texts: Sequence[str]) -> dict[str, float]:
+    from scara_iso.quantities import parse_number
+
+    limits: dict[str, float] = {}
+    for text in texts:
+        figure, _, number = text.rpartition("=")
+        value = parse_number(number)
+        if value is None:
+            remedy = "write --limit 0.02 or --limit XY=0.02"
+            raise UsageError(f"--limit {text!r} is not a length", remedy=remedy)
+        if figure.strip() in limits:
+            raise UsageError(f"--limit {text!r}: this figure has a limit already")
+        limits[figure.strip()] = value
+    return limits

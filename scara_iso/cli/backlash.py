@@ -1,0 +1,63 @@
+"""``scara-iso backlash``: the paper's two-inertia model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from scara_iso.cli.analyze import AsJson, FirstDiscarded
+from scara_iso.cli.output import write_json, write_report
+from scara_iso.errors import DataError
+
+if TYPE_CHECKING:
+    from scara_iso.results import PoseResult
+
+
+def backlash_command(
+    *,
+    Im: Annotated[float, typer.Option("--Im", help="Inertia of motor and gear [kg m2].")],
+    IL: Annotated[float, typer.Option("--IL", help="Inertia of the load [kg m2].")],
+    arcmin: Annotated[float, typer.Option("--arcmin", help="Full gap at the output [arcmin].")],
+    arm: Annotated[float | None, typer.Option("--arm", help="Joint to tool [m].")] = None,
+    ratio: Annotated[
+        float | None, typer.Option("--ratio", help="Gear ratio N: also with N^2 I_m.")
+    ] = None,
+    actual: Annotated[
+        str | None,
+        typer.Option("--actual", metavar="TABLE", help="A table of readings to set beside it."),
+    ] = None,
+    first_cycle_discarded: FirstDiscarded = False,
+    json: AsJson = False,
+) -> None:
+    """Deviation of the load through the gear's backlash, paper eq. 7-22.
+
+    Example: scara-iso backlash --Im 2.65e-4 --IL 4.749 --arcmin 12 --arm 0.7 --ratio 50
+    """
+    from scara_iso import backlash
+
+    result = backlash(Im=Im, IL=IL, arcmin=arcmin, arm=arm, ratio=ratio)
+    pose = None
+    if actual is not None:
+        pose = _measured_pose(actual, first_cycle_discarded)
+    if json:
+        from scara_iso.render.json import backlash_json
+
+        write_json(backlash_json(result, pose))
+    else:
+        from scara_iso.report.backlash import backlash_report
+
+        write_report(backlash_report(result, pose))
+
+
+def _measured_pose(table: str, first_cycle_discarded: bool) -> PoseResult:
+    from scara_iso import analyze, read_table
+
+    poses = analyze(read_table(table), first_cycle_discarded=first_cycle_discarded).poses
+    if len(poses) > 1 or poses[0].XY is None:
+        raise DataError(
+            "--actual takes a table of one pose with X and Y as lengths",
+            where=table,
+            remedy="leave the other poses out",
+        )
+    return poses[0]

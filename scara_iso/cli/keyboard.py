@@ -1,0 +1,146 @@
+"""Whoever says when: keys of a terminal (a foot switch types Enter), or lines of standard input."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from typing import TextIO
+
+from scara_iso.recorder import Command, Note, Pause, Quit, Take, Void
+
+KEYS = "Enter take  v void  n note  p pause  q quit"
+_ASKING: dict[str, tuple[str, Callable[[str], Command]]] = {
+    "v": ("Void the last reading, because: ", Void),
+    "n": ("Note: ", Note),
+}
+_ENTER = "\r\n "
+_ESCAPE = "\x1b"
+_RUB_OUT = "\x08\x7f"
+
+
+class Keys:
+    """Turns keys into commands; a reason or a note is typed in `prompt` until Enter."""
+
+    def __init__(self, read: Callable[[], str]) -> None:
+        self._read = read
+        self._question: tuple[str, Callable[[str], Command]] | None = None
+        self._typed = ""
+        self._pending: list[str] = []
+
+    @property
+    def prompt(self) -> str:
+        """The question being answered with what was typed so far, or nothing."""
+        return self._question[0] + self._typed if self._question else ""
+
+    def poll(self) -> Command | None:
+        """Return the command that the keys pressed so far make."""
+        self._pending += self._read()
+        while self._pending:
+            key = self._pending.pop(0)
+            command = self._answer(key) if self._question else self._press(key)
+            if command is not None:
+                return command
+        return None
+
+    def _press(self, key: str) -> Command | None:
+        match key.lower():
+            case "q":
+                return Quit()
+            case "p":
+                return Pause()
+            case "v" | "n" as letter:
+                self._question, self._typed = _ASKING[letter], ""
+            case _ if key in _ENTER:
+                return Take()
+        return None
+
+    def _answer(self, key: str) -> Command | None:
+        question = self._question
+        if key in "\r\n" and question is not None:
+            self._question = None
+            return question[1](self._typed.strip()) if self._typed.strip() else None
+        if key == _ESCAPE:
+            self._question = None
+        elif key in _RUB_OUT:
+            self._typed = self._typed[:-1]
+        elif key.isprintable() and len(self._typed) < 200:
+            self._typed += key
+        return None
+
+
+class Lines:
+    """Commands from lines: an empty one takes a reading; ``v REASON``, ``n TEXT``, ``p``, ``q``.
+
+    The end of the input ends the session.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._lines: queue.Queue[str] = queue.Queue()
+        threading.Thread(target=self._follow, args=(stream,), daemon=True).start()
+
+    def poll(self) -> Command | None:
+        """Return the command of the next line, if one has come."""
+        try:
+            return parse_line(self._lines.get_nowait())
+        except queue.Empty:
+            return None
+
+    def _follow(self, stream: TextIO) -> None:
+        for line in stream:
+            self._lines.put(line)
+        self._lines.put("q")
+
+
+class Nobody:
+    """No one is there to say anything."""
+
+    def poll(self) -> Command | None:
+        """Return None."""
+        return None
+
+
+def parse_line(line: str) -> Command | None:
+    """Return the command that a line spells; None where it spells none."""
+    word, _, rest = line.strip().partition(" ")
+    match word.lower(), rest.strip():
+        case "", _:
+            return Take()
+        case "v", reason if reason:
+            return Void(reason)
+        case "n", text if text:
+            return Note(text)
+        case "p", "":
+            return Pause()
+        case "q", "":
+            return Quit()
+    return None
+
+
+@contextlib.contextmanager
+def open_keyboard() -> Iterator[Callable[[], str]]:
+    """Yield a function that returns the keys pressed since it was last called, at once."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        yield lambda: msvcrt.getwch() if msvcrt.kbhit() else ""
+        return
+    import os
+    import select
+    import termios
+    import tty
+
+    file = sys.stdin.fileno()
+    before = termios.tcgetattr(file)
+
+    def read() -> str:
+        ready, _, _ = select.select([file], [], [], 0)
+        return os.read(file, 64).decode("utf-8", "ignore") if ready else ""
+
+    try:
+        tty.setcbreak(file)
+        yield read
+    finally:
+        termios.tcsetattr(file, termios.TCSADRAIN, before)

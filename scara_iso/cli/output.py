@@ -1,0 +1,50 @@
+"""How every command writes: one JSON line, or a report on the terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scara_iso.errors import CannotCreateError
+
+if TYPE_CHECKING:
+    from scara_iso.report.blocks import Report
+
+
+@dataclass(slots=True)
+class Settings:
+    """The general options of one call of the program."""
+
+    debug: bool = False
+    no_color: bool = False
+
+
+settings = Settings()
+
+
+def write_json(document: Mapping[str, Any]) -> None:
+    """Write one JSON object on a line of standard output."""
+    from scara_iso.render.json import to_text
+
+    sys.stdout.write(f"{to_text(document)}\n")
+
+
+def write_report(report: Report) -> None:
+    """Write a report on standard output."""
+    from scara_iso.render.terminal import open_console, show
+
+    show(report, open_console(sys.stdout, no_color=settings.no_color))
+
+
+def write_text(text: str, path: Path | None) -> None:
+    """Write ``text`` to a file, or to standard output where there is none."""
+    if path is None:
+        sys.stdout.write(text)
+        return
+    try:
+        path.write_text(text, encoding="utf-8", newline="")
+    except OSError as error:
+        raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(path)) from error

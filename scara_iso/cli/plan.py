@@ -1,0 +1,95 @@
+"""``scara-iso plan``: the test cube, the poses P1 to P5 and how they are visited."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from scara_iso.cli.analyze import AsJson
+from scara_iso.cli.output import write_json, write_report, write_text
+from scara_iso.cli.simulate import ModelFile
+from scara_iso.errors import UsageError
+
+
+class SolidName(StrEnum):
+    """What is laid into the workspace."""
+
+    CUBE = "cube"
+    BOX = "box"
+
+
+class PlaneName(StrEnum):
+    """A diagonal plane by its corners."""
+
+    C1 = "C1-C2-C7-C8"
+    C2 = "C2-C3-C8-C5"
+    C3 = "C3-C4-C5-C6"
+    C4 = "C4-C1-C6-C7"
+
+
+class ElbowName(StrEnum):
+    """Side of the elbow, seen from above."""
+
+    RIGHT = "right"
+    LEFT = "left"
+
+
+def plan_command(
+    model: ModelFile,
+    *,
+    solid: Annotated[
+        SolidName, typer.Option(help="Largest cube, or largest box where the stroke is short.")
+    ] = SolidName.CUBE,
+    plane: Annotated[PlaneName, typer.Option(help="Diagonal plane.")] = PlaneName.C1,
+    elbow: Annotated[
+        ElbowName | None, typer.Option(help="Side of the elbow; else the better one.")
+    ] = None,
+    m: Annotated[float, typer.Option("--m", help="m over the diagonal L: 0.08 to 0.12.")] = 0.1,
+    cycles: Annotated[int, typer.Option(help="Cycles run, the first counted.", min=2)] = 31,
+    velocity: Annotated[float, typer.Option(help="Percent of the rated velocity.")] = 100.0,
+    load: Annotated[float, typer.Option(help="Percent of the rated load.")] = 100.0,
+    dwell: Annotated[float, typer.Option(help="Seconds at each pose before its reading.")] = 2.0,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Workspace and poses as .svg or .png.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Visits as CSV, for a robot program.")
+    ] = None,
+    json: AsJson = False,
+) -> None:
+    """Plan the test: largest cube in the workspace, diagonal plane, P1 to P5 with joint angles.
+
+    Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
+    """
+    from scara_iso.arm import Elbow
+    from scara_iso.model import read_model
+    from scara_iso.plan import Conditions, Plane, Solid, make_plan
+    from scara_iso.render.json import plan_json
+    from scara_iso.report.plan import plan_report, visits_csv
+
+    described = read_model(model)
+    if described.arm is None:
+        raise UsageError(f"{model} holds no arm", remedy="give link lengths and limits in [robot]")
+    plan = make_plan(
+        described.arm,
+        solid=Solid(solid.value),
+        plane=Plane(plane.value),
+        elbow=None if elbow is None else Elbow(elbow.value),
+        m_over_diagonal=m,
+        conditions=Conditions(
+            cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
+        ),
+    )
+    if picture is not None:
+        from scara_iso.render.plots import plot_plan
+
+        plot_plan(plan, described.arm, picture)
+    if output is not None:
+        write_text(visits_csv(plan), output)
+    if json:
+        write_json(plan_json(plan))
+    else:
+        write_report(plan_report(plan, described.robot))

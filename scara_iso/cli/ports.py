@@ -1,0 +1,120 @@
+"""``scara-iso ports``: which ports are there, what they speak, which indicators are known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from scara_iso.cli.output import write_json, write_report
+from scara_iso.errors import UsageError
+
+if TYPE_CHECKING:
+    from scara_iso.indicators import Dialect
+    from scara_iso.report.ports import Probe
+
+SECONDS = 3.0
+_QUIET_S = 0.2
+
+
+def ports_command(
+    *,
+    dialects: Annotated[
+        bool, typer.Option("--dialects", help="The indicators known, and what is unverified.")
+    ] = False,
+    probe: Annotated[
+        str | None, typer.Option(metavar="PORT", help="Listen to a port for 3 s.")
+    ] = None,
+    ask: Annotated[
+        str | None,
+        typer.Option(
+            metavar="DRIVER", help="With --probe: its settings, and its request once a second."
+        ),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+) -> None:
+    """List serial ports, the dialects of indicators, or what comes out of one port.
+
+    Example: scara-iso ports --probe /dev/ttyUSB0 --ask opto-rs232
+    """
+    if ask is not None and probe is None:
+        raise UsageError("--ask needs a port", remedy="give --probe PORT too")
+    if probe is not None:
+        _probe(probe, ask, json=json)
+    elif dialects:
+        _dialects(json=json)
+    else:
+        _list(json=json)
+
+
+def _list(*, json: bool) -> None:
+    from dataclasses import asdict
+
+    from scara_iso.ports import list_devices
+    from scara_iso.report.ports import ports_report
+
+    devices = list_devices()
+    if json:
+        write_json({"schema": "scara-iso/ports/1", "ports": [asdict(d) for d in devices]})
+    else:
+        write_report(ports_report((d.name, str(d), d.description) for d in devices))
+
+
+def _dialects(*, json: bool) -> None:
+    from scara_iso.indicators import find_dialects
+    from scara_iso.report.ports import dialects_report
+
+    found = find_dialects()
+    if json:
+        write_json({
+            "schema": "scara-iso/dialects/1",
+            "dialects": {key: _described(dialect) for key, dialect in found.items()},
+        })  # fmt: skip
+    else:
+        write_report(dialects_report(found.values()))
+
+
+def _described(dialect: Dialect) -> dict[str, object]:
+    return {
+        "instruments": dialect.instruments,
+        "line": str(dialect.line),
+        "sends_unit": dialect.sends_unit,
+        "confidence": dialect.confidence,
+        "source": dialect.source,
+        "unverified": list(dialect.unverified),
+    }
+
+
+def _probe(address: str, key: str | None, *, json: bool) -> None:
+    from scara_iso.report.ports import probe_json, probe_report
+
+    probe = _listen(address, key)
+    if json:
+        write_json(probe_json(probe))
+    else:
+        write_report(probe_report(probe))
+
+
+def _listen(address: str, key: str | None) -> Probe:
+    from scara_iso.indicators import Decoder, find_dialect, find_dialects
+    from scara_iso.ports import choose_clock, open_port
+    from scara_iso.report.ports import Probe
+
+    dialect = find_dialect(key or "mitutoyo-mux")  # its 9600 8N1 where no other line is named
+    clock = choose_clock([address])
+    port = open_port(address, dialect, axis="X", clock=clock, asked=key is not None)
+    received, asked_at = b"", _QUIET_S - 1.0
+    try:
+        while clock.now() < SECONDS:
+            received += port.read()
+            if key is not None and clock.now() >= asked_at + 1.0:
+                asked_at = clock.now()
+                if dialect.request is not None:
+                    port.write(dialect.request)
+                elif dialect.request_line is not None:
+                    port.pulse(dialect.request_line)
+            clock.idle(min(SECONDS, asked_at + 1.0) if key else SECONDS)
+    finally:
+        port.close()
+    events = {k: tuple(Decoder(d).feed(received)) for k, d in find_dialects().items()}
+    return Probe(address, SECONDS, str(dialect.line), received, events)

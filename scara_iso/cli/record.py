@@ -1,0 +1,101 @@
+"""``scara-iso record``: serial indicators to a table, no reading lost or invented."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def record_command(
+    table: Annotated[
+        Path | None, typer.Argument(metavar="OUT.csv", help="Table to write.", show_default=False)
+    ] = None,
+    *,
+    gauge: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="AXIS=DRIVER@PORT",
+            help="An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
+            "a URL such as socket://HOST:PORT, replay:FILE, or sim:.",
+        ),
+    ] = None,
+    trigger: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WHEN", help="enter (key or foot switch), data (DATA key), timer:SECONDS."
+        ),
+    ] = None,
+    cycles: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Cycles to record, the first included: 31.", min=1),
+    ] = None,
+    stable: Annotated[
+        int,
+        typer.Option(
+            metavar="K",
+            help="Ask until K readings in a row agree within one count.",
+            min=1,
+            max=50,
+        ),
+    ] = 1,
+    rearm: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Refuse a reading that comes by itself so soon after the last: 0.5, but 0 for "
+            "recorded streams.",
+            min=0,
+        ),
+    ] = None,
+    unit: Annotated[
+        str | None,
+        typer.Option(metavar="UNIT", help="Unit of indicators that do not state theirs."),
+    ] = None,
+    meta: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY=VALUE", help='For the table\'s head: robot="FUM SCARA".'),
+    ] = None,
+    meta_file: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.toml", help="Lines key = value for the table's head."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the recording of OUT.csv.")
+    ] = False,
+    rebuild: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.raw.jsonl", help="Only make the table of a raw file."),
+    ] = None,
+    json: Annotated[
+        bool, typer.Option("--json", help="JSON lines; so too where there is no terminal.")
+    ] = False,
+) -> None:
+    """Record indicators into a table for analyze; every stored reading is safe on the disk.
+
+    Example: scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data
+
+    Options of an indicator stand behind its driver: X=mitutoyo-mux?unit=mm&channel=1@COM3.
+    They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
+    """
+    from scara_iso.cli.recording import Options, rebuild_table, record_table
+
+    if rebuild is not None:
+        rebuild_table(rebuild, table, json=json)
+        return
+    record_table(
+        Options(
+            table=table,
+            gauges=tuple(gauge or ()),
+            trigger=trigger,
+            cycles=cycles,
+            stable=stable,
+            rearm=rearm,
+            unit=unit,
+            meta=tuple(meta or ()),
+            meta_file=meta_file,
+            resume=resume,
+            json=json,
+        )
+    )

@@ -1,0 +1,199 @@
+"""What a session says, as JSON lines or on the live screen."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections import Counter
+from collections.abc import Mapping
+from types import TracebackType
+from typing import TypeAlias
+
+from scara_iso.cli.keyboard import KEYS, Keys
+from scara_iso.errors import WriteError
+from scara_iso.recorder import (
+    Command,
+    CycleDone,
+    Done,
+    Noted,
+    Noticed,
+    Operator,
+    Paused,
+    Problem,
+    Refused,
+    Said,
+    Started,
+    Stored,
+    Voided,
+    Waiting,
+    as_json,
+)
+from scara_iso.render.live import AxisView, LiveScreen, LiveView
+
+REDRAW_S = 0.1
+_Shown: TypeAlias = tuple[float, str, str]
+"""A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
+_NEXT = {
+    "enter": "bring the arm to the pose, let it settle, press Enter",
+    "data": "bring the arm to the pose, let it settle, press DATA on the indicator",
+}
+
+
+def write_line(said: Said) -> None:
+    """Write what was said as one JSON line; `WriteError` where nobody reads it any more."""
+    try:
+        sys.stdout.write(json.dumps(as_json(said), allow_nan=False) + "\n")
+        sys.stdout.flush()
+    except OSError as error:
+        sys.stdout = None
+        raise WriteError(
+            f"standard output failed ({error.strerror})", remedy="go on with --resume"
+        ) from error
+
+
+class Screen:
+    """Folds what is said into a view, and draws it at most every `REDRAW_S`.
+
+    It is the session's operator too, so that it is called in every round of its loop.
+    """
+
+    def __init__(
+        self,
+        live: LiveScreen,
+        operator: Operator,
+        *,
+        title: str,
+        earlier: Mapping[str, Mapping[int, float]],
+    ) -> None:
+        self._live = live
+        self._operator = operator
+        self._title = title
+        self._trigger = ""
+        self._cycles = 0
+        self._cycle = 1
+        self._waiting: tuple[str, ...] = ()
+        self._stored = 0
+        self._readings: dict[str, dict[int, _Shown]] = {
+            axis: {cycle: (value, f"{value:g}", "") for cycle, value in readings.items()}
+            for axis, readings in earlier.items()
+        }
+        self._status = ("", "plain")
+        self._troubles: Counter[str] = Counter()
+        self._paused = False
+        self._last = ""
+        self._drawn = 0.0
+        self._stale = True
+
+    def __enter__(self) -> Screen:
+        self._live.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._live.show(self._view(over=True))
+        self._live.__exit__(kind, error, trace)
+
+    def poll(self) -> Command | None:
+        """Redraw if it is time to, and return the operator's command."""
+        command = self._operator.poll()
+        self._stale |= isinstance(self._operator, Keys) and bool(self._operator.prompt)
+        self._redraw()
+        return command
+
+    def _redraw(self) -> None:
+        if self._stale and time.monotonic() - self._drawn > REDRAW_S:
+            self._live.show(self._view())
+            self._drawn, self._stale = time.monotonic(), False
+
+    def tell(self, said: Said) -> None:
+        """Take what the session says."""
+        self._take(said)
+        self._stale = True
+        self._redraw()
+
+    def _take(self, said: Said) -> None:  # noqa: C901 - one case for each thing said
+        match said:
+            case Started():
+                self._trigger, self._cycles = said.trigger, said.cycles
+                self._stored = said.cycle - 1
+                self._readings = {axis: self._readings.get(axis, {}) for axis in said.gauges}
+            case Waiting():
+                self._cycle, self._waiting = said.cycle, said.missing
+            case Stored():
+                self._readings[said.axis][said.cycle] = (said.value, said.text, said.unit)
+                self._status = (f"{said.axis} {said.text} {said.unit} of cycle {said.cycle} STORED",
+                                "good")  # fmt: skip
+            case CycleDone():
+                self._stored = said.cycle
+                note = ": recorded; analyze discards it" if said.discarded else ""
+                self._status = (f"cycle {said.cycle} STORED{note}", "good")
+            case Problem():
+                self._trouble(said.kind, f"{said.axis}: {said.message}")
+            case Refused():
+                self._trouble("refused", f"{said.axis} {said.text} not taken: {said.reason}")
+            case Voided():
+                self._stored = said.cycle - 1
+                for axis in said.axes:
+                    self._readings[axis].pop(said.cycle, None)
+                self._status = (f"cycle {said.cycle} {' '.join(said.axes)} voided", "bad")
+            case Noted(text=text):
+                self._status = (f"note written: {text}", "quiet")
+            case Noticed():
+                self._status = (f"{said.axis}: {said.message}", "quiet")
+            case Paused(on=on):
+                self._paused = on
+                self._status = ("paused" if on else "goes on", "plain")
+            case Done():
+                self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
+                short = said.cycles < said.planned
+                self._last = f"{'record --resume' if short else 'analyze'} {said.table}"
+
+    def _trouble(self, kind: str, message: str) -> None:
+        self._troubles[kind] += 1
+        self._status = (message, "bad")
+
+    def _view(self, *, over: bool = False) -> LiveView:
+        return LiveView(
+            title=self._title,
+            stored=self._stored,
+            cycles=self._cycles,
+            axes=[self._axis(name) for name in self._readings],
+            status=self._status,
+            troubles=", ".join(f"{n} {kind}" for kind, n in sorted(self._troubles.items())),
+            next_step=self._next_step() if self._last or not over else "",
+            keys="" if over or not isinstance(self._operator, Keys) else KEYS,
+            prompt=self._operator.prompt if isinstance(self._operator, Keys) else "",
+        )
+
+    def _axis(self, name: str) -> AxisView:
+        readings = self._readings[name]
+        last = max(readings, default=0)
+        _, text, unit = readings.get(last, (0.0, "", ""))
+        used = tuple(shown[0] for cycle, shown in readings.items() if cycle > 1)
+        mean, RP = _figures(used)
+        return AxisView(name, text, unit, last, used, mean, RP)
+
+    def _next_step(self) -> str:
+        if self._last:
+            return f"Now: scara-iso {self._last}"
+        if self._paused:
+            return "Paused: press p to go on"
+        missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
+        how = _NEXT.get(self._trigger, f"read by the timer, every {self._trigger[6:]} s")
+        return f"Cycle {self._cycle}{missing}: {how}"
+
+
+def _figures(readings: tuple[float, ...]) -> tuple[float | None, float | None]:
+    if len(readings) < 2:
+        return None, None
+    import numpy as np
+
+    from scara_iso.repeatability import repeatability
+
+    found = repeatability(np.array([readings]))
+    return float(found.mean[0]), float(found.RP)

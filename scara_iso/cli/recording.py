@@ -1,0 +1,182 @@
+"""A recording as the command line asks for it: what to record, who operates, where it shows."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from scara_iso.cli.keyboard import Keys, Lines, Nobody, open_keyboard
+from scara_iso.cli.output import settings
+from scara_iso.cli.record_screen import Screen, write_line
+from scara_iso.errors import UsageError
+from scara_iso.ports import choose_clock
+from scara_iso.recorder import (
+    Done,
+    Enter,
+    GaugeSpec,
+    History,
+    Job,
+    Listen,
+    Operator,
+    Plan,
+    Said,
+    SystemDisk,
+    Trigger,
+    check_metadata,
+    parse_gauges,
+    parse_metadata,
+    parse_trigger,
+    raw_path,
+    read_history,
+    read_metadata,
+    rebuild,
+    record,
+)
+from scara_iso.render.live import LiveScreen
+from scara_iso.render.terminal import open_console
+
+ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
+"""Metadata asked for at the start, where someone is there to answer and gave none."""
+_CYCLES = 31
+_REARM_S = 0.5
+_SHOWN = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """The options of the command, as given."""
+
+    table: Path | None
+    gauges: tuple[str, ...]
+    trigger: str | None
+    cycles: int | None
+    stable: int
+    rearm: float | None
+    unit: str | None
+    meta: tuple[str, ...]
+    meta_file: Path | None
+    resume: bool
+    json: bool
+
+
+def record_table(options: Options) -> None:
+    """Record a table, new or gone on with; raises as `record` and for options that are missing."""
+    if options.table is None:
+        raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
+    on_terminal = not options.json and sys.stdout.isatty()
+    earlier = read_history(raw_path(options.table)) if options.resume else None
+    if earlier is not None:
+        _tell_damage(earlier)
+    header = earlier.header if earlier else {}
+    recorded = [str(found["spec"]) for found in header.get("gauges", {}).values()]
+    specs = parse_gauges(options.gauges or recorded, unit=options.unit)
+    plan = Plan(
+        _trigger(options.trigger or header.get("trigger"), on_terminal=on_terminal),
+        options.cycles or int(header.get("cycles", _CYCLES)),
+        options.stable,
+        _rearm(options.rearm, specs),
+    )
+    if plan.stable > 1 and plan.trigger == Listen():
+        raise UsageError("--stable goes with readings that are asked for, not with --trigger data")
+    metadata = {} if options.meta_file is None else read_metadata(options.meta_file)
+    metadata |= parse_metadata(options.meta)
+    if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
+        metadata = metadata or ({} if options.resume else _ask_metadata())
+    job = Job(options.table, specs, plan, metadata, options.resume)
+    _run(job, earlier, on_terminal=on_terminal)
+
+
+def _run(job: Job, earlier: History | None, *, on_terminal: bool) -> None:
+    clock = choose_clock(spec.address for spec in job.gauges)
+    with ExitStack() as stack:
+        stack.enter_context(_ended_by_signals())
+        operator = _operator(job.plan, stack, on_terminal=on_terminal)
+        tell: Callable[[Said], None] = write_line
+        if on_terminal:
+            operator = screen = stack.enter_context(_screen(job, earlier, operator))
+            tell = screen.tell
+        record(job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell)
+
+
+def _screen(job: Job, earlier: History | None, operator: Operator) -> Screen:
+    live = LiveScreen(open_console(sys.stdout, no_color=settings.no_color))
+    stored = earlier.readings() if earlier else {}
+    return Screen(live, operator, title=f"scara-iso record {job.table.name}", earlier=stored)
+
+
+def _operator(plan: Plan, stack: ExitStack, *, on_terminal: bool) -> Operator:
+    if sys.stdin is not None and sys.stdin.isatty() and (on_terminal or plan.trigger == Enter()):
+        return Keys(stack.enter_context(open_keyboard()))
+    return Lines(sys.stdin) if plan.trigger == Enter() else Nobody()
+
+
+def _rearm(seconds: float | None, specs: Sequence[GaugeSpec]) -> float:
+    """Return the time; a recorded stream was pressed as it was pressed, and is taken whole."""
+    recorded = all(spec.address.startswith("replay:") for spec in specs)
+    return seconds if seconds is not None else (0.0 if recorded else _REARM_S)
+
+
+def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:
+    if text is not None:
+        return parse_trigger(str(text))
+    if on_terminal and sys.stdin.isatty():
+        return Enter()
+    raise UsageError(
+        "no terminal to press Enter on",
+        remedy="give --trigger data, timer:SECONDS, or enter for lines of standard input",
+    )
+
+
+def _ask_metadata() -> dict[str, str]:
+    """Ask once for what the report will want to state; an empty answer leaves it out."""
+    sys.stdout.write("For the head of the table (Enter leaves a line out):\n")
+    width = max(map(len, ASKED))
+    answers: dict[str, str] = {}
+    with suppress(EOFError):
+        for key in ASKED:
+            answers[key] = input(f"  {key.replace('_', ' '):<{width}} ").strip()
+    return check_metadata({key: answer for key, answer in answers.items() if answer})
+
+
+def rebuild_table(raw: Path, table: Path | None, *, json: bool) -> None:
+    """Make the table of a raw file and say so."""
+    written, history = rebuild(raw, table, disk=SystemDisk())
+    _tell_damage(history)
+    rows, planned = len(history.run()), int(history.header["cycles"])
+    if json or not sys.stdout.isatty():
+        write_line(Done(rows, planned, str(written), str(raw)))
+    else:
+        sys.stdout.write(f"{written}: {rows} of {planned} cycles\n")
+
+
+def _tell_damage(history: History) -> None:
+    if history.damaged:
+        lines = ", ".join(map(str, history.damaged[:_SHOWN]))
+        sys.stderr.write(
+            f"scara-iso: {history.source}: {len(history.damaged)} torn or damaged, left out: "
+            f"line {lines}\n"
+        )
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let a request to terminate, or a terminal that closes, end the session in good order."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {name: signal.signal(getattr(signal, name), _interrupt) for name in names}
+    try:
+        yield
+    finally:
+        for name, handler in before.items():
+            signal.signal(getattr(signal, name), handler)
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt

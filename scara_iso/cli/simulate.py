@@ -1,0 +1,126 @@
+"""``scara-iso simulate``: readings of a model, as a dial would have shown them."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from scara_iso.cli.output import write_text
+from scara_iso.errors import UsageError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from scara_iso.model import Model
+    from scara_iso.run import FloatArray
+
+ModelFile = Annotated[str, typer.Argument(metavar="MODEL", help="A model file, .toml.")]
+
+
+class Side(StrEnum):
+    """From which side the pose is approached."""
+
+    ONE = "one"
+    BOTH = "both"
+    RANDOM = "random"
+
+
+def simulate_command(
+    model: ModelFile,
+    *,
+    cycles: Annotated[
+        int, typer.Option(help="Cycles, the first counted.", min=2, max=1_000_000)
+    ] = 31,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME[@AXES]:KEY=VALUE,...",
+            help="An effect that the file will not declare: warm_up:size=0.03,tau=8. May be "
+            "repeated.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the scatter.", min=0)] = 0,
+    approach: Annotated[
+        Side | None, typer.Option(help="Side of the approach; adds the column approach.")
+    ] = None,
+    temperature: Annotated[
+        str | None, typer.Option(metavar="FROM:TO", help="A ramp; adds temperature_C.")
+    ] = None,
+    payload: Annotated[
+        str | None, typer.Option(metavar="KG,KG,...", help="Loads by turns; adds payload_kg.")
+    ] = None,
+    drivetrain: Annotated[
+        bool, typer.Option("--drivetrain", help="Rest positions from the gears through time.")
+    ] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="File; else standard output.")
+    ] = None,
+) -> None:
+    """Write readings of a model with scatter, effects and rounding, as a table.
+
+    Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
+    """
+    import numpy as np
+
+    from scara_iso.effects import Conditions
+    from scara_iso.model import read_model, simulate
+    from scara_iso.model.spec import parse_effect
+    from scara_iso.tables import write_table
+
+    rng = np.random.default_rng(seed)
+    described = read_model(model)
+    covariates = _recorded(temperature, payload, cycles)
+    displacement = None
+    if approach is not None or drivetrain:
+        sides, rests = _arrivals(described, approach or Side.ONE, cycles, rng, moving=drivetrain)
+        covariates |= {"approach": sides} if approach is not None else {}
+        displacement = rests
+    run = simulate(
+        described,
+        Conditions(np.arange(1, cycles + 1), covariates),
+        rng=rng,
+        undeclared=[parse_effect(text, described) for text in effect or ()],
+        displacement=displacement,
+    )
+    write_text(write_table(run), output)
+
+
+def _arrivals(
+    model: Model, side: Side, count: int, rng: np.random.Generator, *, moving: bool
+) -> tuple[FloatArray, dict[str, FloatArray] | None]:
+    """Return the side of each approach and, with the drive train, what the dials read of it."""
+    from scara_iso.drivetrain import Approach, sides
+    from scara_iso.model.arrive import rest_positions
+
+    chosen = {
+        Side.ONE: Approach.ONE_SIDE,
+        Side.BOTH: Approach.BOTH_SIDES,
+        Side.RANDOM: Approach.RANDOM,
+    }[side]
+    if moving:
+        return rest_positions(model, chosen, count=count, rng=rng)
+    return sides(chosen, count, rng).astype(float), None
+
+
+def _recorded(temperature: str | None, payload: str | None, cycles: int) -> dict[str, FloatArray]:
+    import numpy as np
+
+    found: dict[str, FloatArray] = {}
+    if temperature is not None:
+        ends = _numbers("--temperature", temperature, ":")
+        if len(ends) != 2:
+            raise UsageError(f"--temperature {temperature!r}", remedy="write --temperature 20:24")
+        found["temperature_C"] = np.linspace(ends[0], ends[1], cycles).round(2)
+    if payload is not None:
+        found["payload_kg"] = np.resize(_numbers("--payload", payload, ","), cycles)
+    return found
+
+
+def _numbers(option: str, text: str, separator: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(separator)]
+    except ValueError:
+        raise UsageError(f"{option} {text!r} is not made of numbers") from None

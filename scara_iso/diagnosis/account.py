@@ -1,0 +1,149 @@
+"""What the found effects amount to: parameters, directions, repeatability, shares of variance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from scara_iso.diagnosis.bank import UNKNOWN, constant, extended
+from scara_iso.diagnosis.choice import Choice
+from scara_iso.diagnosis.direction import match
+from scara_iso.diagnosis.fit import Fit, Term
+from scara_iso.diagnosis.residual import Residual
+from scara_iso.diagnosis.result import ByAxis, Found, Rival, Shares
+from scara_iso.diagnosis.search import Problem, Stage
+from scara_iso.effects import Effect, Process, Shape, Spread
+from scara_iso.quantities import rounding_uncertainty
+from scara_iso.repeatability import repeatability
+from scara_iso.run import FloatArray
+
+_PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
+
+
+def account(
+    problem: Problem, fitted: Fit, stages: Sequence[Stage], effects: Mapping[str, Effect]
+) -> tuple[Found, ...]:
+    """Return what was found, one for each term of the fit, in the order of the search."""
+    left = problem.residual.values - fitted.predicted
+    return tuple(
+        _found(problem, fitted, i, stage, effects[fitted.terms[i].effect], left)
+        for i, stage in enumerate(stages[: len(fitted.terms)])
+    )
+
+
+def rivals_of(choice: Choice) -> tuple[Rival, ...]:
+    """Return the rivals of the best effect, likeliest first."""
+    return tuple(Rival(name, p) for name, p in choice.rivals.items())
+
+
+def repeatabilities(readings: Mapping[str, FloatArray]) -> dict[str, float]:
+    """Return RP of each axis (eq. 6), and radially of XY and XYZ (ISO 9283 7.2.2) if there."""
+    groups = {name: (name,) for name in readings} | {
+        name: axes for name, axes in _PLANES.items() if all(axis in readings for axis in axes)
+    }
+    return {
+        name: float(repeatability(np.stack([readings[axis] for axis in axes])).RP)
+        for name, axes in groups.items()
+    }
+
+
+def shares_of(residual: Residual, fitted: Fit) -> dict[str, Shares]:
+    """Return, for each axis, whose share of the variance of the readings is whose."""
+    total = residual.values.var(axis=0, ddof=1)
+    left = (residual.values - fitted.predicted).var(axis=0, ddof=1)
+    rounding = np.array([rounding_uncertainty(division) ** 2 for division in residual.division])
+    unexplained = np.clip(left / total, 0.0, 1.0)
+    resolution = np.minimum(rounding / total, unexplained)
+    return {
+        name: Shares(float(1 - u), float(r), float(u - r))
+        for name, u, r in zip(residual.axes, unexplained, resolution, strict=True)
+    }
+
+
+def _found(
+    problem: Problem, fitted: Fit, i: int, stage: Stage, effect: Effect, left: FloatArray
+) -> Found:
+    term, residual = fitted.terms[i], problem.residual
+    assert stage.choice is not None  # noqa: S101 - a term stands for the choice of its stage
+    errors = _standard_errors(fitted, i, left)
+    where = match(*_movement(fitted.coefficients[i], errors), problem.directions)
+    moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
+    return Found(
+        effect=effect.name,
+        axes=moved,
+        joint=where.name,
+        angles=where.angles,
+        parameters=_parameters(term, fitted.coefficients[i], residual, effect, left),
+        standard_errors=_by_axis(errors[0] if len(errors) else None, residual, term),
+        p_value=stage.p_value,
+        probability=stage.choice.probability[effect.name],
+        rivals=rivals_of(stage.choice),
+        cause=effect.cause,
+        confirm_by=effect.confirm_by,
+        unidentified=_unidentified(stage.choice, term),
+    )
+
+
+def _parameters(
+    term: Term, coefficients: FloatArray, residual: Residual, effect: Effect, left: FloatArray
+) -> dict[str, float | str | ByAxis]:
+    form = term.form
+    match form:
+        case Shape():
+            sizes: dict[str, dict[str, float]] = {}
+            for a in np.flatnonzero(term.moves):
+                for name, value in effect.sizes(coefficients[:, a]).items():
+                    sizes.setdefault(name, {})[residual.axes[a]] = value
+            return {**form.parameters, **sizes}
+        case Spread():
+            return {"at_cycle": form.at_cycle, "ratio": form.ratio}
+        case Process():
+            scatter = left.std(axis=0, ddof=1) * float(form.parameters["step_share"])
+            return {"size": dict(zip(residual.axes, map(float, scatter), strict=True))}
+        case _:
+            return {}
+
+
+def _standard_errors(fitted: Fit, i: int, left: FloatArray) -> FloatArray:
+    """Return standard errors (k, axes) of a term's coefficients, free of the other terms."""
+    columns = fitted.terms[i].columns
+    if columns is None:
+        return np.zeros((0, left.shape[1]))
+    basis = constant(len(left))
+    for j, other in enumerate(fitted.terms):
+        if j != i and other.columns is not None:
+            basis = extended(basis, other.columns)
+    free = columns - basis @ (basis.T @ columns)
+    nu = max(1, len(left) - basis.shape[1] - columns.shape[1])
+    scatter = np.sqrt((left**2).sum(axis=0) / nu)
+    return np.asarray(np.outer(1 / np.maximum(np.linalg.norm(free, axis=0), 1e-12), scatter))
+
+
+def _movement(coefficients: FloatArray, errors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the axes' movement (axes,) and its standard error.
+
+    Of several columns (sine and cosine) the principal one.
+    """
+    if not len(coefficients):
+        return np.zeros(0), np.zeros(0)
+    _, _, along = np.linalg.svd(coefficients, full_matrices=False)
+    size = float(np.linalg.norm(coefficients @ along[0]))
+    return along[0] * size, errors.max(axis=0)
+
+
+def _by_axis(errors: FloatArray | None, residual: Residual, term: Term) -> dict[str, ByAxis]:
+    if errors is None:
+        return {}
+    moved = np.flatnonzero(term.moves)
+    return {"size": {residual.axes[a]: float(errors[a]) for a in moved}}
+
+
+def _unidentified(choice: Choice, term: Term) -> tuple[str, ...]:
+    """Return which parameters the data leave open, and what would settle them."""
+    lines = []
+    if term.effect == "warm_up" and "linear_drift" in choice.rivals:
+        lines.append("tau: the run is too short to tell a warm-up from a drift; run longer")
+    if UNKNOWN in choice.rivals:
+        lines.append("the course may have a form that the catalogue does not hold; repeat the run")
+    return tuple(lines)

@@ -1,0 +1,225 @@
+"""The bank: every shape, process and spread of the catalogue, made ready for fast comparison.
+
+A deterministic shape under a g-prior and a random process are one thing here: a covariance
+I + U diag(s) U' of the readings beside their scatter, U orthonormal. What was already fitted (at
+least the constant pose) is projected out of U.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.effects import Chain, Conditions, Effect, Process, Shape, Spread
+from scara_iso.run import FloatArray, IntArray
+
+Form = Shape | Process | Spread | Chain
+"""How an effect shows: a known course, a random one, another scatter, or hidden sides."""
+
+UNKNOWN = "unknown"
+"""Name of the smooth process that stands for structure outside the catalogue."""
+
+_TINY = 1e-9
+_SMOOTH_WEIGHT = 0.5
+_SMOOTH_LENGTHS = (1.5, 3.0, 6.0)
+_SMOOTH_VARIANCES = (0.5, 2.0, 8.0)
+_ROUGH_WEIGHT = 0.3
+_ROUGH_LENGTHS = (2.0, 5.0)
+_ROUGH_VARIANCES = (1.0, 4.0)
+_PASSAGE_WEIGHT = 0.5
+_LEAST_EIGENVALUE = 1e-3
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Member:
+    """One hypothesis: an effect (or UNKNOWN) in one of its forms.
+
+    ``weight`` is its prior weight among all members. ``ordered`` members count in the test by
+    shuffling, ``named`` ones in the choice of a name.
+    """
+
+    effect: str
+    form: Form
+    weight: float
+    gain: float = 15.0
+    ordered: bool = True
+    named: bool = True
+
+    @property
+    def chained(self) -> bool:
+        """Whether its course is hidden and must be inferred from the readings."""
+        return isinstance(self.form, Chain)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Bank:
+    """Members over n cycles, orthogonal to ``basis`` (n, f), which holds what is fitted.
+
+    ``vectors`` (n, m) are the members' orthonormal columns side by side, beginning at ``first``
+    (one for each); ``shrink`` (m,) is s / (1 + s) of each column, ``penalty`` the members' log
+    determinants. Spreads come last and have ``split`` (row) and ``ratio`` instead.
+    """
+
+    members: tuple[Member, ...]
+    basis: FloatArray
+    vectors: FloatArray
+    shrink: FloatArray
+    first: IntArray
+    penalty: FloatArray
+    split: IntArray
+    ratio: FloatArray
+
+    @property
+    def weights(self) -> FloatArray:
+        """Prior weight of each member, as given."""
+        return np.array([member.weight for member in self.members])
+
+
+def members_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Member, ...]:
+    """Return every hypothesis about readings taken under ``conditions``, the unknown included."""
+    known = [member for effect in effects for member in _of_effect(effect, conditions)]
+    return (*known, *_unknown(conditions), *_passages(conditions))
+
+
+def _of_effect(effect: Effect, conditions: Conditions) -> list[Member]:
+    shapes = [s for s in effect.shapes(conditions) if np.ptp(s.columns, axis=0).all()]
+    forms: list[Form] = [
+        *shapes, *effect.processes(conditions), *effect.spreads(conditions), *effect.chains
+    ]  # fmt: skip
+    parts = [form.weight if isinstance(form, Shape | Chain) else 1.0 for form in forms]
+    return [
+        Member(effect.name, form, effect.weight * part / sum(parts), effect.gain, effect.ordered)
+        for form, part in zip(forms, parts, strict=True)
+    ]
+
+
+def _unknown(conditions: Conditions) -> list[Member]:
+    """Return smooth (squared-exponential) and rough (exponential) processes over the cycles."""
+    lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
+    smooth = [np.exp(-0.5 * (lag / length) ** 2) for length in _SMOOTH_LENGTHS]
+    rough = [np.exp(-lag / length) for length in _ROUGH_LENGTHS]
+    return [
+        *_processes(smooth, _SMOOTH_VARIANCES, _SMOOTH_WEIGHT),
+        *_processes(rough, _ROUGH_VARIANCES, _ROUGH_WEIGHT),
+    ]
+
+
+def _processes(
+    correlations: Sequence[FloatArray], variances: Sequence[float], weight: float
+) -> list[Member]:
+    each = weight / (len(correlations) * len(variances))
+    return [Member(UNKNOWN, Process(v * c), each) for c in correlations for v in variances]
+
+
+def _passages(conditions: Conditions) -> list[Member]:
+    """Return levels that come and go again: they help the test to see, and carry no name."""
+    n = len(conditions)
+    row = np.arange(n)[:, np.newaxis]
+    spans = [(a, b) for a in range(2, n - 3, 2) for b in range(a + 2, n - 1, 2)]
+    return [
+        Member(UNKNOWN, Shape(np.where((row >= a) & (row < b), 1.0, 0.0)),
+               _PASSAGE_WEIGHT / len(spans), named=False)
+        for a, b in spans
+    ]  # fmt: skip
+
+
+def build(members: Sequence[Member], cycle: IntArray, rows: IntArray, basis: FloatArray) -> Bank:
+    """Return the bank of ``members`` on ``rows`` of the run, free of the orthonormal ``basis``.
+
+    ``cycle`` (n,) numbers the whole run, ``basis`` has shape (rows, f). Members that say nothing
+    beside it are left out, and so are chains, which are searched in the readings themselves.
+    """
+    groups = [*_shape_groups(members, rows, basis), _process_group(members, rows, basis)]
+    spreads = [(m, m.form) for m in members if isinstance(m.form, Spread)]
+    return Bank(
+        members=(*(m for group in groups for m in group.members), *(m for m, _ in spreads)),
+        basis=basis,
+        vectors=np.concatenate([group.vectors for group in groups], axis=1),
+        shrink=np.concatenate([group.shrink for group in groups]),
+        first=_starts([width for group in groups for width in group.widths]),
+        penalty=np.concatenate([group.penalty for group in groups]),
+        split=np.searchsorted(cycle[rows], [s.at_cycle for _, s in spreads]).astype(np.int64),
+        ratio=np.array([s.ratio for _, s in spreads], dtype=np.float64),
+    )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Group:
+    """Members of one kind with their columns side by side; fields as in `Bank`."""
+
+    members: tuple[Member, ...]
+    vectors: FloatArray
+    shrink: FloatArray
+    widths: tuple[int, ...]
+    penalty: FloatArray
+
+
+def _starts(widths: Sequence[int]) -> IntArray:
+    return np.concatenate([[0], np.cumsum(widths[:-1])]).astype(np.int64)
+
+
+def _shape_groups(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> list[_Group]:
+    shaped = [(m, m.form.columns[rows]) for m in members if isinstance(m.form, Shape)]
+    widths = sorted({columns.shape[1] for _, columns in shaped})
+    return [_shape_group([s for s in shaped if s[1].shape[1] == k], basis) for k in widths]
+
+
+def _shape_group(shaped: Sequence[tuple[Member, FloatArray]], basis: FloatArray) -> _Group:
+    vectors, usable = _orthonormal(np.stack([columns for _, columns in shaped]), basis)
+    members = tuple(m for (m, _), use in zip(shaped, usable, strict=True) if use)
+    k = vectors.shape[2]
+    gain = np.array([m.gain for m in members])
+    return _Group(
+        members=members,
+        vectors=np.moveaxis(vectors, 0, 1).reshape(len(basis), -1),
+        shrink=np.repeat(gain / (1 + gain), k),
+        widths=(k,) * len(members),
+        penalty=k * np.log1p(gain),
+    )
+
+
+def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, list[bool]]:
+    """Return Gram-Schmidt bases of columns (s, n, k) beside ``basis``, and which were usable."""
+    scale = np.linalg.norm(columns, axis=1)
+    free = columns - basis @ (basis.T @ columns)
+    free -= basis @ (basis.T @ free)
+    usable = np.ones(len(columns), dtype=bool)
+    for i in range(columns.shape[2]):
+        for j in range(i):
+            free[:, :, i] -= (free[:, :, j] * free[:, :, i]).sum(1)[:, None] * free[:, :, j]
+        length = np.linalg.norm(free[:, :, i], axis=1)
+        usable &= length > 1e-6 * np.maximum(scale[:, i], _TINY)
+        free[:, :, i] /= np.maximum(length, _TINY)[:, np.newaxis]
+    return free[usable], [bool(u) for u in usable]
+
+
+def _process_group(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> _Group:
+    chosen = [(m, m.form.covariance) for m in members if isinstance(m.form, Process)]
+    projector = np.eye(len(rows)) - basis @ basis.T
+    covariance = np.stack([c[np.ix_(rows, rows)] for _, c in chosen])
+    values, vectors = np.linalg.eigh(projector @ covariance @ projector)
+    keep = values > _LEAST_EIGENVALUE
+    shrink = [v[k] / (1 + v[k]) for v, k in zip(values, keep, strict=True)]
+    return _Group(
+        members=tuple(m for m, _ in chosen),
+        vectors=np.concatenate([u[:, k] for u, k in zip(vectors, keep, strict=True)], axis=1),
+        shrink=np.concatenate(shrink),
+        widths=tuple(int(k.sum()) for k in keep),
+        penalty=np.array([-np.log1p(-s).sum() for s in shrink]),
+    )
+
+
+def constant(n: int) -> FloatArray:
+    """Return the orthonormal basis of a constant pose, shape (n, 1)."""
+    return np.full((n, 1), n**-0.5)
+
+
+def extended(basis: FloatArray, columns: FloatArray) -> FloatArray:
+    """Return an orthonormal basis of ``basis`` (n, f) and ``columns`` (n, k) together."""
+    vectors, usable = _orthonormal(columns.T[:, :, np.newaxis], basis)
+    if not any(usable):
+        return basis
+    q, r = np.linalg.qr(vectors[:, :, 0].T)
+    return np.concatenate([basis, q[:, np.abs(np.diag(r)) > 1e-6]], axis=1)

@@ -1,0 +1,125 @@
+"""Which effect? The posterior over the catalogue once a test has found structure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.diagnosis.bank import Bank, Form, Member
+from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
+from scara_iso.diagnosis.levels import two_levels
+from scara_iso.effects import Chain, Shape
+from scara_iso.run import FloatArray, IntArray
+
+_RIVAL = 0.1
+"""Share of the best effect's probability from which another one is its rival."""
+
+_LARGEST_LOG = 600.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Choice:
+    """Probability of every effect, given that there is one; the unknown is one of them.
+
+    ``forms`` holds the likeliest form of each over all cycles of the run; hidden sides as the
+    course that they took.
+    """
+
+    probability: Mapping[str, float]
+    forms: Mapping[str, Form]
+
+    @property
+    def best(self) -> str:
+        """Name of the likeliest effect, or UNKNOWN."""
+        return max(self.probability, key=self.probability.__getitem__)
+
+    @property
+    def rivals(self) -> dict[str, float]:
+        """Other effects at least a tenth as likely as the best, likeliest first."""
+        least = _RIVAL * self.probability[self.best]
+        ranked = sorted(self.probability.items(), key=lambda item: -item[1])
+        return {name: p for name, p in ranked[1:] if p >= least}
+
+
+def choose(bank: Bank, views: Views, sides: Sequence[_Hidden] = ()) -> Choice:
+    """Return the posterior over effects for the views of one residual.
+
+    ``sides`` are what `hidden_sides` found in the same residual; without them effects with hidden
+    chains are judged by their shapes alone.
+    """
+    log_bf = log_bayes(bank, views.columns)
+    weights = np.array([m.weight if m.named else 0.0 for m in bank.members])
+    evidence = weights * joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
+    found = [
+        _Hidden(m.effect, m.form, float(e)) for m, e in zip(bank.members, evidence, strict=True)
+    ]
+    total: dict[str, float] = {}
+    strongest: dict[str, _Hidden] = {}
+    for hypothesis in (*found, *sides):
+        name = hypothesis.effect
+        total[name] = total.get(name, 0.0) + hypothesis.evidence
+        if name not in strongest or hypothesis.evidence > strongest[name].evidence:
+            strongest[name] = hypothesis
+    whole = sum(total.values())
+    return Choice(
+        {name: value / whole for name, value in total.items() if value > 0},
+        {name: hypothesis.form for name, hypothesis in strongest.items()},
+    )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Hidden:
+    """A hypothesis and its weighted evidence."""
+
+    effect: str
+    form: Form
+    evidence: float
+
+
+def hidden_sides(
+    members: Sequence[Member], views: Views, division: FloatArray, rows: IntArray, n: int
+) -> list[_Hidden]:
+    """Return, for each effect with hidden chains, its evidence and the course of its sides.
+
+    ``division`` (axes,) is the dial's in the units of the views, nan for an axis that can show no
+    sides; ``rows`` are those of the n cycles that the views hold.
+    With several axes the sides are sought in each axis and in each principal direction.
+    """
+    chained: dict[str, list[tuple[Chain, float]]] = {}
+    for member in members:
+        if isinstance(member.form, Chain):
+            chained.setdefault(member.effect, []).append((member.form, member.weight))
+    columns = _columns(views, division)
+    if not columns:
+        return []
+    return [_sides(effect, found, columns, rows, n) for effect, found in chained.items()]
+
+
+def _columns(views: Views, division: FloatArray) -> list[tuple[FloatArray, float]]:
+    q = views.axes
+    axes = [(views.columns[:, a], float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
+    if len(axes) < 2:
+        return axes
+    return axes + [(views.columns[:, q + a], 0.0) for a in range(q)]
+
+
+def _sides(
+    effect: str,
+    chained: Sequence[tuple[Chain, float]],
+    columns: Sequence[tuple[FloatArray, float]],
+    rows: IntArray,
+    n: int,
+) -> _Hidden:
+    prior = np.array([weight for _, weight in chained])
+    found = []
+    for column, division in columns:
+        whole = np.full(n, np.nan)
+        whole[rows] = column
+        levels = two_levels(whole, division, [chain for chain, _ in chained])
+        found.append((float(prior @ np.exp(np.minimum(levels.log_bf, _LARGEST_LOG))), levels))
+    best = max(found, key=lambda item: item[0])[1]
+    upper = np.where(best.share_upper > 0.5, 1.0, 0.0)[:, np.newaxis]
+    form = Shape(upper, {"switching": best.switching})
+    return _Hidden(effect, form, float(np.mean([evidence for evidence, _ in found])))

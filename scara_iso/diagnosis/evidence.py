@@ -1,0 +1,109 @@
+"""Evidence: log Bayes factors of every member of a bank against scatter alone.
+
+For covariance C = I + U diag(s) U' beside scatter of unknown width, and a flat prior on what is
+fitted: BF = |C|^(-1/2) (1 - sum w (u'y)^2 / y'y)^(-nu/2), w = s / (1 + s), nu = n - f. With
+s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et al. 2008, eq. 6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.diagnosis.bank import Bank
+from scara_iso.run import FloatArray
+
+_LARGEST_LOG = 600.0
+_SMALLEST_SHARE = 1e-12
+_TINY = 1e-300
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Views:
+    """The axes' residuals seen in several ways: ``columns`` (n, v), each of unit variance.
+
+    The first ``axes`` columns are the axes themselves. With two axes or more follow their
+    principal directions, the axes freed of their correlation, and the directions that physics
+    names (one column for each of ``named``).
+    """
+
+    columns: FloatArray
+    axes: int
+    named: tuple[str, ...] = ()
+
+
+def views_of(
+    values: FloatArray, basis: FloatArray, directions: Mapping[str, FloatArray] | None = None
+) -> Views:
+    """Return the views of residuals (n, axes) with ``basis`` (n, f) projected out.
+
+    ``directions`` maps a name to how far each axis moves, shape (axes,). Whitening uses the
+    covariance over the cycles, which no shuffling of them changes.
+    """
+    free = values - basis @ (basis.T @ values)
+    scaled = free / np.maximum(np.linalg.norm(free, axis=0), _TINY)
+    axes = values.shape[1]
+    if axes == 1:
+        return Views(scaled, 1)
+    variance, rotation = np.linalg.eigh(scaled.T @ scaled)
+    principal = scaled @ (rotation / np.sqrt(np.maximum(variance, 1e-9)))
+    columns = [scaled, principal, principal @ rotation.T]
+    for movement in (directions or {}).values():
+        relative = movement / np.maximum(np.linalg.norm(free, axis=0), _TINY)
+        weight = np.linalg.lstsq(scaled.T @ scaled, relative, rcond=1e-9)[0]
+        columns.append((scaled @ weight)[:, np.newaxis])
+    return Views(np.concatenate(columns, axis=1), axes, tuple(directions or {}))
+
+
+def log_bayes(bank: Bank, columns: FloatArray) -> FloatArray:
+    """Return log Bayes factors (members, m) for residuals (n, m) orthogonal to the bank's basis."""
+    nu = len(columns) - bank.basis.shape[1]
+    power = np.maximum((columns**2).sum(axis=0), _TINY)
+    squared = (bank.vectors.T @ columns) ** 2
+    squared *= bank.shrink[:, np.newaxis]
+    explained = np.add.reduceat(squared, bank.first, axis=0) / power
+    shaped = np.log(np.maximum(1 - explained, _SMALLEST_SHARE))
+    shaped *= -nu / 2
+    shaped -= bank.penalty[:, np.newaxis] / 2
+    if not len(bank.split):
+        return np.asarray(shaped)
+    return np.concatenate([shaped, _log_bayes_of_spreads(bank, columns, nu)])
+
+
+def _log_bayes_of_spreads(bank: Bank, columns: FloatArray, nu: int) -> FloatArray:
+    """Return log Bayes factors of scatter ``ratio`` times as wide from ``split`` on.
+
+    The mean is integrated out under either width: S = sum y^2 / r^2 - (sum y / r^2)^2 / sum 1/r^2.
+    """
+    n, k = len(columns), bank.split
+    weight = (1 / bank.ratio**2)[:, np.newaxis]
+    zero = np.zeros((1, columns.shape[1]))
+    sums = np.concatenate([zero, np.cumsum(columns, axis=0)])
+    squares = np.concatenate([zero, np.cumsum(columns**2, axis=0)])
+    total = (k[:, np.newaxis] + (n - k)[:, np.newaxis] * weight) * np.ones_like(zero)
+    mean = sums[k] + weight * (sums[n] - sums[k])
+    S = squares[k] + weight * (squares[n] - squares[k]) - mean**2 / total
+    share = np.maximum(S / np.maximum(squares[n] - sums[n] ** 2 / n, _TINY), _SMALLEST_SHARE)
+    determinant = ((n - k) * np.log(bank.ratio))[:, np.newaxis]
+    return np.asarray(-determinant - 0.5 * np.log(total / n) - nu / 2 * np.log(share))
+
+
+def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
+    """Return Bayes factors over all axes, shape (members, m), from single ones (members, v, m).
+
+    A mixture, in equal parts: each axis takes part or not (probability 1/2); one principal
+    direction does; one axis freed of the others does; one named direction does.
+    """
+    q = views.axes
+    bf = np.exp(np.minimum(log_bf, _LARGEST_LOG / q))
+    if q == 1:
+        return np.asarray(bf[:, 0])
+    parts = [
+        np.prod((1 + bf[:, :q]) / 2, axis=1),
+        bf[:, q : 2 * q].mean(axis=1),
+        bf[:, 2 * q : 3 * q].mean(axis=1),
+    ]
+    parts += [bf[:, 3 * q :].mean(axis=1)] if views.named else []
+    return np.asarray(sum(parts) / len(parts))

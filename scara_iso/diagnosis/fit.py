@@ -1,0 +1,118 @@
+"""Fit chosen effects together: which axes each moves, by how much, and what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.diagnosis.bank import Form, constant, extended
+from scara_iso.effects import Process, Shape, Spread
+from scara_iso.run import FloatArray, IntArray
+
+_GAIN = 15.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Term:
+    """One chosen effect: its form over all n cycles, and which axes (axes,) it moves."""
+
+    effect: str
+    form: Form
+    moves: npt.NDArray[np.bool_]
+
+    @property
+    def columns(self) -> FloatArray | None:
+        """Columns (n, k) of a known course, else None."""
+        return self.form.columns if isinstance(self.form, Shape) else None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Fit:
+    """Terms fitted together on some rows of the run.
+
+    ``predicted`` (n, axes) holds all cycles: the pose and each term's contribution, ``parts``
+    (n, axes) with ``coefficients`` (k, axes).
+    """
+
+    terms: tuple[Term, ...]
+    predicted: FloatArray
+    coefficients: tuple[FloatArray, ...]
+    parts: tuple[FloatArray, ...]
+
+
+def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
+    """Return the term with the axes that ``form`` moves in ``values`` (rows, axes).
+
+    An axis takes part where its own Bayes factor is above 1; the one with the largest always does.
+    """
+    axes = values.shape[1]
+    if not isinstance(form, Shape):
+        return Term(effect, form, np.ones(axes, dtype=bool))
+    free = values - basis @ (basis.T @ values)
+    beside = extended(basis, form.columns[rows])[:, basis.shape[1] :]
+    explained = ((beside.T @ free) ** 2).sum(axis=0) / np.maximum((free**2).sum(axis=0), 1e-300)
+    nu, k = len(rows) - basis.shape[1], beside.shape[1]
+    log_bf = -nu / 2 * np.log(1 - explained * _GAIN / (1 + _GAIN)) - k / 2 * np.log1p(_GAIN)
+    return Term(effect, form, (log_bf > 0) | (log_bf == log_bf.max()))
+
+
+def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fit:
+    """Return the least-squares fit of pose and ``terms`` to ``values`` (rows, axes).
+
+    Random courses are smoothed (kriging) in what the other terms leave.
+    """
+    axes = values.shape[1]
+    pose = np.empty(axes)
+    coefficients = [np.zeros((_width(term), axes)) for term in terms]
+    for a in range(axes):
+        used = [i for i, t in enumerate(terms) if t.columns is not None and t.moves[a]]
+        columns = [terms[i].form.columns for i in used]  # type: ignore[union-attr]
+        design = np.concatenate([np.ones((n, 1)), *columns], axis=1)
+        solution = np.linalg.lstsq(design[rows], values[:, a], rcond=1e-9)[0]
+        pose[a], rest = solution[0], solution[1:]
+        for i in used:
+            coefficients[i][:, a], rest = np.split(rest, [_width(terms[i])])
+    parts = [_part(t, c, n) for t, c in zip(terms, coefficients, strict=True)]
+    left = values - pose - sum(parts, np.zeros((n, axes)))[rows]
+    for i, term in enumerate(terms):
+        if isinstance(term.form, Process):
+            parts[i] = _kriged(term.form.covariance, left, rows)
+    predicted = pose + sum(parts, np.zeros((n, axes)))
+    return Fit(tuple(terms), predicted, tuple(coefficients), tuple(parts))
+
+
+def row_scale(terms: Sequence[Term], cycle: IntArray) -> FloatArray:
+    """Return how wide the scatter of each cycle is, shape (n, 1), by the terms that change it."""
+    scale = np.ones((len(cycle), 1))
+    for term in terms:
+        if isinstance(term.form, Spread):
+            scale[cycle >= term.form.at_cycle] *= term.form.ratio
+    return scale
+
+
+def fitted_basis(terms: Sequence[Term], rows: IntArray) -> FloatArray:
+    """Return an orthonormal basis (rows, f) of the pose and every known course in ``terms``."""
+    basis = constant(len(rows))
+    for term in terms:
+        if term.columns is not None:
+            basis = extended(basis, term.columns[rows])
+    return basis
+
+
+def _width(term: Term) -> int:
+    return 0 if term.columns is None else term.columns.shape[1]
+
+
+def _part(term: Term, coefficients: FloatArray, n: int) -> FloatArray:
+    if term.columns is None:
+        return np.zeros((n, coefficients.shape[1]))
+    return np.asarray(term.columns @ coefficients)
+
+
+def _kriged(covariance: FloatArray, left: FloatArray, rows: IntArray) -> FloatArray:
+    """Return the expected random course (n, axes), given what is left on ``rows``."""
+    among = covariance[np.ix_(rows, rows)] + np.eye(len(rows))
+    return np.asarray(covariance[:, rows] @ np.linalg.solve(among, left))

@@ -1,0 +1,166 @@
+"""`diagnose`: from a run and a prediction to a verdict, and the error before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from scara_iso.diagnosis.account import account, repeatabilities, rivals_of, shares_of
+from scara_iso.diagnosis.bank import members_of
+from scara_iso.diagnosis.fit import Fit, fit
+from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
+from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
+from scara_iso.diagnosis.result import (
+    Diagnosis,
+    Error,
+    Flag,
+    Repeatabilities,
+    Rival,
+    Series,
+    Verdict,
+)
+from scara_iso.diagnosis.search import ORDER_FREE_LEVEL, Problem, Stage, find, problem_of
+from scara_iso.effects import Effect, Process, find_effects
+from scara_iso.errors import DataError
+from scara_iso.run import FloatArray, Run
+
+SEED = 9283
+_WORTH_CHAINS = 0.02
+"""Effects with hidden sides less likely than this on the whole run are not tried in the folds."""
+
+
+def diagnose(
+    run: Run,
+    predicted: Prediction | None = None,
+    *,
+    seed: int = SEED,
+    held_out: Run | None = None,
+    held_out_predicted: Prediction | None = None,
+    directions: Mapping[str, Mapping[str, float]] | None = None,
+    effects: Sequence[Effect] | None = None,
+) -> Diagnosis:
+    """Return what a model leaves unexplained in a run, which effect it is, and what is gained.
+
+    ``run`` holds one pose without the discarded cycle; ``predicted`` is the model's readings by
+    axis, None for a constant pose (a constant is always free: an indicator has no absolute zero).
+    ``directions`` names how far each axis moves, such as ``{"joint 1": {"X": .., "Y": ..}}``.
+    ``held_out`` is a second run for the error on unseen cycles; without it that is
+    cross-validated. ``effects`` is the catalogue unless given. Same arguments, same result.
+
+    Raises `DataError` for fewer than 12 cycles, several poses, no axis that moves, or a
+    prediction that does not belong to the run.
+    """
+    catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
+    rng = np.random.default_rng(seed)
+    problem = problem_of(
+        run, predicted, directions=directions or {}, effects=tuple(catalogue.values())
+    )
+    terms, stages = find(problem, rng)
+    fitted = fit(terms, problem.residual.values, problem.rows, len(run))
+    second = _second(held_out, held_out_predicted, problem.residual)
+    if second is None:
+        unseen = _cross_validated(problem, fitted, stages, rng)
+    else:
+        members = members_of(tuple(catalogue.values()), second.conditions)
+        unseen = on_second_run(fitted, members, second)
+    courses = _courses(run, predicted or {}, problem.residual, fitted)
+    return Diagnosis(
+        verdict=_verdict(fitted, stages),
+        effects=account(problem, fitted, stages, catalogue),
+        candidates=_candidates(fitted, stages),
+        p_value=stages[0].p_value,
+        error_before=_error(problem.residual, None, unseen.before),
+        error_after=_error(problem.residual, fitted, unseen.after),
+        shares=shares_of(problem.residual, fitted),
+        flags=_flags(problem.residual, stages),
+        notes=problem.residual.notes,
+        repeatability=Repeatabilities(*map(repeatabilities, courses)),
+        series=Series(run.cycle, *courses[:3]),
+    )
+
+
+def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> Residual | None:
+    if run is None:
+        return None
+    second = residual_of(run, predicted)
+    missing = [name for name in first.axes if name not in run.axes]
+    if missing:
+        raise DataError(
+            f"the second table lacks {', '.join(missing)}",
+            remedy="hold out a run of the same axes",
+        )
+    model = predicted or {}
+    columns = [run.axes[name].readings - np.asarray(model.get(name, 0.0)) for name in first.axes]
+    return Residual(
+        first.axes, np.stack(columns, axis=1), first.division, second.conditions, second.notes
+    )
+
+
+def _cross_validated(
+    problem: Problem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
+) -> HeldOut:
+    critical = [stage.order.critical for stage in stages] if fitted.terms else []
+    chained = {m.effect for m in problem.members if m.chained}
+    likely = max(
+        (stage.choice.probability.get(name, 0.0) for stage in stages if stage.choice
+         for name in chained),
+        default=0.0,
+    )  # fmt: skip
+    return cross_validated(problem, critical, rng, with_chains=likely > _WORTH_CHAINS)
+
+
+def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:
+    """Whether the search ended with structure that no effect accounts for."""
+    if fitted.terms and isinstance(fitted.terms[-1].form, Process):
+        return False
+    return stages[-1].choice is not None
+
+
+def _verdict(fitted: Fit, stages: Sequence[Stage]) -> Verdict:
+    if stages[0].choice is None:
+        return Verdict.NOTHING
+    return Verdict.UNEXPLAINED if _unexplained(fitted, stages) else Verdict.EXPLAINED
+
+
+def _candidates(fitted: Fit, stages: Sequence[Stage]) -> tuple[Rival, ...]:
+    choice = stages[-1].choice
+    if choice is None or not _unexplained(fitted, stages):
+        return ()
+    return (Rival(choice.best, choice.probability[choice.best]), *rivals_of(choice))
+
+
+def _error(residual: Residual, fitted: Fit | None, unseen: FloatArray) -> Error:
+    predicted = residual.values.mean(axis=0) if fitted is None else fitted.predicted
+    rms = np.sqrt(((residual.values - predicted) ** 2).mean(axis=0))
+    return Error(_named(residual, rms), _named(residual, unseen))
+
+
+def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
+    return dict(zip(residual.axes, map(float, values), strict=True))
+
+
+def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
+    free = stages[-1].order_free
+    if free.gaussian_outlier > ORDER_FREE_LEVEL:
+        return ()
+    cycle = int(residual.conditions.cycle[free.outlier_row])
+    return (Flag(residual.axes[free.outlier_axis], cycle, free.gaussian_outlier),)
+
+
+def _courses(
+    run: Run, predicted: Prediction, residual: Residual, fitted: Fit
+) -> tuple[dict[str, FloatArray], ...]:
+    """Return by axis: measured, predicted before and after, measured with effects removed."""
+    measured = {name: np.asarray(axis.readings) for name, axis in run.axes.items()}
+    before, after, removed = {}, {}, {}
+    for name, readings in measured.items():
+        model = np.asarray(predicted.get(name, np.zeros(len(run))), dtype=np.float64)
+        before[name] = model + (readings - model).mean()
+        after[name], removed[name] = before[name], readings
+        if name in residual.axes:
+            a = residual.axes.index(name)
+            effect = sum((part[:, a] for part in fitted.parts), np.zeros(len(run)))
+            after[name] = model + fitted.predicted[:, a]
+            removed[name] = readings - effect
+    return measured, before, after, removed

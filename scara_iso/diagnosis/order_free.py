@@ -1,0 +1,124 @@
+"""What shuffling cannot see: two levels in any order, and isolated readings.
+
+The null is simulated on the dial's grid. Which scatter it has is not known, so several families
+stand for it, and a finding must be rare under each: Gaussian, Student t with 5 and 3 degrees of
+freedom, and for skewness a split normal and an exponential.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.run import FloatArray
+
+SIMULATIONS = 1999
+_FEWEST_ON_A_LEVEL = 4
+_GAIN = 15.0
+_SKEW = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class OrderFreeTest:
+    """Smallest p-values over the axes (Bonferroni), and the axis and row they belong to.
+
+    ``gaussian_outlier`` compares with Gaussian scatter only: enough to look at the sheet, not
+    enough for a verdict, since heavier tails are common.
+    """
+
+    two_levels: float
+    two_levels_axis: int
+    outlier: float
+    gaussian_outlier: float
+    outlier_axis: int
+    outlier_row: int
+
+
+def order_free_test(
+    values: FloatArray, division: FloatArray, rng: np.random.Generator
+) -> OrderFreeTest:
+    """Return the test of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
+    n, axes = values.shape
+    families = _unit_scatter(n, rng)
+    offset = rng.uniform(-0.5, 0.5, size=SIMULATIONS)
+    levels, outliers, gaussian = np.ones(axes), np.ones(axes), np.ones(axes)
+    for a in range(axes):
+        drawn = _read(families, _scatter(values[:, a], division[a]), offset)
+        y = values[:, a] / (division[a] or 1.0)
+        levels[a] = _p_value(level_statistic(y), level_statistic(drawn)).max()
+        p = _p_value(outlier_statistic(y), outlier_statistic(drawn))
+        outliers[a], gaussian[a] = p.max(), p[0]
+        if _adjacent(y, division[a]):
+            levels[a] = 1.0
+    worst = int(np.argmin(gaussian))
+    return OrderFreeTest(
+        two_levels=min(1.0, axes * float(levels.min())),
+        two_levels_axis=int(np.argmin(levels)),
+        outlier=min(1.0, axes * float(outliers.min())),
+        gaussian_outlier=min(1.0, axes * float(gaussian.min())),
+        outlier_axis=worst,
+        outlier_row=int(np.argmax(np.abs(values[:, worst] - np.median(values[:, worst])))),
+    )
+
+
+def level_statistic(y: FloatArray) -> FloatArray:
+    """Return the log mean evidence for a step in the *sorted* readings; y has shape (n, ...)."""
+    n, k = len(y), _FEWEST_ON_A_LEVEL
+    ranked = np.sort(y - y.mean(axis=0), axis=0)
+    below = np.arange(k, n - k + 1).reshape(-1, *[1] * (y.ndim - 1))
+    between = np.cumsum(ranked, axis=0)[k - 1 : n - k] ** 2 * n / (below * (n - below))
+    share = between / np.maximum((ranked**2).sum(axis=0), 1e-300)
+    log_bf = -(n - 1) / 2 * np.log(1 - share * _GAIN / (1 + _GAIN))
+    return np.asarray(np.log(np.exp(log_bf).mean(axis=0)))
+
+
+def outlier_statistic(y: FloatArray) -> FloatArray:
+    """Return how far the reading farthest from the median is from the mean of the others.
+
+    In standard deviations of the others; y has shape (n, ...).
+    """
+    n = len(y)
+    centred = y - np.median(y, axis=0)
+    far = np.abs(centred).argmax(axis=0)
+    apart = np.take_along_axis(centred, far[np.newaxis], axis=0)[0]
+    mean = (centred.sum(axis=0) - apart) / (n - 1)
+    squares = (centred**2).sum(axis=0) - apart**2 - (n - 1) * mean**2
+    scatter = np.sqrt(np.maximum(squares, 0) / (n - 2))
+    return np.asarray(np.abs(apart - mean) / (scatter + 1e-9))
+
+
+def _unit_scatter(n: int, rng: np.random.Generator) -> FloatArray:
+    """Return scatter of unit variance, shape (n, families, simulations); the Gaussian first."""
+    shape = (n, SIMULATIONS)
+    z = rng.normal(size=shape)
+    split = np.where(z > 0, _SKEW * z, z)
+    mean = (_SKEW - 1) / np.sqrt(2 * np.pi)
+    spread = np.sqrt((1 + _SKEW**2) / 2 - mean**2)
+    t5, t3 = rng.standard_t(5, size=shape), rng.standard_t(3, size=shape)
+    skewed = [(split - mean) / spread, rng.exponential(size=shape) - 1]
+    return np.stack([z, t5 / np.sqrt(5 / 3), t3 / np.sqrt(3), *skewed], axis=1)
+
+
+def _scatter(y: FloatArray, division: float) -> float:
+    """Return the scatter beside rounding in divisions (Sheppard's correction), 0 for no dial."""
+    if not division:
+        return 0.0
+    variance = float(y.var(ddof=1)) / division**2
+    return float(np.sqrt(max(variance - 1 / 12, 0.2**2)))
+
+
+def _read(families: FloatArray, scatter: float, offset: FloatArray) -> FloatArray:
+    """Return simulated readings, in whole divisions where there is a dial."""
+    return np.round(families * scatter + offset) if scatter else families
+
+
+def _p_value(observed: FloatArray, simulated: FloatArray) -> FloatArray:
+    """Return the share of simulations at least as extreme, for each family, shape (families,)."""
+    beaten = (simulated >= observed - 1e-9).sum(axis=-1)
+    return np.asarray((1 + beaten) / (1 + simulated.shape[-1]))
+
+
+def _adjacent(y: FloatArray, division: float) -> bool:
+    """Whether the readings are at most three neighbouring divisions: never proof of two levels."""
+    return bool(division) and float(np.ptp(y)) < 2.5

@@ -1,0 +1,121 @@
+"""What the model leaves: measured minus predicted readings, and what of them can be searched."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.effects import Conditions
+from scara_iso.errors import DataError
+from scara_iso.run import FloatArray, Run
+
+Prediction = Mapping[str, npt.ArrayLike]
+"""Predicted readings (n,) by axis."""
+
+FEWEST_CYCLES = 12
+_SAME = 0.9999
+"""Correlation from which two columns count as copies of each other."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Residual:
+    """Measured minus predicted readings of one pose.
+
+    ``values`` has shape (n, axes); ``division`` (axes,) is the dial's resolution, 0 where not
+    known. ``notes`` say what was left out of the search and why.
+    """
+
+    axes: tuple[str, ...]
+    values: FloatArray
+    division: FloatArray
+    conditions: Conditions
+    notes: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+
+def residual_of(run: Run, predicted: Prediction | None) -> Residual:
+    """Return what ``predicted`` (axis to n readings; None: a constant pose) leaves of ``run``.
+
+    ``run`` holds one pose without the discarded cycle. Axes that never move, or that copy another
+    axis, and covariates that are constant or copy the cycle number are left out with a note.
+    Raises `DataError` for fewer than 12 cycles, an axis of the prediction that was not measured,
+    a wrong number of predicted readings, or when every axis is stuck.
+    """
+    if len(run) < FEWEST_CYCLES:
+        raise DataError(
+            f"{len(run)} usable cycles cannot tell structure from scatter",
+            remedy=f"measure at least {FEWEST_CYCLES} cycles, better 30",
+        )
+    model = _checked(run, predicted or {})
+    values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}
+    kept, notes = _moving(values)
+    covariates, more = _informative(run)
+    return Residual(
+        axes=kept,
+        values=np.stack([values[name] for name in kept], axis=1),
+        division=np.array([run.axes[name].resolution or 0.0 for name in kept]),
+        conditions=Conditions(run.cycle, covariates),
+        notes=(*notes, *more),
+    )
+
+
+def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:
+    unknown = [name for name in predicted if name not in run.axes]
+    if unknown:
+        raise DataError(
+            f"the model predicts {', '.join(unknown)}, which the table does not hold",
+            remedy="use the model of this robot and this set of indicators",
+        )
+    model = {name: np.asarray(values, dtype=np.float64) for name, values in predicted.items()}
+    wrong = [name for name, values in model.items() if values.shape != run.cycle.shape]
+    if wrong:
+        raise DataError(f"{', '.join(wrong)}: not one prediction for each of {len(run)} cycles")
+    return model
+
+
+def _moving(values: Mapping[str, FloatArray]) -> tuple[tuple[str, ...], list[str]]:
+    kept: list[str] = []
+    notes: list[str] = []
+    for name, series in values.items():
+        copied = [other for other in kept if _same(series, values[other])]
+        if np.ptp(series) == 0:
+            notes.append(f"{name} never moves: a stuck channel, or scatter below one division")
+        elif copied:
+            notes.append(f"{name} is an exact function of {copied[0]} and adds nothing to it")
+        else:
+            kept.append(name)
+    if not kept:
+        raise DataError(
+            "no axis moves: every reading is the same",
+            remedy="check the indicators, or use one with a finer resolution",
+        )
+    return tuple(kept), notes
+
+
+def _informative(run: Run) -> tuple[dict[str, FloatArray], list[str]]:
+    kept: dict[str, FloatArray] = {}
+    notes: list[str] = []
+    for name, series in run.covariates.items():
+        copied = [other for other in kept if other != "time_s" and _same(series, kept[other])]
+        if name == "time_s":
+            kept[name] = series
+        elif np.ptp(series) == 0:
+            notes.append(f"{name} is constant: it can explain nothing")
+        elif _same(series, run.cycle.astype(np.float64)):
+            notes.append(f"{name} only copies the cycle number: its effect would be linear_drift")
+        else:
+            kept[name] = series
+            notes += [f"{name} and {c} are exact functions of each other" for c in copied]
+    return kept, notes
+
+
+def _same(a: FloatArray, b: FloatArray) -> bool:
+    """Whether one is a linear function of the other; constant columns are nobody's copy."""
+    a, b = a - a.mean(), b - b.mean()
+    product = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return product > 0 and abs(float(a @ b)) > _SAME * product

@@ -1,0 +1,123 @@
+"""What a diagnosis says: frozen results, values in the units of the run's axes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import TypeAlias
+
+from scara_iso.run import FloatArray, IntArray
+
+ByAxis: TypeAlias = Mapping[str, float]
+"""One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""
+
+
+class Verdict(Enum):
+    """What the residual holds; the value is the word used in outputs."""
+
+    NOTHING = "nothing-to-explain"
+    EXPLAINED = "explained"
+    UNEXPLAINED = "unexplained"
+
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """Another effect that the data do not exclude, and its probability."""
+
+    effect: str
+    probability: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Found:
+    """An effect that was found and added to the model."""
+
+    effect: str
+    axes: tuple[str, ...]
+    """Axes that it moves."""
+    joint: str | None
+    """Name of the direction that its movement lies along, such as ``joint 1``."""
+    angles: ByAxis
+    """Angle in degrees between the movement and each direction of the geometry."""
+    parameters: Mapping[str, float | str | ByAxis]
+    """Parameters by name; sizes are one for each axis that it moves."""
+    standard_errors: Mapping[str, ByAxis]
+    """Standard error of each size."""
+    p_value: float
+    """Chance of structure as strong in scatter alone."""
+    probability: float
+    """Posterior probability among the catalogue and the unknown."""
+    rivals: tuple[Rival, ...]
+    cause: str
+    confirm_by: str
+    unidentified: tuple[str, ...] = ()
+    """Parameters that the data do not determine, one line each."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flag:
+    """A reading that stands apart: look at the sheet. No cause and no verdict by itself."""
+
+    axis: str
+    cycle: int
+    p_value: float
+    """Chance in Gaussian scatter; heavier tails make such readings common."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Error:
+    """Root mean square of measured minus predicted, by axis."""
+
+    rms: ByAxis
+    held_out_rms: ByAxis
+    """On cycles that the fit did not see."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Repeatabilities:
+    """RP measured, of the model before and after, and of the readings with the effects removed."""
+
+    measured: ByAxis
+    model_before: ByAxis
+    model_after: ByAxis
+    with_effect_removed: ByAxis
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Series:
+    """Readings over the cycles, shape (n,) for each axis."""
+
+    cycle: IntArray
+    measured: Mapping[str, FloatArray]
+    predicted_before: Mapping[str, FloatArray]
+    predicted_after: Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class Shares:
+    """Shares of one axis' variance; they sum to 1."""
+
+    effects: float
+    resolution: float
+    unexplained: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Diagnosis:
+    """What was found in one pose's readings."""
+
+    verdict: Verdict
+    effects: tuple[Found, ...]
+    candidates: tuple[Rival, ...]
+    """Likeliest explanations of what the last stage still found; empty where it found nothing."""
+    p_value: float
+    """Smallest p-value of the first stage: is there structure at all?"""
+    error_before: Error
+    error_after: Error
+    repeatability: Repeatabilities
+    shares: Mapping[str, Shares]
+    series: Series
+    flags: tuple[Flag, ...] = ()
+    notes: tuple[str, ...] = ()
+    """What could not be searched or told, one line each."""

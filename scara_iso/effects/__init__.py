@@ -1,0 +1,45 @@
+"""The catalogue: one file for each effect that readings or reversals may hold.
+
+A file defines ``EFFECT``, an `Effect` or a `GearEffect`. Third parties add modules of that kind
+through the entry-point group ``scara_iso.effects``.
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+
+from scara_iso.effects._effect import (
+    Chain,
+    Conditions,
+    Direction,
+    Effect,
+    GearEffect,
+    Parameter,
+    Process,
+    Shape,
+    Spread,
+    Sweep,
+)
+from scara_iso.plugins import find_modules
+
+__all__ = [
+    "Chain", "Conditions", "Direction", "Effect", "GearEffect", "Parameter", "Process", "Shape",
+    "Spread", "Sweep", "find_effects", "find_gear_effects",
+]  # fmt: skip
+
+
+def find_effects() -> tuple[Effect, ...]:
+    """Return every effect on the readings of a test, by name of its module."""
+    return tuple(effect for effect in _catalogue() if isinstance(effect, Effect))
+
+
+def find_gear_effects() -> tuple[GearEffect, ...]:
+    """Return every effect on the load deviation at a reversal."""
+    return tuple(effect for effect in _catalogue() if isinstance(effect, GearEffect))
+
+
+@cache
+def _catalogue() -> tuple[Effect | GearEffect, ...]:
+    modules = find_modules(sys.modules[__name__], "scara_iso.effects")
+    return tuple(module.EFFECT for module in modules)

@@ -1,0 +1,189 @@
+"""What an effect is: its parameters, its shape over the cycles, its cause and what confirms it.
+
+Two kinds exist. An `Effect` acts on the readings of a test, cycle by cycle; a `GearEffect` changes
+the load deviation that the two-inertia model gives at a reversal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.run import FloatArray, IntArray
+
+Sizes = Mapping[str, float]
+"""Parameter values by name."""
+
+
+class Direction(Enum):
+    """Where an effect may move the tool."""
+
+    FREE = "free"
+    JOINT = "joint"
+    """Along a column of the Jacobian."""
+    ARM = "along the arm"
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A number that describes an effect; ``unit`` "reading" is the unit of the axis."""
+
+    name: str
+    symbol: str
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Conditions:
+    """What is known of each cycle beside its reading; every array has shape (n,).
+
+    ``time`` is in cycles: the cycle number, or where ``time_s`` was recorded the same clock in
+    units of its median interval.
+    """
+
+    cycle: IntArray
+    covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "covariates", MappingProxyType(dict(self.covariates)))
+
+    @property
+    def elapsed(self) -> FloatArray:
+        """Cycles since the first one, shape (n,)."""
+        return np.asarray(self.cycle - self.cycle[0], dtype=np.float64)
+
+    @property
+    def time(self) -> FloatArray:
+        """Time since the first cycle in cycles, from ``time_s`` where it is there and increases."""
+        seconds = self.covariates.get("time_s")
+        if seconds is None or len(seconds) < 2 or np.any(np.diff(seconds) <= 0):
+            return self.elapsed
+        return np.asarray((seconds - seconds[0]) / np.median(np.diff(seconds)))
+
+    def __len__(self) -> int:
+        return len(self.cycle)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shape:
+    """One member of an effect's family: its columns (n, k) at unit size, and its parameters.
+
+    ``weight`` is its prior probability within the effect, up to a common factor. A shape without
+    columns (k = 0) moves no reading.
+    """
+
+    columns: FloatArray
+    parameters: Mapping[str, float | str] = field(default_factory=dict)
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Process:
+    """A random course: covariance (n, n) in units of the scatter's variance."""
+
+    covariance: FloatArray
+    parameters: Mapping[str, float | str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """A hidden two-state Markov chain: probabilities of leaving the lower and the upper state."""
+
+    leave_lower: float
+    leave_upper: float
+    weight: float = 1.0
+    """Prior probability within the effect, up to the factor that its shapes have too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Scatter that is ``ratio`` times as wide from cycle number ``at_cycle`` on."""
+
+    at_cycle: int
+    ratio: float
+
+
+def _no_shapes(_: Conditions) -> tuple[Shape, ...]:
+    return ()
+
+
+def _no_processes(_: Conditions) -> tuple[Process, ...]:
+    return ()
+
+
+def _no_spreads(_: Conditions) -> tuple[Spread, ...]:
+    return ()
+
+
+def first_size(coefficients: FloatArray) -> dict[str, float]:
+    """Return ``{"size": c}`` of a single coefficient, shape (1,)."""
+    return {"size": float(coefficients[0])}
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Effect:
+    """Something that moves readings over the cycles of a test.
+
+    ``series(conditions, values, rng)`` returns its contribution, shape (n,), for parameter values
+    by name; only effects with a chance element use ``rng``. What the search tries: ``shapes`` of
+    unit size, random ``processes``, hidden ``chains``, ``spreads``. ``sizes`` turns the fitted
+    coefficients (k,) of a shape into named sizes. ``weight`` is the effect's prior weight.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    cause: str
+    confirm_by: str
+    series: Callable[[Conditions, Sizes, np.random.Generator], FloatArray]
+    direction: Direction = Direction.FREE
+    weight: float = 1.0
+    shapes: Callable[[Conditions], tuple[Shape, ...]] = _no_shapes
+    sizes: Callable[[FloatArray], dict[str, float]] = first_size
+    processes: Callable[[Conditions], tuple[Process, ...]] = _no_processes
+    spreads: Callable[[Conditions], tuple[Spread, ...]] = _no_spreads
+    chains: tuple[Chain, ...] = ()
+    ordered: bool = True
+    """False where shuffling the cycles leaves the evidence for the effect as it is."""
+    gain: float = 15.0
+    """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sweep:
+    """Measured reversals: one entry for each, all of shape (m,).
+
+    Inertias in kg m2, full gap 2D in rad, ``torque`` in N m and ``ratio`` None where not given.
+    """
+
+    I_m: FloatArray
+    I_L: FloatArray
+    gap: FloatArray
+    torque: FloatArray | None = None
+    ratio: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class GearEffect:
+    """A change of the two-inertia model: ``deviation(sweep, values)`` in rad, shape (m,).
+
+    ``candidates(sweep)`` are the parameter values to try, equally likely beforehand; none where
+    the sweep lacks what the effect acts through.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    cause: str
+    confirm_by: str
+    deviation: Callable[[Sweep, Sizes], FloatArray]
+    candidates: Callable[[Sweep], tuple[Sizes, ...]]
+
+
+def column(values: npt.ArrayLike) -> FloatArray:
+    """Return values (n,) as one column (n, 1) of floats."""
+    return np.asarray(values, dtype=np.float64)[:, np.newaxis]

@@ -1,0 +1,28 @@
+"""Gear and shaft wind up under torque: torque / stiffness is added to the gap on either side."""
+
+import numpy as np
+
+from scara_iso.effects._effect import GearEffect, Parameter, Sizes, Sweep
+from scara_iso.effects._gap import deviation
+from scara_iso.run import FloatArray
+
+
+def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
+    torque = np.zeros_like(sweep.gap) if sweep.torque is None else np.abs(sweep.torque)
+    return deviation(sweep.I_m, sweep.I_L, sweep.gap + 2 * torque * values["compliance"])
+
+
+def _candidates(sweep: Sweep) -> tuple[Sizes, ...]:
+    if sweep.torque is None or not np.any(sweep.torque):
+        return ()
+    return tuple({"compliance": float(c)} for c in np.geomspace(1e-8, 1e-1, 700))
+
+
+EFFECT = GearEffect(
+    name="wind_up",
+    parameters=(Parameter("compliance", "1/k", "rad/(N m)", "inverse of the stiffness"),),
+    cause="gear and shaft wind up under the torque of the reversal",
+    confirm_by="ramp the torque both ways at standstill and record the angle",
+    deviation=_deviation,
+    candidates=_candidates,
+)

@@ -1,0 +1,149 @@
+"""What the model expects the dials to read: pose, reversal of the gears, declared effects."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from scara_iso.arm import project
+from scara_iso.effects import (
+    Conditions,
+    Effect,
+    GearEffect,
+    Sweep,
+    find_effects,
+    find_gear_effects,
+)
+from scara_iso.errors import UsageError
+from scara_iso.model.parts import DeclaredEffect, Gearbox, Model
+from scara_iso.run import Axis, FloatArray, Origin, Run
+
+_PLANE = {"X": (1.0, 0.0), "Y": (0.0, 1.0)}
+"""What the indicators of the plane see, in the base frame."""
+
+
+def predict(model: Model, procedure: Conditions) -> Run:
+    """Return the readings that ``model`` expects over the cycles of ``procedure``.
+
+    Each is pose + half the gears' reversal on the side of ``approach`` + every declared effect
+    whose course is determined; an effect of chance (which flank, a random walk) moves the
+    expectation by nothing. Without an ``approach`` column every cycle arrives on the same flank and
+    the reversal is a constant, which belongs to the pose. Raises `UsageError` for an effect that
+    is not known, lacks a parameter or needs a column that the procedure does not have.
+    """
+    known = {effect.name: effect for effect in find_effects()}
+    axes = {}
+    for name, indicator in model.indicators.items():
+        readings = np.full(len(procedure), indicator.level)
+        readings += _reversal(model, procedure, name)
+        for declared in model.effects:
+            effect = known.get(declared.name)
+            if effect is None or name not in declared.axes:
+                continue
+            if not is_chance(effect, declared, procedure, name):
+                readings += course(effect, declared, procedure, name)
+        axes[name] = Axis(
+            name, readings, indicator.dimension, indicator.resolution, indicator.uncertainty
+        )
+    return Run(
+        cycle=procedure.cycle,
+        axes=axes,
+        covariates=procedure.covariates,
+        metadata={"robot": model.robot},
+        origin=Origin(source="model"),
+    )
+
+
+def is_chance(effect: Effect, declared: DeclaredEffect, procedure: Conditions, axis: str) -> bool:
+    """Return whether the course of an effect is drawn by chance: two draws of it differ."""
+    first, second = (
+        course(effect, declared, procedure, axis, np.random.default_rng(seed)) for seed in (1, 2)
+    )
+    return not np.array_equal(first, second)
+
+
+def course(
+    effect: Effect,
+    declared: DeclaredEffect,
+    procedure: Conditions,
+    axis: str,
+    rng: np.random.Generator | None = None,
+) -> FloatArray:
+    """Return what one effect adds to the readings of one axis, shape (n,), in the axis' unit."""
+    values = declared.on_axis(axis)
+    missing = [p.name for p in effect.parameters if p.name not in declared.parameters]
+    if missing:
+        raise UsageError(
+            f"effect {declared.name}: {', '.join(missing)} not given",
+            remedy=f"it takes {', '.join(p.name for p in effect.parameters)}",
+        )
+    # A course without chance draws nothing: any generator gives the same.
+    chance = rng if rng is not None else np.random.default_rng(0)
+    try:
+        return effect.series(_of_column(procedure, declared), values, chance)
+    except (KeyError, StopIteration) as error:
+        raise UsageError(
+            f"effect {declared.name} needs a column that the test does not have",
+            remedy="record or simulate the column that it acts through",
+        ) from error
+
+
+def _of_column(procedure: Conditions, declared: DeclaredEffect) -> Conditions:
+    """Return the conditions with only the column that the effect names, if it names one."""
+    column = declared.parameters.get("column")
+    if not isinstance(column, str):
+        return procedure
+    named = {name: v for name, v in procedure.covariates.items() if name in (column, "time_s")}
+    return Conditions(procedure.cycle, named)
+
+
+def _reversal(model: Model, procedure: Conditions, axis: str) -> FloatArray:
+    approach = procedure.covariates.get("approach")
+    if approach is None or axis not in _PLANE:
+        return np.zeros(len(procedure))
+    width = sum(reversal_mm(model, joint)[axis] for joint in model.gearboxes)
+    return np.asarray(np.sign(approach) * width / 2)
+
+
+def reversal_mm(model: Model, joint: int) -> dict[str, float]:
+    """Return what the dials X and Y read of one joint's reversal, in mm: its whole width.
+
+    Eq. 16 with the gear effects declared for the joint, times the lever that the arm gives it; 0
+    where the model holds no arm or pose.
+    """
+    if model.arm is None or model.joints_deg is None:
+        return dict.fromkeys(_PLANE, 0.0)
+    lever = model.arm.jacobian(model.joints_deg)[..., joint - 1]
+    moved = lever * load_deviation_rad(model, joint)
+    return dict(zip(_PLANE, project(moved, list(_PLANE.values())).tolist(), strict=True))
+
+
+def load_deviation_rad(model: Model, joint: int) -> float:
+    """Return eq. 16's load deviation of one joint, right minus left contact, effects included."""
+    gear = model.gearboxes[joint]
+    declared = list(_gear_effects(model, joint))
+    if not declared:
+        return gear.backlash().as_given.load_deviation_rad
+    changed = [effect.deviation(_sweep(gear), d.on_axis("")) for effect, d in declared]
+    # Several gear effects are taken as small and additive; the sources leave their product open.
+    plain = gear.backlash().as_given.load_deviation_rad
+    return plain + math.fsum(float(value[0]) - plain for value in changed)
+
+
+def _gear_effects(model: Model, joint: int) -> Iterator[tuple[GearEffect, DeclaredEffect]]:
+    known = {effect.name: effect for effect in find_gear_effects()}
+    for declared in model.effects:
+        if declared.name in known and declared.joint == joint:
+            yield known[declared.name], declared
+
+
+def _sweep(gear: Gearbox) -> Sweep:
+    one = np.ones(1)
+    return Sweep(
+        I_m=gear.Im * one,
+        I_L=gear.IL * one,
+        gap=math.radians(gear.arcmin / 60) * one,
+        ratio=None if gear.ratio is None else gear.ratio * one,
+    )

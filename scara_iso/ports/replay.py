@@ -1,0 +1,175 @@
+"""A recorded stream as a port: ``replay:FILE``, a file of bytes or a raw file of ``record``.
+
+What was recorded after a request is sent after the same request; what came by itself comes at
+its recorded time. A file of bytes has no times: its lines come one second apart, or one for each
+request.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+import re
+from collections import defaultdict, deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from scara_iso.errors import DataError, NoInputError, UsageError
+from scara_iso.indicators import Dialect, LinePulse
+from scara_iso.ports.clock import Clock, StreamClock
+from scara_iso.ports.port import split_options
+from scara_iso.ports.tape import Record, is_tape, read_tape
+
+OPTIONS = {
+    "pace": "1 for the recorded timing, 0 (default) for as fast as possible",
+    "gauge": "axis to replay out of a raw file with several",
+}
+LINE_SPACING_S = 1.0
+"""Time between two lines of a file of bytes, which records none [s]."""
+ANSWER_S = 0.02
+PULSE = b"(pulse)"
+"""Stands for a request made by a modem line."""
+
+_LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+$")
+_Chunks = list[tuple[float, bytes]]
+
+
+@dataclass(slots=True)
+class Stream:
+    """What a file holds: bytes at their time, and bytes by request with the delay to it [s]."""
+
+    pushed: _Chunks = field(default_factory=list)
+    answers: dict[bytes, deque[_Chunks]] = field(default_factory=lambda: defaultdict(deque))
+    unit: str | None = None
+    simulated: bool = False
+
+
+class ReplayPort:
+    """Sends what a file recorded; ``asked`` says that the session will send requests.
+
+    Raises `NoInputError` where the file is not there and `DataError` where it holds nothing.
+    """
+
+    settle_s = 0.0
+
+    def __init__(
+        self, address: str, dialect: Dialect, *, axis: str, clock: Clock, asked: bool
+    ) -> None:
+        name, options = split_options(address.removeprefix("replay:"), OPTIONS)
+        self.address = self.identity = address
+        stream = _load(Path(name), dialect, options.get("gauge", axis), asked=asked)
+        self.unit = stream.unit
+        self.simulated = stream.simulated
+        self._clock = clock
+        self._answers = stream.answers
+        self._order = 0
+        self._waiting: list[tuple[float, int, bytes]] = []
+        self._schedule(stream.pushed, clock.now())
+        if isinstance(clock, StreamClock):
+            clock.watch(self._due)
+
+    @property
+    def ended(self) -> bool:
+        """Whether everything recorded was sent."""
+        return not self._waiting and not any(self._answers.values())
+
+    def read(self) -> bytes:
+        """Return the recorded bytes whose time has come: one recorded chunk at a time."""
+        if self._due() > self._clock.now():
+            return b""
+        return heapq.heappop(self._waiting)[2]
+
+    def write(self, data: bytes) -> None:
+        """Send the next answer that was recorded to this request."""
+        if self._answers.get(data):
+            self._schedule(self._answers[data].popleft(), self._clock.now())
+
+    def pulse(self, pulse: LinePulse) -> None:  # noqa: ARG002 - any pulse is a request
+        """Take the pulse as the request it is."""
+        self.write(PULSE)
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def _due(self) -> float:
+        return self._waiting[0][0] if self._waiting else math.inf
+
+    def _schedule(self, chunks: _Chunks, start: float) -> None:
+        for delay, data in chunks:
+            self._order += 1
+            heapq.heappush(self._waiting, (start + delay, self._order, data))
+
+
+def paced(address: str) -> bool:
+    """Say whether the recorded timing is wanted."""
+    return split_options(address.removeprefix("replay:"), OPTIONS)[1].get("pace", "0") != "0"
+
+
+def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
+    try:
+        with path.open("rb") as file:
+            tape = is_tape(file.read(16))
+            file.seek(0)
+            data = b"" if tape else file.read()
+    except OSError as error:
+        raise NoInputError(f"cannot be read ({error.strerror})", where=str(path)) from error
+    stream = _from_tape(path, axis, asked=asked) if tape else Stream()
+    if not tape:
+        stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]
+    request = _request(dialect)
+    if asked and request is not None and not stream.answers:
+        answers = _lines(b"".join(chunk for _, chunk in stream.pushed))
+        stream.answers = {request: deque([(ANSWER_S, line)] for line in answers)}
+        stream.pushed = []
+    if not stream.pushed and not stream.answers:
+        raise DataError("holds no received bytes", where=str(path))
+    return stream
+
+
+def _request(dialect: Dialect) -> bytes | None:
+    return dialect.request or (PULSE if dialect.request_line else None)
+
+
+def _lines(data: bytes) -> list[bytes]:
+    return _LINE.findall(data)
+
+
+def _from_tape(path: Path, axis: str, *, asked: bool) -> Stream:
+    stream = Stream()
+    answer: _Chunks | None = None
+    asked_at = 0.0
+    for time, record in _of_axis(path, axis):
+        match record:
+            case {"event": "session", "gauges": gauges}:
+                stream.unit = gauges[axis]["unit"] or stream.unit
+                stream.simulated |= gauges[axis]["simulated"]
+            case {"event": "stored", "unit": str(unit)}:
+                stream.unit = unit
+            case {"event": "out", "hex": str(text)} if asked:
+                answer, asked_at = [], time
+                stream.answers[bytes.fromhex(text)].append(answer)
+            case {"event": "in", "hex": str(text)}:
+                chunks, start = (stream.pushed, 0.0) if answer is None else (answer, asked_at)
+                chunks.append((time - start, bytes.fromhex(text)))
+    return stream
+
+
+def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
+    """Yield the records of one axis with their time, sessions one behind the other."""
+    start = last = 0.0
+    axes: Iterable[str] = ()
+    for _, record in read_tape(path):
+        if record is None:
+            continue
+        if record["event"] == "session":
+            axes, start = record.get("gauges", {}), last
+            if axis not in axes:
+                raise UsageError(
+                    f"no gauge {axis} was recorded, only {', '.join(axes)}",
+                    where=str(path),
+                    remedy=f"replay:{path}?gauge={next(iter(axes), 'X')}",
+                )
+        last = start + float(record["t"])
+        if record["event"] == "session" or record.get("axis") == axis:
+            yield last, record

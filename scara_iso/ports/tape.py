@@ -1,0 +1,73 @@
+"""The line format of a raw file (``OUT.raw.jsonl``): one JSON object a line, each with its CRC-32.
+
+A line proves itself: it is read whole and unharmed, or not at all. What a power cut leaves of
+the last line is therefore seen, and nothing after it is lost.
+
+Every record has ``event``, ``t`` (seconds of the session's clock) and ``wall`` (UTC or null).
+Bytes are records ``in`` and ``out`` with ``axis``, ``port`` and ``hex``.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from scara_iso.errors import NoInputError
+
+SCHEMA = "scara-iso/raw/1"
+LONGEST_LINE = 1 << 20
+"""A longer line is no line of ours; bounds the memory that a strange file takes [bytes]."""
+
+_TAIL = len(b',"crc":"01234567"}')
+
+Record = dict[str, Any]
+
+
+def encode(record: Mapping[str, object]) -> bytes:
+    """Return the line of a record; `ValueError` where it holds a number that is not finite."""
+    body = json.dumps(record, separators=(",", ":"), allow_nan=False).encode("ascii")
+    return b'%b,"crc":"%08x"}\n' % (body[:-1], zlib.crc32(body))
+
+
+def decode(line: bytes) -> Record | None:
+    """Return the record of a line, or None where the line is torn or damaged.
+
+    A line that lost only its end of line is whole: what is appended after it begins with one.
+    """
+    line = line.removesuffix(b"\n")
+    body = line[:-_TAIL] + b"}"
+    if line[-_TAIL:] != b',"crc":"%08x"}' % zlib.crc32(body):
+        return None
+    try:
+        record = json.loads(body)
+    except ValueError:
+        return None
+    return record if isinstance(record, dict) and "event" in record else None
+
+
+def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
+    """Yield each line's number (from 1) and record, None where it is torn or damaged.
+
+    Empty lines, which a session that goes on begins with, mean nothing.
+
+    Raises `NoInputError` where the file cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            number = 0
+            while line := file.readline(LONGEST_LINE):
+                number += 1
+                if line != b"\n":
+                    yield number, decode(line)
+    except OSError as error:
+        raise NoInputError(
+            f"cannot be read: {error.strerror}", where=str(path), remedy="check the file name"
+        ) from error
+
+
+def is_tape(start: bytes) -> bool:
+    """Say whether a file that begins with ``start`` is a raw file and not a stream of bytes."""
+    return start.startswith(b'{"event":')

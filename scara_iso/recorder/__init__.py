@@ -1,0 +1,45 @@
+"""From ports to durable files: port, clock, disk, operator and listener are arguments."""
+
+from scara_iso.recorder.disk import Disk, SystemDisk
+from scara_iso.recorder.events import (
+    Command,
+    CycleDone,
+    Done,
+    Note,
+    Noted,
+    Noticed,
+    Operator,
+    Pause,
+    Paused,
+    Problem,
+    Quit,
+    Refused,
+    Said,
+    Started,
+    Stored,
+    Take,
+    Void,
+    Voided,
+    Waiting,
+    as_json,
+)
+from scara_iso.recorder.history import History, read_history
+from scara_iso.recorder.manifest import check_manifest, manifest_path, raw_path
+from scara_iso.recorder.plan import Enter, Listen, Plan, Timer, Trigger, parse_trigger
+from scara_iso.recorder.recording import Job, rebuild, record
+from scara_iso.recorder.spec import (
+    GaugeSpec,
+    check_metadata,
+    parse_gauges,
+    parse_metadata,
+    read_metadata,
+)
+
+__all__ = [
+    "Command", "CycleDone", "Disk", "Done", "Enter", "GaugeSpec", "History", "Job", "Listen",
+    "Note", "Noted", "Noticed", "Operator", "Pause", "Paused", "Plan", "Problem", "Quit",
+    "Refused", "Said", "Started", "Stored", "SystemDisk", "Take", "Timer", "Trigger", "Void",
+    "Voided", "Waiting", "as_json", "check_manifest", "check_metadata", "manifest_path",
+    "parse_gauges", "parse_metadata", "parse_trigger", "raw_path", "read_history",
+    "read_metadata", "rebuild", "record",
+]  # fmt: skip

@@ -1,0 +1,171 @@
+"""What a session says as it goes, and what its operator says to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Literal, Protocol, TypeAlias
+
+Kind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled"]
+"""Why there is no reading."""
+
+
+@dataclass(frozen=True, slots=True)
+class Started:
+    """The session begins, or goes on, with ``cycle``; ``gauges`` says what is on each axis."""
+
+    gauges: Mapping[str, str]
+    cycle: int
+    cycles: int
+    trigger: str
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """Readings of ``cycle`` are awaited, from the axes that ``missing`` names."""
+
+    cycle: int
+    missing: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    """A reading is safely on disk; ``value`` is in mm or degrees, as in the table.
+
+    ``text`` and ``unit`` are what the indicator showed.
+    """
+
+    cycle: int
+    axis: str
+    value: float
+    text: str
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class CycleDone:
+    """Every axis of the cycle is stored; ``discarded`` for the one that `analyze` leaves out."""
+
+    cycle: int
+    discarded: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """A valid reading that was not taken, and why."""
+
+    axis: str
+    text: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """No reading: the instrument's fault, garbage, no answer, or a value that does not settle."""
+
+    axis: str
+    kind: Kind
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Noticed:
+    """The instrument said something that is no reading and no fault."""
+
+    axis: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Voided:
+    """Stored readings were struck out: kept in the raw file, not in the table."""
+
+    cycle: int
+    axes: tuple[str, ...]
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Noted:
+    """A remark went into the raw file."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Paused:
+    """Readings are (``on``) or are no longer refused."""
+
+    on: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """The files are written; ``cycles`` of ``planned`` are in the table."""
+
+    cycles: int
+    planned: int
+    table: str
+    raw: str
+
+
+Said: TypeAlias = (
+    Started | Waiting | Stored | CycleDone | Refused | Problem | Noticed | Voided | Noted | Paused
+    | Done
+)  # fmt: skip
+
+_NAMES = {CycleDone: "cycle", Noticed: "notice", Noted: "note"}
+
+
+def as_json(said: Said) -> dict[str, object]:
+    """Return the JSON object of one line."""
+    match said:
+        case Stored(cycle=cycle, axis=axis, value=value):
+            return {"event": "stored", "cycle": cycle, "axis": axis, "value": value}
+        case Problem(axis=axis, kind=kind, message=message):
+            return {"event": kind, "axis": axis, "message": message}
+    event = _NAMES.get(type(said), type(said).__name__.lower())
+    return {"event": event, **{f.name: _plain(getattr(said, f.name)) for f in fields(said)}}
+
+
+def _plain(value: object) -> object:
+    return dict(value) if isinstance(value, Mapping) else value
+
+
+@dataclass(frozen=True, slots=True)
+class Take:
+    """Take a reading of every gauge now."""
+
+
+@dataclass(frozen=True, slots=True)
+class Void:
+    """Strike out what was stored last."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Write a remark into the raw file."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Refuse readings until the next one of these."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quit:
+    """End the session; what is stored stays."""
+
+
+Command: TypeAlias = Take | Void | Note | Pause | Quit
+
+
+class Operator(Protocol):
+    """Whoever says when: a keyboard, a foot switch that types Enter, lines of standard input."""
+
+    def poll(self) -> Command | None:
+        """Return the next command if one was given; never waits."""

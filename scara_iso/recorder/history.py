@@ -1,0 +1,221 @@
+"""What a raw file says was recorded: the table, and where a session goes on.
+
+The table of every recording is made here, after a clean end as after a crash.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections import Counter, deque
+from collections.abc import Iterator
+from datetime import datetime
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+
+from scara_iso.errors import DataError, Fault
+from scara_iso.ports.tape import SCHEMA, Record, read_tape
+from scara_iso.quantities import Dimension, find_unit
+from scara_iso.run import Axis, Origin, Run
+
+VOIDABLE = 100
+"""How many readings back an operator may void."""
+_SHOWN = 10
+_GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
+_MAX_CYCLES = 10_000_000
+
+
+class Column:
+    """Readings of one axis by cycle [mm or deg], in the memory of one number each."""
+
+    def __init__(self) -> None:
+        self.values = array("d")
+        self.dimension: Dimension | None = None
+        self.unit: str | None = None
+        """What the indicator showed last."""
+        self.resolution = 0.0
+        """The coarsest that was sent: never states more than every reading holds."""
+
+    def put(self, cycle: int, text: str, unit: str) -> None:
+        """Take a reading; `ValueError` says what is wrong with it."""
+        size = find_unit(unit)
+        if size is None:
+            raise ValueError(f"unknown unit {unit!r}")
+        if self.dimension not in (None, size.dimension):
+            raise ValueError(f"{unit} after {self.dimension.value}")
+        _grow(self.values, cycle)
+        if not math.isnan(self.values[cycle - 1]):
+            raise ValueError("stored twice")
+        self.values[cycle - 1] = size.to_base(float(text))
+        count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
+        self.resolution = max(self.resolution, size.to_base(count))
+        self.dimension, self.unit = size.dimension, unit
+
+    def void(self, cycle: int) -> None:
+        """Strike out the reading of a cycle."""
+        if cycle <= len(self.values):
+            self.values[cycle - 1] = math.nan
+
+    def __contains__(self, cycle: int) -> bool:
+        return cycle <= len(self.values) and not math.isnan(self.values[cycle - 1])
+
+
+class History:
+    """The readings, the first session's header and the troubles of one raw file."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.header: Record = {}
+        self.columns: dict[str, Column] = {}
+        self.times = array("d")
+        self.troubles: Counter[str] = Counter()
+        self.latest: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
+        self.damaged: list[int] = []
+        self.faults: list[Fault] = []
+        self._start = self._last = 0.0
+
+    def take(self, line: int, record: Record | None) -> None:
+        """Take the next line of the file."""
+        if record is None:
+            self.damaged.append(line)
+            return
+        self._last = max(self._last, self._start + record["t"])
+        try:
+            self._take(record)
+        except (ValueError, KeyError, TypeError, ArithmeticError) as error:
+            self.faults.append(Fault(f"{record['event']}: {error}", line))
+
+    def _take(self, record: Record) -> None:
+        match record:
+            case {"event": "session"}:
+                self._begin(record)
+            case {"event": "stored", "cycle": int(cycle), "axis": str(axis)}:
+                if not 0 < cycle <= _MAX_CYCLES:
+                    raise ValueError(f"cycle {cycle}")
+                self.columns[axis].put(cycle, record["text"], record["unit"])
+                _grow(self.times, cycle)
+                self.times[cycle - 1] = self._start + record["at"]
+                self.latest.append((cycle, axis))
+            case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
+                for axis in axes:
+                    self.columns[axis].void(cycle)
+                    self.latest.remove((cycle, axis))
+                self.troubles["voided"] += len(axes)
+            case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
+                self.troubles[event] += 1
+
+    def _begin(self, record: Record) -> None:
+        if record["schema"] != SCHEMA:
+            raise ValueError(f"schema {record['schema']!r} is not {SCHEMA}")
+        if not self.header:
+            _check_header(record)
+            self.header = record
+            self.columns = {str(axis): Column() for axis in record["gauges"]}
+        self._start = max(self._last, _seconds(self.header["wall"], record["wall"]))
+
+    @property
+    def cycle(self) -> int:
+        """The first cycle that is not complete, from 1."""
+        ends = [len(column.values) for column in self.columns.values()]
+        done = self.complete_rows()
+        return next((k + 1 for k in range(max(ends, default=0)) if not done[k]), len(done) + 1)
+
+    def present(self, cycle: int) -> frozenset[str]:
+        """Return the axes that have a reading in the cycle."""
+        return frozenset(axis for axis, column in self.columns.items() if cycle in column)
+
+    def complete_rows(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return for each cycle from 1 whether every axis has a reading."""
+        size = max((len(column.values) for column in self.columns.values()), default=0)
+        complete = np.ones(size, dtype=np.bool_)
+        for column in self.columns.values():
+            here = np.zeros(size, dtype=np.bool_)
+            here[: len(column.values)] = ~np.isnan(np.array(column.values))
+            complete &= here
+        return complete
+
+    def readings(self) -> dict[str, dict[int, float]]:
+        """Return the readings by axis and cycle [mm or deg]."""
+        return {
+            axis: {k + 1: v for k, v in enumerate(column.values) if not math.isnan(v)}
+            for axis, column in self.columns.items()
+        }
+
+    def check(self) -> None:
+        """Raise `DataError` where the file is no recording, or contradicts itself."""
+        if not self.header and not self.faults:
+            self.faults.append(Fault("no session was recorded", 1))
+        if self.faults:
+            raise DataError(
+                "is no recording that a table can be made of",
+                where=self.source,
+                remedy="the file was changed after it was recorded; look at these lines",
+                faults=self.faults[:_SHOWN],
+            )
+
+    def run(self) -> Run:
+        """Return the complete cycles; raises as `check` does."""
+        self.check()
+        rows = np.flatnonzero(self.complete_rows())
+        times = np.array(self.times)[rows]
+        return Run(
+            cycle=rows + 1,
+            axes={
+                name: Axis(
+                    name,
+                    np.array(column.values)[rows],
+                    column.dimension or Dimension.LENGTH,
+                    column.resolution or None,
+                )
+                for name, column in self.columns.items()
+            },
+            covariates={"time_s": np.round(times, 3)},
+            metadata=dict(self._metadata(len(rows))),
+            origin=Origin(source=self.source, understood=f"{len(rows)} cycles recorded"),
+        )
+
+    def _metadata(self, rows: int) -> Iterator[tuple[str, str]]:
+        yield from ((str(k), str(v)) for k, v in self.header["metadata"].items())
+        yield "first_cycle_discarded", "false"
+        gauges = self.header["gauges"]
+        if len(gauges) > 1:
+            yield "axes_recorded", "together"
+        yield "indicator", " | ".join(f"{axis} {_indicator(g)}" for axis, g in gauges.items())
+        simulated = [axis for axis, gauge in gauges.items() if gauge["simulated"]]
+        if simulated:
+            yield "simulated", " ".join(simulated)
+        if rows != self.header["cycles"]:
+            yield "cycles_planned", str(self.header["cycles"])
+        yield from ((f"record_{kind}", str(n)) for kind, n in sorted(self.troubles.items()))
+
+
+def read_history(path: Path) -> History:
+    """Read a raw file; `NoInputError` where that is not possible. Damaged lines are noted."""
+    history = History(str(path))
+    for line, record in read_tape(path):
+        history.take(line, record)
+    return history
+
+
+def _check_header(record: Record) -> None:
+    """Raise one of the errors of a record that lacks what the table needs."""
+    _ = int(record["cycles"]), dict(record["metadata"]), str(record["trigger"])
+    for gauge in record["gauges"].values():
+        _ = [gauge[key] for key in _GAUGE_KEYS]
+
+
+def _indicator(gauge: Record) -> str:
+    unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
+    return f"{gauge['dialect']} {gauge['line']} at {gauge['identity']}{unit}"
+
+
+def _seconds(start: str | None, now: str | None) -> float:
+    if start is None or now is None:
+        return 0.0
+    return (datetime.fromisoformat(now) - datetime.fromisoformat(start)).total_seconds()
+
+
+def _grow(values: array[float], size: int) -> None:
+    values.extend([math.nan] * (size - len(values)))

@@ -1,0 +1,71 @@
+"""What is to be recorded: how many cycles, and what makes a reading be taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from scara_iso.errors import UsageError
+
+
+@dataclass(frozen=True, slots=True)
+class Enter:
+    """The operator says when, by a key or a foot switch."""
+
+    def __str__(self) -> str:
+        return "enter"
+
+
+@dataclass(frozen=True, slots=True)
+class Listen:
+    """The indicator sends by itself, at its DATA key."""
+
+    def __str__(self) -> str:
+        return "data"
+
+
+@dataclass(frozen=True, slots=True)
+class Timer:
+    """Every ``seconds`` [s], the first at once."""
+
+    seconds: float
+
+    def __str__(self) -> str:
+        return f"timer:{self.seconds:g}"
+
+
+Trigger: TypeAlias = Enter | Listen | Timer
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """``stable`` equal readings in a row, within one count, make a reading that was asked for.
+
+    A reading that comes by itself within ``rearm_s`` [s] of the one before is refused: a key that
+    bounced, or an instrument that sent twice.
+    """
+
+    trigger: Trigger
+    cycles: int = 31
+    stable: int = 1
+    rearm_s: float = 0.5
+
+
+def parse_trigger(text: str) -> Trigger:
+    """Return the trigger that ``text`` spells: ``enter``, ``data`` or ``timer:SECONDS``."""
+    match text.split(":"):
+        case ["enter"]:
+            return Enter()
+        case ["data"]:
+            return Listen()
+        case ["timer", seconds]:
+            try:
+                value = float(seconds)
+            except ValueError:
+                value = 0.0
+            if 0 < value <= 86400:
+                return Timer(value)
+    raise UsageError(
+        f"unknown trigger {text!r}",
+        remedy="use --trigger enter, data, or timer:SECONDS (such as timer:2)",
+    )

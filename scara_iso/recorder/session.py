@@ -1,0 +1,238 @@
+"""The session: from bytes on the ports to readings on the disk, cycle by cycle.
+
+One loop looks at every port and at the operator in turn; nothing waits for one of them, so a
+lost cable or a key is met within milliseconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from scara_iso.errors import InstrumentError
+from scara_iso.ports import Clock
+from scara_iso.quantities import parse_unit
+from scara_iso.recorder.bench import Bench, Taken
+from scara_iso.recorder.events import (
+    Command,
+    CycleDone,
+    Note,
+    Noted,
+    Operator,
+    Pause,
+    Paused,
+    Quit,
+    Said,
+    Started,
+    Stored,
+    Take,
+    Void,
+    Voided,
+    Waiting,
+)
+from scara_iso.recorder.gauge import Gauge
+from scara_iso.recorder.history import VOIDABLE
+from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.plan import Enter, Listen, Plan, Timer
+
+ATTEMPTS = 3
+"""How often a gauge is asked for one cycle before the session gives up."""
+RETRY_S = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """Where a session begins: the cycle, the axes that have it, and what may be voided."""
+
+    cycle: int = 1
+    present: frozenset[str] = frozenset()
+    latest: tuple[tuple[int, str], ...] = ()
+
+
+class Session:
+    """Records cycles until the plan is full, the operator quits, or a recorded stream ends.
+
+    `run` raises `InstrumentError` where a port is lost, a gauge stays silent or a unit changes,
+    `UsageError` where a unit is unknown, and `WriteError` where the disk fails. ``tell`` hears of
+    a stored reading only when it is on the disk.
+    """
+
+    def __init__(
+        self,
+        gauges: Sequence[Gauge],
+        *,
+        plan: Plan,
+        journal: Journal,
+        clock: Clock,
+        operator: Operator,
+        tell: Callable[[Said], None],
+        position: Position,
+    ) -> None:
+        self._gauges = gauges
+        self._bench = Bench(gauges, journal=journal, clock=clock, tell=tell)
+        self._plan = plan
+        self._journal = journal
+        self._clock = clock
+        self._operator = operator
+        self._tell = tell
+        self._cycle = position.cycle
+        self._present = set(position.present)
+        self._latest = deque(position.latest, maxlen=VOIDABLE)
+        self._stored_at: dict[str, float] = {}
+        self._due = 0.0
+        self._paused = self._stopped = False
+
+    def run(self) -> None:
+        """Record."""
+        gauges = {g.axis: f"{g.dialect.key} at {g.port.identity}" for g in self._gauges}
+        self._tell(Started(gauges, self._cycle, self._plan.cycles, str(self._plan.trigger)))
+        self._bench.open()
+        self._due = self._clock.now()
+        self._say_waiting()
+        step = self._listen if isinstance(self._plan.trigger, Listen) else self._attend
+        while self._cycle <= self._plan.cycles and not self._stopped:
+            step()
+
+    def _listen(self) -> None:
+        """Take what comes by itself."""
+        arrivals = self._bench.receive()
+        for taken in arrivals:
+            if reason := self._why_not(taken):
+                self._bench.refuse([taken], reason)
+            else:
+                self._store([taken])
+        self._obey(self._operator.poll())
+        if not arrivals:
+            self._stopped |= self._ended()
+            if not self._stopped:
+                self._clock.idle(math.inf)
+
+    def _why_not(self, taken: Taken) -> str:
+        """Return why a reading that came by itself is refused, or nothing."""
+        gauge, axis, channel = taken.gauge, taken.gauge.axis, taken.reading.channel
+        elapsed = taken.time - self._stored_at.get(axis, -math.inf)
+        reasons = {
+            "every cycle is recorded": self._cycle > self._plan.cycles,
+            "paused": self._paused,
+            "began before the session": taken.stale,
+            f"of channel {channel}: give ?channel=": gauge.of_other_channel(taken.reading),
+            f"{axis} already has a reading of cycle {self._cycle}": axis in self._present,
+            f"came within {self._plan.rearm_s:g} s of the one before": elapsed < self._plan.rearm_s,
+        }
+        return next((reason for reason, holds in reasons.items() if holds), "")
+
+    def _attend(self) -> None:
+        """Wait for the trigger, then ask every gauge."""
+        if not self._await_trigger():
+            return
+        for _ in range(ATTEMPTS):
+            taken = self._bench.measure(self._plan.stable)
+            if taken is not None:
+                self._store([one for one in taken if one.gauge.axis not in self._present])
+                return
+            self._bench.drain(RETRY_S, "late, or not asked for")
+            self._stopped |= self._ended()
+            if self._stopped:
+                return
+        if isinstance(self._plan.trigger, Timer):
+            raise InstrumentError(
+                f"no reading of cycle {self._cycle} after {ATTEMPTS} requests",
+                remedy="check cable, settings and that the indicator is on, then use --resume",
+            )
+        self._say_waiting()
+
+    def _await_trigger(self) -> bool:
+        """Return True when the cycle is to be taken, False when the session ends instead."""
+        timed = isinstance(self._plan.trigger, Timer)
+        while True:
+            due = self._due if timed and not self._paused else math.inf
+            arrivals = self._bench.receive()
+            self._bench.refuse(arrivals, "not asked for")
+            taken = self._obey(self._operator.poll())
+            self._stopped |= self._ended()
+            if self._stopped:
+                return False
+            if not self._paused and (taken or self._clock.now() >= due):
+                self._set_next()
+                return True
+            if not arrivals:
+                self._clock.idle(due)
+
+    def _set_next(self) -> None:
+        """Keep to the timer's grid, and where that is missed begin a new one: no catching up."""
+        match self._plan.trigger:
+            case Timer(seconds=seconds):
+                now = self._clock.now()
+                on_grid = self._due + seconds
+                self._due = on_grid if on_grid > now else now + seconds
+
+    def _store(self, readings: Sequence[Taken]) -> None:
+        """Write readings of the cycle, make them safe, and only then say so."""
+        stored = []
+        for taken in readings:
+            gauge, text = taken.gauge, taken.reading.text
+            unit = taken.reading.unit or gauge.unit or ""
+            stored.append(Stored(
+                self._cycle, gauge.axis, parse_unit(unit).to_base(float(text)), text, unit
+            ))  # fmt: skip
+            self._journal.append(
+                "stored", cycle=self._cycle, axis=gauge.axis, text=text, unit=unit,
+                at=round(taken.time, 6),
+            )  # fmt: skip
+            self._stored_at[gauge.axis] = taken.time
+        self._journal.sync()
+        for said in stored:
+            self._present.add(said.axis)
+            self._latest.append((said.cycle, said.axis))
+            self._tell(said)
+        if len(self._present) == len(self._gauges):
+            self._tell(CycleDone(self._cycle, discarded=self._cycle == 1))
+            self._cycle += 1
+            self._present.clear()
+        self._say_waiting()
+
+    def _ended(self) -> bool:
+        return any(g.port.ended and g.axis not in self._present for g in self._gauges)
+
+    def _say_waiting(self) -> None:
+        if self._cycle <= self._plan.cycles:
+            missing = tuple(g.axis for g in self._gauges if g.axis not in self._present)
+            self._tell(Waiting(self._cycle, missing))
+
+    def _obey(self, command: Command | None) -> bool:
+        """Do as the operator says; return True where a reading is to be taken."""
+        match command:
+            case Take():
+                return isinstance(self._plan.trigger, Enter)
+            case Void(reason=reason):
+                self._void(reason)
+            case Note(text=text):
+                self._journal.append("note", text=text)
+                self._journal.sync()
+                self._tell(Noted(text))
+            case Pause():
+                self._paused = not self._paused
+                self._journal.append("paused" if self._paused else "continued")
+                self._tell(Paused(self._paused))
+            case Quit():
+                self._stopped = True
+        return False
+
+    def _void(self, reason: str) -> None:
+        """Strike out the last reading, or all of its cycle where they were asked for together."""
+        if not self._latest:
+            return
+        cycle, axis = self._latest.pop()
+        axes = [axis]
+        together = not isinstance(self._plan.trigger, Listen)
+        while together and self._latest and self._latest[-1][0] == cycle:
+            axes.append(self._latest.pop()[1])
+        self._journal.append("void", cycle=cycle, axes=axes, reason=reason)
+        self._journal.sync()
+        if cycle != self._cycle:
+            self._cycle, self._present = cycle, {gauge.axis for gauge in self._gauges}
+        self._present -= set(axes)
+        self._tell(Voided(cycle, tuple(axes), reason))
+        self._say_waiting()

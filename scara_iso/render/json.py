@@ -1,0 +1,163 @@
+"""Results as JSON objects: the stable schemas of docs/json.md."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
+from scara_iso.two_inertia import Backlash, Crossing
+
+if TYPE_CHECKING:
+    from scara_iso.plan import Plan
+
+Json = dict[str, Any]
+
+
+def to_text(document: Mapping[str, Any]) -> str:
+    """Return one line of JSON, all ASCII; NaN and infinity are a programming error."""
+    return json.dumps(document, allow_nan=False)
+
+
+def analysis_json(analysis: Analysis) -> Json:
+    """Return the object of ``analyze --json``, schema ``scara-iso/analyze/1``."""
+    cycles = analysis.cycles
+    return {
+        "schema": "scara-iso/analyze/1",
+        "unit": "mm",
+        "source": analysis.run.origin.source,
+        "read_as": analysis.run.origin.understood,
+        "notes": list(analysis.run.origin.notes),
+        "metadata": dict(analysis.run.metadata),
+        "cycles": {
+            "read": cycles.read,
+            "discarded": list(cycles.discarded),
+            "used": cycles.used,
+        },
+        "poses": [_pose(pose) for pose in analysis.poses],
+        "limits": [_limit(check) for check in analysis.limits],
+        "deviations": [
+            {"rule": f.rule, "code": f.code, "message": f.message} for f in analysis.deviations
+        ],
+        "findings": [
+            {
+                "code": f.code,
+                "severity": f.severity,
+                "axis": f.axis,
+                "pose": f.pose,
+                "message": f.message,
+            }
+            for f in analysis.findings
+        ],
+    }
+
+
+def _pose(pose: PoseResult) -> Json:
+    found: Json = {
+        "pose": pose.label,
+        "axes": {name: _axis(axis) for name, axis in pose.axes.items()},
+    }
+    if pose.XY is not None:
+        found["XY"] = {"RP_rss": pose.XY.RP_rss, **_radial(pose.XY)}
+    if pose.XYZ is not None:
+        found["XYZ"] = _radial(pose.XYZ)
+    return found
+
+
+def _axis(axis: AxisResult) -> Json:
+    found: Json = {
+        "unit": axis.unit,
+        "n": axis.n,
+        "mean": axis.mean,
+        "l_bar": axis.l_bar,
+        "S_l": axis.S_l,
+        "RP": axis.RP,
+        "RP_interval": axis.RP_interval,
+        "three_sigma": axis.three_sigma,
+        "resolution": axis.resolution,
+        "uncertainty": axis.uncertainty,
+        "uncertainty_ratio": axis.uncertainty_ratio,
+        "accuracy": axis.accuracy,
+    }
+    if axis.angle is not None:
+        found["angle"] = {
+            "radius_mm": axis.angle.radius_mm,
+            "RP_deg": axis.angle.RP_deg,
+            "three_sigma_deg": axis.angle.three_sigma_deg,
+        }
+    if axis.definitions:
+        found["definitions"] = {d.name: d.value for d in axis.definitions}
+    return found
+
+
+def _radial(found: RadialResult) -> Json:
+    return {
+        "RP_radial": found.RP,
+        "RP_radial_interval": found.RP_interval,
+        "l_bar": found.l_bar,
+        "S_l": found.S_l,
+        "uncertainty": found.uncertainty,
+        "accuracy": found.accuracy,
+    }
+
+
+def _limit(check: LimitCheck) -> Json:
+    return {
+        "figure": check.figure,
+        "pose": check.pose,
+        "RP": check.RP,
+        "limit": check.limit,
+        "guard": check.guard,
+        "inside": check.inside,
+        "clear": check.clear,
+    }
+
+
+def backlash_json(result: Backlash, actual: PoseResult | None = None) -> Json:
+    """Return the object of ``backlash --json``, schema ``scara-iso/backlash/1``.
+
+    ``actual`` is a measured pose, given as ``actual`` beside the model.
+    """
+    reflected: Json | None = None
+    if result.reflected is not None:
+        reflected = {
+            "ratio": result.ratio,
+            "motor_inertia": result.reflected.motor_inertia,
+            **_crossing(result.reflected),
+        }
+    return {
+        "schema": "scara-iso/backlash/1",
+        "gap_rad": result.gap_rad,
+        **_crossing(result.as_given),
+        "arm_m": result.arm_m,
+        "free_play_mm": result.free_play_mm,
+        "reflected": reflected,
+        **({} if actual is None else {"actual": _pose(actual)}),
+    }
+
+
+def _crossing(crossing: Crossing) -> Json:
+    return {
+        "load_deviation_rad": crossing.load_deviation_rad,
+        "inertia_ratio": crossing.inertia_ratio,
+        "deviation_mm": crossing.deviation_mm,
+    }
+
+
+def plan_json(plan: Plan) -> Json:
+    """Return the object of ``plan --json``, schema ``scara-iso/plan/1``."""
+    return {
+        "schema": "scara-iso/plan/1",
+        "unit": "mm",
+        "solid": plan.solid.value,
+        "size_mm": list(plan.size_mm),
+        "corners": plan.corners.tolist(),
+        "plane": plan.plane.value,
+        "elbow": plan.elbow.value,
+        "diagonal_mm": plan.diagonal_mm,
+        "m_mm": plan.m_mm,
+        "stroke_limits": plan.stroke_limits,
+        "cycles": {"run": plan.conditions.cycles, "used": plan.conditions.used},
+        "visits": [dict(row) for row in plan.rows()],
+    }

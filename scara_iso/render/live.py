@@ -1,0 +1,143 @@
+"""The screen of a recording in progress: cycle, readings, strips, what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from rich.console import Console, Group, RenderableType
+from rich.live import Live
+from rich.padding import Padding
+from rich.text import Text
+
+from scara_iso.render.terminal import encodes, printable, sparkline
+from scara_iso.report.digits import decimals
+
+_BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
+_TONES = {"good": "bold green", "bad": "bold red", "quiet": "dim", "plain": ""}
+_INDENT = "  "
+_WIDE = 60
+
+
+@dataclass(frozen=True, slots=True)
+class AxisView:
+    """One axis: what its indicator showed last, and the readings stored [mm or deg]."""
+
+    name: str
+    shown: str = ""
+    unit: str = ""
+    stored: int = 0
+    """The last cycle whose reading of this axis is on disk."""
+    readings: tuple[float, ...] = ()
+    """Those that count for the repeatability: without the first cycle."""
+    mean: float | None = None
+    RP: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LiveView:
+    """What the screen shows, decided elsewhere."""
+
+    title: str
+    stored: int
+    cycles: int
+    axes: Sequence[AxisView]
+    status: tuple[str, str] = ("", "plain")
+    """The last thing that happened, and its tone: good, bad, quiet or plain."""
+    troubles: str = ""
+    next_step: str = ""
+    keys: str = ""
+    prompt: str = ""
+    """A question and what was typed so far, in the place of the keys."""
+
+
+class LiveScreen:
+    """Redraws one view over the other; leaves the last one standing when closed."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._live = Live(console=console, auto_refresh=False, transient=False)
+
+    def __enter__(self) -> LiveScreen:
+        self._live.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._live.stop()
+
+    def show(self, view: LiveView) -> None:
+        """Draw the view in the place of the one before."""
+        self._live.update(draw(view, self._console), refresh=True)
+
+
+def draw(view: LiveView, console: Console) -> RenderableType:
+    """Return the view for the console's width and characters."""
+    blocks = encodes(console, _BLOCKS)
+    width = max(console.width, 20)
+    lines: list[RenderableType] = [
+        _head(view, width),
+        _progress(view, width, blocks=blocks),
+        Text(),
+    ]
+    places = decimals([axis.RP for axis in view.axes if axis.RP])
+    for axis in view.axes:
+        lines += _axis(axis, width, places, blocks=blocks)
+    return Group(*lines, Text(), *_foot(view, blocks=blocks))
+
+
+def _foot(view: LiveView, *, blocks: bool) -> list[RenderableType]:
+    text, tone = view.status
+    mark = {"good": "✔ " if blocks else "OK ", "bad": "✘ " if blocks else "!! "}.get(tone, "")
+    last = (f"{view.prompt}_", "bold yellow") if view.prompt else (view.keys, "dim")
+    lines = [(f"{mark}{text}", _TONES[tone]), (view.troubles, "yellow"), (view.next_step, "bold")]
+    return [
+        Padding(Text(printable(text), style), (0, 0, 0, len(_INDENT)))
+        for text, style in [*lines, last]
+        if text
+    ]
+
+
+def _head(view: LiveView, width: int) -> Text:
+    words = "cycles stored" if width >= _WIDE else "stored"
+    count = f"{view.stored} of {view.cycles} {words}"
+    title = printable(view.title)
+    room = width - len(count) - 2 * len(_INDENT) - 1
+    if len(title) > room:
+        title = "…" + title[len(title) - room + 1 :] if room > 4 else ""
+    line = Text(f"{_INDENT}{title:<{room}} ", "bold")
+    line.append(f"{count}", "bold" if view.stored < view.cycles else "bold green")
+    return line
+
+
+def _progress(view: LiveView, width: int, *, blocks: bool) -> Text:
+    room = width - 2 * len(_INDENT)
+    done = min(room, room * view.stored // max(view.cycles, 1))
+    full, empty = ("━", "─") if blocks else ("#", ".")
+    return Text.assemble(_INDENT, (full * done, "green"), (empty * (room - done), "dim"))
+
+
+def _axis(axis: AxisView, width: int, places: int, *, blocks: bool) -> list[Text]:
+    """Return the figures of an axis, on one line or two, and its strip."""
+    name = Text(f"{_INDENT}{axis.name:<6}", "bold")
+    value = f"{axis.shown} {axis.unit}".strip() or "-"
+    name.append(f"{printable(value):>14} ", "bold green" if axis.stored else "")
+    mark = "✔" if blocks else "OK"
+    name.append(f"{mark} {axis.stored:<3}" if axis.stored else " " * 5, "bold green")
+    figures = Text(_figures(axis, places), "cyan")
+    lines = [name + figures] if len(name) + len(figures) <= width else [name, _below(figures)]
+    if axis.readings:
+        shown = np.array(axis.readings[-(width - 10) :])
+        lines.append(_below(Text(sparkline(shown, _BLOCKS if blocks else _DIGITS, width), "cyan")))
+    return lines
+
+
+def _figures(axis: AxisView, places: int) -> str:
+    if axis.RP is None or axis.mean is None:
+        return ""
+    count = len(axis.readings)
+    return f"  n {count}  mean {axis.mean:.{places}f}  RP {axis.RP:.{places}f}"
+
+
+def _below(text: Text) -> Text:
+    return Text(f"{_INDENT}{'':<6}") + text

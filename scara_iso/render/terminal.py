@@ -1,0 +1,165 @@
+"""Reports on a terminal: the one home of rich.
+
+Text from files is never markup, and its control characters are shown, not obeyed. A table that is
+too wide for the terminal is printed row by row, one figure a line.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+from typing import TextIO
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table as RichTable
+from rich.text import Text as RichText
+
+from scara_iso.report.blocks import Block, Notice, Report, Strip, Table, Text
+from scara_iso.run import FloatArray
+
+_STYLES = {
+    "plain": "",
+    "quiet": "dim",
+    "strong": "bold",
+    "good": "green",
+    "warn": "yellow",
+    "bad": "bold red",
+}
+_MARKS = {"error": ("x", "bold red"), "warning": ("!", "yellow"), "info": ("-", "dim")}
+_BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
+_HIDDEN = {"Cc", "Cf", "Co", "Cs", "Zl", "Zp"}
+_INDENT = 2
+_ENDLESS = 10_000
+
+
+def open_console(stream: TextIO, *, no_color: bool = False) -> Console:
+    """Return a console on ``stream``: colour only where it is a terminal and wants it."""
+    return Console(
+        file=stream,
+        no_color=True if no_color else None,
+        highlight=False,
+        markup=False,
+        emoji=False,
+        soft_wrap=False,
+    )
+
+
+def show(report: Report, console: Console) -> None:
+    """Print a report."""
+    for section in report:
+        if section.heading:
+            console.print(RichText(printable(section.heading), "bold underline"))
+        label_width = max((len(b.label) for b in section.blocks if isinstance(b, Strip)), default=0)
+        for block in section.blocks:
+            _show_block(block, console, label_width)
+        console.print()
+
+
+def printable(text: str) -> str:
+    """Return ``text`` with control and formatting characters made visible."""
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(
+        c.encode("unicode_escape").decode() if unicodedata.category(c) in _HIDDEN else c
+        for c in text
+    )
+
+
+def _show_block(block: Block, console: Console, label_width: int) -> None:
+    match block:
+        case Text():
+            _print_indented(RichText(printable(block.text), _STYLES[block.tone]), console)
+        case Table():
+            _show_table(block, console)
+        case Strip():
+            _print_indented(_strip(block, console, label_width), console)
+        case Notice():
+            _print_indented(_notice(block), console)
+
+
+def _show_table(table: Table, console: Console) -> None:
+    grid = _grid(table)
+    unbounded = console.options.update(max_width=_ENDLESS)
+    if Measurement.get(console, unbounded, grid).maximum <= console.width:
+        console.print(grid)
+    else:
+        _show_rows(table, console)
+    if table.note:
+        _print_indented(RichText(printable(table.note), "dim"), console)
+
+
+def _grid(table: Table) -> RichTable:
+    grid = RichTable(
+        box=SIMPLE_HEAD, header_style="bold", show_edge=False, pad_edge=False, padding=(0, 1, 0, 0)
+    )
+    for k, heading in enumerate(table.header):
+        grid.add_column(RichText(heading), justify="right" if k else "left", no_wrap=True)
+    for row in table.rows:
+        grid.add_row(*(RichText(printable(cell)) for cell in row))
+    return grid
+
+
+def _show_rows(table: Table, console: Console) -> None:
+    width = max(len(heading) for heading in table.header[1:])
+    for name, *cells in table.rows:
+        _print_indented(RichText(printable(name), "bold"), console)
+        for heading, cell in zip(table.header[1:], cells, strict=True):
+            if cell:
+                line = RichText(f"{heading:<{width}}  {printable(cell)}")
+                _print_indented(line, console, indent=2 * _INDENT)
+
+
+def _strip(strip: Strip, console: Console, label_width: int) -> RichText:
+    encodable = encodes(console, _BLOCKS)
+    room = max(console.width - label_width - _INDENT - 1, 10)
+    drawn = sparkline(strip.readings, _BLOCKS if encodable else _DIGITS, room)
+    line = RichText(f"{printable(strip.label):<{label_width}} ", "bold")
+    line.append(drawn, "cyan")
+    caption = f"  {printable(strip.caption)}"
+    if len(drawn) + len(caption) > room:
+        caption = f"\n{' ' * label_width}{caption}"
+    line.append(caption, "dim")
+    return line
+
+
+def sparkline(readings: FloatArray, levels: str, width: int) -> str:
+    """Return readings drawn one character each, lowest to highest level.
+
+    ``readings`` of shape (n,); more than ``width`` of them are averaged in equal groups.
+    """
+    if len(readings) > width:
+        edges = np.linspace(0, len(readings), width + 1).astype(int)
+        readings = np.add.reduceat(readings, edges[:-1]) / np.diff(edges)
+    low, high = float(readings.min()), float(readings.max())
+    if high == low:
+        return levels[len(levels) // 2] * len(readings)
+    place = (readings - low) / (high - low) * (len(levels) - 1)
+    return "".join(levels[k] for k in np.rint(place).astype(int))
+
+
+def encodes(console: Console, text: str) -> bool:
+    """Say whether the console can show every character of ``text``."""
+    try:
+        text.encode(console.encoding)
+    except (UnicodeEncodeError, LookupError):
+        return False
+    return True
+
+
+def _notice(notice: Notice) -> RichText:
+    mark, style = _MARKS[notice.severity]
+    line = RichText(f"{mark} ", style)
+    line.append(printable(notice.subject), "bold")
+    line.append(": " if notice.subject else "")
+    line.append(printable(notice.text))
+    line.append(f" [{printable(notice.code)}]", "dim")
+    return line
+
+
+def _print_indented(text: RichText, console: Console, *, indent: int = _INDENT) -> None:
+    for line in text.wrap(console, max(console.width - indent, 1)):
+        line.rstrip()
+        line.pad_left(indent)
+        console.print(line, no_wrap=True, crop=False, overflow="ignore")

@@ -1,0 +1,282 @@
+"""What is said of an analysis: the verdict first, the findings last."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.report.digits import decimals
+from scara_iso.results import (
+    Analysis,
+    AxisResult,
+    Finding,
+    Interval,
+    LimitCheck,
+    PoseResult,
+)
+
+_MOST_POSES = 10
+_MOST_NOTES = 5
+_MOST_LIMITS = 20
+_MOST_NOTICES = 40
+_GRAVITY = {"error": 0, "warning": 1, "info": 2}
+
+
+def analysis_report(analysis: Analysis) -> Report:
+    """Return what is said of an analysis."""
+    sections = [Section("", (*_origin(analysis), *_verdict(analysis)))]
+    for pose in analysis.poses[:_MOST_POSES]:
+        name = "" if pose.label is None else f"pose {pose.label}: "
+        sections.append(Section(f"{name}repeatability", tuple(_figures(pose))))
+        sections.append(Section(f"{name}readings over the cycles", tuple(_strips(pose))))
+    hidden = len(analysis.poses) - _MOST_POSES
+    if hidden > 0:
+        sections.append(
+            Section("", (Text(f"{hidden} more poses; --json gives them all", "quiet"),))
+        )
+    if analysis.limits:
+        shown = analysis.limits[:_MOST_LIMITS]
+        sections.append(Section("limits", (_limits_table(shown), *_more(analysis.limits, shown))))
+    return (*sections, *_findings(analysis))
+
+
+def _origin(analysis: Analysis) -> Iterator[Block]:
+    origin = analysis.run.origin
+    title = " · ".join(part for part in (analysis.run.metadata.get("robot"), origin.source) if part)
+    yield Text(f"ISO 9283 repeatability{f' of {title}' if title else ''}", "strong")
+    if origin.understood:
+        yield Text(f"read as {origin.understood}", "quiet")
+    for note in origin.notes[:_MOST_NOTES]:
+        yield Text(note, "quiet")
+    if len(origin.notes) > _MOST_NOTES:
+        yield Text(f"and {len(origin.notes) - _MOST_NOTES} more such notes", "quiet")
+
+
+def _verdict(analysis: Analysis) -> Iterator[Block]:
+    if len(analysis.poses) == 1:
+        yield Text(_headline(analysis.poses[0]), "strong")
+    else:
+        yield Text(_largest(analysis.poses), "strong")
+    yield from _warnings(analysis)
+    yield Text(_cycles(analysis))
+    if analysis.limits:
+        outside = [_checked(check) for check in analysis.limits if not check.inside]
+        if outside:
+            yield Text(f"OUTSIDE the limit: {_listed(outside)}", "bad")
+        else:
+            yield Text("inside the limits", "good")
+
+
+def _warnings(analysis: Analysis) -> Iterator[Block]:
+    grave = [finding for finding in analysis.findings if finding.severity != "info"]
+    by_subject: dict[str, list[str]] = {}
+    for finding in grave:
+        by_subject.setdefault(_subject(finding) or "test", []).append(finding.code)
+    if grave:
+        said = "; ".join(f"{name}: {', '.join(codes)}" for name, codes in by_subject.items())
+        count = f"{len(grave)} warning{'s' if len(grave) > 1 else ''}"
+        yield Text(f"{count} - {said}" if len(grave) <= _MOST_NOTES else f"{count}, below", "warn")
+
+
+def _cycles(analysis: Analysis) -> str:
+    cycles = analysis.cycles
+    each = " at each pose" if len(analysis.poses) > 1 else ""
+    if cycles.discarded:
+        left_out = f"cycle {cycles.discarded[0]} is discarded"
+    else:
+        left_out = "the first was discarded before, none is discarded here"
+    return f"{cycles.read} cycles read{each}; {left_out}; {cycles.used} count."
+
+
+def _headline(pose: PoseResult) -> str:
+    if pose.XY is None:
+        return f"RP: {', '.join(_axis_verdict(axis) for axis in pose.axes.values())}"
+    places = decimals(_lengths(pose))
+    radial = f"RP in XY: {pose.XY.RP:.{places}f} mm radial (ISO 9283)"
+    rss = pose.XY.RP_rss
+    return radial if rss is None else f"{radial}, {rss:.{places}f} mm by the paper's eq. 23"
+
+
+def _axis_verdict(axis: AxisResult) -> str:
+    if axis.unit == "deg":
+        return f"{axis.name} ± {axis.three_sigma:.{decimals([axis.three_sigma])}f} deg"
+    return f"{axis.name} {axis.RP:.{decimals([axis.RP])}f} mm"
+
+
+def _largest(poses: Sequence[PoseResult]) -> str:
+    def figure(pose: PoseResult) -> float:
+        return pose.XY.RP if pose.XY is not None else max(_lengths(pose), default=0.0)
+
+    worst = max(poses, key=figure)
+    return f"{len(poses)} poses; the largest figure at {worst.label}: {_headline(worst)}"
+
+
+def _checked(check: LimitCheck) -> str:
+    return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
+
+
+def _limits_table(checks: Sequence[LimitCheck]) -> Table:
+    places = decimals([check.RP for check in checks])
+    rows = [
+        (
+            _checked(check),
+            f"{check.RP:.{places}f}",
+            f"{check.limit:g}",
+            "not known" if check.guard is None else f"± {check.guard:.{places}f}",
+            ("inside" if check.inside else "OUTSIDE")
+            + (", in the guard band" if check.guard is not None and not check.clear else ""),
+        )
+        for check in checks
+    ]
+    note = (
+        "Inside: RP is at most the limit. Guard band: U = 2 u of the indicator (ISO 14253-1); "
+        "nearer to the limit than that, neither side is proven. What so few cycles leave open is "
+        "the 95 % interval above."
+    )
+    return Table(("limit of", "RP", "limit", "guard band", "verdict"), tuple(rows), note)
+
+
+def _figures(pose: PoseResult) -> Iterator[Block]:
+    for unit in ("mm", "deg"):
+        axes = [axis for axis in pose.axes.values() if axis.unit == unit]
+        if axes:
+            yield _axes_table(pose, axes, unit)
+    yield from (Text(line) for line in _accuracy(pose))
+    for axis in pose.axes.values():
+        if axis.angle is not None:
+            places = decimals([axis.angle.three_sigma_deg])
+            yield Text(
+                f"theta at a radius of {axis.angle.radius_mm:g} mm: RP = ± "
+                f"{axis.angle.three_sigma_deg:.{places}f} deg (7.2.2, ± 3 S); "
+                f"{axis.angle.RP_deg:.{places}f} deg by eq. 2-6"
+            )
+    defined = [axis for axis in pose.axes.values() if axis.definitions]
+    if defined:
+        yield _definitions_table(defined)
+
+
+def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Table:
+    angle = unit == "deg"
+    places = decimals([axis.three_sigma for axis in axes] if angle else _lengths(pose))
+    rows = [
+        (
+            axis.name,
+            *(f"{x:.{places}f}" for x in (axis.mean, axis.l_bar, axis.S_l, axis.RP)),
+            _interval(axis.RP_interval, places),
+            f"{axis.three_sigma:.{places}f}",
+            _share(axis.uncertainty_ratio),
+        )
+        for axis in axes
+    ]
+    rule = "; an angle's RP is ± 3 s (7.2.2)" if angle else ""
+    return Table(
+        (
+            "axis",
+            "mean",
+            "l_bar",
+            "S_l",
+            "RP",
+            "95 % interval",
+            "± 3 s" if angle else "3 s",
+            "u/RP",
+        ),
+        (*rows, *(() if angle else _radial_rows(pose, places))),
+        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}",
+    )
+
+
+def _radial_rows(pose: PoseResult, places: int) -> Iterator[tuple[str, ...]]:
+    for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
+        if found is None:
+            continue
+        yield (
+            f"{name} radial",
+            "",
+            *(f"{x:.{places}f}" for x in (found.l_bar, found.S_l, found.RP)),
+            _interval(found.RP_interval, places),
+            "",
+            _share(found.uncertainty_ratio),
+        )
+        if found.RP_rss is not None:
+            yield (f"{name} eq. 23", "", "", "", f"{found.RP_rss:.{places}f}", "", "", "")
+
+
+def _accuracy(pose: PoseResult) -> Iterator[str]:
+    said = [
+        f"{axis.name} {axis.accuracy:+.{decimals([axis.accuracy])}f} {axis.unit}"
+        for axis in pose.axes.values()
+        if axis.accuracy is not None
+    ]
+    for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
+        if found is not None and found.accuracy is not None:
+            said.append(f"{name} {found.accuracy:.{decimals([found.accuracy])}f} mm")
+    if said:
+        yield f"accuracy AP (7.2.1, mean minus command): {', '.join(said)}"
+
+
+def _definitions_table(axes: Sequence[AxisResult]) -> Table:
+    places = [decimals([axis.three_sigma]) for axis in axes]
+    rows = [
+        (found[0].name, *(f"{d.value:.{p}f}" for d, p in zip(found, places, strict=True)))
+        for found in zip(*(axis.definitions for axis in axes), strict=True)
+    ]
+    header = ("other words", *(f"{axis.name} [{axis.unit}]" for axis in axes))
+    meanings = "; ".join(f"{d.name}: {d.meaning}" for d in axes[0].definitions)
+    return Table(header, tuple(rows), meanings)
+
+
+def _strips(pose: PoseResult) -> Iterator[Block]:
+    for axis in pose.axes.values():
+        caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
+        yield Strip(axis.name, pose.cycle, axis.readings, caption)
+
+
+def _findings(analysis: Analysis) -> Iterator[Section]:
+    if analysis.deviations:
+        rows = sorted({(finding.rule, _said(finding)) for finding in analysis.deviations})
+        shown = rows[:_MOST_NOTICES]
+        blocks = [Text(f"{rule} - {said}") for rule, said in shown]
+        yield Section("deviations from ISO 9283", (*blocks, *_more(rows, shown)))
+    others = [finding for finding in analysis.findings if not finding.rule]
+    others.sort(key=lambda finding: _GRAVITY[finding.severity])
+    notices = [_notice(finding) for finding in others[:_MOST_NOTICES]]
+    if notices:
+        yield Section("findings", (*notices, *_more(others, notices)))
+
+
+def _more(all_of_them: Sequence[object], shown: Sequence[object]) -> Iterator[Block]:
+    hidden = len(all_of_them) - len(shown)
+    if hidden > 0:
+        yield Text(f"{hidden} more; --json gives them all", "quiet")
+
+
+def _listed(names: Sequence[str]) -> str:
+    hidden = len(names) - _MOST_LIMITS
+    return ", ".join(names[:_MOST_LIMITS]) + (f" and {hidden} more" if hidden > 0 else "")
+
+
+def _notice(finding: Finding) -> Notice:
+    return Notice(finding.severity, finding.code, _subject(finding), finding.message)
+
+
+def _said(finding: Finding) -> str:
+    subject = _subject(finding)
+    return f"{subject}: {finding.message}" if subject else finding.message
+
+
+def _subject(finding: Finding) -> str:
+    return ", ".join(part for part in (finding.pose, finding.axis) if part)
+
+
+def _interval(interval: Interval | None, places: int) -> str:
+    return "" if interval is None else f"{interval[0]:.{places}f}..{interval[1]:.{places}f}"
+
+
+def _share(ratio: float | None) -> str:
+    return "" if ratio is None else f"{ratio:.0%}"
+
+
+def _lengths(pose: PoseResult) -> list[float]:
+    """Return RP of the length axes, or what may hide behind an RP of 0."""
+    axes = [axis for axis in pose.axes.values() if axis.unit == "mm"]
+    return [a.RP or (a.RP_interval[1] if a.RP_interval else 0.0) for a in axes]

@@ -1,0 +1,11 @@
+"""A technician's file to a `Run` and back.
+
+`read_table` takes what is really sent (interface: "Table of readings") and gives the same numbers
+or a `DataError` with every fault: never a number in silence that could be another. `write_table`
+gives the canonical form.
+"""
+
+from scara_iso.tables.read import read_table
+from scara_iso.tables.write import write_table
+
+__all__ = ["read_table", "write_table"]

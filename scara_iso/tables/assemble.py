@@ -1,0 +1,216 @@
+"""Statements and columns to a `Run`, after the checks that need the whole table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run
+from scara_iso.tables.body import Body
+from scara_iso.tables.columns import Columns
+from scara_iso.tables.faults import Faults, show
+from scara_iso.tables.layout import COLUMNS, Layout, Statement, read_preamble
+from scara_iso.tables.names import Column, Kind
+from scara_iso.tables.numbers import Mark
+from scara_iso.tables.statements import Scale, is_of_axes, read_scales
+from scara_iso.tables.text import Row
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What the user says about a file, None where nothing."""
+
+    unit: str | None
+    resolution: float | None
+    decimal: str | None
+    sheet: str | None
+
+
+def assemble(rows: list[Row], columns: Columns, body: Body, options: Options, how: str) -> Run:
+    """Return the run that the head ``rows``, ``columns`` and ``body`` hold, or raise `DataError`.
+
+    ``how`` says how the file was split into cells.
+    """
+    faults, layout = columns.faults, columns.layout
+    statements, notes = read_preamble(rows, layout.header_line, faults)
+    _check_layout(layout, faults)
+    _check_marks(columns, options.decimal, faults)
+    _check_covariates(columns, faults)
+    body.check_blocks()
+    lines = columns.all_lines()
+    if not len(lines) and not faults.total:
+        faults.add("a header and no rows", layout.header_line, remedy="add the readings")
+    scales = _scales(columns, statements, options, faults)
+    faults.check()
+    run = _run(columns, lines, scales, statements, faults)
+    _check_repeats(run, lines, body.repeats, faults)
+    faults.check()
+    notes += [
+        f"column {c.position + 1} {show(layout.header[c.position])} not used"
+        for c in layout.of(Kind.COMMENT)
+    ] + body.notes
+    understood = f"{how}; {_said_columns(run, scales, lines)}"
+    if not layout.of(Kind.CYCLE):
+        notes.insert(0, f"no cycle column: rows numbered 1 to {len(lines)} in their order")
+    return replace(run, origin=Origin(faults.where, understood, tuple(notes)))
+
+
+def _check_layout(layout: Layout, faults: Faults) -> None:
+    if layout.width > COLUMNS:
+        faults.add(f"{layout.width} columns, more than {COLUMNS}", layout.header_line)
+    first: dict[tuple[Kind, str], Column] = {}
+    for column in layout.columns:
+        field = column.position + 1
+        if column.kind in (Kind.NAMELESS, Kind.COMMENT):
+            continue
+        if layout.header[column.position].startswith(("=", "@")):
+            faults.add("a formula for a column's name", layout.header_line, field)
+        kind = Kind.COVARIATE if column.kind is Kind.TIMESTAMP else column.kind
+        name = "time_s" if column.kind is Kind.TIMESTAMP else column.name
+        before = first.setdefault((kind, name.lower()), column)
+        if before is not column:
+            what = f"two columns for {name}: fields {before.position + 1} and {field}"
+            faults.add(
+                what,
+                layout.header_line,
+                field,
+                remedy="leave one column for each axis and quantity",
+            )
+
+
+def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
+    marks = columns.marks
+    if decimal is not None:
+        return
+    remedy = "say which mark is the decimal one: --decimal , or --decimal ."
+    comma = marks.get(Mark.COMMA) or marks.get(Mark.EITHER)
+    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
+        for mark, (line, column, text) in marks.items():
+            faults.add(
+                f"{show(text)} with {mark.value}: commas and points "
+                "both occur, --decimal says which is decimal",
+                line,
+                column,
+                remedy=remedy,
+            )
+    elif Mark.EITHER in marks and Mark.COMMA not in marks:
+        line, column, text = marks[Mark.EITHER]
+        faults.add(
+            f"{show(text)} could have a decimal comma or group "
+            "thousands: --decimal , or --decimal . says which",
+            line,
+            column,
+            remedy=remedy,
+        )
+
+
+def _check_covariates(columns: Columns, faults: Faults) -> None:
+    for column, seen in columns.units.items():
+        if column.kind is Kind.COVARIATE and len(seen) > 1:
+            *_, (unit, line) = seen.items()
+            faults.add(
+                f"{column.name}: {show(unit)} behind a value, and otherwise above",
+                line,
+                column.position + 1,
+            )
+
+
+def _scales(
+    columns: Columns, statements: dict[str, Statement], options: Options, faults: Faults
+) -> dict[str, Scale]:
+    behind = {column.name: units for column, units in columns.units.items()}
+    return read_scales(
+        columns.layout.of(Kind.AXIS),
+        columns.layout.header_line,
+        statements,
+        behind,
+        unit=options.unit,
+        resolution=options.resolution,
+        faults=faults,
+    )
+
+
+def _run(
+    columns: Columns,
+    lines: IntArray,
+    scales: dict[str, Scale],
+    statements: dict[str, Statement],
+    faults: Faults,
+) -> Run:
+    layout = columns.layout
+    metadata = {key: s.value for key, s in statements.items() if not is_of_axes(key)}
+    axes = {c.name: _axis(c, columns, lines, scales[c.name], faults) for c in layout.of(Kind.AXIS)}
+    covariates = {c.name: columns.numbers(c) for c in layout.of(Kind.COVARIATE)}
+    for column in layout.of(Kind.TIMESTAMP):
+        covariates["time_s"] = _seconds(column, columns, lines, metadata, faults)
+    faults.check()
+    counters, poses = layout.of(Kind.CYCLE), layout.of(Kind.POSE)
+    cycle = columns.numbers(counters[0]) if counters else np.arange(1, len(lines) + 1)
+    return Run(
+        cycle=cycle.astype(np.int64),
+        axes=axes,
+        pose=columns.labels(poses[0]) if poses else None,
+        covariates=covariates,
+        metadata=metadata,
+        lines=lines,
+    )
+
+
+def _axis(column: Column, columns: Columns, lines: IntArray, scale: Scale, faults: Faults) -> Axis:
+    with np.errstate(over="ignore"):
+        readings = scale.unit.to_base(columns.numbers(column))
+    for k in np.flatnonzero(~(np.abs(readings) <= FARTHEST)).tolist():
+        faults.add("a reading beyond any dial", int(lines[k]), column.position + 1)
+    stated = scale.resolution, scale.uncertainty, scale.command
+    return Axis(column.name, readings, scale.unit.dimension, *stated)
+
+
+def _seconds(
+    column: Column,
+    columns: Columns,
+    lines: IntArray,
+    metadata: dict[str, str],
+    faults: Faults,
+) -> FloatArray:
+    """Return seconds from the first row's instant, which is kept as ``timestamp_start``."""
+    stamps = [stamp for stamp in columns.stamps(column) if stamp is not None]
+    start = stamps[0]
+    for line, stamp in zip(lines.tolist(), stamps, strict=True):
+        if (stamp.tzinfo is None) != (start.tzinfo is None):
+            faults.add(
+                "some times state their offset from UTC and some do not", line, column.position + 1
+            )
+            return np.zeros(len(lines))
+    metadata.setdefault("timestamp_start", start.isoformat())
+    return np.array([(stamp - start).total_seconds() for stamp in stamps])
+
+
+def _check_repeats(run: Run, lines: IntArray, repeats: list[int], faults: Faults) -> None:
+    """Find a second table under a repeated header: the cycles of a pose begin again."""
+    for line in repeats:
+        k = int(np.searchsorted(lines, line))
+        if not 0 < k < len(run) or run.cycle[k] > run.cycle[k - 1]:
+            continue
+        if run.pose is None or run.pose[k] == run.pose[k - 1]:
+            faults.add(
+                "a second table begins: the header again, then cycle "
+                f"{run.cycle[k]} after {run.cycle[k - 1]}",
+                line,
+                remedy="leave one table in the file",
+            )
+
+
+def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray) -> str:
+    units = {name: scales[name].unit.name for name in run.axes}
+    parts = [
+        f"{' '.join(name for name in units if units[name] == unit)} in {unit}"
+        for unit in dict.fromkeys(units.values())
+    ]
+    also = (["pose"] if run.pose is not None else []) + list(run.covariates)
+    text = ", ".join(parts) + (f"; also {', '.join(map(_short, also))}" if also else "")
+    return f"{text}; {len(lines)} rows (lines {lines[0]}-{lines[-1]})"
+
+
+def _short(name: str) -> str:
+    return name if name.isprintable() and len(name) <= 30 else show(name)

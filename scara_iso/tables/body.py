@@ -1,0 +1,185 @@
+"""The rows under the header: which are readings, which are footers, and which are neither."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from scara_iso.tables.columns import Cell
+from scara_iso.tables.faults import KEPT, Faults, show
+from scara_iso.tables.layout import (
+    Layout,
+    header_cells,
+    is_comment,
+    is_rule,
+    names_an_axis,
+    read_statement,
+)
+from scara_iso.tables.names import Kind, names_a_footer
+from scara_iso.tables.numbers import BLANKS, parse_number
+from scara_iso.tables.statements import is_of_axes
+from scara_iso.tables.text import Row
+
+_NOTES = 50
+_ONE_TABLE = "leave one table in the file, and only readings under its header"
+
+
+class Body:
+    """Sort the rows under a header; keeps what it met besides readings in ``notes``."""
+
+    def __init__(self, layout: Layout, faults: Faults) -> None:
+        self.layout = layout
+        self.faults = faults
+        self.notes: list[str] = []
+        self.repeats: list[int] = []
+        self.footer: int | None = None
+        self._cycle = next((c.position for c in layout.of(Kind.CYCLE)), None)
+        self._blocks = [0]
+        self._labels: set[str] = set()
+
+    @property
+    def plain(self) -> bool:
+        """Whether a row of numbers can only be a reading, so far."""
+        labels = self.layout.of(Kind.POSE, Kind.COMMENT)
+        return self.footer is None and not (self._cycle is None and labels)
+
+    def count(self, rows: int) -> None:
+        """Take note of ``rows`` readings that were taken without `sort`."""
+        self._blocks[-1] += rows
+
+    def note(self, text: str) -> None:
+        """Add to the notes, of which the first fifty are kept."""
+        if len(self.notes) < _NOTES:
+            self.notes.append(text)
+        elif len(self.notes) == _NOTES:
+            self.notes.append("and more of the kind")
+
+    def sort(self, rows: Iterable[tuple[int, Sequence[Cell]]]) -> Iterator[tuple[int, list[Cell]]]:
+        """Yield line and cells of the rows of readings, each as wide as the header."""
+        for line, cells in rows:
+            texts = [cell if isinstance(cell, str) else repr(cell) for cell in cells]
+            comment = bool(texts) and is_comment(_stripped(texts[0]))
+            if self._is_numbered(cells) and not comment:
+                yield from self._reading(line, cells)
+                continue
+            text = ", ".join(t for t in map(_stripped, texts) if t)
+            if not text:
+                self._blocks.append(0)
+            elif not self._is_besides(line, texts, text):
+                yield from self._reading(line, cells)
+
+    def _is_besides(self, line: int, texts: list[str], text: str) -> bool:
+        """Return whether a row is no reading, and say what it is."""
+        if tuple(header_cells(texts)) == self.layout.header:
+            self._repeated(line)
+        elif is_comment(text):
+            statement = read_statement(Row(line, texts, text, line))
+            if statement and is_of_axes(statement[0]):
+                self.faults.add(f"{show(text)} under the header", line, remedy=_ONE_TABLE)
+            self.note(f"line {line}: comment {show(text)} not used")
+        elif self._is_footer(line, texts):
+            self.footer = self.footer or line
+            self.note(f"line {line}: footer {show(text)} not averaged")
+        elif names_an_axis(texts):
+            self.faults.add("a second table begins", line, remedy=_ONE_TABLE)
+        elif self._is_remark(texts):
+            self.note(f"line {line}: {show(text)} not used")
+        elif is_rule(text) and (self._cycle is not None or not any(self._blocks)):
+            self.note(f"line {line}: ruled line")
+        else:
+            return False
+        return True
+
+    def _repeated(self, line: int) -> None:
+        if self._cycle is None:
+            self.faults.add(
+                "a second table begins: the header again, and no cycle numbers",
+                line,
+                remedy=_ONE_TABLE,
+            )
+        self.repeats = [*self.repeats[: KEPT - 1], line]
+        self.note(f"line {line}: header repeated")
+
+    def _is_numbered(self, cells: Sequence[Cell]) -> bool:
+        cell = cells[self._cycle] if self._cycle is not None and self._cycle < len(cells) else ""
+        return isinstance(cell, float) or parse_number(cell) is not None
+
+    def _is_footer(self, line: int, texts: list[str]) -> bool:
+        """Return whether the first text of a row is the label of a footer, such as ``Mean``."""
+        label = next((t for t in map(_stripped, texts) if t and parse_number(t) is None), "")
+        below = self.footer is not None and self._cycle is not None and not names_an_axis(texts)
+        if not names_a_footer(label, short=self._cycle is not None) and not (below and label):
+            return False
+        if self._cycle is None and label in self._labels:
+            self.faults.add(
+                f"{show(label)} again: a pose or a footer?", line, remedy="number the cycles"
+            )
+        self._labels.add(label)
+        return True
+
+    def _is_remark(self, texts: list[str]) -> bool:
+        """Return whether a row is a line of text such as ``Inspector: A. Smith``."""
+        found = [text for text in texts if text.strip(BLANKS)]
+        statement = read_statement(Row(0, texts, found[0].strip(BLANKS), 0))
+        return (
+            statement is not None
+            and not is_of_axes(statement[0])
+            and len(found) <= 2
+            and ":" in found[0]
+            and not any(parse_number(text) for text in found)
+        )
+
+    def _reading(self, line: int, cells: Sequence[Cell]) -> Iterator[tuple[int, list[Cell]]]:
+        width = self.layout.width
+        if self.footer is not None:
+            self.faults.add(
+                f"readings below the footer of line {self.footer}", line, remedy=_ONE_TABLE
+            )
+            return
+        if len(cells) < width:
+            self.faults.add(
+                f"{len(cells)} fields, the header has {width}",
+                line,
+                remedy=_ragged(len(cells), width),
+            )
+            return
+        extra = [k for k, cell in enumerate(cells[width:], width) if _is_filled(cell)]
+        if extra:
+            self.faults.add(
+                f"{max(extra) + 1} fields, the header has {width}",
+                line,
+                extra[0] + 1,
+                remedy=_ragged(max(extra) + 1, width),
+            )
+            return
+        self._blocks[-1] += 1
+        yield line, list(cells[:width])
+
+    def check_blocks(self) -> None:
+        """Refuse blocks of unequal size between blank lines where no cycle is numbered.
+
+        The last row of such a table may be a mean without a name.
+        """
+        blocks = [size for size in self._blocks if size]
+        if self._cycle is None and len(set(blocks)) > 1:
+            self.faults.add(
+                "blank lines part the rows unequally and no cycle is numbered: "
+                "readings or a summary?",
+                remedy="number the cycles in a column 'cycle', or remove the blank lines",
+            )
+
+
+def _stripped(text: str) -> str:
+    return text.strip(BLANKS)
+
+
+def _is_filled(cell: Cell) -> bool:
+    return not isinstance(cell, str) or bool(cell.strip(BLANKS))
+
+
+def _ragged(found: int, width: int) -> str:
+    if found > width:
+        return (
+            "if these are decimal commas in a comma-separated table, export it with semicolons; "
+            "else make the fields as many as the header's"
+        )
+    return "make the fields of each row as many as the header's"

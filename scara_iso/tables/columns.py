@@ -1,0 +1,221 @@
+"""Cells to arrays: the quick way for clean pieces, cell by cell where a fault must be named."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.run import FloatArray, IntArray
+from scara_iso.tables.faults import Faults, show
+from scara_iso.tables.layout import Layout
+from scara_iso.tables.names import Column, Kind, names_a_footer, read_timestamp, read_unit
+from scara_iso.tables.numbers import BLANKS, Mark, Number, parse_clean, parse_number
+
+Cell = str | float
+"""A cell of a text file is text; a numeric cell of a workbook is its number."""
+_LABEL = 64
+_LARGEST = 2**53
+
+
+class Columns:
+    """Gather the columns of a table, piece by piece, with every fault on the way."""
+
+    def __init__(self, layout: Layout, decimal: str | None, faults: Faults) -> None:
+        self.layout = layout
+        self.decimal = decimal
+        self.faults = faults
+        self.lines: list[IntArray] = []
+        self.marks: dict[Mark, tuple[int, int, str]] = {}
+        self.units: dict[Column, dict[str, int]] = {}
+        self._parts: dict[Column, list[npt.NDArray[np.generic]]] = {c: [] for c in layout.columns}
+
+    def add_clean(self, columns: Sequence[Sequence[str]], first_line: int) -> bool:
+        """Take columns of cells that are all as the header says, or take none and return False."""
+        if "#" in "".join(columns[0]):  # a row may be commented out
+            return False
+        parts = []
+        for column, cells in zip(self.layout.columns, columns, strict=True):
+            part = self._clean_part(column, cells)
+            if part is None:
+                return False
+            parts.append(part)
+        lines = range(first_line, first_line + len(columns[0]))
+        for column, cells, (values, mark) in zip(self.layout.columns, columns, parts, strict=True):
+            self._parts[column].append(values)
+            self._note(column, mark, cells, lines)
+        self._add_lines(np.array(lines))
+        return True
+
+    def _note(self, column: Column, mark: Mark, cells: Sequence[str], lines: Sequence[int]) -> None:
+        self._note_unit(column, "", lines[0])
+        if mark is not Mark.NONE and mark not in self.marks:
+            character = "." if mark is Mark.POINT else ","
+            k = next(k for k, cell in enumerate(cells) if character in cell)
+            self.marks[mark] = (lines[k], column.position + 1, cells[k].strip(BLANKS))
+
+    def _clean_part(
+        self, column: Column, cells: Sequence[str]
+    ) -> tuple[npt.NDArray[np.generic], Mark] | None:
+        match column.kind:
+            case Kind.AXIS | Kind.COVARIATE:
+                return parse_clean(cells, self.decimal)
+            case Kind.CYCLE:
+                part = parse_clean(cells, self.decimal)
+                return part if part is not None and _are_counts(part[0]) else None
+            case Kind.POSE:
+                labels = [cell.strip(BLANKS) for cell in cells]
+                clean = not any(_label_fault(x) or x[0] == "'" for x in set(labels))
+                return (np.array(labels), Mark.NONE) if clean else None
+            case Kind.TIMESTAMP:
+                stamps = [read_timestamp(cell) for cell in cells]
+                return None if None in stamps else (np.array(stamps, dtype=object), Mark.NONE)
+            case Kind.NAMELESS if any(cell.strip(BLANKS) for cell in cells):
+                return None
+            case _:
+                return np.empty(0), Mark.NONE
+
+    def add(self, rows: Sequence[tuple[int, Sequence[Cell]]]) -> None:
+        """Take rows of the header's width, each with its line, cell by cell."""
+        if not rows:
+            return
+        lines = [line for line, _ in rows]
+        for column in self.layout.columns:
+            cells = [cells[column.position] for _, cells in rows]
+            self._parts[column].append(self._part(column, cells, lines))
+        self._add_lines(np.array(lines))
+
+    def _add_lines(self, lines: IntArray) -> None:
+        self.lines.append(lines.astype(np.int64))
+
+    def _part(
+        self, column: Column, cells: Sequence[Cell], lines: Sequence[int]
+    ) -> npt.NDArray[np.generic]:
+        texts = [cell for cell in cells if isinstance(cell, str)]
+        clean = self._clean_part(column, texts) if len(texts) == len(cells) else None
+        if clean is not None:
+            self._note(column, clean[1], texts, lines)
+            return clean[0]
+        return self._part_by_cell(column, zip(cells, lines, strict=True))
+
+    def _part_by_cell(
+        self, column: Column, pairs: Iterable[tuple[Cell, int]]
+    ) -> npt.NDArray[np.generic]:
+        match column.kind:
+            case Kind.AXIS | Kind.COVARIATE:
+                return np.array([self._number(column, cell, line) for cell, line in pairs])
+            case Kind.CYCLE:
+                return np.array([self._count(column, cell, line) for cell, line in pairs])
+            case Kind.POSE:
+                return np.array([self._label(column, cell, line) for cell, line in pairs])
+            case Kind.TIMESTAMP:
+                stamps = [self._stamp(column, cell, line) for cell, line in pairs]
+                return np.array(stamps, dtype=object)
+            case Kind.NAMELESS:
+                for cell, line in pairs:
+                    if not isinstance(cell, str) or cell.strip(BLANKS):
+                        self._fault(column, f"{_text(cell)} in a column without a name", line)
+        return np.empty(0)
+
+    def _number(self, column: Column, cell: Cell, line: int) -> float:
+        if isinstance(cell, float):
+            self._note_unit(column, "", line)
+            return cell
+        number = parse_number(cell, self.decimal)
+        strange = column.kind is Kind.AXIS and number and number.unit and not read_unit(number.unit)
+        if number is None or strange or not math.isfinite(number.value):
+            self._fault(column, _not_a_number(cell), line)
+            return 0.0
+        self._note_mark(column, number, cell, line)
+        self._note_unit(column, number.unit, line)
+        return number.value
+
+    def _note_mark(self, column: Column, number: Number, cell: str, line: int) -> None:
+        if number.mark is not Mark.NONE:
+            place = (line, column.position + 1, cell.strip(BLANKS))
+            self.marks.setdefault(number.mark, place)
+
+    def _note_unit(self, column: Column, unit: str, line: int) -> None:
+        seen = self.units.setdefault(column, {})
+        if len(seen) < 5:
+            seen.setdefault(unit, line)
+
+    def _count(self, column: Column, cell: Cell, line: int) -> float:
+        value = cell if isinstance(cell, float) else 0.5
+        if isinstance(cell, str):
+            number = parse_number(cell, self.decimal)
+            if number is not None and not number.unit:
+                value = number.value
+                self._note_mark(column, number, cell, line)
+        if not _are_counts(np.array([value])):
+            self._fault(column, f"{_text(cell)} is not a cycle number", line)
+            return 0.0
+        return value
+
+    def _label(self, column: Column, cell: Cell, line: int) -> str:
+        label = f"{cell:.15g}" if isinstance(cell, float) else cell.strip(BLANKS)
+        fault = _label_fault(label)
+        if fault:
+            self._fault(column, f"{_text(cell)} {fault}", line)
+            return ""
+        return label[1:] if label[:1] == "'" and label[1:2] in _ESCAPED else label
+
+    def _stamp(self, column: Column, cell: Cell, line: int) -> datetime | None:
+        stamp = read_timestamp(cell) if isinstance(cell, str) else None
+        if stamp is None:
+            self._fault(column, f"{_text(cell)} is not an ISO 8601 time", line)
+        return stamp
+
+    def _fault(self, column: Column, message: str, line: int) -> None:
+        self.faults.add(message, line, column.position + 1)
+
+    def numbers(self, column: Column) -> FloatArray:
+        """Return a numeric column, shape (rows,), in the units of the file."""
+        return np.concatenate([np.empty(0), *self._parts[column]]).astype(np.float64)
+
+    def labels(self, column: Column) -> npt.NDArray[np.str_]:
+        """Return the labels of a pose column, shape (rows,)."""
+        return np.concatenate([np.empty(0, dtype=np.str_), *self._parts[column]])
+
+    def stamps(self, column: Column) -> list[datetime | None]:
+        """Return the instants of a timestamp column; None where a fault was noted."""
+        return [stamp for part in self._parts[column] for stamp in part.tolist()]
+
+    def all_lines(self) -> IntArray:
+        """Return the line of each row, shape (rows,)."""
+        return np.concatenate([np.empty(0, dtype=np.int64), *self.lines])
+
+
+_ESCAPED = ("'", "=", "+", "-", "@")
+
+
+def _label_fault(label: str) -> str:
+    """Return what is wrong with a pose label, or nothing."""
+    if not label:
+        return "is no pose"
+    if names_a_footer(label):
+        return "is the label of a footer, not of a pose"
+    if len(label) > _LABEL:
+        return f"is longer than the {_LABEL} characters of a pose label"
+    if label[0] in "=@" or (label[0] in "+-" and parse_number(label) is None):
+        return "is a formula, not a pose"
+    return ""
+
+
+def _are_counts(values: FloatArray) -> bool:
+    return bool(np.all((values >= 0) & (values < _LARGEST) & (values == np.floor(values))))
+
+
+def _text(cell: Cell) -> str:
+    if isinstance(cell, float):
+        return repr(cell)
+    return show(cell) if cell.strip(BLANKS) else "an empty cell"
+
+
+def _not_a_number(cell: str) -> str:
+    if not cell.strip(BLANKS):
+        return "empty cell"
+    return f"{show(cell.strip(BLANKS))} is not a number"

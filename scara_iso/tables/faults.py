@@ -1,0 +1,60 @@
+"""Faults of one file: all of them counted, the first thousand kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from scara_iso.errors import DataError, Fault
+
+KEPT = 1000
+"""Faults that a `DataError` lists; the rest are counted."""
+_SHOWN = 30
+
+
+class Faults:
+    """Collect what is wrong with the file ``where``, in the order found."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+        self.total = 0
+        self._kept: list[Fault] = []
+        self._remedy = ""
+
+    def add(
+        self, message: str, line: int | None = None, column: int | None = None, *, remedy: str = ""
+    ) -> None:
+        """Note one fault; the remedy of the first fault that has one is the error's."""
+        self.total += 1
+        self._remedy = self._remedy or remedy
+        if len(self._kept) < KEPT:
+            self._kept.append(Fault(message, line, column))
+
+    def check(self) -> None:
+        """Raise `DataError` if a fault was noted."""
+        if not self.total:
+            return
+        faults = sorted(self._kept, key=lambda fault: (fault.line or 0, fault.column or 0))
+        count = "1 fault" if self.total == 1 else f"{self.total} faults"
+        more = f", the first {KEPT} listed" if self.total > KEPT else ""
+        raise DataError(
+            f"cannot be read as a table of readings: {count}{more}",
+            where=self.where,
+            remedy=self._remedy or "correct the file, or export it again",
+            faults=faults,
+        )
+
+
+def refuse(where: str, message: str, *, remedy: str) -> DataError:
+    """Return the `DataError` of a file that is refused as a whole."""
+    return DataError(message, where=where, remedy=remedy, faults=(Fault(message),))
+
+
+def show(text: str) -> str:
+    """Return ``text`` quoted, escaped and cut for a message."""
+    return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "…")
+
+
+def listed(items: Iterable[str]) -> str:
+    """Return ``a, b and c``."""
+    *head, last = items
+    return f"{', '.join(head)} and {last}" if head else last

@@ -1,0 +1,203 @@
+"""Where the header is, what stands before it, and what the columns are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scara_iso.tables.faults import Faults, show
+from scara_iso.tables.names import Column, Kind, clean, read_name, read_names, read_unit, settle
+from scara_iso.tables.numbers import parse_number
+from scara_iso.tables.text import Row
+
+HEAD = 200
+"""Lines in which the header must come."""
+COLUMNS = 1000
+"""Columns that a table may have."""
+_ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
+_RULE = re.compile(r"[-=_+*|]{3,}(?:[, ]*[-=_+*|]{3,})*")
+_NAME = 80
+_KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
+_STATEMENT = re.compile(r"([^\W\d_][^:=]{0,60}?)\s*[:=]\s*(.*)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """The value of a ``key: value`` line, and the line."""
+
+    value: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The columns of a table, its header as found, and the line that data begin on."""
+
+    columns: tuple[Column, ...]
+    header: tuple[str, ...]
+    header_line: int
+    data_line: int
+    sure: bool
+    """Whether a row of numbers follows the header."""
+
+    @property
+    def width(self) -> int:
+        """Number of fields of a row."""
+        return len(self.columns)
+
+    @property
+    def known(self) -> int:
+        """Number of columns that are more than a covariate."""
+        return sum(c.kind not in (Kind.COVARIATE, Kind.NAMELESS) for c in self.columns)
+
+    def of(self, *kinds: Kind) -> list[Column]:
+        """Return the columns of the given kinds."""
+        return [c for c in self.columns if c.kind in kinds]
+
+
+def find_layout(rows: Sequence[Row]) -> Layout | None:
+    """Return the layout of the first header that a row of numbers follows.
+
+    Without one, that of the row that names most; None where no row names an axis.
+    """
+    best: Layout | None = None
+    for k, row in enumerate(rows):
+        if not names_an_axis(row.cells):
+            continue
+        layout = _layout(rows, k)
+        if layout.sure:
+            return layout
+        if best is None or layout.known > best.known:
+            best = layout
+    return best
+
+
+def header_cells(cells: Sequence[str]) -> list[str]:
+    """Return the cells of a row as header names, a leading ``#`` taken off."""
+    names = [clean(cell) for cell in cells[: _trimmed(cells)]]
+    if names and re.match(r"# ?\w", names[0]):
+        names[0] = names[0].lstrip("# ")
+    return names
+
+
+def names_an_axis(cells: Sequence[str]) -> bool:
+    """Return whether a row is a header: one of its cells names an axis, and none is a number."""
+    if not cells or re.match(r"#?\s*[^\W\d_][^:=,;]*[:=]", cells[0]):
+        return False
+    names = header_cells(cells[: COLUMNS + 1])
+    if any(len(name) > _NAME or parse_number(name) for name in names):
+        return False
+    return any(read_name(name).kind is Kind.AXIS for name in names)
+
+
+def _layout(rows: Sequence[Row], k: int) -> Layout:
+    names = header_cells(rows[k].cells)
+    below = _next_row(rows, k + 1)
+    units: list[str] = []
+    last = k
+    if below is not None and _is_unit_row(names, rows[below].cells):
+        units = [clean(cell).strip("[]() ") for cell in rows[below].cells]
+        last, below = below, _next_row(rows, below + 1)
+    cells = rows[below].cells if below is not None else []
+    if names[0] == "#" and _trimmed(cells) == len(names) - 1:
+        names = names[1:]  # "# X Y Z" over three columns of blanks, as numpy writes it
+    first = _padded(cells, len(names))
+    columns = tuple(
+        settle(column, names[column.position], first[column.position])
+        for column in read_names(names, _padded(units, len(names)))
+    )
+    numeric = any(parse_number(first[c.position]) for c in columns if c.kind is Kind.AXIS)
+    fits = _trimmed(cells) <= len(names) <= len(cells)
+    return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits)
+
+
+def _padded(cells: Sequence[str], width: int) -> list[str]:
+    return [*cells, *[""] * width][:width]
+
+
+def _trimmed(cells: Sequence[str]) -> int:
+    """Return the number of cells up to the last that is not blank."""
+    return max((k + 1 for k, cell in enumerate(cells) if clean(cell)), default=0)
+
+
+def _next_row(rows: Sequence[Row], k: int) -> int | None:
+    """Return the first row from ``k`` on that is neither blank, a ruled line nor a comment."""
+    for j in range(k, len(rows)):
+        text = rows[j].text
+        if text and not is_rule(text) and not text.startswith("#"):
+            return j
+    return None
+
+
+def is_comment(text: str) -> bool:
+    """Return whether a row begins with ``#``, and not with a spreadsheet's ``#DIV/0!``."""
+    return text.startswith("#") and not _ERROR_CODE.match(text)
+
+
+def is_rule(text: str) -> bool:
+    """Return whether a row is a ruled line, of three strokes or more in every cell."""
+    return bool(_RULE.fullmatch(text))
+
+
+def _is_unit_row(names: list[str], cells: list[str]) -> bool:
+    found = [clean(cell).strip("[]() ") for cell in cells]
+    if any(parse_number(cell) for cell in found):
+        return False
+    axes = [k for k, n in enumerate(names[: len(found)]) if read_name(n).kind is Kind.AXIS]
+    units = [found[k] for k in axes if found[k]]
+    return bool(units) and any(read_unit(unit) for unit in units)
+
+
+def read_preamble(
+    rows: Sequence[Row], header_line: int, faults: Faults
+) -> tuple[dict[str, Statement], list[str]]:
+    """Return the statements before the header by key, and a note for each line of free text.
+
+    Keys are in lower case with underscores for blanks; values are kept as written.
+    """
+    statements: dict[str, Statement] = {}
+    notes: list[str] = []
+    for row in rows:
+        if row.line >= header_line:
+            break
+        statement = read_statement(row)
+        if statement is not None:
+            _add(statements, *statement, row.line, faults)
+        elif not row.text or row.text.startswith("#") or is_rule(row.text):
+            continue
+        elif sum(parse_number(cell) is not None for cell in row.cells) > 1:
+            faults.add(
+                "numbers before the header: two tables in one file?",
+                row.line,
+                remedy="leave one table in the file, with one header",
+            )
+        else:
+            notes.append(f"line {row.line}: {show(row.text)} not used")
+    return statements, notes
+
+
+def read_statement(row: Row) -> tuple[str, str] | None:
+    """Return key and value of a ``# key: value`` line, or of a row of two such cells."""
+    cells = [clean(cell) for cell in row.cells[: _trimmed(row.cells)]]
+    if len(cells) == 2 and _KEY.fullmatch(cells[0]):
+        return normal_key(cells[0].strip("#:= ")), cells[1]
+    match = _STATEMENT.fullmatch(row.text.lstrip("# "))
+    return (normal_key(match[1]), match[2].strip()) if match else None
+
+
+def normal_key(key: str) -> str:
+    """Return a metadata key in lower case, with underscores for blanks."""
+    key = re.sub(r"\s+", "_", key.strip().lower())
+    return _KEYS.get(key, key)
+
+
+_KEYS = {"units": "unit", "einheit": "unit", "auflösung": "resolution"}
+
+
+def _add(statements: dict[str, Statement], key: str, value: str, line: int, faults: Faults) -> None:
+    before = statements.setdefault(key, Statement(value, line))
+    if before.value != value:
+        faults.add(
+            f"{key} is {show(value)} here and {show(before.value)} in line {before.line}", line
+        )

@@ -1,0 +1,182 @@
+"""What a column's name says: axis, cycle, pose, time, covariate or comment, and its unit."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from datetime import datetime
+from enum import Enum
+
+from scara_iso.quantities import Unit, find_unit
+from scara_iso.tables.numbers import BLANKS, parse_number
+
+
+class Kind(Enum):
+    """What a column holds."""
+
+    AXIS = "axis"
+    CYCLE = "cycle"
+    POSE = "pose"
+    TIMESTAMP = "timestamp"
+    CLOCK = "date or time of day"
+    COVARIATE = "covariate"
+    COMMENT = "comment"
+    NAMELESS = "no name"
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column: its kind, its name in the `Run`, the unit its name states, its field from 0."""
+
+    kind: Kind
+    name: str
+    unit: str = ""
+    position: int = 0
+
+
+_AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
+_AXIS_WORD = re.compile(r"(?:axis|achse)[ _-]*|[ _-]*(?:axis|achse)$")
+_CYCLE_PROPER = {"cycle", "zyklus"}
+_CYCLE = _CYCLE_PROPER | {
+    "cycles", "cycle no", "cycle nr", "cycle number", "cycle #", "number of", "number of cycle",
+    "number of cycles", "no of cycle", "no of cycles", "zyklen", "zyklus nr", "zyklusnr",
+    "zyklusnummer", "n", "nr", "no", "num", "number", "nummer", "#", "№", "lfd nr", "lfdnr",
+    "takt", "trial", "sample", "messung", "messung nr", "index", "obs", "obs #", "observation",
+}  # fmt: skip
+_KINDS = {
+    **dict.fromkeys(_CYCLE, Kind.CYCLE),
+    **dict.fromkeys(("pose", "point", "punkt", "pose label"), Kind.POSE),
+    **dict.fromkeys(("timestamp", "time stamp", "zeitstempel", "datetime", "date time"),
+                    Kind.TIMESTAMP),
+    **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit"), Kind.CLOCK),
+    **dict.fromkeys(
+        ("comment", "comments", "remark", "remarks", "note", "notes", "bemerkung", "bemerkungen",
+         "anmerkung", "kommentar", "notiz", "operator", "bediener", "prüfer", "inspector"),
+        Kind.COMMENT,
+    ),
+}  # fmt: skip
+_COVARIATES = {
+    "time_s": "time_s", "t_s": "time_s", "zeit_s": "time_s", "temperature_c": "temperature_C",
+    "temperatur_c": "temperature_C", "approach": "approach", "payload_kg": "payload_kg",
+    "speed": "speed",
+}  # fmt: skip
+_SPLITS = (
+    re.compile(r"(.*?) ?[\[({<]([^\[\](){}<>]*)[\])}>]"),
+    re.compile(r"(.+?) ?(?:/|,| in )(.+)"),
+    re.compile(r"(.+?)[_ ](.+)"),
+)
+
+
+def clean(text: str) -> str:
+    """Return ``text`` on one line, its blanks plain and single."""
+    return " ".join(text.translate(_PLAIN_BLANKS).split())
+
+
+_PLAIN_BLANKS = str.maketrans(dict.fromkeys(BLANKS, " "))
+
+
+def read_unit(text: str) -> Unit | None:
+    """Return the unit that a file spells, also ``0,01 mm`` and ``mm x 10^-2``, or None."""
+    text = clean(text).translate(_SUPERSCRIPT)
+    power = _POWER.fullmatch(text)
+    if power:
+        text = f"1e{power[2] or power[3]} {power[1] or power[4]}"
+    text = re.sub(r"^1/(10+) ", lambda m: f"1e-{len(m[1]) - 1} ", text).replace(",", ".")
+    return find_unit(text) if len(text) <= 40 else None
+
+
+_SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
+_POWER = re.compile(r"(\D+?) ?[x×·*] ?10\^?(-?\d)|10\^?(-\d) ?[x×·*]? ?(\D+)", re.ASCII)
+
+
+def read_name(text: str, unit_below: str = "") -> Column:
+    """Return the column that a header cell names; ``unit_below`` is its cell of a unit row."""
+    text = clean(text)
+    if not text:
+        return Column(Kind.NAMELESS, "", unit_below)
+    for pattern in (None, *_SPLITS):
+        match = pattern.fullmatch(text) if pattern else None
+        name, unit = (match[1], match[2].strip()) if match else (text, "")
+        if pattern and (match is None or (pattern is not _SPLITS[0] and not read_unit(unit))):
+            continue
+        axis = _AXES.get(_AXIS_WORD.sub("", name.lower()))
+        if axis:
+            return Column(Kind.AXIS, axis, _one_of(unit, unit_below))
+    return _other_column(text, unit_below)
+
+
+def _one_of(unit: str, below: str) -> str:
+    """Return the unit of name and unit row; both, which no unit is called, where they differ."""
+    if unit and below and read_unit(unit) != read_unit(below):
+        return f"{unit} over {below}"
+    return unit or below
+
+
+def _other_column(text: str, unit_below: str) -> Column:
+    match = _SPLITS[0].fullmatch(text)
+    stem, unit = (match[1], match[2]) if match else (text, "")
+    unit = (unit or unit_below).replace("°", "").strip(" -")
+    key = f"{stem}_{unit}".lower() if unit else stem.lower()
+    if key in _COVARIATES:
+        return Column(Kind.COVARIATE, _COVARIATES[key])
+    kind = _KINDS.get(re.sub(r"[ ._:-]+", " ", stem.lower()).strip())
+    if kind is None or (kind is Kind.CLOCK and unit):
+        return Column(Kind.COVARIATE, re.sub(r"^'(?=['=+@-])", "", text))
+    return Column(kind, kind.value)
+
+
+def read_names(cells: list[str], units: list[str]) -> list[Column]:
+    """Return the columns of a header; of two counters the one called cycle numbers the cycles."""
+    columns = [
+        replace(read_name(cell, unit), position=k)
+        for k, (cell, unit) in enumerate(zip(cells, units, strict=True))
+    ]
+    counters = [c.position for c in columns if c.kind is Kind.CYCLE]
+    proper = [k for k in counters if clean(cells[k]).lower() in _CYCLE_PROPER]
+    if len(counters) > 1 and len(proper) == 1:
+        columns = [
+            Column(Kind.COVARIATE, clean(cells[c.position]), "", c.position)
+            if c.position in counters and c.position not in proper
+            else c
+            for c in columns
+        ]
+    return columns
+
+
+def settle(column: Column, name: str, first: str) -> Column:
+    """Return what a column of dates or times is, by its first cell: numbers, stamps or a note."""
+    if column.kind is not Kind.CLOCK:
+        return column
+    if parse_number(first) is not None:
+        return replace(column, kind=Kind.COVARIATE, name=clean(name))
+    kind = Kind.TIMESTAMP if read_timestamp(first) else Kind.COMMENT
+    return replace(column, kind=kind, name=clean(name))
+
+
+def read_timestamp(text: str) -> datetime | None:
+    """Return the instant of an ISO 8601 date and time, or None."""
+    text = text.strip(BLANKS)
+    try:
+        return datetime.fromisoformat(text) if text.isascii() and len(text) > 10 else None
+    except ValueError:
+        return None
+
+
+_FOOTERS = """
+mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev sd
+stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max maximum
+range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
+wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
+tolerance toleranz result results ergebnis rms
+stabw stabwn stabwa stdv cv rsd kurtosis skewness
+"""
+_WORDS = frozenset(_FOOTERS.split())
+_SHORT = frozenset(["s", "n", "r", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])
+_FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
+
+
+def names_a_footer(label: str, *, short: bool = False) -> bool:
+    """Return whether a label begins as a footer's; ``short``: also as ``s`` or ``n``."""
+    match = _FIRST_WORD.search(label.lower())
+    word = match[0] if match else ""
+    return word in _WORDS or (short and word in _SHORT)

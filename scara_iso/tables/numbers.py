@@ -1,0 +1,121 @@
+"""The grammar of a number in a table: stricter than ``float``, wider than one locale.
+
+``float`` takes ``nan``, ``inf``, ``1_0`` and Arabic digits and knows no decimal comma. Here a
+number is an optional sign (``+``, ``-`` or U+2212), ASCII digits with at most one decimal mark,
+an optional exponent, and an optional unit behind it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from scara_iso.run import FloatArray
+
+BLANKS = " \t\u00a0\u2007\u2009\u202f"
+"""Blanks that surround a number: space, tab, the non-breaking ones, figure and thin space."""
+MINUS = "\u2212"
+
+
+class Mark(Enum):
+    """The decimal mark that a number, or a column of them, was written with."""
+
+    NONE = "none"
+    POINT = "a decimal point"
+    COMMA = "a decimal comma"
+    EITHER = "a comma that is a decimal or a thousands mark"
+    BOTH = "a comma and a point in one number"
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A cell's value, how its decimal mark was written, and the text of the unit behind it."""
+
+    value: float
+    mark: Mark
+    unit: str
+
+
+_CELL = re.compile(
+    r"([+-]?)([0-9.,]*[0-9][.,]?)([eE][+-]?[0-9]+)?"
+    rf"[{BLANKS}]*([^0-9{BLANKS}\s.,+=()-][^0-9=]{{0,19}})?"
+)
+_ONE_MARK = re.compile(r"[0-9]*\.?[0-9]*")
+_GROUP_COMMA = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
+_GROUPED = {
+    ".": re.compile(r"[1-9][0-9]{0,2}(?:,[0-9]{3})+(?:\.[0-9]*)?"),
+    ",": re.compile(r"[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?:,[0-9]*)?"),
+}
+_PLAIN_BYTES = b"0123456789+-.eE \n"
+
+
+def parse_number(text: str, decimal: str | None = None) -> Number | None:
+    """Return the number that ``text`` spells, or None where it spells none.
+
+    With ``decimal`` None a lone mark is taken as the decimal mark and its ambiguity reported in
+    `Number.mark`; thousands groups are read only when ``decimal`` says which mark is which. The
+    value may be infinite (``1e400``): the caller checks. A number with both marks has value 0.
+    """
+    match = _CELL.fullmatch(text.strip(BLANKS).replace(MINUS, "-"))
+    if match is None:
+        return None
+    sign, digits, exponent, unit = match.groups("")
+    mark = _mark_of(digits)
+    if decimal is None:
+        plain = "0" if mark is Mark.BOTH else digits.replace(",", ".")
+    else:
+        plain = _with_stated_mark(digits, decimal)
+    if not _ONE_MARK.fullmatch(plain):
+        return None
+    return Number(float(sign + plain + exponent), mark, unit.strip(BLANKS))
+
+
+def _mark_of(digits: str) -> Mark:
+    match ("," in digits, "." in digits):
+        case (True, True):
+            return Mark.BOTH
+        case (True, False):
+            return Mark.EITHER if _GROUP_COMMA.fullmatch(digits) else Mark.COMMA
+        case (False, True):
+            return Mark.POINT
+        case _:
+            return Mark.NONE
+
+
+def _with_stated_mark(digits: str, decimal: str) -> str:
+    other = "," if decimal == "." else "."
+    if other in digits:
+        if not _GROUPED[decimal].fullmatch(digits):
+            return "?"
+        digits = digits.replace(other, "")
+    return digits.replace(decimal, ".")
+
+
+def parse_clean(cells: Sequence[str], decimal: str | None) -> tuple[FloatArray, Mark] | None:
+    """Return the values, shape (cells,), of a column of plain finite numbers, or None.
+
+    The quick way for what most files hold: over the characters ``0-9 + - . e E`` the grammar of
+    ``float`` and that of `parse_number` are the same. None means: go cell by cell.
+    """
+    joined = "\n".join(cells)
+    comma, point = "," in joined, "." in joined
+    if (comma and (point or decimal == ".")) or (point and decimal == ","):
+        return None
+    if comma:
+        joined = joined.replace(",", ".")
+    if not joined.isascii() or joined.encode().translate(None, _PLAIN_BYTES):
+        return None
+    try:
+        values = np.array([float(cell) for cell in (joined.split("\n") if comma else cells)])
+    except ValueError:
+        return None
+    if not np.isfinite(values).all():
+        return None
+    if comma:
+        sure = any("," in c and not _GROUP_COMMA.fullmatch(c.strip(" +-")) for c in cells)
+        return values, Mark.COMMA if sure else Mark.EITHER
+    return values, Mark.POINT if point else Mark.NONE

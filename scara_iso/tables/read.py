@@ -1,0 +1,199 @@
+"""From a source to a `Run`: the steps in their order."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+
+from scara_iso.errors import DataError, UsageError
+from scara_iso.run import Run
+from scara_iso.tables.assemble import Options, assemble
+from scara_iso.tables.body import Body
+from scara_iso.tables.columns import Cell, Columns
+from scara_iso.tables.faults import Faults, listed, refuse, show
+from scara_iso.tables.layout import (
+    HEAD,
+    Layout,
+    find_layout,
+)
+from scara_iso.tables.numbers import Mark
+from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
+from scara_iso.tables.text import (
+    LINE_LIMIT,
+    Delimiter,
+    Row,
+    chunks,
+    decode,
+    split_columns,
+    split_head,
+    split_lines,
+    stated_delimiter,
+)
+
+_NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
+
+
+def read_table(
+    source: Source,
+    *,
+    unit: str | None = None,
+    resolution: float | None = None,
+    decimal: str | None = None,
+    sheet: str | None = None,
+) -> Run:
+    """Return the `Run` that a table holds: text in any usual spelling, or an .xlsx workbook.
+
+    ``source`` is a path, ``-`` for standard input, bytes or a binary file. ``unit`` and
+    ``resolution`` (in that unit) stand for the file's statements of that name; ``decimal``, "," or
+    ".", says how to read numbers that can be read two ways, and lets the other mark group
+    thousands; ``sheet`` names the sheet of a workbook.
+
+    Readings come in mm, or degrees where their unit is an angle. `Axis` holds what the file
+    states as unit, resolution, indicator_uncertainty and command_X; ``Run.metadata`` every other
+    statement, keys in lower case with underscores. Columns of a fault are field numbers, from 1.
+
+    Raises `NoInputError` for a file that cannot be opened, `DataError` with its faults (the first
+    thousand kept) for one that is no table or could be read two ways, `UsageError` for an option
+    that cannot be meant.
+    """
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
+    if resolution is not None and not 0 < resolution < math.inf:
+        raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
+    options = Options(unit, resolution, decimal, sheet)
+    data, name = read_bytes(source)
+    if not data.strip():
+        raise refuse(name, "the file is empty", remedy=_NO_HEADER)
+    if data.startswith(WORKBOOK):
+        return _read_workbook(data, name, options)
+    if data.startswith(OLD_WORKBOOK):
+        raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
+    if sheet is not None:
+        raise refuse(name, "--sheet is for workbooks, this is text", remedy="leave --sheet out")
+    return _read_text(data, name, options)
+
+
+def _read_text(data: bytes, name: str, options: Options) -> Run:
+    text, encoding = decode(data, name)
+    del data
+    faults = Faults(name)
+    head = next(chunks(text), (1, [""]))[1][:HEAD]
+    _check_length(1, head, faults)
+    faults.check()
+    delimiter, rows, layout = _understand(head, name)
+    columns = Columns(layout, options.decimal, faults)
+    body = Body(layout, faults)
+    for first, lines in chunks(text):
+        skip = max(0, layout.data_line - first)
+        _take(first + skip, lines[skip:], delimiter, columns, body)
+    how = f"{delimiter.value}, {encoding}, {_said(columns, options.decimal)}"
+    return assemble(rows, columns, body, options, how)
+
+
+def _check_length(first: int, lines: list[str], faults: Faults) -> None:
+    for line, text in enumerate(lines, first):
+        if len(text) > LINE_LIMIT:
+            faults.add(f"a line of {len(text)} characters", line)
+
+
+def _understand(head: list[str], name: str) -> tuple[Delimiter, list[Row], Layout]:
+    """Return the delimiter under which a header and a row below it name and hold most."""
+    stated = stated_delimiter(head[0])
+    best: tuple[tuple[bool, int], Delimiter, list[Row], Layout] | None = None
+    for delimiter in (stated,) if stated else Delimiter:
+        rows = split_head(["", *head[1:]] if stated else head, delimiter)
+        layout = find_layout(rows)
+        score = (layout.sure, layout.known) if layout else (False, 0)
+        if layout and (best is None or score > best[0]):
+            best = (score, delimiter, rows, layout)
+    if best is None:
+        raise refuse(
+            name,
+            f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines",
+            remedy=_NO_HEADER,
+        )
+    return best[1:]
+
+
+def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:
+    if not lines:
+        return
+    if len(lines) * LINE_LIMIT < sum(map(len, lines)) or max(map(len, lines)) > LINE_LIMIT:
+        _check_length(first, lines, columns.faults)
+        return
+    if body.plain:
+        cells = split_columns(lines, delimiter, columns.layout.width)
+        if cells is not None and columns.add_clean(cells, first):
+            body.count(len(lines))
+            return
+    columns.add(list(body.sort(_split_each(first, lines, delimiter, columns.faults))))
+
+
+def _split_each(
+    first: int, lines: list[str], delimiter: Delimiter, faults: Faults
+) -> Iterator[tuple[int, list[Cell]]]:
+    for line, text in enumerate(lines, first):
+        try:
+            yield line, list(split_lines([text], delimiter)[0])
+        except csv.Error as error:
+            faults.add(f"{error}: {show(text)}", line, remedy="close or remove the quote")
+
+
+def _said(columns: Columns, decimal: str | None) -> str:
+    if decimal is not None:
+        return "decimal comma as asked" if decimal == "," else "decimal point as asked"
+    return "decimal comma" if columns.marks.keys() & {Mark.COMMA} else "decimal point"
+
+
+def _read_workbook(data: bytes, name: str, options: Options) -> Run:
+    from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - zip and XML for few
+
+    found: dict[str, tuple[list[Row], Layout, list[list[Cell]]]] = {}
+    names: list[str] = []
+    for title, cells in read_sheets(data, name):
+        names.append(title)
+        if options.sheet not in (None, title):
+            continue
+        rows = [
+            Row(k, texts, _joined(texts), k)
+            for k, texts in enumerate(([_as_text(c) for c in row] for row in cells[:HEAD]), 1)
+        ]
+        layout = find_layout(rows)
+        if layout:
+            found[title] = rows, layout, cells
+    if len(found) != 1:
+        raise _which_sheet(name, names, list(found), options.sheet)
+    ((title, (rows, layout, cells)),) = found.items()
+    faults = Faults(name)
+    columns = Columns(layout, options.decimal, faults)
+    body = Body(layout, faults)
+    numbered = enumerate(cells[layout.data_line - 1 :], layout.data_line)
+    columns.add(list(body.sort(numbered)))
+    return assemble(rows, columns, body, options, f"workbook, sheet {show(title)}")
+
+
+def _as_text(cell: Cell) -> str:
+    return cell if isinstance(cell, str) else f"{cell:.15g}"
+
+
+def _joined(cells: list[str]) -> str:
+    return ", ".join(cell.strip() for cell in cells if cell.strip())
+
+
+def _which_sheet(name: str, names: list[str], found: list[str], asked: str | None) -> DataError:
+    if asked is not None and asked not in names:
+        return refuse(
+            name,
+            f"no sheet {show(asked)}; there are {listed(map(show, names))}",
+            remedy="name one of them with --sheet",
+        )
+    if not found:
+        return refuse(
+            name, "no sheet with a header that names an axis X, Y, Z or theta", remedy=_NO_HEADER
+        )
+    return refuse(
+        name,
+        f"sheets {listed(map(show, found))} hold a table each",
+        remedy=f"say which, for example --sheet {show(found[0])}",
+    )

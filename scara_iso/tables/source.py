@@ -1,0 +1,61 @@
+"""Bytes of a path, of standard input, or of an open file."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import BinaryIO
+
+from scara_iso.errors import NoInputError
+from scara_iso.tables.faults import refuse
+
+LIMIT = 256 * 2**20
+"""Largest file that is read, in bytes; a million rows take about 50 MB."""
+
+WORKBOOK = b"PK\x03\x04"
+OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"
+"""First bytes of an .xlsx, and of an .xls or a protected workbook."""
+
+Source = str | Path | bytes | BinaryIO
+
+
+def read_bytes(source: Source) -> tuple[bytes, str]:
+    """Return a source's bytes and its name: the path, or what else it is.
+
+    Raises `NoInputError` where there is no such file or it cannot be read, `DataError` where it
+    is larger than `LIMIT`.
+    """
+    name = _name(source)
+    try:
+        data = _read(source)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise NoInputError(reason, where=name, remedy="name a file that can be read") from error
+    if len(data) > LIMIT:
+        raise refuse(name, f"larger than {LIMIT // 2**20} MB", remedy="split the file")
+    return data, name
+
+
+def _name(source: Source) -> str:
+    match source:
+        case "-":
+            return "standard input"
+        case str() | Path():
+            return str(source)
+        case bytes():
+            return "bytes"
+        case _:
+            return str(getattr(source, "name", "file object"))
+
+
+def _read(source: Source) -> bytes:
+    match source:
+        case bytes():
+            return source
+        case "-":
+            return sys.stdin.buffer.read(LIMIT + 1)
+        case str() | Path():
+            with Path(source).open("rb") as file:
+                return file.read(LIMIT + 1)
+        case _:
+            return source.read(LIMIT + 1)

@@ -1,0 +1,227 @@
+"""Units, resolutions and uncertainties of the axes, from all places that state them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from scara_iso.quantities import Dimension, Unit, parse_unit
+from scara_iso.run import AXES
+from scara_iso.tables.faults import Faults, listed, show
+from scara_iso.tables.layout import Statement
+from scara_iso.tables.names import Column, read_unit
+from scara_iso.tables.numbers import Mark, parse_number
+
+OF_AXES = ("unit", "resolution", "indicator_uncertainty")
+"""Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
+COMMAND = "command"
+"""Key of the command pose, with ``_X`` and the like behind."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """Unit of an axis, and what else is stated of it, in its base unit; None if unstated."""
+
+    unit: Unit
+    resolution: float | None
+    uncertainty: float | None
+    command: float | None
+
+
+def is_of_axes(key: str) -> bool:
+    """Return whether a statement is about the axes and so is held by them."""
+    return key in OF_AXES or any(key in _keys(name) for name in (*OF_AXES, COMMAND))
+
+
+def _keys(name: str) -> list[str]:
+    return [f"{name}_{axis.lower()}" for axis in AXES]
+
+
+def read_scales(
+    columns: Iterable[Column],
+    header_line: int,
+    statements: Mapping[str, Statement],
+    behind: Mapping[str, Mapping[str, int]],
+    *,
+    unit: str | None,
+    resolution: float | None,
+    faults: Faults,
+) -> dict[str, Scale]:
+    """Return the scale of each axis column; every missing or conflicting statement is a fault.
+
+    ``behind`` holds, per axis, the units found behind its values and the first line of each;
+    ``unit`` and ``resolution`` are the user's options and stand for the statements of that name.
+    """
+    before = faults.total
+    general = _general_unit(statements, unit, faults)
+    units: dict[str, Unit] = {}
+    for column in columns:
+        seen = behind.get(column.name, {})
+        found = _axis_unit(column, header_line, statements, seen, general, faults)
+        if found is not None:
+            units[column.name] = found
+    missing = [c.name for c in columns if c.name not in units]
+    if missing and faults.total == before:
+        faults.add(
+            f"no unit stated for {listed(missing)}",
+            header_line,
+            remedy="name it with --unit mm, or in a line '# unit: mm' above the header",
+        )
+    sizes = _Sizes(statements, units, general, faults)
+    resolutions = sizes.of("resolution", resolution)
+    uncertainties = sizes.of("indicator_uncertainty")
+    commands = sizes.of_one(COMMAND, above=-math.inf)
+    return {
+        axis: Scale(size, resolutions.get(axis), uncertainties.get(axis), commands.get(axis))
+        for axis, size in units.items()
+    }
+
+
+def _general_unit(
+    statements: Mapping[str, Statement], option: str | None, faults: Faults
+) -> Unit | None:
+    asked = parse_unit(option) if option is not None else None
+    stated = _stated_unit(statements, "unit", faults)
+    if asked and stated and not same_size(asked, stated):
+        faults.add(
+            f"--unit {option} against the file's unit {stated.name}",
+            statements["unit"].line,
+            remedy="leave --unit out, or correct the file",
+        )
+    return asked or stated
+
+
+def _stated_unit(statements: Mapping[str, Statement], key: str, faults: Faults) -> Unit | None:
+    if key not in statements:
+        return None
+    value, line = statements[key].value, statements[key].line
+    return _known_unit(value, f"{key}: ", line, None, faults)
+
+
+def _known_unit(text: str, what: str, line: int, column: int | None, faults: Faults) -> Unit | None:
+    unit = read_unit(text)
+    if unit is None:
+        faults.add(
+            f"{what}unknown unit {show(text)}",
+            line,
+            column,
+            remedy="write mm, um, inch, deg, rad, arcmin, or a scaled one as 0.01 mm",
+        )
+    return unit
+
+
+def _axis_unit(
+    column: Column,
+    header_line: int,
+    statements: Mapping[str, Statement],
+    behind: Mapping[str, int],
+    general: Unit | None,
+    faults: Faults,
+) -> Unit | None:
+    axis, field = column.name, column.position + 1
+    named = _stated_unit(statements, f"unit_{axis.lower()}", faults)
+    places = [(column.unit, header_line), *behind.items()]
+    own = [named, *(_known_unit(t, f"{axis}: ", n, field, faults) for t, n in places if t)]
+    known = [unit for unit in own if unit is not None]
+    stated = named is not None or bool(column.unit)
+    # `unit_Y` is a statement about one axis and goes before `unit`; a header does not.
+    if general and not named and any(u.dimension is general.dimension for u in known):
+        known.append(general)
+    elif "" in behind and len(behind) > 1 and not stated:
+        faults.add(f"{axis}: a unit behind some values only", behind[""], field)
+    other = next((unit for unit in known if not same_size(unit, known[0])), None)
+    if other:
+        faults.add(
+            f"{axis}: unit {known[0].name} against {other.name}",
+            header_line,
+            field,
+            remedy="let header, values and metadata state the same unit",
+        )
+    unit = known[0] if known else general
+    if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
+        faults.add(f"{axis} is a length and cannot be in {unit.name}", header_line, field)
+    return unit
+
+
+def same_size(a: Unit, b: Unit) -> bool:
+    """Return whether two units are the same, however they are written."""
+    return a.dimension is b.dimension and a.numerator * b.denominator == b.numerator * a.denominator
+
+
+@dataclass(frozen=True, slots=True)
+class _Sizes:
+    """Statements of a size, such as the resolution, for all axes and for one."""
+
+    statements: Mapping[str, Statement]
+    units: Mapping[str, Unit]
+    general: Unit | None
+    faults: Faults
+
+    def of(self, key: str, option: float | None = None) -> dict[str, float]:
+        """Return the size per axis, in its base unit, that statements of ``key`` give."""
+        return {**self._for_all(key, option), **self.of_one(key)}
+
+    def of_one(self, key: str, *, above: float = 0.0) -> dict[str, float]:
+        """Return what the statements of ``key_X`` and the like give, per axis."""
+        sizes: dict[str, float] = {}
+        for axis, unit in self.units.items():
+            own = self.statements.get(f"{key}_{axis.lower()}")
+            size = self._read(own, f"{key}_{axis}", above) if own else None
+            if own and size:
+                value, stated = size
+                if stated and stated.dimension is not unit.dimension:
+                    what = f"{key}_{axis} in {stated.name}, {axis} in {unit.name}"
+                    self.faults.add(what, own.line)
+                sizes[axis] = (stated or unit).to_base(value)
+        return sizes
+
+    def _for_all(self, key: str, option: float | None) -> dict[str, float]:
+        stated = self.statements.get(key)
+        size = self._read(stated, key) if stated else None
+        unit = (size[1] if size else None) or self._common_unit()
+        if unit is None:
+            if size or option is not None:
+                self.faults.add(
+                    f"{key}: the axes have different units",
+                    stated.line if stated else None,
+                    remedy=f"write the unit behind it, as '# {key}: 0.001 mm'",
+                )
+            return {}
+        value = unit.to_base(size[0]) if size else None
+        if option is not None:
+            asked = (self.general or unit).to_base(option)
+            if value is not None and stated and asked != value:
+                self.faults.add(
+                    f"--resolution {option!r} against the file's {stated.value}", stated.line
+                )
+            value = asked
+        if value is None:
+            return {}
+        return {axis: value for axis, u in self.units.items() if u.dimension is unit.dimension}
+
+    def _common_unit(self) -> Unit | None:
+        """Return the unit that a bare size is in: the stated one, else the one of all lengths."""
+        if self.general:
+            return self.general
+        units = list(self.units.values())
+        lengths = [unit for unit in units if unit.dimension is Dimension.LENGTH] or units
+        same = all(same_size(unit, lengths[0]) for unit in lengths)
+        return lengths[0] if lengths and same else None
+
+    def _read(
+        self, statement: Statement, key: str, above: float = 0.0
+    ) -> tuple[float, Unit | None] | None:
+        number = parse_number(statement.value)
+        if (
+            number is None
+            or number.mark in (Mark.EITHER, Mark.BOTH)
+            or not above < number.value < math.inf
+        ):
+            kind = "a number" if above < 0 else "a number above zero"
+            self.faults.add(f"{key}: {show(statement.value)} is not {kind}", statement.line)
+            return None
+        if not number.unit:
+            return number.value, None
+        unit = _known_unit(number.unit, f"{key}: ", statement.line, None, self.faults)
+        return (number.value, unit) if unit else None

@@ -1,0 +1,187 @@
+"""Bytes to text, text to lines, lines to cells. No line or table is understood here."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import Enum
+
+from scara_iso.tables.faults import Faults, refuse
+from scara_iso.tables.numbers import BLANKS
+
+LINE_LIMIT = 100_000
+"""Characters in one line: bounds the length of a cell and the number of columns."""
+_CHUNK = 500_000
+_JOINED = 5
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+_BOMS = (
+    (codecs.BOM_UTF8, "utf-8", "UTF-8 with BOM"),
+    (codecs.BOM_UTF32_LE, "utf-32-le", "UTF-32"),
+    (codecs.BOM_UTF16_LE, "utf-16-le", "UTF-16"),
+    (codecs.BOM_UTF16_BE, "utf-16-be", "UTF-16"),
+)
+
+
+def decode(data: bytes, where: str) -> tuple[str, str]:
+    """Return the text of a file, line ends as LF, and the name of its encoding.
+
+    Raises `DataError` for text in no known encoding and for control characters.
+    """
+    text, encoding = _decode(data, where)
+    text = text.rstrip("\r\n\x1a")  # 0x1A is the end-of-file mark of old DOS programs
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    _refuse_control(text, where)
+    return text, encoding
+
+
+def _decode(data: bytes, where: str) -> tuple[str, str]:
+    remedy = "save it as UTF-8 text (CSV)"
+    for bom, codec, name in _BOMS:
+        if data.startswith(bom):
+            try:
+                return data[len(bom) :].decode(codec), name
+            except UnicodeDecodeError as error:
+                raise refuse(where, f"begins as {name} and is not: {error.reason}",
+                             remedy=remedy) from error  # fmt: skip
+    guesses = [("utf-8", "UTF-8"), ("cp1252", "cp1252")]
+    wide = _utf16_without_bom(data)
+    if wide:
+        guesses.insert(0, (wide, "UTF-16 without BOM"))
+    for codec, name in guesses:
+        with suppress(UnicodeDecodeError):
+            return data.decode(codec), name
+    raise refuse(where, "not text in UTF-8, UTF-16 or cp1252", remedy=remedy)
+
+
+def _utf16_without_bom(data: bytes) -> str | None:
+    """Return the byte order if every second byte of the head is NUL and no other is."""
+    head = data[:400]
+    if len(head) < 4 or len(data) % 2:
+        return None
+    even, odd = head[::2], head[1::2]
+    if not any(odd) and all(even):
+        return "utf-16-le"
+    return "utf-16-be" if not any(even) and all(odd) else None
+
+
+def _refuse_control(text: str, where: str) -> None:
+    faults = Faults(where)
+    for match in _CONTROL.finditer(text):
+        line = text.count("\n", 0, match.start()) + 1
+        faults.add(f"control character {match[0]!r}", line)
+        faults.check()
+
+
+def chunks(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the lines of ``text`` in pieces of about half a million characters.
+
+    Each piece comes with the number, from 1, of its first line.
+    """
+    start, line = 0, 1
+    while start < len(text):
+        end = text.find("\n", start + _CHUNK)
+        end = len(text) if end < 0 else end
+        lines = text[start:end].split("\n")
+        yield line, lines
+        start, line = end + 1, line + len(lines)
+
+
+class Delimiter(Enum):
+    """What stands between two cells; the value is how it is said."""
+
+    TAB = "tab-separated"
+    SEMICOLON = "semicolon-separated"
+    COMMA = "comma-separated"
+    WIDE_BLANKS = "separated by two or more blanks"
+    BLANKS = "separated by blanks"
+
+
+_CHARACTER = {
+    Delimiter.TAB: "\t", Delimiter.SEMICOLON: ";", Delimiter.COMMA: ",", Delimiter.BLANKS: " ",
+}  # fmt: skip
+_ENDS = {d: BLANKS + _CHARACTER.get(d, "") for d in Delimiter}
+_SEP = re.compile(r'"?sep=([,;\t])"?[,;\t]*', re.IGNORECASE)
+_WIDE = re.compile(rf"[{BLANKS}]{{2,}}|\t")
+_ANY_BLANK = str.maketrans(dict.fromkeys(BLANKS, " "))
+# In a table of single blanks a unit behind a value or a name belongs to it.
+_GLUE = re.compile(r"(?<=\S) +(?=[\[(])|(?<=[0-9.,]) +(?=(?:mm|[uµμ]m|inch|in|deg|°)(?: |$))")
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Cells of one row, its text, and the lines it begins and ends on (a header may hold two)."""
+
+    line: int
+    cells: list[str]
+    text: str
+    end: int
+
+
+def stated_delimiter(line: str) -> Delimiter | None:
+    """Return the delimiter that a spreadsheet's ``sep=;`` line states."""
+    match = _SEP.fullmatch(line.strip(" "))
+    return next(d for d, c in _CHARACTER.items() if c == match[1]) if match else None
+
+
+def split_lines(lines: list[str], delimiter: Delimiter) -> list[list[str]]:
+    """Return the cells of each line; raises ``csv.Error`` where quoting breaks a line."""
+    if delimiter is Delimiter.WIDE_BLANKS:
+        return [[_unquoted(cell) for cell in _WIDE.split(line.strip(BLANKS))] for line in lines]
+    if delimiter is Delimiter.BLANKS:
+        lines = [_GLUE.sub("", line.translate(_ANY_BLANK).strip(" ")) for line in lines]
+    character = _CHARACTER[delimiter]
+    if '"' not in "".join(lines):
+        sep = None if delimiter is Delimiter.BLANKS else character
+        return [line.split(sep) for line in lines]
+    cells = list(csv.reader(lines, delimiter=character, skipinitialspace=True, strict=True))
+    if len(cells) != len(lines):
+        raise csv.Error("a quoted cell holds a line end")
+    return cells
+
+
+def split_columns(
+    lines: list[str], delimiter: Delimiter, width: int
+) -> Sequence[Sequence[str]] | None:
+    """Return the columns of lines that have ``width`` cells each, or None where they have not."""
+    character = _CHARACTER.get(delimiter)
+    if character is None or delimiter is Delimiter.BLANKS or '"' in "".join(lines):
+        try:
+            rows = split_lines(lines, delimiter)
+        except csv.Error:
+            return None
+        return list(zip(*rows, strict=True)) if set(map(len, rows)) == {width} else None
+    if {line.count(character) for line in lines} != {width - 1}:
+        return None
+    cells = character.join(lines).split(character)
+    return [cells[k::width] for k in range(width)]
+
+
+def _unquoted(cell: str) -> str:
+    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
+
+
+def split_head(lines: list[str], delimiter: Delimiter) -> list[Row]:
+    """Return the rows of a file's head; a quoted cell may hold up to four line ends.
+
+    A line whose quoting cannot be mended is one row of one cell.
+    """
+    rows: list[Row] = []
+    position = 0
+    while position < len(lines):
+        limit = 1 if lines[position].startswith("#") else _JOINED
+        for count in range(1, limit + 1):
+            with suppress(csv.Error):
+                piece = "\n".join(lines[position : position + count])
+                cells = split_lines([piece], delimiter)[0]
+                break
+        else:
+            count, cells = 1, [lines[position]]
+        text = cells[0] if len(cells) == 1 else lines[position].strip(_ENDS[delimiter])
+        rows.append(Row(position + 1, cells, text.strip(), position + count))
+        position += count
+    return rows

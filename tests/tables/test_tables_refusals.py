@@ -1,0 +1,326 @@
+"""What could be read two ways, or is no reading, is refused: what, where and what to do."""
+
+import datetime as dt
+import io
+import zipfile
+
+import openpyxl
+import pytest
+
+from scara_iso.errors import DataError, NoInputError, UsageError
+from scara_iso.tables import read_table
+
+
+def faults(data, **options):
+    with pytest.raises(DataError) as caught:
+        read_table(data if isinstance(data, bytes) else data.encode(), **options)
+    assert caught.value.where == "bytes"
+    assert caught.value.remedy
+    return caught.value
+
+
+def places(error):
+    return [(fault.line, fault.column) for fault in error.faults]
+
+
+MM = "# unit: mm\n"
+ODD = [
+    "ERR3", "OV", "nan", "inf", "-inf", "1e400", "1_0", "٣", "３", "", "  ", "=1+2", "0x10", "--1",
+    "1.2.3", "1e", "0.1 0.2", "(0.1)", "0.1-", "12:30", "TRUE", "#DIV/0!", "+", ".", "1 234",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("cell", ODD)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_what_is_no_number_among_the_readings_is_a_fault_with_its_place(cell, separator):
+    rows = f"{MM}cycle,Y,X\n1,0.1,0.2\n2,0.3,@\n3,@,0.2\n".replace(",", separator)
+    error = faults(rows.replace("@", cell))
+    assert places(error) == [(4, 3), (5, 2)]
+
+
+@pytest.mark.parametrize("code", ["#DIV/0!", "#N/A", "#NV", "#WERT!", "####", "#NAME?"])
+def test_an_error_code_is_no_comment(code):
+    assert places(faults(f"{MM}X,Y\n0.1,0.2\n{code},0.2\n")) == [(4, 1)]
+
+
+@pytest.mark.parametrize("cell", ["x", "1.5", "-1", "", "1e30", "=1", "1 mm", "1_0"])
+def test_a_bad_cycle_number_is_a_fault(cell):
+    assert (4, 1) in places(faults(f"{MM}cycle,X\n1,0.1\n{cell},0.2\n3,0.3\n"))
+
+
+def test_a_covariate_beyond_a_double_is_a_fault():
+    assert places(faults(f"{MM}cycle,X,speed\n1,0.1,5\n2,0.2,1e400\n")) == [(4, 3)]
+
+
+@pytest.mark.parametrize("name", ["pose", "operator", "speed"])
+def test_a_row_commented_out_is_no_reading_whatever_its_first_column_is(name):
+    run = read_table(f"{MM}{name},cycle,X\n1,1,0.1\n#1,2,0.9\n1,3,0.3\n".encode())
+    assert run.cycle.tolist() == [1, 3]
+    assert any("line 4" in note for note in run.origin.notes)
+
+
+def test_every_fault_is_counted_and_a_thousand_are_listed():
+    rows = "".join(f"{k},ERR\n" for k in range(5000))
+    error = faults(f"{MM}cycle,X\n{rows}")
+    assert len(error.faults) == 1000
+    assert "5000 faults" in error.what
+
+
+@pytest.mark.parametrize(
+    ("data", "option"),
+    [
+        (f"{MM}cycle;X\n1;1,234\n2;2,345\n", "--decimal"),
+        (f"{MM}cycle;X\n1;1.234,5\n2;1,234.5\n", "--decimal"),
+        (f"{MM}cycle;X\n1;0,5\n2;0.5\n", "--decimal"),
+        (f"{MM}cycle;X\n1;1,234.5\n2;0.5\n", "--decimal"),
+        (f'{MM}cycle,X\n1,"1,234"\n2,"2,345"\n', "--decimal"),
+        ("cycle,X\n1,0.1\n", "--unit"),
+    ],
+)
+def test_an_option_is_named_where_a_file_can_be_read_two_ways(data, option):
+    error = faults(data)
+    assert option in error.remedy
+    assert option in str(error.faults[0]) or option == "--unit"
+
+
+def test_the_option_decides():
+    data = f"{MM}cycle;X\n1;1,234\n2;2,345\n".encode()
+    assert read_table(data, decimal=",").axes["X"].readings.tolist() == [1.234, 2.345]
+    assert read_table(data, decimal=".").axes["X"].readings.tolist() == [1234, 2345]
+    both = f"{MM}cycle;X\n1;1.234,5\n2;0,5\n".encode()
+    assert read_table(both, decimal=",").axes["X"].readings.tolist() == [1234.5, 0.5]
+    assert places(faults(both, decimal=".")) == [(3, 2), (4, 2)]
+
+
+def test_decimal_commas_between_commas_double_the_fields():
+    error = faults(f"{MM}cycle,X,Y\n1,0,112,0,811\n2,0,113,0,812\n")
+    assert places(error) == [(3, 4), (4, 4)]
+    assert "semicolons" in error.remedy
+
+
+@pytest.mark.parametrize(
+    ("data", "line"),
+    [
+        (f"{MM}cycle,X\n1,0.1\n2,0.2\n\ncycle,Y\n1,0.1\n", 6),
+        (f"{MM}cycle,X\n1,0.1\n2,0.2\ncycle,X\n1,0.1\n2,0.2\n", 5),
+        (f"{MM}X\n0.1\n0.2\nX\n0.1\n0.2\n", 5),
+        (f"{MM}cycle,X\n1,0.1\nMean,0.1\n1,0.1\n2,0.3\n", 5),
+        (f"{MM}cycle,X,,cycle,X\n1,0.1,,1,0.2\n", 2),
+        (f"{MM}cycle,X\n1,0.1\n# unit: um\n2,0.2\n", 4),
+        (f"{MM}cycle,A\n1,0.1\n2,0.1\ncycle,X\n1,0.1\n", 3),
+        (f"{MM}cycle,X,x_mm\n1,0.1,0.2\n", 2),
+    ],
+)
+def test_two_tables_in_one_file_are_refused(data, line):
+    assert places(faults(data))[0][0] == line
+
+
+def test_blank_lines_that_part_rows_without_numbers_unequally_are_asked_about():
+    assert "summary" in str(faults(f"{MM}X\n0.1\n0.2\n0.3\n\n0.2\n").faults[0])
+    assert len(read_table(f"{MM}X\n0.1\n\n0.2\n\n0.3\n".encode())) == 3
+
+
+def test_a_footer_label_as_a_pose_is_asked_about():
+    faults(f"{MM}pose,cycle,X\nP1,1,0.1\nMean,30,0.1\n")
+    faults(f"{MM}pose,X\nP1,0.1\nTarget,0.1\nTarget,0.2\n")
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "# unit: mm\ncycle,X [um]\n1,0.1\n",
+        "# unit: mm\n# unit: um\ncycle,X\n1,0.1\n",
+        "cycle,X [mm],Y\n,um,mm\n1,0.1,0.2\n",
+        "cycle,X [mm],Y [mm]\n,um,mm\n1,0.1,0.2\n",
+        "cycle,X\n1,0.1 mm\n2,200 um\n",
+        "cycle,X\n1,0.1 mm\n2,200\n",
+        "# unit: furlong\ncycle,X\n1,0.1\n",
+        "cycle,X [volt]\n1,0.1\n",
+        "# unit: deg\ncycle,X\n1,0.1\n",
+        "cycle,X\n1,0.1 V\n",
+        "# unit_Y: um\ncycle,X_mm,Y [mm]\n1,0.1,0.2\n",
+        "# resolution: 1\ncycle,X_mm,Y_um\n1,0.1,2\n",
+        "# unit: mm\n# resolution: 0\ncycle,X\n1,0.1\n",
+        "# unit: mm\n# resolution: 1,000\ncycle,X\n1,0.1\n",
+        "# unit: mm\n# resolution_X: 1 deg\ncycle,X\n1,0.1\n",
+        "# unit: mm\n# note: a\n# note: b\ncycle,X\n1,0.1\n",
+        "# unit: mm\ncycle,X,speed\n1,0.1,3 rpm\n2,0.1,3\n",
+        "# unit: m\ncycle,X\n1,1e300\n",
+    ],
+)
+def test_statements_that_conflict_or_say_nothing_known_are_faults(head):
+    error = faults(head)
+    assert all(fault.line for fault in error.faults)
+
+
+def test_options_stand_for_statements_and_must_not_conflict():
+    bare = b"cycle,X\n1,35\n"
+    axis = read_table(bare, unit="0.01 mm", resolution=1).axes["X"]
+    assert (axis.readings.tolist(), axis.resolution) == ([0.35], 0.01)
+    stated = b"# unit: mm\n# resolution: 0.001\ncycle,X\n1,35\n"
+    assert read_table(stated, unit="mm", resolution=0.001).axes["X"].resolution == 0.001
+    faults(stated, unit="um")
+    faults(stated, resolution=0.01)
+    for options in ({"unit": "furlong"}, {"decimal": ";"}, {"resolution": 0.0}):
+        with pytest.raises(UsageError):
+            read_table(bare, **options)
+
+
+def test_units_and_sizes_of_single_axes():
+    data = b"""# unit: mm
+# unit_Y: um
+# resolution: 0.001
+# resolution_Y: 0.5
+# resolution_theta: 0.01
+# indicator_uncertainty: 2 um
+# command_X: -1.5
+cycle,X,Y,theta_deg
+1,0.1,20,0.5
+"""
+    axes = read_table(data).axes
+    assert [a.readings[0] for a in axes.values()] == [0.1, 0.02, 0.5]
+    assert [a.resolution for a in axes.values()] == [0.001, 0.0005, 0.01]
+    assert [a.uncertainty for a in axes.values()] == [0.002, 0.002, None]
+    assert [a.command for a in axes.values()] == [-1.5, None, None]
+    assert axes["theta"].unit == "deg"
+    assert read_table(b"# unit: mm\ncycle,theta\n1,0.5\n").axes["theta"].unit == "mm"
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"", b"\n \n", b"0.112\n0.113\n", b"# unit: mm\ncycle,X\n",
+        b"# unit: mm\ncycle,X\n1,0\x001\n",
+        bytes(range(256)) * 40, b"\xff\xfe\x00", b"# unit: mm\ncycle,X\n1," + b"1" * 10_000_000,
+        b"# unit: mm\ncycle,X" + b",a" * 1_000_000 + b"\n1,0.1\n",
+        b"# unit: mm\ncycle,X" + b",a" * 2_000 + b"\n1,0.1\n", b"# unit: mm\ncycle,=X,X\n1,1,1\n",
+        b"# unit: mm\npose,cycle,X\n=A1,1,0.1\n", b"# unit: mm\npose,cycle,X\n,1,0.1\n",
+        b'# unit: mm\ncycle,X\n1,"0.1\n2,0.2\n', b"# unit: mm\ncycle,X,status\n1,0.1,OK\n",
+        b"# unit: mm\n,cycle,X\n0,1,0.1\n", b"# unit: mm\ncycle,X,Y\n1,0.1\n2,0.1,0.2,0.3\n",
+        b"# unit: mm\ntimestamp,X\n2024-05-13T14:03:22,0.1\nnoon,0.2\n",
+        b"# unit: mm\ntimestamp,X\n2024-05-13T14:03:22,0.1\n2024-05-13T14:03:22Z,0.2\n",
+        b"\xd0\xcf\x11\xe0" + bytes(600), b"PK\x03\x04" + bytes(600),
+    ],
+)  # fmt: skip
+def test_what_is_no_table_is_refused(data):
+    assert faults(data).faults
+
+
+def test_no_such_file_a_folder_and_a_bad_name_are_no_input(tmp_path):
+    for source in (tmp_path / "none.csv", tmp_path, "a\0b"):
+        with pytest.raises(NoInputError):
+            read_table(source)
+
+
+def test_notes_say_what_was_not_used():
+    data = b"""Repeatability test 7
+# unit: mm
+# begun early
+Date,Time,cycle,X,Operator
+2024-05-13,14:03,1,0.1,AS
+# 2024-05-13,14:03,2,0.9,AS
+2024-05-13,14:04,2,0.2,AS
+,,Mean,0.15,
+
+Inspector: A. Smith
+"""
+    run = read_table(data)
+    assert run.axes["X"].readings.tolist() == [0.1, 0.2]
+    assert run.lines.tolist() == [5, 7]
+    text = "\n".join(run.origin.notes)
+    for word in ("Repeatability test 7", "'Date'", "'Time'", "'Operator'", "line 6", "line 8",
+                 "Smith"):  # fmt: skip
+        assert word in text
+    assert run.origin.understood == (
+        "comma-separated, UTF-8, decimal point; X in mm; 2 rows (lines 5-7)"
+    )
+
+
+def test_times_become_seconds_and_rows_without_cycles_are_numbered():
+    data = b"# unit: mm\ntimestamp,X\n2024-05-13T14:03:22,0.1\n2024-05-13 14:03:25.5,0.2\n"
+    run = read_table(data)
+    assert run.covariates["time_s"].tolist() == [0.0, 3.5]
+    assert run.metadata["timestamp_start"] == "2024-05-13T14:03:22"
+    assert run.cycle.tolist() == [1, 2]
+    assert "no cycle column" in run.origin.notes[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["Temperature [°C]", "temperature_c", "Temperatur (C)", "TEMPERATURE_C"]
+)
+def test_the_known_covariates_have_one_name(name):
+    run = read_table(f"# unit: mm\ncycle,X,{name},Drehzahl\n1,0.1,20,5\n".encode())
+    assert list(run.covariates) == ["temperature_C", "Drehzahl"]
+
+
+# workbooks
+
+
+def book(*sheets):
+    found = openpyxl.Workbook()
+    found.remove(found.active)
+    for k, rows in enumerate(sheets, 1):
+        sheet = found.create_sheet(f"S{k}")
+        for row in rows:
+            sheet.append(row)
+    file = io.BytesIO()
+    found.save(file)
+    return file.getvalue()
+
+
+ROWS = [["cycle", "X [mm]"], [1, 0.1], [2, 0.2]]
+
+
+def test_of_several_sheets_the_user_says_which():
+    other = [["cycle", "X [mm]"], [1, 0.5]]
+    assert len(read_table(book(ROWS, [["notes"], ["none"]]))) == 2
+    assert "--sheet" in faults(book(ROWS, other)).remedy
+    assert read_table(book(ROWS, other), sheet="S2").axes["X"].readings.tolist() == [0.5]
+    assert "S1" in faults(book(ROWS, other), sheet="S3").what
+    faults(b"cycle,X [mm]\n1,0.1\n", sheet="S1")
+
+
+def test_dates_errors_booleans_and_blanks_among_the_readings_of_a_workbook_are_faults():
+    day = dt.datetime(2024, 5, 1)  # noqa: DTZ001 - as Excel keeps it
+    bad = [[3, day], [4, True], [5, None], [6, "=1/0"], [7, "ERR"], [8, dt.time(3, 4)]]
+    assert places(faults(book(ROWS + bad))) == [(k, 2) for k in range(4, 10)]
+    error = [["X [mm]"], [0.1], ["#DIV/0!"]]
+    assert places(faults(book(error))) == [(3, 1)]
+
+
+def test_a_cell_far_away_and_a_bomb_are_refused_before_they_fill_the_memory():
+    far = openpyxl.Workbook()
+    far.active["A1"], far.active["XFD1048576"] = "X [mm]", 1
+    file = io.BytesIO()
+    far.save(file)
+    assert "1048576 rows" in faults(file.getvalue()).what
+    bomb = io.BytesIO()
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
+        for k in range(6):
+            archive.writestr(f"xl/worksheets/sheet{k}.xml", bytes(100 * 2**20))
+    assert "512 MB" in faults(bomb.getvalue()).what
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b'r="A3"', b'r="A999999999999"'),
+        (b'r="A3"', b""),
+        (b'<row r="3"', b'<row r="9999999"'),
+        (b"<sheetData>", b"<sheetData"),
+        (b"<worksheet", b'<!DOCTYPE a [<!ENTITY b "c">]><worksheet'),
+    ],
+)
+def test_a_workbook_out_of_order_is_refused(old, new):
+    whole = zipfile.ZipFile(io.BytesIO(book(ROWS)))
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in whole.namelist():
+            archive.writestr(name, whole.read(name).replace(old, new))
+    assert "workbook" in faults(file.getvalue()).what or "rows" in faults(file.getvalue()).what
+
+
+def test_text_numbers_beside_numbers_in_a_workbook_keep_their_value():
+    run = read_table(book([["cycle", "X [mm]"], [1, "0,112"], [2, 1.234], [3, "0,5"]]))
+    assert run.axes["X"].readings.tolist() == [0.112, 1.234, 0.5]
+    assert places(faults(book([["cycle", "X [mm]"], [1, "1,112"], [2, 1.234]]))) == [(2, 2)]

@@ -1,0 +1,181 @@
+"""From a run to its figures: poses, planes, angles, accuracy, definitions and limits."""
+
+import math
+
+import numpy as np
+import pytest
+
+from scara_iso.analysis import analyze, reading_uncertainty
+from scara_iso.errors import DataError, UsageError
+from scara_iso.limits import EVERY_LENGTH
+from scara_iso.quantities import Dimension
+from scara_iso.repeatability import repeatability, rp_interval
+from scara_iso.run import Axis, Run
+
+
+def run_with(axes, *, poses=1, metadata=None, covariates=None):
+    cycle = np.tile(np.arange(1, 32), poses)
+    return Run(
+        cycle=cycle,
+        axes={axis.name: axis for axis in axes},
+        pose=np.repeat([f"P{k}" for k in range(poses)], 31) if poses > 1 else None,
+        metadata=metadata or {},
+        covariates=covariates or {},
+    )
+
+
+def scatter(rng, name, poses=1, **kwargs):
+    return Axis(name, rng.normal(0, 0.01, 31 * poses).round(3), resolution=0.001, **kwargs)
+
+
+def test_each_pose_is_analyzed_by_itself(rng):
+    run = run_with([scatter(rng, name, 4) for name in "XYZ"], poses=4)
+    analysis = analyze(run)
+    assert [pose.label for pose in analysis.poses] == ["P0", "P1", "P2", "P3"]
+    for k, pose in enumerate(analysis.poses):
+        rows = slice(31 * k + 1, 31 * (k + 1))
+        for name, axis in pose.axes.items():
+            alone = repeatability(run.axes[name].readings[np.newaxis, rows])
+            assert axis.RP == pytest.approx(float(alone.RP), rel=1e-12)
+            lower, upper = rp_interval(
+                run.axes[name].readings[np.newaxis, rows], resolutions=[0.001]
+            )
+            assert axis.RP_interval == pytest.approx((float(lower), float(upper)), rel=1e-9)
+            assert axis.n == 30
+
+
+def test_eq_23_and_radial(rng):
+    run = run_with([scatter(rng, name) for name in "XYZ"])
+    pose = analyze(run).poses[0]
+    assert pose.XY.RP_rss == pytest.approx(math.hypot(pose.axes["X"].RP, pose.axes["Y"].RP))
+    assert pose.XYZ.RP_rss is None
+    centred = [run.axes[n].readings[1:] - run.axes[n].readings[1:].mean() for n in "XYZ"]
+    distance = np.sqrt(sum(c**2 for c in centred))
+    assert pose.XYZ.RP == pytest.approx(distance.mean() + 3 * distance.std(ddof=1))
+
+
+def test_no_plane_without_both_axes_or_with_an_angle(rng):
+    pose = analyze(run_with([scatter(rng, "X"), scatter(rng, "Z")])).poses[0]
+    assert pose.XY is None
+    assert pose.XYZ is None
+    angle = scatter(rng, "Y", dimension=Dimension.ANGLE)
+    assert analyze(run_with([scatter(rng, "X"), angle])).poses[0].XY is None
+
+
+def test_uncertainty_is_combined_as_in_the_gum():
+    zeros = np.zeros(3)
+    assert reading_uncertainty(Axis("X", zeros)) is None
+    assert reading_uncertainty(Axis("X", zeros, resolution=0.01)) == 0.01 / math.sqrt(12)
+    both = Axis("X", zeros, resolution=0.01, uncertainty=0.003)
+    assert reading_uncertainty(both) == pytest.approx(math.sqrt(1e-4 / 12 + 9e-6))
+
+
+def test_accuracy_needs_the_command_pose(rng):
+    x, y = scatter(rng, "X", command=0.1), scatter(rng, "Y", command=-0.2)
+    pose = analyze(run_with([x, y, scatter(rng, "Z")])).poses[0]
+    ap_x = x.readings[1:].mean() - 0.1
+    ap_y = y.readings[1:].mean() + 0.2
+    assert pose.axes["X"].accuracy == pytest.approx(ap_x)
+    assert pose.XY.accuracy == pytest.approx(math.hypot(ap_x, ap_y))
+    assert pose.axes["Z"].accuracy is None
+    assert pose.XYZ.accuracy is None
+
+
+def test_theta_as_a_length_becomes_an_angle_only_with_its_radius(rng):
+    theta = scatter(rng, "theta")
+    assert analyze(run_with([theta])).poses[0].axes["theta"].angle is None
+    axis = analyze(run_with([theta], metadata={"theta_radius_mm": "50"})).poses[0].axes["theta"]
+    s = theta.readings[1:].std(ddof=1)
+    assert axis.angle.three_sigma_deg == pytest.approx(math.degrees(3 * s / 50))
+    assert axis.angle.RP_deg == pytest.approx(math.degrees(axis.RP / 50))
+
+
+@pytest.mark.parametrize("radius", ["0", "-3", "nan", "inf", "fifty", ""])
+def test_a_radius_that_is_none_is_refused(rng, radius):
+    with pytest.raises(DataError, match="theta_radius_mm"):
+        analyze(run_with([scatter(rng, "theta")], metadata={"theta_radius_mm": radius}))
+
+
+def test_definitions_with_both_approaches(rng):
+    approach = np.resize([1.0, -1.0], 31)
+    x = Axis("X", rng.normal(0, 0.01, 31) + 0.02 * approach)
+    run = run_with([x], covariates={"approach": approach})
+    axis = analyze(run, other_definitions=True).poses[0].axes["X"]
+    found = {d.name: d.value for d in axis.definitions}
+    readings, sides = x.readings[1:], approach[1:]
+    up, down = readings[sides > 0], readings[sides < 0]
+    assert found["2 s"] == pytest.approx(2 * readings.std(ddof=1))
+    assert found["3 s"] == pytest.approx(axis.three_sigma)
+    assert found["half range"] == pytest.approx(np.ptp(readings) / 2)
+    assert found["half range of 7"] == pytest.approx(np.ptp(readings[:7]) / 2)
+    assert found["B"] == pytest.approx(up.mean() - down.mean())
+    s_up, s_down = up.std(ddof=1), down.std(ddof=1)
+    expected = max(2 * s_up + 2 * s_down + abs(found["B"]), 4 * s_up, 4 * s_down)
+    assert found["R"] == pytest.approx(expected)
+
+
+def test_definitions_only_on_request(rng):
+    assert analyze(run_with([scatter(rng, "X")])).poses[0].axes["X"].definitions == ()
+
+
+def test_one_limit_holds_for_every_length_and_not_for_angles(rng):
+    theta = scatter(rng, "theta", dimension=Dimension.ANGLE)
+    run = run_with([scatter(rng, "X"), scatter(rng, "Y"), theta])
+    checks = analyze(run, limits={EVERY_LENGTH: 0.001}).limits
+    assert [check.figure for check in checks] == ["X", "Y", "XY"]
+    assert not any(check.inside for check in checks)
+
+
+def test_a_named_limit_goes_before_the_general_one(rng):
+    run = run_with([scatter(rng, "X"), scatter(rng, "Y")])
+    checks = {c.figure: c for c in analyze(run, limits={EVERY_LENGTH: 9, "X": 0.001}).limits}
+    assert not checks["X"].inside
+    assert checks["Y"].inside
+    (only,) = analyze(run, limits={"XY": 9}).limits
+    pose = analyze(run).poses[0]
+    assert only.RP == max(pose.XY.RP, pose.XY.RP_rss)
+
+
+def test_an_angle_is_held_to_three_sigma(rng):
+    theta = scatter(rng, "theta", dimension=Dimension.ANGLE)
+    (check,) = analyze(run_with([theta]), limits={"theta": 1.0}).limits
+    assert check.RP == pytest.approx(3 * theta.readings[1:].std(ddof=1))
+
+
+def test_guard_band(rng):
+    run = run_with([scatter(rng, "X")])
+    RP = analyze(run).poses[0].axes["X"].RP
+    U = 2 * 0.001 / math.sqrt(12)
+    for limit, inside, clear in [
+        (RP + 1.01 * U, True, True),
+        (RP + 0.99 * U, True, False),
+        (RP, True, False),
+        (RP - 0.99 * U, False, False),
+        (RP - 1.01 * U, False, True),
+    ]:
+        (check,) = analyze(run, limits={"X": limit}).limits
+        assert (check.inside, check.clear) == (inside, clear)
+        assert check.guard == pytest.approx(U)
+
+
+@pytest.mark.parametrize("limits", [{"XY": 1.0}, {"Q": 1.0}, {"X": 0.0}, {"X": math.nan}])
+def test_a_limit_that_cannot_be_meant_is_refused(rng, limits):
+    with pytest.raises(UsageError, match="--limit"):
+        analyze(run_with([scatter(rng, "X")]), limits=limits)
+
+
+def test_too_few_cycles_for_scatter_or_interval(rng):
+    readings = rng.normal(size=5)
+    short = Run(np.arange(1, 6), {"X": Axis("X", readings)})
+    assert analyze(short, cycles=5).poses[0].axes["X"].RP_interval is None
+    one = Run(np.arange(1, 3), {"X": Axis("X", readings[:2])})
+    with pytest.raises(DataError, match="no scatter"):
+        analyze(one, cycles=2)
+
+
+def test_one_reading_that_carries_the_figure_gives_no_interval():
+    readings = np.zeros(31)
+    readings[7] = 1.0
+    axis = analyze(run_with([Axis("X", readings)])).poses[0].axes["X"]
+    assert axis.RP > 0
+    assert axis.RP_interval is None

@@ -1,0 +1,225 @@
+"""Every check meets one contract; each is shown where it speaks and where it is silent."""
+
+import inspect
+import re
+
+import numpy as np
+import pytest
+
+from scara_iso import checks
+from scara_iso.analysis import analyze
+from scara_iso.checks.trend import mann_kendall
+from scara_iso.plugins import find_modules
+from scara_iso.quantities import Dimension
+from scara_iso.results import Finding
+from scara_iso.run import Axis, Run
+
+MODULES = find_modules(checks, "scara_iso.checks")
+STATED = {"payload": "2 kg", "velocity": "100 %", "temperature": "20 C", "indicator": "ID-H"}
+
+
+def clean_run(rng, *, poses=5, metadata=None, covariates=None, **changes):
+    """Return a run that no check has anything to say about, but for the changes."""
+    rows = 31 * poses
+    axes = {name: Axis(name, rng.normal(0, 0.01, rows).round(3), resolution=0.001) for name in "XY"}
+    return Run(
+        cycle=np.tile(np.arange(1, 32), poses),
+        axes={**axes, **changes},
+        pose=np.repeat([f"P{k}" for k in range(1, poses + 1)], 31),
+        metadata={**STATED, **(metadata or {})},
+        covariates=covariates or {},
+    )
+
+
+def codes(run, **options):
+    return {finding.code for finding in analyze(run, **options).findings}
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__.split(".")[-1])
+def test_contract(module, rng):
+    assert re.fullmatch(r"[a-z]+(-[a-z]+)*", module.CODE)
+    title, _, page = inspect.getdoc(module).partition("\n\n")
+    assert title.endswith(".")
+    assert len(page) > 100, "the docstring is the page that explains the finding"
+    assert module.check(analyze(clean_run(rng))) is not None
+    for finding in module.check(analyze(clean_run(rng, poses=1, metadata={"payload": ""}))):
+        assert isinstance(finding, Finding)
+        assert finding.code == module.CODE
+        assert len(finding.message) < 200
+
+
+def test_codes_are_unique():
+    assert len({module.CODE for module in MODULES}) == len(MODULES)
+
+
+def test_nothing_is_said_of_a_clean_run(rng):
+    assert codes(clean_run(rng)) == set()
+
+
+def x_axis(readings, resolution=0.001, *, poses=5):
+    return Axis("X", np.tile(readings, poses), resolution=resolution)
+
+
+def test_coarse_resolution(rng):
+    run = clean_run(rng, X=x_axis(rng.permutation([0.01] * 15 + [0.0] * 16), 0.01))
+    assert "coarse-resolution" in codes(run)
+
+
+def test_indicator_uncertainty_counts_beside_the_resolution(rng):
+    good = Axis("X", rng.normal(0, 0.01, 155).round(3), resolution=0.001, uncertainty=0.0005)
+    poor = Axis("X", good.readings, resolution=0.001, uncertainty=0.02)
+    assert "coarse-resolution" not in codes(clean_run(rng, X=good))
+    assert "coarse-resolution" in codes(clean_run(rng, X=poor))
+
+
+def test_few_levels(rng):
+    assert "few-levels" in codes(clean_run(rng, X=x_axis(rng.integers(0, 3, 31) * 0.01)))
+
+
+def test_no_scatter(rng):
+    found = codes(clean_run(rng, X=x_axis(np.full(31, 0.5))))
+    assert "no-scatter" in found
+    assert "few-levels" not in found
+
+
+def test_stuck_channel(rng):
+    readings = rng.normal(0, 0.01, 31).round(3)
+    assert "stuck-channel" not in codes(clean_run(rng, X=x_axis(readings)))
+    readings[18:] = readings[17]
+    assert "stuck-channel" in codes(clean_run(rng, X=x_axis(readings)))
+
+
+def test_a_stretch_of_equal_readings_in_the_middle(rng):
+    readings = rng.normal(0, 0.01, 31).round(3)
+    readings[8:18] = readings[8]
+    assert "stuck-channel" in codes(clean_run(rng, X=x_axis(readings)))
+    readings[12] += 0.001
+    assert "stuck-channel" not in codes(clean_run(rng, X=x_axis(readings)))
+
+
+def test_the_plane_may_be_too_fine_for_the_dial(rng):
+    coarse = {name: rng.permutation([0.01] * 8 + [0.0] * 23) for name in "XY"}
+    axes = {name: x_axis(values, 0.01) for name, values in coarse.items()}
+    axes["Y"] = Axis("Y", axes["Y"].readings, resolution=0.01, uncertainty=0.02)
+    found = analyze(clean_run(rng, **axes)).findings
+    assert {"XY", "Y"} <= {f.axis for f in found if f.code == "coarse-resolution"}
+
+
+def test_trend(rng):
+    ramp = rng.normal(0, 0.01, 31) + np.linspace(0, 0.05, 31)
+    assert "trend" in codes(clean_run(rng, X=x_axis(ramp.round(3))))
+
+
+def test_gross_reading(rng):
+    readings = rng.normal(0, 0.01, 31).round(3)
+    readings[20] += 0.2
+    found = [f for f in analyze(clean_run(rng, X=x_axis(readings))).findings
+             if f.code == "gross-reading"]  # fmt: skip
+    assert len(found) == 5
+    assert "in cycle 21" in found[0].message
+
+
+def test_one_division_is_never_a_gross_reading(rng):
+    readings = np.zeros(31)
+    readings[7] = 0.01
+    assert "gross-reading" not in codes(clean_run(rng, X=x_axis(readings, 0.01)))
+
+
+@pytest.mark.parametrize("key", sorted(STATED))
+def test_conditions_not_stated(rng, key):
+    (finding,) = analyze(clean_run(rng, metadata={key: " "})).findings
+    assert finding.code == "not-stated"
+    assert finding.rule.startswith("ISO 9283")
+
+
+def test_a_covariate_states_its_condition(rng):
+    run = clean_run(rng, metadata={"temperature": ""}, covariates={"temperature_C": np.ones(155)})
+    assert codes(run) == set()
+
+
+def test_other_cycle_counts(rng):
+    run = clean_run(rng)
+    short = Run(run.cycle[:20], {"X": Axis("X", run.axes["X"].readings[:20], resolution=0.001)},
+                metadata=STATED)  # fmt: skip
+    found = [f for f in analyze(short, cycles=20).findings if f.code == "cycle-count"]
+    assert found[0].message.startswith("19 cycles count")
+    assert found[0].rule.startswith("ISO 9283 6.9")
+
+
+def test_axes_of_separate_runs(rng):
+    assert "separate-axes" in codes(clean_run(rng, metadata={"axes_recorded": "separately"}))
+
+
+def test_resolution_not_stated(rng):
+    run = clean_run(rng, X=x_axis(rng.integers(0, 9, 31) / 100, None))
+    (message,) = [f.message for f in analyze(run).findings if f.code == "resolution-not-stated"]
+    assert "differ by 0.01 mm at least" in message
+
+
+def test_both_approaches(rng):
+    approach = np.tile([1.0, -1.0], 78)[:155]
+    assert "mixed-approach" in codes(clean_run(rng, covariates={"approach": approach}))
+    assert "mixed-approach" not in codes(clean_run(rng, covariates={"approach": approach**2}))
+    by_pose = np.repeat([1.0, -1.0, 1.0, 1.0, -1.0], 31)
+    assert "mixed-approach" not in codes(clean_run(rng, covariates={"approach": by_pose}))
+    only_the_discarded = np.tile([-1.0, *[1.0] * 30], 5)
+    assert "mixed-approach" not in codes(
+        clean_run(rng, covariates={"approach": only_the_discarded})
+    )
+
+
+def test_an_approach_of_unknown_coding_is_said(rng):
+    run = clean_run(rng, covariates={"approach": np.resize([0.0, 1.0], 155)})
+    (finding,) = [f for f in analyze(run).findings if f.code == "mixed-approach"]
+    assert finding.severity == "warning"
+    assert "holds 0" in finding.message
+
+
+def test_theta_as_a_length(rng):
+    theta = Axis("theta", rng.normal(0, 0.01, 155).round(3), resolution=0.001)
+    angle = Axis("theta", theta.readings, Dimension.ANGLE, resolution=0.001)
+    assert "theta-as-length" in codes(clean_run(rng, theta=theta))
+    assert codes(clean_run(rng, theta=angle)) == set()
+    assert codes(clean_run(rng, theta=theta, metadata={"theta_radius_mm": "30"})) == set()
+
+
+def test_fewer_than_five_poses(rng):
+    assert "poses" in codes(clean_run(rng, poses=4))
+
+
+def test_the_trend_s_level_is_shared_by_all_axes_and_poses(rng):
+    first, second = rng.permutation(15), rng.permutation(15)
+    shifted = (0.001 * np.array([0, *first, *(second + shift)]) for shift in range(15))
+    ramp = next(r for r in shifted if 0.01 / 80 < mann_kendall(r[1:]) < 0.01)
+    alone = Axis("X", ramp, resolution=0.001)
+    assert "trend" in codes(Run(np.arange(1, 32), {"X": alone}, metadata=STATED))
+    rest = clean_run(rng, poses=40).axes["X"].readings[31:]
+    among_many = Axis("X", np.concatenate([ramp, rest]), resolution=0.001)
+    assert "trend" not in codes(clean_run(rng, poses=40, X=among_many))
+
+
+def test_mann_kendall_is_kendall_s_tau(rng):
+    stats = pytest.importorskip("scipy.stats")
+    for _ in range(20):
+        readings = rng.integers(0, 6, 31).astype(float)
+        other = stats.kendalltau(np.arange(31), readings, method="asymptotic").pvalue
+        assert mann_kendall(readings) == pytest.approx(other, rel=0.15, abs=0.01)
+    assert mann_kendall(np.full(31, 1.0)) == 1
+
+
+def test_mann_kendall_holds_its_level(rng):
+    readings = rng.normal(size=(2000, 30)).round(1)
+    alarms = np.mean([mann_kendall(row) < 0.01 for row in readings])
+    assert 0.004 < alarms < 0.018
+
+
+def test_third_parties_add_checks(monkeypatch, tmp_path):
+    (tmp_path / "their_check.py").write_text("CODE = 'theirs'\n", encoding="utf-8")
+    declared = tmp_path / "theirs-1.0.dist-info"
+    declared.mkdir()
+    (declared / "METADATA").write_text("Metadata-Version: 2.1\nName: theirs\nVersion: 1.0\n")
+    (declared / "entry_points.txt").write_text("[scara_iso.checks]\ntheirs = their_check\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    found = find_modules(checks, "scara_iso.checks")
+    assert found[:-1] == MODULES
+    assert found[-1].CODE == "theirs"

@@ -1,0 +1,346 @@
+"""The commands as a user, a script or a shell meets them."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import scara_iso
+from scara_iso.cli import main
+
+ROOT = Path(__file__).parents[1]
+TABLE_1 = ROOT / "examples" / "fum_scara_table1.csv"
+FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
+
+
+@pytest.fixture
+def call(capsys):
+    """Return a function that runs the command and gives exit code, output and errors."""
+
+    def run(*argv):
+        code = main([str(word) for word in argv])
+        return code, *capsys.readouterr()
+
+    return run
+
+
+def test_table_1(call):
+    code, out, err = call("analyze", TABLE_1)
+    assert (code, err) == (0, "")
+    for figure in ("0.01404", "0.00599", "0.02354", "0.00798", "0.01526", "0.01406"):
+        assert figure in out
+    y_findings = [line for line in out.splitlines() if line.strip().startswith("! Y")]
+    assert len(y_findings) == 2
+    assert "coarse-resolution" in out
+    assert "trend" in out
+
+
+def test_table_1_as_json(call):
+    code, out, err = call("analyze", TABLE_1, "--json")
+    assert (code, err) == (0, "")
+    assert out.count("\n") == 1
+    document = json.loads(out, parse_constant=pytest.fail)
+    assert document["schema"] == "scara-iso/analyze/1"
+    assert document["cycles"] == {"read": 30, "discarded": [], "used": 30}
+    (pose,) = document["poses"]
+    assert {name: round(axis["RP"], 5) for name, axis in pose["axes"].items()} == {
+        "X": 0.01404, "Y": 0.00599, "Z": 0.02354, "theta": 0.00798,
+    }  # fmt: skip
+    assert round(pose["XY"]["RP_rss"], 5) == 0.01526
+    assert round(pose["XY"]["RP_radial"], 5) == 0.01406
+    flagged = {f["code"] for f in document["findings"] if f["axis"] == "Y"}
+    assert {"coarse-resolution", "trend"} <= flagged
+
+
+def without_its_statement(tmp_path):
+    lines = TABLE_1.read_text(encoding="utf-8").splitlines(keepends=True)
+    path = tmp_path / "silent.csv"
+    path.write_text("".join(line for line in lines if "first_cycle" not in line), encoding="utf-8")
+    return path
+
+
+def test_table_1_without_its_statement_is_refused_with_both_readings(call, tmp_path):
+    path = without_its_statement(tmp_path)
+    code, out, err = call("analyze", path)
+    assert (code, out) == (65, "")
+    assert "discarded before, and all 30 count" in err
+    assert "still among them" in err
+    assert "--first-cycle-discarded" in err
+    code, said, _ = call("analyze", path, "--first-cycle-discarded", "--json")
+    assert code == 0
+    assert round(json.loads(said)["poses"][0]["axes"]["X"]["RP"], 5) == 0.01404
+
+
+def test_backlash_of_the_paper_s_first_joint(call):
+    code, out, err = call("backlash", *FIRST_JOINT, "--arm", "0.7", "--ratio", "50")
+    assert (code, err) == (0, "")
+    for figure in ("-1.948e-7 rad", "1.363e-4 mm", "2.443 mm", "0.6625", "0.2991 mm"):
+        assert figure in out
+
+
+def test_backlash_as_json(call):
+    _, out, _ = call("backlash", *FIRST_JOINT, "--arm", "0.7", "--ratio", "50", "--json")
+    document = json.loads(out, parse_constant=pytest.fail)
+    assert list(document) == [
+        "schema", "gap_rad", "load_deviation_rad", "inertia_ratio", "deviation_mm", "arm_m",
+        "free_play_mm", "reflected",
+    ]  # fmt: skip
+    assert document["load_deviation_rad"] == pytest.approx(-1.947721e-7, rel=1e-6)
+    assert document["reflected"]["deviation_mm"] == pytest.approx(0.299139, rel=1e-5)
+    _, out, _ = call("backlash", *FIRST_JOINT, "--json")
+    assert json.loads(out)["reflected"] is None
+
+
+def test_without_a_ratio_one_line_says_how_the_rotor_was_taken(call):
+    assert "taken as given, on the load's shaft" in call("backlash", *FIRST_JOINT)[1]
+
+
+def test_actual_rows_of_table_ii(call):
+    _, out, _ = call("backlash", *FIRST_JOINT, "--arm", "0.7", "--actual", TABLE_1)
+    for row in ("1.363e-4 mm", "0.01406 mm", "0.01526 mm", "2.443 mm"):
+        assert row in out
+    assert "is not a one-sided scatter" in out
+
+
+def test_actual_takes_one_pose_with_x_and_y(call, tmp_path):
+    path = tmp_path / "x.csv"
+    rows = "".join(f"{k},{k % 3}\n" for k in range(1, 32))
+    path.write_text(f"# unit: um\ncycle,X\n{rows}", encoding="utf-8")
+    code, out, err = call("backlash", *FIRST_JOINT, "--arm", "0.7", "--actual", path)
+    assert (code, out) == (65, "")
+    assert "one pose with X and Y" in err
+    silent = without_its_statement(tmp_path)
+    assert call("backlash", *FIRST_JOINT, "--actual", silent)[0] == 65
+    assert call("backlash", *FIRST_JOINT, "--actual", silent, "--first-cycle-discarded")[0] == 0
+
+
+@pytest.mark.parametrize("bad", ["0", "-1", "nan", "inf", "1e999", "", "twelve"])
+def test_inertias_that_are_none(call, bad):
+    code, out, err = call("backlash", "--Im", bad, "--IL", "1", "--arcmin", "1")
+    assert (code, out) == (2, "")
+    assert len(err.splitlines()) <= 3
+
+
+@pytest.mark.parametrize("missing", ["--Im", "--IL", "--arcmin"])
+def test_a_missing_value_is_named(call, missing):
+    at = FIRST_JOINT.index(missing)
+    code, _, err = call("backlash", *FIRST_JOINT[:at], *FIRST_JOINT[at + 2 :])
+    assert code == 2
+    assert missing in err
+
+
+def test_demo_sets_the_print_beside_the_data(call):
+    code, out, _ = call("demo")
+    assert code == 0
+    assert re.search(r"RP XY \(eq\. 23\)\s+0\.0139\s+0\.01526", out)
+    assert re.search(r"RP X \(eq\. 6\)\s+0\.013\s+0\.01404", out)
+
+
+@pytest.mark.parametrize(
+    ("limit", "code"), [("0.03", 0), ("0.02", 1), ("XY=0.0153", 0), ("XY=0.0152", 1)]
+)
+def test_a_limit_makes_the_exit_code_a_verdict(call, limit, code):
+    found, out, _ = call("analyze", TABLE_1, "--limit", limit)
+    assert found == code
+    assert "guard band" in out
+    assert ("OUTSIDE" in out) == bool(code)
+
+
+@pytest.mark.parametrize(
+    ("argv", "code", "said"),
+    [
+        (["analyze", "nowhere.csv"], 66, "nowhere.csv"),
+        (["analyze"], 2, "TABLE"),
+        (["analyse"], 2, "analyse"),
+        (["analyze", "--bogus"], 2, "--bogus"),
+        (["analyze", TABLE_1, "--limit", "much"], 2, "--limit"),
+        (["analyze", TABLE_1, "--limit", "Q=1"], 2, "no such figure"),
+        (["analyze", TABLE_1, "--limit", "X=1_0"], 2, "not a length"),
+        (["analyze", TABLE_1, "--limit", "X=1", "--limit", "X=2"], 2, "already"),
+        (["analyze", TABLE_1, "--cycles", "5"], 65, "--cycles"),
+        (["analyze", TABLE_1, "--unit", "furlong"], 2, "furlong"),
+    ],
+)
+def test_errors_are_short_and_have_their_code(call, argv, code, said):
+    found, out, err = call(*argv)
+    assert (found, out) == (code, "")
+    assert said in err
+    assert 1 <= len(err.splitlines()) <= 3
+
+
+def test_no_traceback_unless_asked_for(call, monkeypatch):
+    def broken(*_args, **_kwargs):
+        raise RuntimeError("a defect")
+
+    monkeypatch.setattr("scara_iso.tables.read_table", broken)
+    code, _, err = call("analyze", TABLE_1)
+    assert code == 70
+    assert "Traceback" not in err
+    assert "--debug" in err
+    code, _, err = call("analyze", TABLE_1, "--debug")
+    assert code == 70
+    assert "Traceback" in err
+
+
+def test_interrupted(call, monkeypatch):
+    def interrupted(*_args, **_kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("scara_iso.tables.read_table", interrupted)
+    assert call("analyze", TABLE_1)[0] == 130
+
+
+@pytest.mark.parametrize("command", ["analyze", "backlash", "demo"])
+def test_help_has_an_example(call, command):
+    code, out, _ = call(command, "--help")
+    assert code == 0
+    assert "Example" in out
+
+
+def test_help_and_version(call):
+    code, out, _ = call("--help")
+    assert code == 0
+    for command in ("analyze", "backlash", "demo"):
+        assert command in out
+    assert re.fullmatch(r"scara-iso \d+\.\d+\.\d+\S*\n", call("--version")[1])
+    assert call()[0] == 2
+
+
+def shell(*argv, stdin=None, **env):
+    return subprocess.run(
+        [sys.executable, "-m", "scara_iso", *map(str, argv)],
+        capture_output=True, input=stdin, check=False, cwd=ROOT, env={**os.environ, **env},
+    )  # fmt: skip
+
+
+def test_standard_input_gives_the_same_as_the_file():
+    piped = shell("analyze", "-", "--json", stdin=TABLE_1.read_bytes())
+    assert piped.returncode == 0, piped.stderr
+    named = json.loads(shell("analyze", TABLE_1, "--json").stdout)
+    assert json.loads(piped.stdout)["poses"] == named["poses"]
+
+
+def test_same_input_same_bytes_and_no_colour_in_a_pipe():
+    first, second = shell("analyze", TABLE_1), shell("analyze", TABLE_1)
+    assert first.stdout == second.stdout
+    assert b"\x1b" not in first.stdout
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "cp437", "ascii", "utf-8"])
+@pytest.mark.parametrize("columns", ["80", "40", "20"])
+def test_any_code_page_and_width(encoding, columns):
+    shown = shell("demo", PYTHONIOENCODING=encoding, COLUMNS=columns)
+    assert shown.returncode == 0, shown.stderr
+    figures = shown.stdout.decode(encoding)
+    assert "0.01404" in figures
+    assert "…" not in figures, "a figure was cut off"
+
+
+def test_a_reader_that_leaves_is_no_error():
+    command = f'"{sys.executable}" -m scara_iso demo | true'
+    done = subprocess.run(command, shell=True, capture_output=True, check=False, cwd=ROOT)  # noqa: S602
+    assert done.stderr == b""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_said():
+    command = f'"{sys.executable}" -m scara_iso demo > /dev/full'
+    done = subprocess.run(command, shell=True, capture_output=True, check=False, cwd=ROOT)  # noqa: S602
+    assert done.returncode == 74
+    assert b"cannot write" in done.stderr
+    assert b"Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "argv", [["--help"], ["analyze", str(TABLE_1)], ["analyze", str(TABLE_1), "--json"],
+             ["backlash", *FIRST_JOINT], ["simulate", str(ROOT / "examples" / "fum_scara.toml")]],
+    ids=lambda argv: argv[0],
+)  # fmt: skip
+def test_heavy_packages_are_not_imported(argv):
+    program = (
+        "import sys; from scara_iso.cli import main; main(sys.argv[1:]); "
+        "sys.exit(','.join({'pandas', 'scipy', 'matplotlib', 'serial'} & set(sys.modules)) or 0)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, *argv], capture_output=True, check=False, cwd=ROOT
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_library_gives_what_the_command_uses():
+    assert set(scara_iso.__all__) <= set(dir(scara_iso))
+    for name in scara_iso.__all__:
+        assert getattr(scara_iso, name).__doc__
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = scara_iso.nothing
+
+
+def test_the_packaged_table_is_the_example():
+    packaged = ROOT / "scara_iso" / "data" / TABLE_1.name
+    assert packaged.read_bytes() == TABLE_1.read_bytes()
+
+
+MODEL = ROOT / "examples" / "fum_scara.toml"
+
+
+def test_plan_says_the_cube_and_writes_visits_and_picture(call, tmp_path):
+    visits, picture = tmp_path / "visits.csv", tmp_path / "plan.svg"
+    code, out, err = call("plan", MODEL, "-o", visits, "--picture", picture)
+    assert (code, err) == (0, "")
+    assert "200.0 x 200.0 x 200.0 mm" in out
+    header, *rows = visits.read_text(encoding="utf-8").splitlines()
+    assert header.startswith("visit,pose,x_mm")
+    assert [row.split(",")[1] for row in rows] == ["P5", "P4", "P3", "P2", "P1"]
+    assert picture.read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_plan_as_json(call):
+    document = json.loads(call("plan", MODEL, "--json")[1], parse_constant=pytest.fail)
+    assert document["schema"] == "scara-iso/plan/1"
+    assert document["m_mm"] == pytest.approx(0.1 * document["diagonal_mm"])
+    assert len(document["corners"]) == 8
+
+
+@pytest.mark.parametrize("argv", [["--m", "0.2"], ["--plane", "C1-C2"], ["--picture", "a.txt"]])
+def test_a_plan_that_cannot_be_meant(call, argv):
+    assert call("plan", MODEL, *argv)[0] == 2
+
+
+def test_simulate_is_read_by_analyze():
+    made = shell("simulate", MODEL, "--effect", "warm_up@X:size=0.3,tau=8", "--seed", "1")
+    again = shell("simulate", MODEL, "--effect", "warm_up@X:size=0.3,tau=8", "--seed", "1")
+    assert made.stdout == again.stdout
+    assert b"warm" not in made.stdout
+    found = json.loads(shell("analyze", "-", "--json", stdin=made.stdout).stdout)
+    assert found["cycles"] == {"read": 31, "discarded": [1], "used": 30}
+    assert found["poses"][0]["axes"]["X"]["RP"] > 0.1
+
+
+def test_simulate_adds_the_columns_that_were_asked_for(call):
+    code, out, _ = call("simulate", MODEL, "--approach", "both", "--temperature", "20:23",
+                        "--payload", "0,2", "--cycles", "6")  # fmt: skip
+    assert code == 0
+    rows = [line for line in out.splitlines() if not line.startswith("#")]
+    assert rows[0] == "cycle,X,Y,Z,theta,temperature_C,payload_kg,approach"
+    assert rows[1].endswith(",20.0,0.0,+1")
+    assert rows[-1].endswith(",23.0,2.0,-1")
+
+
+def test_simulate_by_the_drive_train_scatters_over_the_gap(call):
+    _, out, _ = call("simulate", MODEL, "--drivetrain", "--approach", "both")
+    y = [float(line.split(",")[2]) for line in out.splitlines() if line[:1].isdigit()]
+    assert max(y) - min(y) > 1.0
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [["--effect", "magic:size=1"], ["--temperature", "20"], ["--payload", "a"], ["--seed", "-1"]],
+)
+def test_a_simulation_that_cannot_be_meant(call, argv):
+    code, out, err = call("simulate", MODEL, *argv)
+    assert (code, out) == (2, "")
+    assert len(err.splitlines()) <= 3

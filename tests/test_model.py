@@ -1,0 +1,225 @@
+"""The model file, what the model predicts, and what a dial would have shown of it."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomlkit
+
+from scara_iso.drivetrain import Approach
+from scara_iso.effects import Conditions
+from scara_iso.errors import CannotCreateError, DataError, NoInputError, UsageError
+from scara_iso.model import DeclaredEffect, declare, predict, read_model, simulate
+from scara_iso.model.arrive import rest_positions
+from scara_iso.model.predict import load_deviation_rad, reversal_mm
+from scara_iso.model.spec import parse_effect
+from scara_iso.tables import read_table, write_table
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+CYCLES = Conditions(np.arange(1, 32))
+BOTH = Conditions(np.arange(1, 32), {"approach": np.resize([1.0, -1.0], 31)})
+
+
+@pytest.fixture
+def fum():
+    return read_model(EXAMPLE)
+
+
+def model_from(tmp_path, text):
+    path = tmp_path / "model.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_the_example_holds_the_paper_s_robot(fum):
+    assert fum.robot == "FUM SCARA"
+    assert fum.arm.link_1_mm + fum.arm.link_2_mm == 700
+    gear = fum.gearboxes[1]
+    assert (gear.Im, gear.IL, gear.arcmin, gear.ratio) == (2.65e-4, 4.749, 12, 50)
+    assert list(fum.indicators) == ["X", "Y", "Z", "theta"]
+    assert load_deviation_rad(fum, 1) == pytest.approx(-1.947721e-7, rel=1e-6)
+
+
+def test_without_an_approach_the_prediction_is_a_constant_pose(fum):
+    run = predict(fum, CYCLES)
+    for name, axis in run.axes.items():
+        assert axis.readings.tolist() == [fum.indicators[name].level] * 31
+        assert axis.resolution == fum.indicators[name].resolution
+
+
+def test_the_reversal_is_eq_16_times_the_lever(fum):
+    x, y = predict(fum, BOTH).axes["X"].readings, predict(fum, BOTH).axes["Y"].readings
+    width = math.hypot(x[0] - x[1], y[0] - y[1])
+    lever = math.hypot(*fum.arm.forward(fum.joints_deg))
+    assert width == pytest.approx(lever * 1.947721e-7, rel=1e-6)
+    assert width == pytest.approx(math.hypot(*reversal_mm(fum, 1).values()))
+
+
+def test_a_declared_gear_effect_changes_the_reversal(tmp_path):
+    text = EXAMPLE.read_text(encoding="utf-8")
+    path = model_from(
+        tmp_path, f'{text}\n[[effect]]\nname = "reflected_inertia"\njoint = 1\nN = 50\n'
+    )
+    assert load_deviation_rad(read_model(path), 1) == pytest.approx(-4.273420e-4, rel=1e-6)
+
+
+def test_a_declared_effect_moves_its_axes_and_no_other(tmp_path):
+    text = EXAMPLE.read_text(encoding="utf-8")
+    path = model_from(
+        tmp_path, f'{text}\n[[effect]]\nname = "step"\nat_cycle = 15\nsize = {{ Y = -0.0098 }}\n'
+    )
+    run = predict(read_model(path), CYCLES)
+    y = run.axes["Y"].readings
+    assert np.ptp(run.axes["X"].readings) == 0
+    assert y[13] - y[0] == 0
+    assert y[14] - y[13] == pytest.approx(-0.0098)
+
+
+def test_an_effect_of_chance_moves_the_expectation_by_nothing(tmp_path):
+    text = EXAMPLE.read_text(encoding="utf-8")
+    chance = '\n[[effect]]\nname = "contact_side"\nswitching = 0.2\nsize = { X = 0.05 }\n'
+    model = read_model(model_from(tmp_path, text + chance))
+    assert np.ptp(predict(model, CYCLES).axes["X"].readings) == 0
+    seen = simulate(model, CYCLES, rng=np.random.default_rng(3)).axes["X"].readings
+    assert np.ptp(seen) > 0.04
+
+
+def test_declare_adds_the_effect_and_keeps_every_comment(tmp_path):
+    found = DeclaredEffect("warm_up", {"tau": 8.0, "size": {"X": 0.03}})
+    copy = tmp_path / "new.toml"
+    declare(EXAMPLE, (found,), copy)
+    before, after = EXAMPLE.read_text(encoding="utf-8"), copy.read_text(encoding="utf-8")
+    assert after.startswith(before.rstrip())
+    assert read_model(copy).effects == (found,)
+    declare(copy, (found,), copy)
+    assert read_model(copy).effects == (found, found)
+    assert tomlkit.parse(copy.read_text(encoding="utf-8"))["effect"][1]["tau"] == 8.0
+    with pytest.raises(CannotCreateError):
+        declare(EXAMPLE, (found,), tmp_path / "nowhere" / "new.toml")
+
+
+def test_every_fault_is_named_by_its_key(tmp_path):
+    path = model_from(
+        tmp_path,
+        """
+        [robot]
+        link_1_mm = "long"
+        colour = "red"
+        [gearbox.joint_1]
+        Im = -1
+        IL = 2
+        arcmin = 3
+        [gearbox.joint_9]
+        [indicator.X]
+        unit = "furlong"
+        [indicator.Q]
+        [indicator.Y]
+        resolution = nan
+        [pose]
+        x_mm = 3
+        [[effect]]
+        name = "magic"
+        [[effect]]
+        name = "step"
+        at = 3
+        size = { X = 1, theta = "a" }
+        [extra]
+        """,
+    )
+    with pytest.raises(DataError) as caught:
+        read_model(path)
+    said = "\n".join(str(fault) for fault in caught.value.faults)
+    for key in (
+        "robot.link_1_mm", "robot.link_2_mm", "robot.colour", "gearbox.joint_1", "gearbox.joint_9",
+        "indicator.X.unit", "indicator.Q", "indicator.Y.resolution", "pose", "effect 1",
+        "effect 2.at", "effect 2.theta", "extra",
+    ):  # fmt: skip
+        assert key in said
+
+
+@pytest.mark.parametrize("text", ["= broken", "indicator = 3", "", "effect = 3\n[indicator.X]"])
+def test_what_is_no_model_is_refused(tmp_path, text):
+    with pytest.raises(DataError):
+        read_model(model_from(tmp_path, text))
+
+
+def test_no_such_file(tmp_path):
+    with pytest.raises(NoInputError):
+        read_model(tmp_path / "nowhere.toml")
+
+
+def test_a_pose_that_the_arm_cannot_reach_is_refused(tmp_path):
+    text = "[robot]\nlink_1_mm = 100\nlink_2_mm = 100\n[pose]\nx_mm = 300\ny_mm = 0\n[indicator.X]"
+    with pytest.raises(DataError) as caught:
+        read_model(model_from(tmp_path, text))
+    assert "out of reach" in str(caught.value.faults[0])
+
+
+def test_simulated_readings_are_multiples_of_the_resolution_and_survive_the_table(fum):
+    run = simulate(fum, BOTH, rng=np.random.default_rng(1))
+    for name, axis in run.axes.items():
+        steps = axis.readings / fum.indicators[name].resolution
+        assert np.allclose(steps, np.round(steps), atol=1e-9)
+    back = read_table(write_table(run).encode())
+    for name, axis in run.axes.items():
+        assert np.array_equal(back.axes[name].readings, axis.readings)
+
+
+def test_an_undeclared_effect_acts_and_is_written_nowhere(fum):
+    effect = parse_effect("warm_up@X:size=0.5,tau=8", fum)
+    plain = simulate(fum, CYCLES, rng=np.random.default_rng(1))
+    moved = simulate(fum, CYCLES, rng=np.random.default_rng(1), undeclared=[effect])
+    course = moved.axes["X"].readings - plain.axes["X"].readings
+    assert course[-1] == pytest.approx(0.5 * (1 - math.exp(-30 / 8)), abs=0.011)
+    assert np.array_equal(moved.axes["Y"].readings, plain.axes["Y"].readings)
+    assert "warm" not in write_table(moved)
+
+
+def test_effects_as_they_are_typed(fum):
+    step = parse_effect("step@X,Y:size=0.02,at_cycle=15", fum)
+    assert step == DeclaredEffect("step", {"size": {"X": 0.02, "Y": 0.02}, "at_cycle": 15.0})
+    assert parse_effect("linear_drift:size=1", fum).axes == ("X", "Y", "Z", "theta")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("magic:size=1", "unknown effect"),
+        ("warm_up:size=1", "tau not given"),
+        ("warm_up:size=1,tau=2,rho=3", "no parameter 'rho'"),
+        ("warm_up:size=one,tau=2", "no number"),
+    ],
+)
+def test_effects_that_cannot_be_meant(fum, text, said):
+    with pytest.raises(UsageError, match=said):
+        parse_effect(text, fum)
+
+
+def test_an_effect_on_an_indicator_that_is_not_there(fum):
+    effect = DeclaredEffect("step", {"size": {"Q": 1.0}, "at_cycle": 3.0})
+    with pytest.raises(UsageError, match="no indicator Q"):
+        simulate(fum, CYCLES, rng=np.random.default_rng(1), undeclared=[effect])
+
+
+def test_an_effect_that_lacks_its_column(fum):
+    effect = parse_effect("compliance:size=1", fum)
+    with pytest.raises(UsageError, match="needs a column"):
+        simulate(fum, CYCLES, rng=np.random.default_rng(1), undeclared=[effect])
+
+
+def test_rest_positions_lie_along_joint_1(fum):
+    sides, moved = rest_positions(fum, Approach.BOTH_SIDES, count=40, rng=np.random.default_rng(2))
+    gap_mm = math.radians(12 / 60) * math.hypot(*fum.arm.forward(fum.joints_deg))
+    direction = fum.arm.joint_direction(fum.joints_deg, 1)
+    along = moved["X"] * direction[0] + moved["Y"] * direction[1]
+    across = moved["X"] * direction[1] - moved["Y"] * direction[0]
+    assert set(sides) == {1.0, -1.0}
+    assert np.allclose(across, 0, atol=1e-12)
+    assert np.max(np.abs(along)) <= gap_mm / 2 * (1 + 1e-9)
+
+
+def test_the_drive_train_needs_an_arm(tmp_path):
+    model = read_model(model_from(tmp_path, "[indicator.X]"))
+    with pytest.raises(UsageError, match="needs the arm"):
+        rest_positions(model, Approach.RANDOM, count=3, rng=np.random.default_rng(1))

@@ -1,0 +1,352 @@
+"""The commands record and ports, the keyboard and the live screen."""
+
+import io
+import json
+import sys
+import time
+
+import pytest
+from rich.console import Console
+
+from scara_iso import read_table
+from scara_iso.cli import main
+from scara_iso.cli.keyboard import Keys, Lines, parse_line
+from scara_iso.cli.record_screen import Screen
+from scara_iso.recorder import (
+    CycleDone,
+    Done,
+    Note,
+    Pause,
+    Paused,
+    Problem,
+    Quit,
+    Refused,
+    Started,
+    Stored,
+    Take,
+    Void,
+    Voided,
+    Waiting,
+    raw_path,
+)
+from scara_iso.render.live import LiveScreen, draw
+
+X = ["--gauge", "X=opto-rs232@sim:?pace=0"]
+Y = ["--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
+TIMER = ["--trigger", "timer:0.1"]
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    """Run the command in a folder of its own; return exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        code = main([*arguments])
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def events(out):
+    return [json.loads(line) for line in out.splitlines()]
+
+
+def test_two_simulated_gauges_make_a_table_that_analyze_takes(run, tmp_path):
+    code, out, err = run("record", "run.csv", *X, *Y, *TIMER)
+    assert (code, err) == (0, "")
+    found = events(out)
+    assert found[0]["event"] == "started"
+    assert found[-1] == {
+        "event": "done", "cycles": 31, "planned": 31, "table": "run.csv", "raw": "run.raw.jsonl",
+    }  # fmt: skip
+    stored = [e for e in found if e["event"] == "stored"]
+    assert len(stored) == 62
+    assert all(set(e) == {"event", "cycle", "axis", "value"} for e in stored)
+    table = read_table(tmp_path / "run.csv")
+    assert [e["value"] for e in stored if e["axis"] == "X"] == table.axes["X"].readings.tolist()
+    assert table.metadata["simulated"] == "X Y"
+    assert "mm as the simulation states" in table.metadata["indicator"]
+    assert run("analyze", "run.csv", "--json")[0] == 0
+
+
+def test_a_recorded_stream_gives_the_same_table_every_time(run, tmp_path):
+    (tmp_path / "stream").write_bytes(b"".join(b"+000.%03dmm\r" % n for n in range(100, 131)))
+    for name in ("a.csv", "b.csv"):
+        replay = ["--gauge", "X=opto-rs232@replay:stream", "--trigger", "data"]
+        assert run("record", name, *replay)[0] == 0
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    table = read_table(tmp_path / "a.csv")
+    assert table.axes["X"].readings.tolist() == [n / 1000 for n in range(100, 131)]
+    assert table.covariates["time_s"].tolist() == [float(n) for n in range(1, 32)]
+
+
+@pytest.mark.parametrize("trigger", ["data", "timer:0.1", "timer:3"])
+def test_a_recording_replayed_gives_the_readings_again(run, tmp_path, trigger):
+    run("record", "run.csv", *X, *Y, *TIMER)
+    gauges = [f"--gauge={axis}={key}@replay:run.raw.jsonl"
+              for axis, key in (("X", "opto-rs232"), ("Y", "mitutoyo-mux"))]  # fmt: skip
+    assert run("record", "again.csv", *gauges, "--trigger", trigger)[0] == 0
+    before, after = read_table(tmp_path / "run.csv"), read_table(tmp_path / "again.csv")
+    for axis in "XY":
+        assert after.axes[axis].readings.tolist() == before.axes[axis].readings.tolist()
+    assert after.metadata["simulated"] == "X Y"
+
+
+def test_every_stored_reading_stands_in_the_received_bytes(run, tmp_path):
+    run("record", "run.csv", *X, *TIMER)
+    lines = [json.loads(line) for line in raw_path(tmp_path / "run.csv").read_text().splitlines()]
+    heard = b"".join(bytes.fromhex(line["hex"]) for line in lines if line["event"] == "in")
+    stored = [line["text"] for line in lines if line["event"] == "stored"]
+    assert [f"+{float(text):07.3f}mm".encode() for text in stored] == heard.split(b"\r")[:-1]
+
+
+def test_a_stream_that_ends_early_says_so(run, tmp_path):
+    (tmp_path / "stream").write_bytes(b"+000.100mm\r+000.101mm\r")
+    code, out, _ = run(
+        "record", "a.csv", "--gauge", "X=opto-rs232@replay:stream", "--trigger", "data"
+    )
+    assert code == 0
+    assert events(out)[-1]["cycles"] == 2
+    assert run("analyze", "a.csv")[0] == 65
+
+
+def test_a_stream_without_a_reading_is_an_error_and_leaves_nothing(run, tmp_path):
+    (tmp_path / "stream").write_bytes(b"ERR3\r")
+    code, _, err = run(
+        "record", "a.csv", "--gauge", "X=opto-rs232@replay:stream", "--trigger", "data"
+    )
+    assert code == 69
+    assert "no reading was recorded" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["stream"]
+
+
+def test_a_unit_that_nobody_states_is_an_error_that_names_the_option(run, tmp_path):
+    (tmp_path / "stream").write_bytes(b"01A+0000.123\r")
+    gauge = ["--gauge", "X=mitutoyo-mux@replay:stream", "--trigger", "data"]
+    code, _, err = run("record", "a.csv", *gauge)
+    assert code == 2
+    assert "--unit" in err
+    assert run("record", "a.csv", *gauge, "--unit", "inch", "--cycles", "1")[0] == 0
+    assert read_table(tmp_path / "a.csv").axes["X"].readings.tolist() == [3.1242]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "word"),
+    [
+        (["record"], 2, "OUT.csv"),
+        (["record", "a.csv", *TIMER], 2, "--gauge"),
+        (["record", "a.csv", *X], 2, "--trigger"),
+        (["record", "a.csv", *X, "--trigger", "sometimes"], 2, "timer:SECONDS"),
+        (["record", "a.csv", *X, "--trigger", "timer:0"], 2, "timer:SECONDS"),
+        (["record", "a.csv", *X, *TIMER, "--meta", "unit=inch"], 2, "recorder states"),
+        (["record", "a.csv", *X, *TIMER, "--meta-file", "no.toml"], 66, "no.toml"),
+        (["record", "a.csv", "--resume", *X, *TIMER], 66, "a.raw.jsonl"),
+        (["record", "--rebuild", "a.raw.jsonl"], 66, "a.raw.jsonl"),
+        (["record", "no/a.csv", *X, *TIMER], 73, "no/a.raw.jsonl"),
+        (["record", "a.csv", "--gauge", "X=opto-rs232@/dev/ttyNOTTHERE", *TIMER], 69, "NOTTHERE"),
+        (["record", "a.csv", "--gauge", "X=opto-rs232@replay:none", *TIMER], 66, "none"),
+        (["record", "a.csv", *X, "--trigger", "data", "--stable", "3"], 2, "--stable"),
+        (["ports", "--ask", "opto-rs232"], 2, "--probe"),
+        (["ports", "--probe", "/dev/ttyNOTTHERE"], 69, "NOTTHERE"),
+    ],
+)
+def test_errors_say_what_and_what_to_do(run, tmp_path, arguments, code, word):
+    found, out, err = run(*arguments)
+    assert found == code
+    assert out == ""
+    assert word in err
+    assert len(err.splitlines()) <= 3
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_is_overwritten_and_resume_goes_on(run, tmp_path):
+    assert run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--meta", "robot=R")[0] == 0
+    assert run("record", "a.csv", *X, *TIMER)[0] == 73
+    code, out, _ = run("record", "--resume", "a.csv", "--cycles", "5")
+    assert code == 0
+    assert [e["cycle"] for e in events(out) if e["event"] == "stored"] == [4, 5]
+    table = read_table(tmp_path / "a.csv")
+    assert len(table) == 5
+    assert table.metadata["robot"] == "R"
+    (tmp_path / "a.csv").unlink()
+    assert run("record", "--rebuild", "a.raw.jsonl")[0] == 0
+    assert len(read_table(tmp_path / "a.csv")) == 5
+
+
+def test_a_recorded_stream_is_not_gone_on_with(run, tmp_path):
+    (tmp_path / "s").write_bytes(b"+000.100mm\r" * 9)
+    gauge = ["--gauge", "X=opto-rs232@replay:s", "--trigger", "data"]
+    assert run("record", "a.csv", *gauge, "--cycles", "2")[0] == 0
+    assert run("record", "a.csv", "--resume", *gauge)[0] == 2
+
+
+def test_a_torn_raw_file_is_told(run, tmp_path):
+    run("record", "a.csv", *X, *TIMER, "--cycles", "3")
+    raw = raw_path(tmp_path / "a.csv")
+    raw.write_bytes(raw.read_bytes()[:-20])
+    code, _, err = run("record", "b.csv", "--rebuild", "a.raw.jsonl")
+    assert code == 0
+    assert "torn or damaged" in err
+
+
+def test_lines_of_standard_input_trigger(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n\nv slipped\n\nn warm\nq\n"))
+    code, out, _ = run("record", "a.csv", *X, "--trigger", "enter")
+    assert code == 0
+    kinds = [e["event"] for e in events(out) if e["event"] in ("stored", "voided", "note", "done")]
+    assert kinds == ["stored", "stored", "voided", "stored", "note", "done"]
+    assert len(read_table(tmp_path / "a.csv")) == 2
+
+
+def test_a_reader_that_goes_away_ends_the_session(run, tmp_path, monkeypatch):
+    class Closed(io.StringIO):
+        def write(self, text):
+            if '"cycle": 3' in text:
+                raise BrokenPipeError(32, "Broken pipe")
+            return super().write(text)
+
+    monkeypatch.setattr(sys, "stdout", Closed())
+    code = main(["record", "a.csv", *X, *TIMER])
+    assert code == 74
+    assert raw_path(tmp_path / "a.csv").exists()
+
+
+def test_ports_lists_dialects_and_what_is_unverified(run):
+    code, out, _ = run("ports", "--dialects", "--json")
+    found = json.loads(out)["dialects"]
+    assert code == 0
+    assert found["opto-rs232"]["confidence"] == "high"
+    assert found["mitutoyo-idh"]["unverified"]
+    code, out, _ = run("ports", "--dialects")
+    assert code == 0
+    assert "unverified" in out
+
+
+def test_ports_lists_devices(run):
+    code, out, _ = run("ports", "--json")
+    assert code == 0
+    assert isinstance(json.loads(out)["ports"], list)
+    assert run("ports")[0] == 0
+
+
+def test_probe_says_what_it_hears(run, tmp_path):
+    code, out, _ = run("ports", "--probe", "sim:cdi-starrett-iq?pace=0", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert [r["unit"] for r in found["dialects"]["cdi-starrett-iq"]] == ["mm", "mm"]
+    assert "cdi-starrett-iq" in run("ports", "--probe", "sim:cdi-starrett-iq?pace=0")[1]
+
+
+def test_probe_finds_a_wrong_parity(run, tmp_path):
+    (tmp_path / "s").write_bytes(bytes.fromhex("2b3030b12eb233b48d") * 2)
+    code, out, _ = run("ports", "--probe", "replay:s", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["dialects"] == {}
+    assert "7E2" in found["diagnosis"]
+    assert "7E2" in run("ports", "--probe", "replay:s")[1]
+
+
+def typed(text):
+    keys = Keys(iter([*text, *[""] * 50]).__next__)
+    found = [keys.poll() for _ in range(len(text))]
+    return [command for command in found if command is not None]
+
+
+def test_keys():
+    assert typed("\r\n x") == [Take(), Take(), Take()]
+    assert typed("vslip\x7fpped\rq") == [Void("slipped"), Quit()]
+    assert typed("nwarm\x1bp") == [Pause()]
+    assert typed("n\rnok\r") == [Note("ok")]
+
+
+def test_the_prompt_shows_what_is_typed():
+    keys = Keys(iter(["v", "a", "b", *[""] * 9]).__next__)
+    for _ in range(3):
+        keys.poll()
+    assert keys.prompt.endswith("because: ab")
+
+
+@pytest.mark.parametrize(
+    ("line", "command"),
+    [("\n", Take()), ("v slipped\n", Void("slipped")), ("N warm", Note("warm")), ("p", Pause()),
+     ("q", Quit()), ("v\n", None), ("hello\n", None), ("q now", None)],
+)  # fmt: skip
+def test_lines(line, command):
+    assert parse_line(line) == command
+
+
+def test_the_end_of_input_quits():
+    lines = Lines(io.StringIO("\n"))
+    for _ in range(100):
+        if lines.poll() == Quit():
+            return
+        time.sleep(0.01)
+    pytest.fail("no quit")
+
+
+def screen(width, encoding="utf-8", operator=None):
+    """Return a screen and a function that draws its view as text."""
+    file = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
+    console = Console(file=file, width=width, force_terminal=True, color_system=None)
+    shown = Screen(LiveScreen(console), operator or Keys(lambda: ""), title="record run.csv",
+                   earlier={})  # fmt: skip
+
+    def text():
+        with console.capture() as capture:
+            console.print(draw(shown._view(), console))
+        return capture.get()
+
+    return shown, text
+
+
+STORY = [
+    Started({"X": "a", "Y": "b"}, 1, 31, "enter"),
+    Waiting(1, ("X", "Y")),
+    *[
+        said
+        for k in range(1, 9)
+        for said in (
+            Stored(k, "X", 0.1 + k / 1000, f"0.10{k}", "mm"),
+            Stored(k, "Y", 2.54 + 0.0254 * k, f"0.10{k}", "inch"),
+            CycleDone(k, discarded=k == 1),
+            Waiting(k + 1, ("X", "Y")),
+        )
+    ],
+]
+
+
+@pytest.mark.parametrize("width", [40, 80, 200])
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252", "ascii"])
+def test_the_screen_fits_and_says_what_counts(width, encoding):
+    shown, text = screen(width, encoding)
+    for said in STORY:
+        shown._take(said)
+    found = text()
+    found.encode(encoding)
+    assert all(len(line) <= width for line in found.splitlines())
+    assert "8 of 31" in found
+    assert "cycle 8 STORED" in found
+    assert "n 7" in found
+    assert "RP 0.0" in found
+    assert "0.108 mm" in found
+    assert "Cycle 9" in found
+
+
+def test_the_screen_shows_troubles_void_pause_and_end():
+    shown, text = screen(80)
+    for said in STORY:
+        shown._take(said)
+    shown._take(Problem("X", "garbage", "[red]\x1b[2Jboo"))
+    shown._take(Refused("X", "1.0", "not asked for"))
+    found = text()
+    assert "1 garbage, 1 refused" in found
+    assert "\x1b[2J" not in found
+    shown._take(Voided(8, ("X", "Y"), "slipped"))
+    assert "7 of 31" in text()
+    assert "0.107 mm" in text()
+    shown._take(Paused(True))
+    assert "press p" in text()
+    shown._take(Done(7, 31, "run.csv", "run.raw.jsonl"))
+    assert "scara-iso record --resume run.csv" in text()

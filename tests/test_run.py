@@ -1,0 +1,99 @@
+"""`Run` is read-only, checked once, and survives pandas."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from scara_iso.errors import DataError
+from scara_iso.quantities import Dimension
+from scara_iso.run import Axis, Run
+
+readings = arrays(np.float64, 5, elements=st.floats(-100, 100))
+
+
+@given(x=readings, theta=readings, temperature=readings)
+def test_a_frame_and_back_is_the_same_run(x, theta, temperature):
+    run = Run(
+        cycle=np.arange(1, 6),
+        axes={
+            "theta": Axis("theta", theta, Dimension.ANGLE, 0.01),
+            "X": Axis("X", x, resolution=0.001, uncertainty=0.0005, command=1.0),
+        },
+        pose=np.array(["P1", "P1", "P2", "P2", "P2"]),
+        covariates={"temperature_C": temperature},
+        metadata={"robot": "FUM"},
+    )
+    back = Run.from_frame(run.to_frame())
+    assert list(back.axes) == ["X", "theta"]
+    for name, axis in run.axes.items():
+        assert np.array_equal(back.axes[name].readings, axis.readings)
+        assert back.axes[name].dimension is axis.dimension
+        assert back.axes[name].resolution == axis.resolution
+        assert back.axes[name].uncertainty == axis.uncertainty
+        assert back.axes[name].command == axis.command
+    assert np.array_equal(back.cycle, run.cycle)
+    assert np.array_equal(back.pose, run.pose)
+    assert np.array_equal(back.covariates["temperature_C"], temperature)
+    assert back.metadata == run.metadata
+
+
+def test_a_plain_frame_takes_unit_and_resolution():
+    run = Run.from_frame(pd.DataFrame({"Y": [81, 35], "speed": [1, 2]}), unit="0.01 mm",
+                         resolution=1)  # fmt: skip
+    assert run.axes["Y"].readings.tolist() == [0.81, 0.35]
+    assert run.axes["Y"].resolution == 0.01
+    assert run.cycle.tolist() == [1, 2]
+    assert run.covariates["speed"].tolist() == [1, 2]
+
+
+@pytest.mark.parametrize(
+    ("frame", "said"),
+    [
+        ({"X": [1.0, np.nan]}, "row 2"),
+        ({"X": ["a", "b"]}, "not numeric"),
+        ({"X": [1.0, 2.0], "cycle": [1.0, 1.5]}, "not whole"),
+        ({"speed": [1.0, 2.0]}, "at least one axis"),
+        ({"X": []}, "at least one cycle"),
+        ({"X": [1.0, 1e300]}, "beyond any dial"),
+    ],
+)
+def test_a_frame_that_is_no_run_is_refused(frame, said):
+    with pytest.raises(DataError, match=said):
+        Run.from_frame(pd.DataFrame(frame))
+
+
+def test_shapes_must_agree():
+    with pytest.raises(DataError, match="temperature_C"):
+        Run(np.arange(3), {"X": Axis("X", np.zeros(3))}, covariates={"temperature_C": np.zeros(2)})
+
+
+def test_nothing_can_be_written_into_a_run():
+    source = np.zeros(3)
+    run = Run(np.arange(3), {"X": Axis("X", source)})
+    source[0] = 1
+    assert run.axes["X"].readings[0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        run.axes["X"].readings[0] = 1
+    with pytest.raises(TypeError):
+        run.axes["Y"] = run.axes["X"]
+
+
+def test_poses_come_in_order_of_first_appearance():
+    run = Run(np.arange(5), {"X": Axis("X", np.zeros(5))}, pose=np.array(list("BABCA")))
+    found = [(label, rows.tolist()) for label, rows in run.rows_by_pose()]
+    assert found == [("B", [0, 2]), ("A", [1, 4]), ("C", [3])]
+
+
+@pytest.mark.parametrize("stated", [{"resolution": -1.0}, {"resolution": 0.0},
+                                    {"resolution": np.nan}, {"uncertainty": np.inf}])  # fmt: skip
+def test_a_resolution_or_uncertainty_that_is_none(stated):
+    with pytest.raises(DataError, match="axis X"):
+        Axis("X", np.zeros(3), **stated)
+
+
+def test_an_axis_goes_by_its_own_name():
+    with pytest.raises(DataError, match="axis X"):
+        Run(np.arange(3), {"X": Axis("Y", np.zeros(3))})

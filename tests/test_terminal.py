@@ -1,0 +1,63 @@
+"""What the terminal shows: nothing of a file is obeyed, no figure is cut."""
+
+import io
+
+import numpy as np
+import pytest
+
+from scara_iso.render.terminal import open_console, printable, show, sparkline
+from scara_iso.report.blocks import Notice, Section, Strip, Table, Text
+
+HOSTILE = "[bold red]x[/] \x1b[31mred \x07 \u202egnp.exe \u2028 :smile: [link=http://e]e[/link]"
+
+
+def shown(*blocks, heading="", width=80):
+    stream = io.StringIO()
+    console = open_console(stream)
+    console.width = width
+    show((Section(heading, blocks),), console)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        Text(HOSTILE),
+        Table(("a", "b"), ((HOSTILE, HOSTILE),), HOSTILE),
+        Strip(HOSTILE, np.arange(3), np.arange(3.0), HOSTILE),
+        Notice("error", HOSTILE, HOSTILE, HOSTILE),
+    ],
+    ids=lambda block: type(block).__name__,
+)
+@pytest.mark.parametrize("width", [200, 30])
+def test_text_of_a_file_is_shown_and_not_obeyed(block, width):
+    text = shown(block, heading=HOSTILE, width=width)
+    for character in "\x1b\x07\u202e\u2028":
+        assert character not in text
+    assert "[bold" in text
+    assert ":smile:" in text
+
+
+def test_printable_keeps_what_people_write():
+    assert printable("Prüfer: Çelik µm ± 2 °C") == "Prüfer: Çelik µm ± 2 °C"
+    assert printable("a\tb\x00") == "a\\tb\\x00"
+
+
+def test_a_table_too_wide_is_shown_row_by_row():
+    table = Table(("axis", "first", "second"), (("X", "1.234567", "2.345678"), ("Y", "", "3")))
+    wide, narrow = shown(table, width=60), shown(table, width=20)
+    assert "1.234567" in wide.splitlines()[2]
+    assert narrow.splitlines() == [
+        "  X", "    first   1.234567", "    second  2.345678", "  Y", "    second  3", "",
+    ]  # fmt: skip
+
+
+def test_long_text_wraps_without_trailing_blanks():
+    text = shown(Text("word " * 40), width=40)
+    assert all(len(line) <= 40 and not line.endswith(" ") for line in text.splitlines())
+
+
+def test_sparkline():
+    assert sparkline(np.array([0.0, 1.0, 2.0]), "abc", 80) == "abc"
+    assert sparkline(np.array([5.0, 5.0]), "abc", 80) == "bb"
+    assert sparkline(np.repeat([0.0, 10.0], 50), "abc", 10) == "aaaaaccccc"
