@@ -2,8 +2,10 @@
 
 import io
 import json
+import re
 import sys
 import time
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -31,6 +33,7 @@ from scara_iso.recorder import (
 )
 from scara_iso.render.live import LiveScreen, draw
 
+FIXTURES = Path(__file__).with_name("fixtures") / "recordings"
 X = ["--gauge", "X=opto-rs232@sim:?pace=0"]
 Y = ["--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
 TIMER = ["--trigger", "timer:0.1"]
@@ -109,6 +112,22 @@ def test_a_stream_that_ends_early_says_so(run, tmp_path):
     assert code == 0
     assert events(out)[-1]["cycles"] == 2
     assert run("analyze", "a.csv")[0] == 65
+
+
+def test_a_recorded_session_with_troubles_gives_what_its_whole_frames_say(run, tmp_path):
+    path = FIXTURES / "opto-data-key.bin"
+    frames = re.findall(rb"(?<=\r)\+(\d{3}\.\d{3})(?=\r)", path.read_bytes())
+    gauge = ["--gauge", f"X=opto-rs232@replay:{path}", "--trigger", "data"]
+    for name in ("a.csv", "b.csv"):
+        code, out, _ = run("record", name, *gauge)
+        assert code == 0
+    found = [e["event"] for e in events(out)]
+    assert (found.count("fault"), found.count("garbage")) == (1, 1)
+    table = read_table(tmp_path / "a.csv")
+    assert table.axes["X"].readings.tolist() == [float(frame) for frame in frames]
+    assert len(table) == 31
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    assert run("analyze", "a.csv")[0] == 0
 
 
 def test_a_stream_without_a_reading_is_an_error_and_leaves_nothing(run, tmp_path):
