@@ -104,6 +104,16 @@ def test_every_stored_reading_stands_in_the_received_bytes(run, tmp_path):
     assert [f"+{float(text):07.3f}mm".encode() for text in stored] == heard.split(b"\r")[:-1]
 
 
+def test_analyze_says_that_a_table_was_edited(run, tmp_path):
+    run("record", "run.csv", *X, *TIMER)
+    assert json.loads(run("analyze", "run.csv", "--json")[1])["notes"] == []
+    table = tmp_path / "run.csv"
+    table.write_text(table.read_text().replace("\n31,0.", "\n31,1."))
+    notes = json.loads(run("analyze", "run.csv", "--json")[1])["notes"]
+    assert notes == ["run.csv was changed after it was recorded"]
+    assert "was changed" in run("analyze", "run.csv")[1]
+
+
 def test_a_stream_that_ends_early_says_so(run, tmp_path):
     (tmp_path / "stream").write_bytes(b"+000.100mm\r+000.101mm\r")
     code, out, _ = run(
