@@ -210,6 +210,12 @@ def test_a_recorded_stream_is_not_gone_on_with(run, tmp_path):
     assert run("record", "a.csv", "--resume", *gauge)[0] == 2
 
 
+def test_text_that_is_no_text_does_not_cost_the_table(run, tmp_path):
+    code, _, _ = run("record", "a.csv", *X, *TIMER, "--cycles", "2", "--meta", "robot=\udcff=1")
+    assert code == 0
+    assert len(read_table(tmp_path / "a.csv")) == 2
+
+
 def test_a_torn_raw_file_is_told(run, tmp_path):
     run("record", "a.csv", *X, *TIMER, "--cycles", "3")
     raw = raw_path(tmp_path / "a.csv")
