@@ -108,7 +108,15 @@ def _record_for_ever(place: Path, pipe: int) -> None:
 
     try:
         resume = raw_path(place / "run.csv").exists()
-        run_session(place, GAUGES, trigger="timer:0.001", cycles=10**6, resume=resume, tell=tell)
+        run_session(
+            place,
+            GAUGES,
+            trigger="timer:0.001",
+            cycles=10**6,
+            resume=resume,
+            tell=tell,
+            disk=SystemDisk(),
+        )
     finally:
         os._exit(1)
 

@@ -397,7 +397,9 @@ def test_metadata_by_options_and_file(tmp_path):
     assert parse_metadata(["operator = A=B "]) == {"operator": "A=B"}
 
 
-@pytest.mark.parametrize("text", ["robot", "unit=inch", "resolution_Y=1", "=x", "a:b=1", "\n=1"])
+@pytest.mark.parametrize(
+    "text", ["robot", "unit=inch", "resolution_Y=1", "=x", "a:b=1", "\n=1", "robot=" + "x" * 60_000]
+)
 def test_metadata_that_would_change_the_table_is_refused(text):
     with pytest.raises(UsageError):
         parse_metadata([text])

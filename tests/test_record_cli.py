@@ -2,8 +2,10 @@
 
 import io
 import json
+import re
 import sys
 import time
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -31,6 +33,7 @@ from scara_iso.recorder import (
 )
 from scara_iso.render.live import LiveScreen, draw
 
+FIXTURES = Path(__file__).with_name("fixtures") / "recordings"
 X = ["--gauge", "X=opto-rs232@sim:?pace=0"]
 Y = ["--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
 TIMER = ["--trigger", "timer:0.1"]
@@ -101,6 +104,16 @@ def test_every_stored_reading_stands_in_the_received_bytes(run, tmp_path):
     assert [f"+{float(text):07.3f}mm".encode() for text in stored] == heard.split(b"\r")[:-1]
 
 
+def test_analyze_says_that_a_table_was_edited(run, tmp_path):
+    run("record", "run.csv", *X, *TIMER)
+    assert json.loads(run("analyze", "run.csv", "--json")[1])["notes"] == []
+    table = tmp_path / "run.csv"
+    table.write_text(table.read_text().replace("\n31,0.", "\n31,1."))
+    notes = json.loads(run("analyze", "run.csv", "--json")[1])["notes"]
+    assert notes == ["run.csv was changed after it was recorded"]
+    assert "was changed" in run("analyze", "run.csv")[1]
+
+
 def test_a_stream_that_ends_early_says_so(run, tmp_path):
     (tmp_path / "stream").write_bytes(b"+000.100mm\r+000.101mm\r")
     code, out, _ = run(
@@ -109,6 +122,22 @@ def test_a_stream_that_ends_early_says_so(run, tmp_path):
     assert code == 0
     assert events(out)[-1]["cycles"] == 2
     assert run("analyze", "a.csv")[0] == 65
+
+
+def test_a_recorded_session_with_troubles_gives_what_its_whole_frames_say(run, tmp_path):
+    path = FIXTURES / "opto-data-key.bin"
+    frames = re.findall(rb"(?<=\r)\+(\d{3}\.\d{3})(?=\r)", path.read_bytes())
+    gauge = ["--gauge", f"X=opto-rs232@replay:{path}", "--trigger", "data"]
+    for name in ("a.csv", "b.csv"):
+        code, out, _ = run("record", name, *gauge)
+        assert code == 0
+    found = [e["event"] for e in events(out)]
+    assert (found.count("fault"), found.count("garbage")) == (1, 1)
+    table = read_table(tmp_path / "a.csv")
+    assert table.axes["X"].readings.tolist() == [float(frame) for frame in frames]
+    assert len(table) == 31
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    assert run("analyze", "a.csv")[0] == 0
 
 
 def test_a_stream_without_a_reading_is_an_error_and_leaves_nothing(run, tmp_path):
@@ -179,6 +208,12 @@ def test_a_recorded_stream_is_not_gone_on_with(run, tmp_path):
     gauge = ["--gauge", "X=opto-rs232@replay:s", "--trigger", "data"]
     assert run("record", "a.csv", *gauge, "--cycles", "2")[0] == 0
     assert run("record", "a.csv", "--resume", *gauge)[0] == 2
+
+
+def test_text_that_is_no_text_does_not_cost_the_table(run, tmp_path):
+    code, _, _ = run("record", "a.csv", *X, *TIMER, "--cycles", "2", "--meta", "robot=\udcff=1")
+    assert code == 0
+    assert len(read_table(tmp_path / "a.csv")) == 2
 
 
 def test_a_torn_raw_file_is_told(run, tmp_path):

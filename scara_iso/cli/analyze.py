@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import UsageError
+
+if TYPE_CHECKING:
+    from scara_iso.run import Run
 
 OUTSIDE_A_LIMIT = 1
 
@@ -66,7 +71,7 @@ def analyze_command(
 
     run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
     analysis = analyze(
-        run,
+        _with_changes(run, table),
         first_cycle_discarded=first_cycle_discarded,
         cycles=cycles,
         limits=_parse_limits(limit or ()),
@@ -78,6 +83,16 @@ def analyze_command(
         write_report(analysis_report(analysis))
     if not all(check.inside for check in analysis.limits):
         raise typer.Exit(OUTSIDE_A_LIMIT)
+
+
+def _with_changes(run: Run, table: str) -> Run:
+    """Return the run with a note for each file that is not as its recording left it."""
+    if not Path(table).with_suffix(".manifest.json").exists():
+        return run
+    from scara_iso.recorder.manifest import check_manifest
+
+    changes = check_manifest(Path(table))
+    return replace(run, origin=replace(run.origin, notes=(*changes, *run.origin.notes)))
 
 
 def _parse_limits(texts: Sequence[str]) -> dict[str, float]:

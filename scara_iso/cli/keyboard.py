@@ -16,6 +16,7 @@ _ASKING: dict[str, tuple[str, Callable[[str], Command]]] = {
     "v": ("Void the last reading, because: ", Void),
     "n": ("Note: ", Note),
 }
+_LONGEST = 1000
 _ENTER = "\r\n "
 _ESCAPE = "\x1b"
 _RUB_OUT = "\x08\x7f"
@@ -104,7 +105,7 @@ class Nobody:
 
 def parse_line(line: str) -> Command | None:
     """Return the command that a line spells; None where it spells none."""
-    word, _, rest = line.strip().partition(" ")
+    word, _, rest = line.strip()[:_LONGEST].partition(" ")
     match word.lower(), rest.strip():
         case "", _:
             return Take()

@@ -41,6 +41,7 @@ class Bench:
         self._clock = clock
         self._tell = tell
         self._faulted = False
+        self.last_problem = ""
 
     def open(self) -> None:
         """Let powers come up, refuse what is under way, and learn the units.
@@ -118,6 +119,7 @@ class Bench:
 
     def problem(self, gauge: Gauge, kind: Kind, message: str) -> None:
         """Write down and say that there is no reading."""
+        self.last_problem = f"{gauge.axis}: {message}"
         self._journal.append(kind, axis=gauge.axis, message=message)
         self._tell(Problem(gauge.axis, kind, message))
 

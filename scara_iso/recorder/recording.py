@@ -213,7 +213,8 @@ def _finish(job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]
 def _table_bytes(history: History) -> bytes:
     from scara_iso.tables import write_table  # noqa: PLC0415 - only once, at the end
 
-    return write_table(history.run()).encode("utf-8")
+    # A file name or option need not be valid text; the readings must not be lost for that.
+    return write_table(history.run()).encode("utf-8", "backslashreplace")
 
 
 def _write(disk: Disk, path: Path, data: bytes) -> None:

@@ -138,7 +138,8 @@ class Session:
                 return
         if isinstance(self._plan.trigger, Timer):
             raise InstrumentError(
-                f"no reading of cycle {self._cycle} after {ATTEMPTS} requests",
+                f"no reading of cycle {self._cycle} after {ATTEMPTS} requests; "
+                f"at last {self._bench.last_problem}",
                 remedy="check cable, settings and that the indicator is on, then use --resume",
             )
         self._say_waiting()

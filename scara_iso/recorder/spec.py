@@ -30,6 +30,7 @@ OPTIONS = {
 
 _EXAMPLE = "X=opto-rs232@/dev/ttyUSB0 or X=mitutoyo-mux?unit=mm&channel=1@COM3"
 _AXES = {name.lower(): name for name in AXES}
+_LONGEST = 50_000
 _TABLE_KEY = re.compile(
     r"(unit|resolution)(_.*)?|indicator_uncertainty_.*|first_cycle_discarded|axes_recorded"
     r"|simulated|cycles_planned|record_.*|indicator"
@@ -161,7 +162,7 @@ def parse_metadata(texts: Iterable[str]) -> dict[str, str]:
 
 
 def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
-    """Return ``found``; `UsageError` for a key that is no word or that the recorder writes."""
+    """Return ``found``; `UsageError` for too much, or a key that is no word or the recorder's."""
     wrong = [key for key in found if not _KEY.fullmatch(key)]
     taken = [key for key in found if _TABLE_KEY.fullmatch(key.lower().replace(" ", "_"))]
     if wrong or taken:
@@ -170,6 +171,8 @@ def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
             + ("not a key" if wrong else "the recorder states this itself"),
             remedy="use keys such as robot, payload, velocity, temperature, operator",
         )
+    if sum(len(key) + len(value) for key, value in found.items()) > _LONGEST:
+        raise UsageError(f"metadata of more than {_LONGEST} characters", remedy="shorten it")
     return dict(found)
 
 
