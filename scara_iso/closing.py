@@ -11,8 +11,9 @@ from scara_iso.diagnosis import Diagnosis, Found, diagnose
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
-from scara_iso.model import DeclaredEffect, Model, predict
+from scara_iso.model import DeclaredEffect, Model, predict, read_model
 from scara_iso.run import Run
+from scara_iso.tables import read_table
 
 _PLANE = ("X", "Y")
 
@@ -43,6 +44,45 @@ class CyclesWanted:
                 remedy=f"name it: --pose {labels[0]}",
             )
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How the tables are to be read, as in `tables.read_table`."""
+
+    unit: str | None = None
+    resolution: float | None = None
+    decimal: str | None = None
+    sheet: str | None = None
+
+    def read(self, table: str) -> Run:
+        """Return the run of a table; errors as in `read_table`."""
+        return read_table(
+            table,
+            unit=self.unit,
+            resolution=self.resolution,
+            decimal=self.decimal,
+            sheet=self.sheet,
+        )
+
+
+def close_the_loop_on(
+    table: str,
+    model: str | None,
+    reading: Reading,
+    wanted: CyclesWanted,
+    *,
+    hold_out: str | None = None,
+    seed: int,
+) -> Diagnosis:
+    """Return `close_the_loop` of files, by name."""
+    return close_the_loop(
+        reading.read(table),
+        None if model is None else read_model(model),
+        wanted,
+        hold_out=None if hold_out is None else reading.read(hold_out),
+        seed=seed,
+    )
 
 
 def close_the_loop(

@@ -119,6 +119,20 @@ def test_it_is_said_on_the_terminal_and_drawn(call, tmp_path):
     assert picture.read_text(encoding="utf-8").startswith("<?xml")
 
 
+def test_several_tables_give_a_summary(call, tmp_path):
+    step = simulated(call, tmp_path / "step.csv", "step@X:size=0.05,at_cycle=12")
+    plain = simulated(call, tmp_path / "plain.csv", seed=12)
+    code, out, _ = call("diagnose", step, plain)
+    assert code == 0
+    assert "2 tables: 1 explained, 1 nothing-to-explain" in out
+    code, out, _ = call("diagnose", step, tmp_path / "nowhere.csv", "--json")
+    assert code == 66
+    first, second = json.loads(out, parse_constant=pytest.fail)["tables"]
+    assert first["verdict"] == "explained"
+    assert "nowhere.csv" in second["error"]
+    assert call("diagnose", step, plain, "--plot", "a.svg")[0] == 2
+
+
 def test_poses_are_diagnosed_one_at_a_time(rng):
     cycle = np.tile(np.arange(1, 32), 2)
     run = Run(cycle, {"X": Axis("X", rng.normal(0, 0.01, 62))}, pose=np.repeat(["P1", "P2"], 31))

@@ -14,7 +14,6 @@ from scara_iso.cli.analyze import (
     FirstDiscarded,
     ResolutionOfTable,
     Sheet,
-    Table,
     UnitOfTable,
 )
 from scara_iso.cli.output import write_json, write_report
@@ -23,9 +22,14 @@ from scara_iso.errors import UsageError
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Diagnosis
 
+Tables = Annotated[
+    list[str],
+    typer.Argument(metavar="TABLE...", help="Tables of readings; several give a summary."),
+]
+
 
 def diagnose_command(
-    table: Table,
+    tables: Tables,
     *,
     model: Annotated[
         str | None,
@@ -57,27 +61,29 @@ def diagnose_command(
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
-    from scara_iso import read_table
-    from scara_iso.closing import CyclesWanted, close_the_loop
-    from scara_iso.model import read_model
+    from scara_iso.closing import CyclesWanted, Reading, close_the_loop_on
 
+    single = {"--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
+    asked = [option for option, value in single.items() if value is not None]
+    if len(tables) > 1 and asked:
+        raise UsageError(f"{asked[0]} is for one table", remedy="diagnose the tables one by one")
     if save_model is not None and model is None:
         raise UsageError("--save-model needs --model", remedy="name the one to add to")
-    run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
-    diagnosis = close_the_loop(
-        run,
-        None if model is None else read_model(model),
-        CyclesWanted(pose, first_cycle_discarded, cycles),
-        hold_out=None if hold_out is None else read_table(hold_out, unit=unit, decimal=decimal),
-        seed=seed,
-    )
+    reading = Reading(unit, resolution, decimal, sheet)
+    wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
+    if len(tables) > 1:
+        from scara_iso.cli.diagnose_many import diagnose_many
+
+        diagnose_many(tables, model, reading, wanted, seed=seed, as_json=json)
+        return
+    diagnosis = close_the_loop_on(tables[0], model, reading, wanted, hold_out=hold_out, seed=seed)
     if plot is not None:
         from scara_iso.render.plots import plot_diagnosis
 
         plot_diagnosis(diagnosis, plot)
     if save_model is not None and model is not None:
         _save(diagnosis, model, save_model)
-    _write(diagnosis, run.origin.source, as_json=json)
+    _write(diagnosis, tables[0], as_json=json)
 
 
 def _save(diagnosis: Diagnosis, model: str, to: Path) -> None:
