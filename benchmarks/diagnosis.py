@@ -111,7 +111,7 @@ def percent(results, key):
 
 
 def null(pool, runs):
-    """False alarms on scatter only."""
+    """Print false alarms on scatter only."""
     print("\n## False alarms on scatter only [%]: verdict (flagged readings beside it)")
     print(f"{'scatter':9s}" + "".join(f"{s or 'no rounding':>15}" for s in SIGMAS))
     for noise in ("normal", "t3", "skewed", "split"):
@@ -159,7 +159,7 @@ def naming(pool, runs):
                 counts += [len(x["rivals"]) for x in r]
             cells_text = " ".join(f"{k} {p:.0f}" for (k, _), p in zip(cells, right, strict=True))
             print(f"sigma {sigma} {label}: mean {np.mean(right):.1f}   {cells_text}")
-            print(f"   rivals hold the truth {100 * np.mean(held):.1f} %, {np.mean(counts):.1f} long;"
+            print(f"   truth among rivals {100 * np.mean(held):.1f} %, {np.mean(counts):.1f} long;"
                   f" {calibration(np.array(stated))}", flush=True)  # fmt: skip
 
 
@@ -190,10 +190,8 @@ def rival_names(task):
 
 
 def rivals(pool, runs):
-    """The same data through other methods."""
-    print(
-        "\n## Rivals: effect named on scatter only [%], and named right at sigma 0.7 [% of found]"
-    )
+    """Print what other methods make of the same data."""
+    print("\n## Rivals: effect named on scatter only [%]; right at sigma 0.7 [% of found]")
     empty = {}
     for sigma in (0.3, 0.5, 0.7, 1.0):
         tasks = [("none", 0, sigma, "normal", [SEED, 1, i]) for i in range(runs)]
@@ -245,11 +243,10 @@ def held(task):
     found = searched(run_of(y[:, np.newaxis], sigma), rng)
     if found is None or not found[1]:
         return None
-    problem, terms, stages = found
+    problem, terms, _ = found
     rows = np.arange(N)
-    critical = [stage.order.critical for stage in stages]
-    unseen = cross_validated(problem, critical, rng, with_chains=True)
     fitted = fit(terms, problem.residual.values, rows, N)
+    unseen = cross_validated(problem, fitted, rng, with_chains=True)
     fresh = read(course + rng.normal(size=(400, N)))
     before = np.sqrt(((fresh - y.mean()) ** 2).mean())
     after = np.sqrt(((fresh - fitted.predicted[:, 0]) ** 2).mean())

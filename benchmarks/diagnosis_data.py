@@ -47,7 +47,7 @@ def noise(rng, kind="normal", n=N):
     return rng.normal(size=n)
 
 
-def shape(rng, kind, n=N):  # noqa: C901, PLR0911 - one line for each structure
+def shape(rng, kind, n=N):  # noqa: C901, PLR0911, PLR0912 - one line for each structure
     """Return one structure over n cycles."""
     j = np.arange(n)
     match kind:

@@ -17,8 +17,9 @@ import numpy as np
 
 from scara_iso.arm import Arm, Elbow
 from scara_iso.errors import UsageError
+from scara_iso.inscribed import SMALLEST_MM, Rectangle, largest_rectangle
 from scara_iso.run import FloatArray
-from scara_iso.workspace import SMALLEST_MM, Rectangle, Workspace, largest_rectangle
+from scara_iso.workspace import Workspace
 
 POSES = ("P1", "P2", "P3", "P4", "P5")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -122,6 +122,19 @@ class Run:
 
     def __len__(self) -> int:
         return len(self.cycle)
+
+    def take(self, rows: IntArray) -> Run:
+        """Return the run of some of its rows, given by number from 0; one pose has no label."""
+        labels = None if self.pose is None else self.pose[rows]
+        one_pose = labels is None or len(set(labels.tolist())) == 1
+        return replace(
+            self,
+            cycle=self.cycle[rows],
+            axes={n: replace(a, readings=a.readings[rows]) for n, a in self.axes.items()},
+            pose=None if one_pose else labels,
+            covariates={name: values[rows] for name, values in self.covariates.items()},
+            lines=None if self.lines is None else self.lines[rows],
+        )
 
     def rows_by_pose(self) -> Iterator[tuple[str | None, IntArray]]:
         """Yield each pose's label and row numbers, poses in order of first appearance.

@@ -1,4 +1,4 @@
-"""The area that a SCARA reaches, seen from above, and the largest rectangle inside it.
+"""The area that a SCARA reaches, seen from above, and how large a rectangle fits at a place.
 
 The area is bounded by arcs: about the base where joint 2 is at a limit, straight or folded, and
 about the elbow where joint 1 is at a limit. A rectangle lies inside if its centre does and no arc
@@ -19,29 +19,8 @@ from scara_iso.arm import Arm, Elbow
 from scara_iso.errors import UsageError
 from scara_iso.run import FloatArray
 
-SMALLEST_MM = 1.0
-"""A side shorter than this is no rectangle to test a robot in."""
-
 _EDGE = 1e-6
 """How far beside an arc its two sides are looked at, as a part of the reach."""
-_ASPECT = 4.0
-"""Largest logarithm of a rectangle's aspect ratio that is searched (55 : 1)."""
-_FINEST_MM = 1e-6
-"""Half side of a cell at which the search of a place ends."""
-_RIVALS = 4
-"""How many separate places are compared finely: a workspace may be symmetric in two ways."""
-_FOLLOWED = 2000
-"""How many cells are followed at most; a safeguard, reached where the area is narrow."""
-
-
-@dataclass(frozen=True, slots=True)
-class Rectangle:
-    """A rectangle with its edges along x and y, in mm: centre and full sides."""
-
-    x: float
-    y: float
-    width: float
-    depth: float
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,9 +36,19 @@ class Workspace:
 
     @classmethod
     def of(cls, arm: Arm, elbows: Sequence[Elbow] = tuple(Elbow)) -> Workspace:
-        """Return the workspace of ``arm``, bounded by the arcs with its outside on one side."""
+        """Return the workspace of ``arm``, bounded by the arcs with its outside on one side.
+
+        Raises `UsageError` where the limits of joint 2 keep the elbow on the other side.
+        """
         found = cls(arm, tuple(elbows), np.empty((0, 5)))
-        pieces = [piece for piece in _split(_candidates(found)) if found._bounds(piece)]
+        candidates = _candidates(found)
+        if not candidates:
+            raise UsageError(
+                f"joint 2, from {arm.joint_2_deg[0]:g} to {arm.joint_2_deg[1]:g} deg, never has "
+                f"its elbow on the {' or '.join(elbow.value for elbow in elbows)}",
+                remedy="take the other elbow, or correct the arm's limits",
+            )
+        pieces = [piece for piece in _split(candidates) if found._bounds(piece)]
         return cls(arm, tuple(elbows), np.array(pieces).reshape(-1, 5))
 
     def contains(self, points: npt.ArrayLike) -> npt.NDArray[np.bool_]:
@@ -91,102 +80,17 @@ class Workspace:
             near = np.minimum(near, _along_diagonal(self.arcs, centres, along))
         return np.asarray(np.where(self.contains(centres), near, -near))
 
+    def extent(self) -> tuple[FloatArray, FloatArray]:
+        """Return the least and the greatest (x, y) of the workspace in mm."""
+        points = _extreme_points(self.arcs)
+        return points.min(axis=0), points.max(axis=0)
+
     def _bounds(self, arc: FloatArray) -> bool:
         x, y, radius, first, last = arc
         middle = (first + last) / 2
         beside = radius + _EDGE * (self.arm.link_1_mm + self.arm.link_2_mm) * np.array([-1, 1])
         sides = np.stack([x + beside * math.cos(middle), y + beside * math.sin(middle)], axis=-1)
         return not bool(np.all(self.contains(sides)))
-
-
-def largest_rectangle(workspace: Workspace, *, square: bool) -> Rectangle:
-    """Return the largest square, or rectangle by area, with edges along x and y inside.
-
-    Branch and bound over centre and aspect ratio: the size that fits cannot change faster than the
-    centre moves, so that a cell whose bound is below the best found is left out for certain. Of
-    equal ones the foremost (largest x, then y) is taken. A side comes out to 1e-5 mm for a square,
-    to about 0.05 mm for a rectangle, whose area hardly depends on its aspect ratio. Raises
-    `UsageError` where nothing with the area of `SMALLEST_MM` squared fits.
-    """
-    points = _extreme_points(workspace.arcs)
-    low, high = points.min(axis=0), points.max(axis=0)
-    middle, half = (low + high) / 2, np.maximum((high - low) / 2, SMALLEST_MM)
-    if square:
-        return _foremost(*_search(workspace, (*middle, 0.0), (*half, 0.0), finest=_FINEST_MM))
-    coarse = float(half.min()) / 150
-    cells, size = _search(workspace, (*middle, 0.0), (*half, _ASPECT), finest=coarse)
-    near = 20 * coarse
-    found: list[Rectangle] = []
-    while len(cells) and len(found) < _RIVALS:
-        first = cells[np.argmax(size)]
-        found.append(_with_best_aspect(workspace, first, near))
-        apart = np.max(np.abs(cells - first) / (near, near, 0.1), axis=-1) > 1
-        cells, size = cells[apart], size[apart]
-    largest = max(r.width * r.depth for r in found)
-    equal = [r for r in found if r.width * r.depth > largest * (1 - 1e-7)]
-    return max(equal, key=lambda r: (round(r.x, 2), round(r.y, 2)))
-
-
-def _with_best_aspect(workspace: Workspace, start: FloatArray, near: float) -> Rectangle:
-    """Return the largest rectangle about a centre within ``near`` mm of one found coarsely."""
-    from scipy.optimize import minimize_scalar  # noqa: PLC0415 - only a box needs it
-
-    x, y, aspect = start.tolist()
-
-    def fit(other: float, finest: float = 1e-4) -> tuple[FloatArray, FloatArray]:
-        return _search(workspace, (x, y, other), (near, near, 0.0), finest=finest)
-
-    found = minimize_scalar(
-        lambda other: -float(fit(other)[1].max()),
-        bounds=(aspect - 0.1, aspect + 0.1),
-        method="bounded",
-        options={"xatol": 1e-4},
-    )
-    return _foremost(*fit(float(found.x), finest=_FINEST_MM))
-
-
-def _search(
-    workspace: Workspace,
-    middle: tuple[float, ...],
-    half_width: tuple[float, ...],
-    *,
-    finest: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the cells (n, 3) of centre and aspect that may hold the best, and the size in each."""
-    counts = [24, 24, 8 if half_width[2] else 1]
-    half = np.array(half_width) / counts
-    steps = [m + np.arange(1 - n, n, 2) * h for m, n, h in zip(middle, counts, half, strict=True)]
-    cells, best = np.array(list(product(*steps))), SMALLEST_MM / 2
-    while len(cells):
-        size = workspace.clearance(cells[:, :2], cells[:, 2])
-        best = max(best, float(size.max()))
-        bound = _bound(cells, size, half)
-        kept = np.flatnonzero(bound >= best)
-        kept = kept[np.argsort(-bound[kept], kind="stable")[:_FOLLOWED]]
-        if len(kept) and half[:2].max() < finest:
-            return cells[kept], size[kept]
-        half = half / 2
-        moves = np.array(list(product(*([-h, h] if h else [0.0] for h in half))))
-        cells = (cells[kept, None] + moves).reshape(-1, 3)
-    raise UsageError(
-        f"the limits leave no area: not even a square of {SMALLEST_MM:g} mm fits the workspace",
-        remedy="widen the limits of joint 1 and joint 2",
-    )
-
-
-def _bound(cells: FloatArray, size: FloatArray, half: FloatArray) -> FloatArray:
-    """Return the largest size that any place within each cell can have."""
-    stretch = np.exp(cells[:, 2] / 2)
-    moved = size + np.maximum(half[0] / stretch, half[1] * stretch)
-    return np.asarray(moved * math.exp(half[2] / 2))
-
-
-def _foremost(cells: FloatArray, size: FloatArray) -> Rectangle:
-    equal = np.flatnonzero(size >= size.max() - 10 * _FINEST_MM)
-    k = equal[np.lexsort((cells[equal, 1], cells[equal, 0]))[-1]]
-    x, y, aspect = cells[k].tolist()
-    t = 2 * (float(size[k]) - _FINEST_MM)  # keeps the corners inside in spite of rounding
-    return Rectangle(x, y, t * math.exp(aspect / 2), t * math.exp(-aspect / 2))
 
 
 def _candidates(workspace: Workspace) -> list[FloatArray]:

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from scara_iso.arm import Arm, Elbow
 from scara_iso.errors import UsageError
-from scara_iso.workspace import Workspace, largest_rectangle
+from scara_iso.inscribed import largest_rectangle
+from scara_iso.workspace import Workspace
 
 ARMS = {
     "typical": Arm(400, 300, (-130, 130), (-145, 145)),
@@ -181,3 +182,16 @@ def test_the_outline_lies_on_the_border():
 def test_limits_that_leave_no_area_are_refused(arm):
     with pytest.raises(UsageError, match="leave no area"):
         largest_rectangle(Workspace.of(arm), square=True)
+
+
+def test_an_elbow_that_the_limits_exclude_is_refused():
+    with pytest.raises(UsageError, match="never has its elbow on the right"):
+        Workspace.of(Arm(400, 300, (-90, 90), (-120, -30)), (Elbow.RIGHT,))
+
+
+def test_a_rectangle_that_can_slide_is_found_and_fits():
+    arm = Arm(453.8, 167.3, (-154.3, -100.7), (57.8, 303.0))
+    workspace = Workspace.of(arm)
+    box = largest_rectangle(workspace, square=False)
+    assert box.width * box.depth == pytest.approx(52450, rel=1e-3)
+    assert largest_rectangle(workspace, square=True).width ** 2 <= box.width * box.depth

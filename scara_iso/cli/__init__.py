@@ -13,6 +13,7 @@ from scara_iso import __version__
 from scara_iso.cli.analyze import analyze_command
 from scara_iso.cli.backlash import backlash_command
 from scara_iso.cli.demo import demo_command
+from scara_iso.cli.diagnose import diagnose_command
 from scara_iso.cli.output import settings
 from scara_iso.cli.plan import plan_command
 from scara_iso.cli.ports import ports_command
@@ -36,6 +37,7 @@ app = typer.Typer(
 )
 app.command("analyze")(analyze_command)
 app.command("backlash")(backlash_command)
+app.command("diagnose")(diagnose_command)
 app.command("simulate")(simulate_command)
 app.command("plan")(plan_command)
 app.command("demo")(demo_command)

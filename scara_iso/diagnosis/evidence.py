@@ -94,7 +94,7 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     """Return Bayes factors over all axes, shape (members, m), from single ones (members, v, m).
 
     A mixture, in equal parts: each axis takes part or not (probability 1/2); one principal
-    direction does; one axis freed of the others does; one named direction does.
+    direction does; one axis freed of the others does. Named directions count as much as these.
     """
     q = views.axes
     bf = np.exp(np.minimum(log_bf, _LARGEST_LOG / q))
@@ -105,5 +105,6 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
         bf[:, q : 2 * q].mean(axis=1),
         bf[:, 2 * q : 3 * q].mean(axis=1),
     ]
-    parts += [bf[:, 3 * q :].mean(axis=1)] if views.named else []
+    if views.named:  # what physics expects weighs as much as all that it does not
+        parts += [bf[:, 3 * q :].mean(axis=1)] * len(parts)
     return np.asarray(sum(parts) / len(parts))

@@ -16,10 +16,10 @@ from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import Problem, find_again
 from scara_iso.effects import Shape
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
-FOLDS = 5
-REPEATS = 4
+FOLDS = 10
+REPEATS = 2
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -32,30 +32,42 @@ class HeldOut:
 
 def cross_validated(
     problem: Problem,
-    critical: Sequence[float],
+    fitted: Fit,
     rng: np.random.Generator,
     *,
     with_chains: bool,
     repeats: int = REPEATS,
 ) -> HeldOut:
-    """Return the error by repeated 5-fold cross-validation of the whole search.
+    """Return the error by repeated 5-fold cross-validation of the search that gave ``fitted``.
 
-    ``critical`` are the statistics that each stage has to exceed, see `find_again`; none: the
-    model after is the model before.
+    Each fold chooses anew as many effects as the whole run's tests admitted. That a fold's fit
+    has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its excess over
+    the whole fit, on all cycles, is taken off.
     """
     values, n = problem.residual.values, len(problem.residual)
-    before, after = np.zeros(values.shape[1]), np.zeros(values.shape[1])
-    folds = [fold for _ in range(repeats) for fold in np.array_split(rng.permutation(n), FOLDS)]
-    for unseen in folds:
-        rows = np.setdiff1d(np.arange(n), unseen)
-        before += ((values[unseen] - values[rows].mean(axis=0)) ** 2).sum(axis=0)
-        if critical:
-            terms = find_again(problem, rows, critical, with_chains=with_chains)
+    before, after = [], []
+    for _ in range(repeats):
+        for unseen in np.array_split(rng.permutation(n), FOLDS):
+            rows = np.setdiff1d(np.arange(n), unseen)
+            pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
+            terms = find_again(problem, rows, len(fitted.terms), with_chains=with_chains)
             predicted = fit(terms, values[rows], rows, n).predicted
-            after += ((values[unseen] - predicted[unseen]) ** 2).sum(axis=0)
-    count = repeats * n
-    after = after if critical else before
-    return HeldOut(np.sqrt(before / count), np.sqrt(after / count))
+            before.append(_excess(values, pose, unseen))
+            after.append(_excess(values, predicted, unseen))
+    whole = np.broadcast_to(values.mean(axis=0), values.shape)
+    return HeldOut(_error(values, whole, before), _error(values, fitted.predicted, after))
+
+
+def _excess(values: FloatArray, predicted: FloatArray, unseen: IntArray) -> FloatArray:
+    """Return mean squares on the unseen rows less those on all rows, shape (axes,)."""
+    squares = (values - predicted) ** 2
+    return np.asarray(squares[unseen].mean(axis=0) - squares.mean(axis=0))
+
+
+def _error(values: FloatArray, predicted: FloatArray, excess: list[FloatArray]) -> FloatArray:
+    """Return the error on unseen cycles; never below that on the fitted ones."""
+    seen = ((values - predicted) ** 2).mean(axis=0)
+    return np.asarray(np.sqrt(np.maximum(seen, seen + np.mean(excess, axis=0))))
 
 
 def on_second_run(fitted: Fit, members: Sequence[Member], second: Residual) -> HeldOut:

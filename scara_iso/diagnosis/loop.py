@@ -100,14 +100,13 @@ def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> R
 def _cross_validated(
     problem: Problem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
 ) -> HeldOut:
-    critical = [stage.order.critical for stage in stages] if fitted.terms else []
     chained = {m.effect for m in problem.members if m.chained}
     likely = max(
         (stage.choice.probability.get(name, 0.0) for stage in stages if stage.choice
          for name in chained),
         default=0.0,
     )  # fmt: skip
-    return cross_validated(problem, critical, rng, with_chains=likely > _WORTH_CHAINS)
+    return cross_validated(problem, fitted, rng, with_chains=likely > _WORTH_CHAINS)
 
 
 def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:

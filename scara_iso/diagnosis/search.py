@@ -12,7 +12,7 @@ from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
 from scara_iso.diagnosis.evidence import Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, term_of
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
-from scara_iso.diagnosis.permutation import OrderTest, log_statistic, order_test
+from scara_iso.diagnosis.permutation import OrderTest, order_test
 from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
 from scara_iso.effects import Chain, Effect, Process, Shape
 from scara_iso.errors import DataError
@@ -117,28 +117,26 @@ def find(problem: Problem, rng: np.random.Generator) -> tuple[tuple[Term, ...], 
         full = len(terms) == MOST_EFFECTS
         if stage.choice is None or stage.choice.best == UNKNOWN or full:
             return terms, tuple(stages)
-        terms = (*terms, _term(stage.choice, now))
+        terms = (*terms, _term(stage.choice.best, stage.choice, now))
         if isinstance(terms[-1].form, Process):  # a random course explains any further order
             return terms, tuple(stages)
 
 
 def find_again(
-    problem: Problem, rows: IntArray, critical: Sequence[float], *, with_chains: bool
+    problem: Problem, rows: IntArray, count: int, *, with_chains: bool
 ) -> tuple[Term, ...]:
-    """Return the terms that the same search finds on some rows, without shuffling anew.
+    """Return ``count`` terms chosen anew on some rows, as the search of the whole run chose them.
 
-    ``critical`` are the statistics to exceed, stage by stage, as the whole run's shuffles gave.
+    The unknown cannot be added to a model, so the likeliest effect is taken beside it.
     """
     terms: tuple[Term, ...] = ()
-    for least in critical:
+    for _ in range(count):
         now = look(problem, terms, rows)
-        order = np.arange(len(rows))[np.newaxis]
-        if log_statistic(now.bank, now.views, order)[0] < least:
-            return terms
         choice = _choice(problem, now, with_chains=with_chains)
-        if choice.best == UNKNOWN:
+        named = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
+        if not named:
             return terms
-        terms = (*terms, _term(choice, now))
+        terms = (*terms, _term(max(named, key=named.__getitem__), choice, now))
     return terms
 
 
@@ -146,7 +144,7 @@ def _stage(problem: Problem, terms: Sequence[Term], rng: np.random.Generator) ->
     now = look(problem, terms, problem.rows)
     first = not terms
     level = ORDER_LEVEL if first else FURTHER_LEVEL
-    order = order_test(now.bank, now.views, rng, level=level)
+    order = order_test(now.bank, now.views, rng)
     free = order_free_test(now.values, problem.residual.division, rng)
     free_level = ORDER_FREE_LEVEL if first else ORDER_FREE_LEVEL / 4
     ordered = order.p_value <= level
@@ -176,6 +174,5 @@ def _outlier(problem: Problem, free: OrderFreeTest) -> Choice:
     return Choice({"outlier": 1.0}, {"outlier": Shape(alone, {"at_cycle": cycle})})
 
 
-def _term(choice: Choice, now: Look) -> Term:
-    name = choice.best
+def _term(name: str, choice: Choice, now: Look) -> Term:
     return term_of(name, choice.forms[name], now.values, now.rows, now.bank.basis)

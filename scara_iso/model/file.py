@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from scara_iso.arm import Arm, Elbow
 from scara_iso.effects import Effect, GearEffect, find_effects, find_gear_effects
@@ -15,6 +15,9 @@ from scara_iso.errors import CannotCreateError, DataError, Fault, NoInputError, 
 from scara_iso.model.parts import DeclaredEffect, Gearbox, Indicator, Model
 from scara_iso.quantities import Dimension
 from scara_iso.run import AXES
+
+if TYPE_CHECKING:
+    from tomlkit.items import InlineTable
 
 _LARGEST = 1_000_000  # bytes
 _ARM = ("link_1_mm", "link_2_mm", "joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg")
@@ -74,12 +77,20 @@ def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Pat
         if effect.joint is not None:
             table["joint"] = effect.joint
         for name, value in effect.parameters.items():
-            table[name] = dict(value) if isinstance(value, Mapping) else value
+            table[name] = _inline(value) if isinstance(value, Mapping) else value
         tables.append(table)
     try:
         Path(to).write_text(tomlkit.dumps(document), encoding="utf-8")
     except OSError as error:
         raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(to)) from error
+
+
+def _inline(values: Mapping[str, float]) -> InlineTable:
+    import tomlkit  # noqa: PLC0415 - only where a model is written
+
+    table = tomlkit.inline_table()
+    table.update(values)
+    return table
 
 
 def _load(path: Path) -> dict[str, Any]:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from scara_iso.diagnosis import Diagnosis
+
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 
@@ -64,6 +66,37 @@ def plot_gap(trajectory: Trajectory, train: DriveTrain, path: Path) -> None:
     lower.plot(time, trajectory.load_angle * 1000, color=ARM, lw=1.8, label="load")
     lower.set(xlabel="time [ms]", ylabel="angle [mrad]")
     lower.legend(fontsize=8, frameon=False)
+    save(figure, path)
+
+
+def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
+    """Draw readings and predictions, and what is left, before and after, for each axis.
+
+    Errors as in `plot_plan`.
+    """
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+
+    series = diagnosis.series
+    figure = Figure(figsize=(9, 1.2 + 2.1 * len(series.measured)), layout="constrained")
+    rows = figure.subplots(len(series.measured), 2, sharex=True, squeeze=False)
+    for (left, right), (axis, measured) in zip(rows, series.measured.items(), strict=True):
+        before, after = series.predicted_before[axis], series.predicted_after[axis]
+        left.plot(series.cycle, measured, "o", color=ARM, ms=3.5, label="measured")
+        left.plot(series.cycle, before, color=EDGE, lw=1.4, ls="--", label="predicted before")
+        left.plot(series.cycle, after, color=PLANE, lw=1.8, label="predicted after")
+        left.set_ylabel(axis)
+        right.axhline(0, color=EDGE, lw=0.8)
+        right.plot(
+            series.cycle, measured - before, "o", mfc="none", color=EDGE, ms=4, label="before"
+        )
+        right.plot(series.cycle, measured - after, "o", color=PLANE, ms=3.5, label="after")
+    rows[0][0].set_title(f"readings: {diagnosis.verdict.value}")
+    rows[0][1].set_title("measured minus predicted")
+    for column in (0, 1):
+        rows[-1][column].set_xlabel("cycle")
+        rows[-1][column].legend(
+            loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3, fontsize=8, frameon=False
+        )
     save(figure, path)
 
 

@@ -1,0 +1,104 @@
+"""Close the loop on a table: predict the rows that count, subtract, name what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.diagnosis import Diagnosis, Found, diagnose
+from scara_iso.effects import Conditions
+from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283 import used_cycles
+from scara_iso.model import DeclaredEffect, Model, predict
+from scara_iso.run import Run
+
+_PLANE = ("X", "Y")
+
+
+@dataclass(frozen=True, slots=True)
+class CyclesWanted:
+    """Which rows of a table count, as in `iso9283.used_cycles`, and which pose."""
+
+    pose: str | None = None
+    first_cycle_discarded: bool = False
+    cycles: int | None = None
+
+    def take(self, run: Run) -> Run:
+        """Return the rows of one pose that count; `DataError` where several poses are there."""
+        chosen = used_cycles(
+            run, first_cycle_discarded=self.first_cycle_discarded, cycles=self.cycles
+        )
+        labels = list(chosen.poses)
+        if self.pose is not None and self.pose not in labels:
+            raise UsageError(
+                f"no pose {self.pose!r} in {run.origin.source}",
+                remedy=f"it has {', '.join(str(label) for label in labels[:20])}",
+            )
+        if self.pose is None and len(labels) > 1:
+            raise DataError(
+                f"{len(labels)} poses, of which one is diagnosed at a time",
+                where=run.origin.source,
+                remedy=f"name it: --pose {labels[0]}",
+            )
+        return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
+
+
+def close_the_loop(
+    run: Run,
+    model: Model | None,
+    wanted: CyclesWanted,
+    *,
+    hold_out: Run | None = None,
+    seed: int,
+) -> Diagnosis:
+    """Return what ``model`` (None: a constant pose) leaves unexplained in the rows that count.
+
+    Errors as in `CyclesWanted.take` and `diagnose`, and `DataError` for a model that has none of
+    the run's axes.
+    """
+    used = wanted.take(run)
+    second = None if hold_out is None else wanted.take(hold_out)
+    return diagnose(
+        used,
+        _predicted(model, used),
+        seed=seed,
+        held_out=second,
+        held_out_predicted=None if second is None else _predicted(model, second),
+        directions={} if model is None else directions_of(model),
+    )
+
+
+def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
+    if model is None:
+        return None
+    unknown = [name for name in run.axes if name not in model.indicators]
+    if len(unknown) == len(run.axes):
+        raise DataError(
+            f"the model has no indicator {', '.join(unknown)}",
+            where=run.origin.source,
+            remedy="take the model of this robot, or leave --model out",
+        )
+    expected = predict(model, Conditions(run.cycle, run.covariates))
+    return {name: a.readings for name, a in expected.axes.items() if name in run.axes}
+
+
+def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
+    """Return how far X and Y move for each joint, and along the arm, as unit vectors."""
+    if model.arm is None or model.joints_deg is None:
+        return {}
+    arm, joints = model.arm, model.joints_deg
+    vectors = {
+        "joint 1": arm.joint_direction(joints, 1),
+        "joint 2": arm.joint_direction(joints, 2),
+        "along the arm": arm.arm_direction(joints),
+    }
+    return {
+        name: dict(zip(_PLANE, vector.tolist(), strict=True)) for name, vector in vectors.items()
+    }
+
+
+def declared(found: Found) -> DeclaredEffect:
+    """Return a found effect as one that a model declares."""
+    return DeclaredEffect(found.effect, dict(found.parameters))

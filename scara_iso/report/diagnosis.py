@@ -1,0 +1,167 @@
+"""What is said of a diagnosis: what was found, how sure, what else, what to do, what it brings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
+from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.report.digits import decimals
+
+_SURE, _LIKELY = 0.9, 0.6
+
+
+def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
+    """Return what is said of one pose's diagnosis; ``title`` names the table."""
+    sections = [Section("", (Text(f"diagnosis of {title}", "strong"), *_verdict(diagnosis)))]
+    sections += [Section(_name(f.effect), tuple(_effect(f))) for f in diagnosis.effects]
+    sections.append(Section("error and repeatability", tuple(_figures(diagnosis))))
+    sections.append(Section("what RP is made of", (_shares(diagnosis),)))
+    sections.append(Section("measured minus predicted", tuple(_strips(diagnosis))))
+    notices = tuple(_notices(diagnosis))
+    return (*sections, *((Section("notes", notices),) if notices else ()))
+
+
+def _verdict(diagnosis: Diagnosis) -> Iterator[Block]:
+    match diagnosis.verdict:
+        case Verdict.NOTHING:
+            yield Text(
+                f"nothing to explain: no structure beyond chance (p = {diagnosis.p_value:.2g})",
+                "good",
+            )
+            yield Text(
+                "none found does not mean none there: in 30 cycles a step below 1.8, a drift below "
+                "2.4 or a warm-up below 2.9 standard deviations is missed more often than not"
+            )
+        case Verdict.EXPLAINED:
+            said = "; ".join(_sureness(found) for found in diagnosis.effects)
+            yield Text(f"explained: {said}", "strong")
+        case Verdict.UNEXPLAINED:
+            yield Text(
+                f"unexplained: structure is there (p = {diagnosis.p_value:.2g}), and no known "
+                "effect accounts for it",
+                "warn",
+            )
+            if diagnosis.candidates:
+                yield Text(f"nearest: {_rivals(diagnosis.candidates)}")
+
+
+def _sureness(found: Found) -> str:
+    """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
+    where = f" on {', '.join(found.axes)}" if found.axes else ""
+    if found.probability >= _SURE or not found.rivals:
+        return f"{_name(found.effect)}{where} ({found.probability:.0%})"
+    others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals
+    names = " or ".join([_name(found.effect), *(_name(rival.effect) for rival in others)])
+    return f"{names}{where}"
+
+
+def _rivals(rivals: Sequence[Rival]) -> str:
+    return ", ".join(f"{_name(rival.effect)} ({rival.probability:.0%})" for rival in rivals)
+
+
+def _name(effect: str) -> str:
+    return effect.replace("_", " ")
+
+
+def _effect(found: Found) -> Iterator[Block]:
+    yield Text(
+        f"p = {found.p_value:.2g}, probability {found.probability:.0%}"
+        + (f"; not excluded: {_rivals(found.rivals)}" if found.rivals else "")
+    )
+    yield Text(", ".join(_parameter(k, v, found) for k, v in found.parameters.items()))
+    if found.joint is not None:
+        angle = found.angles[found.joint]
+        yield Text(f"moves along {found.joint}, within {angle:.0f} degrees")
+    elif found.angles:
+        angles = ", ".join(f"{name} {angle:.0f}" for name, angle in found.angles.items())
+        yield Text(f"direction matches none: degrees from {angles}", "quiet")
+    yield Text(f"cause: {found.cause}")
+    yield Text(f"confirm: {found.confirm_by}")
+    for line in found.unidentified:
+        yield Text(f"not identifiable: {line}", "warn")
+
+
+def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
+    if not isinstance(value, Mapping):
+        return f"{_name(name)} {value if isinstance(value, str) else f'{value:.4g}'}"
+    errors = found.standard_errors.get(name, {})
+    parts = [
+        f"{axis} {size:+.4g}" + (f" ± {errors[axis]:.1g}" if axis in errors else "")
+        for axis, size in value.items()
+    ]
+    return f"{_name(name)} {', '.join(parts)}"
+
+
+def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
+    before, after = diagnosis.error_before, diagnosis.error_after
+    places = decimals([*before.held_out_rms.values(), *after.held_out_rms.values()])
+    yield Table(
+        ("rms error", "before", "after", "held out, before", "held out, after"),
+        tuple(
+            (
+                axis,
+                f"{before.rms[axis]:.{places}f}",
+                f"{after.rms[axis]:.{places}f}",
+                f"{before.held_out_rms[axis]:.{places}f}",
+                f"{after.held_out_rms[axis]:.{places}f}",
+            )
+            for axis in before.rms
+        ),
+        "held out: on cycles that the fit did not see, the choice of effect repeated",
+    )
+    RP = diagnosis.repeatability
+    columns = (RP.measured, RP.model_before, RP.model_after, RP.with_effect_removed)
+    places = decimals(list(RP.measured.values()))
+    yield Table(
+        ("RP", "measured", "model before", "model after", "effect removed"),
+        tuple(
+            (
+                name,
+                *(f"{column[name]:.{places}f}" if name in column else "" for column in columns),
+            )
+            for name in RP.measured
+        ),
+        "effect removed: what the robot would reach if the cause were cured; the ISO figure itself "
+        "is the measured one",
+    )
+    grown = [n for n, value in RP.with_effect_removed.items() if value > RP.measured[n] * 1.001]
+    if diagnosis.effects and grown:
+        yield Text(
+            f"{', '.join(grown)}: RP grows though the readings scatter less, because distances to "
+            "a mean between two levels are nearly equal and hide in S_l (docs/repeatability.md)",
+            "quiet",
+        )
+
+
+def _shares(diagnosis: Diagnosis) -> Table:
+    rows = tuple(
+        (axis, f"{part.effects:.0%}", f"{part.resolution:.0%}", f"{part.unexplained:.0%}")
+        for axis, part in diagnosis.shares.items()
+    )
+    return Table(("variance", "effects", "resolution", "scatter"), rows)
+
+
+def _strips(diagnosis: Diagnosis) -> Iterator[Block]:
+    series = diagnosis.series
+    for axis, measured in series.measured.items():
+        for name, predicted in (
+            ("before", series.predicted_before[axis]),
+            ("after", series.predicted_after[axis]),
+        ):
+            left = measured - predicted
+            caption = f"{left.min():+.3g} .. {left.max():+.3g}"
+            yield Strip(f"{axis} {name}", series.cycle, left, caption)
+
+
+def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
+    for flag in diagnosis.flags:
+        yield Notice(
+            "warning",
+            "check-the-sheet",
+            flag.axis,
+            f"the reading of cycle {flag.cycle} stands apart (p = {flag.p_value:.1g} in Gaussian "
+            "scatter): look at the raw record",
+        )
+    for note in diagnosis.notes:
+        yield Text(note)
