@@ -176,6 +176,7 @@ def test_a_unit_that_nobody_states_is_an_error_that_names_the_option(run, tmp_pa
         (["record", "a.csv", "--gauge", "X=opto-rs232@/dev/ttyNOTTHERE", *TIMER], 69, "NOTTHERE"),
         (["record", "a.csv", "--gauge", "X=opto-rs232@replay:none", *TIMER], 66, "none"),
         (["record", "a.csv", *X, "--trigger", "data", "--stable", "3"], 2, "--stable"),
+        (["record", "a.csv", *X, *TIMER, "--unit", "inch"], 2, "sim:?unit="),
         (["ports", "--ask", "opto-rs232"], 2, "--probe"),
         (["ports", "--probe", "/dev/ttyNOTTHERE"], 69, "NOTTHERE"),
     ],
