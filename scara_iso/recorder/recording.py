@@ -56,7 +56,7 @@ def record(
     with ExitStack() as stack:
         raw = raw_path(job.table)
         if not job.resume:
-            _refuse_existing(job.table, raw)
+            refuse_existing(job.table)
         ports = _open_ports(job, clock, stack)
         journal = Journal(raw, disk=disk, clock=clock, new=not job.resume)
         stack.callback(journal.close)
@@ -101,8 +101,9 @@ def rebuild(raw: Path, table: Path | None, *, disk: Disk) -> tuple[Path, History
     return table, history
 
 
-def _refuse_existing(*paths: Path) -> None:
-    for path in paths:
+def refuse_existing(table: Path) -> None:
+    """Raise `CannotCreateError` where a table or its raw file is there already."""
+    for path in (table, raw_path(table)):
         if path.exists():
             raise CannotCreateError(
                 "exists already", where=str(path),
@@ -231,6 +232,7 @@ def _write(disk: Disk, path: Path, data: bytes) -> None:
 def _remove(disk: Disk, path: Path) -> None:
     try:
         disk.remove(path)
+        disk.sync_folder(path.parent)
     except OSError as error:
         raise _cannot_write(path, error) from error
 
