@@ -36,7 +36,7 @@ from diagnosis_rivals import RIVALS
 from scara_iso.diagnosis import UNKNOWN, diagnose
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.search import ORDER_FREE_LEVEL, find, problem_of
+from scara_iso.diagnosis.search import FLAG_LEVEL, find, problem_of
 from scara_iso.effects import Process, find_effects
 from scara_iso.run import AXES, Axis, Run
 
@@ -69,7 +69,7 @@ def summary(found):
         return {"found": False, "flag": False, "best": None}
     _, terms, stages = found
     first = stages[0]
-    flag = first.order_free.gaussian_outlier <= ORDER_FREE_LEVEL
+    flag = first.order_free.gaussian_outlier <= FLAG_LEVEL
     ended = stages[-1].choice is None or (terms and isinstance(terms[-1].form, Process))
     choice = first.choice
     return {

@@ -188,17 +188,7 @@ def make_plan(
     the elbow that keeps all poses furthest from singularities is taken. Raises `UsageError` for an
     m outside eq. 1, an arm without stroke or area, and poses that one elbow does not reach.
     """
-    low, high = _TOLERANCE
-    if not low - 1e-12 <= m_over_diagonal <= high + 1e-12:
-        raise UsageError(
-            f"m = {m_over_diagonal:g} L is outside (0.1 ± 0.02) L",
-            remedy=f"choose it from {low:g} to {high:g}",
-        )
-    if arm.stroke_mm < SMALLEST_MM:
-        raise UsageError(
-            f"a stroke of {arm.stroke_mm:g} mm leaves no room for a cube",
-            remedy="give the quill its lowest and highest z",
-        )
+    _check(arm, m_over_diagonal)
     workspace = Workspace.of(arm, tuple(Elbow) if elbow is None else (elbow,))
     area = largest_rectangle(workspace, square=solid is Solid.CUBE)
     corners = _corners(area, arm, solid)
@@ -216,6 +206,20 @@ def make_plan(
         stroke_limits=solid is Solid.CUBE and area.width > arm.stroke_mm,
         conditions=Conditions() if conditions is None else conditions,
     )
+
+
+def _check(arm: Arm, m_over_diagonal: float) -> None:
+    low, high = _TOLERANCE
+    if not low - 1e-12 <= m_over_diagonal <= high + 1e-12:
+        raise UsageError(
+            f"m = {m_over_diagonal:g} L is outside (0.1 ± 0.02) L",
+            remedy=f"choose it from {low:g} to {high:g}",
+        )
+    if arm.stroke_mm < SMALLEST_MM:
+        raise UsageError(
+            f"a stroke of {arm.stroke_mm:g} mm leaves no room for a cube",
+            remedy="give the quill its lowest and highest z",
+        )
 
 
 def _corners(area: Rectangle, arm: Arm, solid: Solid) -> FloatArray:

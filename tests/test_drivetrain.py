@@ -268,6 +268,9 @@ def test_a_stiff_servo_tends_to_a_motor_that_is_held():
     st.floats(-1, 1),
 )
 @example(DriveTrain(1.0, 1.0, 0.0625), 1.0, 0.0, [(0.25, 1.0), (0.25, -1.0)], False, 0.0, 0.0)
+@example(
+    DriveTrain(0.5, 0.5, 0.0625), 1.0, 0.0, [(0.125, 0.5), (0.25, -0.25), (0.125, 0.5)], True, -1, 1
+)
 def test_closed_form_and_integration_agree(
     train, coulomb, load_torque, pieces, held, velocity, relative
 ):
@@ -275,7 +278,7 @@ def test_closed_form_and_integration_agree(
     drive = (Held if held else Torque)(*zip(*pieces, strict=True))
     start = State(0, velocity, 0, relative)
     exact, numeric = solve(train, drive, start), integrate(train, drive, start)
-    for name in ("load_angle", "load_velocity", "gap_angle"):
+    for name in ("load_angle", "gap_angle"):  # velocities jump if the end is an impact
         assert getattr(numeric, name)[-1] == pytest.approx(getattr(exact, name)[-1], abs=1e-7)
 
 

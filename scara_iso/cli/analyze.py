@@ -13,7 +13,7 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.run import Run
+    from scara_iso.results import Analysis
 
 OUTSIDE_A_LIMIT = 1
 
@@ -71,12 +71,13 @@ def analyze_command(
 
     run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
     analysis = analyze(
-        _with_changes(run, table),
+        run,
         first_cycle_discarded=first_cycle_discarded,
         cycles=cycles,
         limits=_parse_limits(limit or ()),
         other_definitions=definitions,
     )
+    analysis = _compared_with_its_manifest(analysis, table)
     if json:
         write_json(analysis_json(analysis))
     else:
@@ -85,14 +86,16 @@ def analyze_command(
         raise typer.Exit(OUTSIDE_A_LIMIT)
 
 
-def _with_changes(run: Run, table: str) -> Run:
-    """Return the run with a note for each file that is not as its recording left it."""
-    if not Path(table).with_suffix(".manifest.json").exists():
-        return run
+def _compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:
+    """Return the analysis with a finding for each file that changed since it was recorded."""
+    path = Path(table)
+    if table == "-" or not path.with_suffix(".manifest.json").exists():
+        return analysis
     from scara_iso.recorder.manifest import check_manifest
+    from scara_iso.results import Finding
 
-    changes = check_manifest(Path(table))
-    return replace(run, origin=replace(run.origin, notes=(*changes, *run.origin.notes)))
+    changed = (Finding("edited", "warning", line) for line in check_manifest(path))
+    return replace(analysis, findings=(*analysis.findings, *changed))
 
 
 def _parse_limits(texts: Sequence[str]) -> dict[str, float]:

@@ -11,6 +11,7 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
 
 if TYPE_CHECKING:
+    from scara_iso.diagnosis.gear import GearDiagnosis
     from scara_iso.results import PoseResult
 
 
@@ -27,6 +28,10 @@ def backlash_command(
         str | None,
         typer.Option("--actual", metavar="TABLE", help="A table of readings to set beside it."),
     ] = None,
+    measured: Annotated[
+        str | None,
+        typer.Option("--measured", metavar="SWEEP", help="Reversals measured at several inertias."),
+    ] = None,
     first_cycle_discarded: FirstDiscarded = False,
     json: AsJson = False,
 ) -> None:
@@ -40,14 +45,29 @@ def backlash_command(
     pose = None
     if actual is not None:
         pose = _measured_pose(actual, first_cycle_discarded)
+    closed = None if measured is None else _closed(measured)
     if json:
         from scara_iso.render.json import backlash_json
 
-        write_json(backlash_json(result, pose))
+        write_json(backlash_json(result, pose, closed))
     else:
-        from scara_iso.report.backlash import backlash_report
+        from scara_iso.report.backlash import backlash_report, sweep_report
 
         write_report(backlash_report(result, pose))
+        if closed is not None:
+            write_report(sweep_report(closed))
+
+
+def _closed(sweep: str) -> GearDiagnosis:
+    """Return what eq. 16 leaves of a measured sweep, and which effect on the gear it is."""
+    from dataclasses import replace
+
+    from scara_iso.diagnosis.gear import diagnose_sweep
+    from scara_iso.sweeps import read_sweep
+
+    found = read_sweep(sweep)
+    closed = diagnose_sweep(found.sweep, found.deviation, uncertainty=found.uncertainty)
+    return replace(closed, notes=(*found.notes, *closed.notes))
 
 
 def _measured_pose(table: str, first_cycle_discarded: bool) -> PoseResult:

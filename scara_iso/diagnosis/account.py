@@ -99,8 +99,8 @@ def _parameters(
         case Spread():
             return {"at_cycle": form.at_cycle, "ratio": form.ratio}
         case Process():
-            scatter = left.std(axis=0, ddof=1) * float(form.parameters["step_share"])
-            return {"size": dict(zip(residual.axes, map(float, scatter), strict=True))}
+            size = left.std(axis=0, ddof=1) * form.scale * form.amplitude
+            return {"size": dict(zip(residual.axes, map(float, size), strict=True))}
         case _:
             return {}
 

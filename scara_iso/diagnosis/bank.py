@@ -8,7 +8,7 @@ least the constant pose) is projected out of U.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +29,7 @@ _ROUGH_WEIGHT = 0.3
 _ROUGH_LENGTHS = (2.0, 5.0)
 _ROUGH_VARIANCES = (1.0, 4.0)
 _PASSAGE_WEIGHT = 0.5
-_LEAST_EIGENVALUE = 1e-3
+_LEAST_EIGENVALUE = 1e-4
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -75,6 +75,11 @@ class Bank:
     def weights(self) -> FloatArray:
         """Prior weight of each member, as given."""
         return np.array([member.weight for member in self.members])
+
+    def amplified(self, factor: float) -> Bank:
+        """Return the bank with every variance beside the scatter ``factor`` times as large."""
+        s = self.shrink / (1 - self.shrink) * factor
+        return replace(self, shrink=s / (1 + s), penalty=np.add.reduceat(np.log1p(s), self.first))
 
 
 def members_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Member, ...]:

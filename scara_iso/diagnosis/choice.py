@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.diagnosis.bank import Bank, Form, Member
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.levels import two_levels
-from scara_iso.effects import Chain, Shape
+from scara_iso.effects import Chain, Process, Shape
 from scara_iso.run import FloatArray, IntArray
 
 _RIVAL = 0.1
 """Share of the best effect's probability from which another one is its rival."""
+
+_AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
+"""Factors on the variances beside the scatter, and their prior: most effects are near it, some
+dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
 
 _LARGEST_LOG = 600.0
 
@@ -43,20 +47,15 @@ class Choice:
         return {name: p for name, p in ranked[1:] if p >= least}
 
 
-def choose(bank: Bank, views: Views, sides: Sequence[_Hidden] = ()) -> Choice:
+def choose(bank: Bank, views: Views, sides: Sequence[Hypothesis] = ()) -> Choice:
     """Return the posterior over effects for the views of one residual.
 
     ``sides`` are what `hidden_sides` found in the same residual; without them effects with hidden
     chains are judged by their shapes alone.
     """
-    log_bf = log_bayes(bank, views.columns)
-    weights = np.array([m.weight if m.named else 0.0 for m in bank.members])
-    evidence = weights * joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
-    found = [
-        _Hidden(m.effect, m.form, float(e)) for m, e in zip(bank.members, evidence, strict=True)
-    ]
+    found = [h for factor, share in _AMPLITUDES for h in _judged(bank, views, factor, share)]
     total: dict[str, float] = {}
-    strongest: dict[str, _Hidden] = {}
+    strongest: dict[str, Hypothesis] = {}
     for hypothesis in (*found, *sides):
         name = hypothesis.effect
         total[name] = total.get(name, 0.0) + hypothesis.evidence
@@ -69,8 +68,24 @@ def choose(bank: Bank, views: Views, sides: Sequence[_Hidden] = ()) -> Choice:
     )
 
 
+def _judged(bank: Bank, views: Views, factor: float, share: float) -> list[Hypothesis]:
+    """Return every member with variance ``factor`` times as large, prior ``share`` of its own."""
+    log_bf = log_bayes(bank.amplified(factor), views.columns)
+    evidence = share * bank.weights * joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
+    return [
+        Hypothesis(member.effect, _amplified(member.form, factor), float(value))
+        for member, value in zip(bank.members, evidence, strict=True)
+    ]
+
+
+def _amplified(form: Form, factor: float) -> Form:
+    if isinstance(form, Process):
+        return replace(form, covariance=factor * form.covariance, amplitude=factor**0.5)
+    return form
+
+
 @dataclass(frozen=True, eq=False, slots=True)
-class _Hidden:
+class Hypothesis:
     """A hypothesis and its weighted evidence."""
 
     effect: str
@@ -80,7 +95,7 @@ class _Hidden:
 
 def hidden_sides(
     members: Sequence[Member], views: Views, division: FloatArray, rows: IntArray, n: int
-) -> list[_Hidden]:
+) -> list[Hypothesis]:
     """Return, for each effect with hidden chains, its evidence and the course of its sides.
 
     ``division`` (axes,) is the dial's in the units of the views, nan for an axis that can show no
@@ -111,7 +126,7 @@ def _sides(
     columns: Sequence[tuple[FloatArray, float]],
     rows: IntArray,
     n: int,
-) -> _Hidden:
+) -> Hypothesis:
     prior = np.array([weight for _, weight in chained])
     found = []
     for column, division in columns:
@@ -122,4 +137,4 @@ def _sides(
     best = max(found, key=lambda item: item[0])[1]
     upper = np.where(best.share_upper > 0.5, 1.0, 0.0)[:, np.newaxis]
     form = Shape(upper, {"switching": best.switching})
-    return _Hidden(effect, form, float(np.mean([evidence for evidence, _ in found])))
+    return Hypothesis(effect, form, float(np.mean([evidence for evidence, _ in found])))

@@ -22,6 +22,9 @@ _RIVAL = 0.1
 _MISFIT_LEVEL = 0.01
 _RELATIVE_FLOOR = 1e-6
 """A reversal is not known better than this share of the largest one."""
+_ZOOMS, _ZOOMED = 3, 401
+_LIGHTEST = 1e-6
+"""Candidates lighter than this share of the best one are left out of the finer ones."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -94,6 +97,9 @@ def diagnose_sweep(
     weights = [_weights(measured, family, scale, known) for family in families]
     evidence = np.array([w.mean() for w in weights])
     best = int(np.argmax(evidence))
+    families[best], weights[best] = _zoomed(
+        sweep, measured, families[best], weights[best], scale, known
+    )
     found = _found(families, weights, evidence / evidence.sum(), best, p_value)
     after = families[best].predictions[int(np.argmax(weights[best]))]
     misfit = float((((measured - after) / scale) ** 2).sum())
@@ -128,6 +134,29 @@ def _weights(measured: FloatArray, family: _Family, scale: FloatArray, known: bo
     """Return each candidate's likelihood relative to eq. 16's misfit, shape (candidates,)."""
     misfit = _misfit(measured, family.predictions, scale)
     return np.asarray(np.exp(_log_likelihood(misfit, len(measured), known)))
+
+
+def _zoomed(
+    sweep: Sweep,
+    measured: FloatArray,
+    family: _Family,
+    weight: FloatArray,
+    scale: FloatArray,
+    known: bool,
+) -> tuple[_Family, FloatArray]:
+    """Return a family of one parameter on ever finer candidates where its weight lies."""
+    for _ in range(_ZOOMS):
+        if len(family.effect.parameters) != 1 or len(family.candidates) < 3:
+            break
+        name = family.effect.parameters[0].name
+        values = np.array([candidate[name] for candidate in family.candidates])
+        inside = np.flatnonzero(weight > _LIGHTEST * weight.max())
+        ends = values[[max(inside[0] - 1, 0), min(inside[-1] + 1, len(values) - 1)]]
+        finer = tuple({name: float(v)} for v in np.linspace(ends[0], ends[1], _ZOOMED))
+        predictions = np.stack([family.effect.deviation(sweep, v) for v in finer])
+        family = _Family(family.effect, finer, predictions)
+        weight = _weights(measured, family, scale, known)
+    return family, weight
 
 
 def _p_value(

@@ -20,7 +20,7 @@ from scara_iso.diagnosis.result import (
     Series,
     Verdict,
 )
-from scara_iso.diagnosis.search import ORDER_FREE_LEVEL, Problem, Stage, find, problem_of
+from scara_iso.diagnosis.search import FLAG_LEVEL, Problem, Stage, find, problem_of
 from scara_iso.effects import Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
@@ -141,7 +141,7 @@ def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
 
 def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
     free = stages[-1].order_free
-    if free.gaussian_outlier > ORDER_FREE_LEVEL:
+    if free.gaussian_outlier > FLAG_LEVEL:
         return ()
     cycle = int(residual.conditions.cycle[free.outlier_row])
     return (Flag(residual.axes[free.outlier_axis], cycle, free.gaussian_outlier),)

@@ -56,5 +56,5 @@ def log_statistic(bank: Bank, views: Views, orders: IntArray) -> FloatArray:
     if bank.basis.shape[1] > 1:
         shuffled = shuffled - bank.basis @ (bank.basis.T @ shuffled)
     log_bf = log_bayes(bank, shuffled).reshape(-1, v, len(orders))
-    weights = np.array([m.weight if m.ordered else 0.0 for m in bank.members])
+    weights = bank.weights
     return np.asarray(np.log(weights / weights.sum() @ joint_evidence(log_bf, views)))

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.diagnosis.bank import UNKNOWN, Bank, Member, build, members_of
 from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
@@ -14,15 +15,21 @@ from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, term_of
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
 from scara_iso.diagnosis.permutation import OrderTest, order_test
 from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
-from scara_iso.effects import Chain, Effect, Process, Shape
+from scara_iso.effects import Chain, Effect, Process, Shape, Spread
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray, Run
 
-ORDER_LEVEL = 0.04
-ORDER_FREE_LEVEL = 0.01
-"""Together 5 % for the first effect: scatter of any one family trips one order-free test only."""
+ORDER_LEVEL = 0.045
+TWO_LEVELS_LEVEL = 0.0075
+OUTLIER_LEVEL = 0.005
+"""Together 5 % for the first effect: what trips one order-free test (skewed scatter the two
+levels, heavy tails the outlier) hardly ever trips the other, and Gaussian scatter trips neither."""
 
-FURTHER_LEVEL = 0.01
+FURTHER = 0.01 / ORDER_LEVEL
+"""Share of these levels at which a further effect is admitted."""
+
+FLAG_LEVEL = 0.01
+"""Level of a flagged reading in Gaussian scatter."""
 MOST_EFFECTS = 3
 _DUST = 1e-9
 _ADJACENT = 2.5
@@ -59,17 +66,36 @@ def problem_of(
         for name, movement in directions.items()
     }
     usable = {name: vector for name, vector in along.items() if np.any(vector)}
-    return Problem(residual, members_of(effects, residual.conditions), usable)
+    members = members_of(effects, residual.conditions)
+    if all(_neighbours(residual)):
+        members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
+    return Problem(residual, members, usable)
+
+
+def _neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
+    """Return which axes show at most three neighbouring divisions, shape (axes,).
+
+    Rounding alone makes such readings look like two states, or like a changing scatter.
+    """
+    return np.asarray(np.ptp(residual.values, axis=0) < _ADJACENT * residual.division)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Look:
-    """One look at what is left: bank, views and residual values (rows, axes) beside ``terms``."""
+    """One look at what is left: residual values (rows, axes), their views, what is fitted.
+
+    ``members`` are the hypotheses that are still open.
+    """
 
     rows: IntArray
-    bank: Bank
+    basis: FloatArray
     views: Views
     values: FloatArray
+    members: tuple[Member, ...]
+
+    def bank(self, cycle: IntArray, members: Sequence[Member]) -> Bank:
+        """Return the bank of some of the members beside what is fitted."""
+        return build(members, cycle, self.rows, self.basis)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -78,7 +104,6 @@ class Stage:
 
     order: OrderTest
     order_free: OrderFreeTest
-    level: float
     choice: Choice | None
 
     @property
@@ -88,14 +113,15 @@ class Stage:
 
 
 def look(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Look:
-    """Return what ``terms`` leave of ``rows`` and the bank of what could explain it."""
+    """Return what ``terms`` leave of ``rows`` and what could explain it."""
     residual = problem.residual
     scale = row_scale(terms, residual.conditions.cycle)
     fitted = fit(terms, residual.values[rows], rows, len(residual))
     values = _without_dust((residual.values - fitted.predicted)[rows] / scale[rows], residual)
     basis = fitted_basis(terms, rows)
-    bank = build(problem.members, residual.conditions.cycle, rows, basis)
-    return Look(rows, bank, views_of(values, basis, problem.directions), values)
+    spread = any(isinstance(term.form, Spread) for term in terms)
+    members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
+    return Look(rows, basis, views_of(values, basis, problem.directions), values, members)
 
 
 def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:
@@ -142,29 +168,29 @@ def find_again(
 
 def _stage(problem: Problem, terms: Sequence[Term], rng: np.random.Generator) -> tuple[Stage, Look]:
     now = look(problem, terms, problem.rows)
-    first = not terms
-    level = ORDER_LEVEL if first else FURTHER_LEVEL
-    order = order_test(now.bank, now.views, rng)
+    share = FURTHER if terms else 1.0
+    ordered = [member for member in now.members if member.ordered]
+    cycle = problem.residual.conditions.cycle
+    order = order_test(now.bank(cycle, ordered), now.views, rng)
     free = order_free_test(now.values, problem.residual.division, rng)
-    free_level = ORDER_FREE_LEVEL if first else ORDER_FREE_LEVEL / 4
-    ordered = order.p_value <= level
-    if ordered or free.two_levels <= free_level:
+    if order.p_value <= share * ORDER_LEVEL or free.two_levels <= share * TWO_LEVELS_LEVEL:
         choice = _choice(problem, now, with_chains=True)
-    elif free.outlier <= free_level:
+    elif free.outlier <= share * OUTLIER_LEVEL:
         choice = _outlier(problem, free)
     else:
         choice = None
-    return Stage(order, free, level, choice), now
+    return Stage(order, free, choice), now
 
 
 def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
-    chains = [m for m in problem.members if isinstance(m.form, Chain)] if with_chains else []
+    chains = [member for member in now.members if member.chained] if with_chains else []
+    named = [member for member in now.members if member.named]
     residual = problem.residual
     length = np.maximum(np.linalg.norm(now.values, axis=0), 1e-300)
-    coarse = np.ptp(residual.values, axis=0) < _ADJACENT * residual.division
+    coarse = _neighbours(residual)
     division = np.where(coarse | ~now.values.any(axis=0), np.nan, residual.division / length)
     sides = hidden_sides(chains, now.views, division, now.rows, len(residual))
-    return choose(now.bank, now.views, sides)
+    return choose(now.bank(residual.conditions.cycle, named), now.views, sides)
 
 
 def _outlier(problem: Problem, free: OrderFreeTest) -> Choice:
@@ -175,4 +201,4 @@ def _outlier(problem: Problem, free: OrderFreeTest) -> Choice:
 
 
 def _term(name: str, choice: Choice, now: Look) -> Term:
-    return term_of(name, choice.forms[name], now.values, now.rows, now.bank.basis)
+    return term_of(name, choice.forms[name], now.values, now.rows, now.basis)

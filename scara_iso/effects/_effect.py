@@ -85,10 +85,15 @@ class Shape:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Process:
-    """A random course: covariance (n, n) in units of the scatter's variance."""
+    """A random course: covariance (n, n) in units of the scatter's variance.
+
+    ``scale`` is the standard deviation, in scatters, of what its size means (such as one step) at
+    ``amplitude`` 1; the search tries larger amplitudes too.
+    """
 
     covariance: FloatArray
-    parameters: Mapping[str, float | str] = field(default_factory=dict)
+    scale: float = 1.0
+    amplitude: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

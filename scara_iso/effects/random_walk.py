@@ -23,9 +23,7 @@ def _series(conditions: Conditions, values: Sizes, rng: Generator) -> FloatArray
 def _processes(conditions: Conditions) -> tuple[Process, ...]:
     since = conditions.elapsed + 1
     together = np.minimum(since[:, np.newaxis], since)
-    return tuple(
-        Process(variance * together, {"step_share": variance**0.5}) for variance in _STEP_VARIANCES
-    )
+    return tuple(Process(variance * together, variance**0.5) for variance in _STEP_VARIANCES)
 
 
 EFFECT = Effect(

@@ -39,6 +39,6 @@ EFFECT = Effect(
     cause="something came loose during the test, or settled",
     confirm_by="check the clamps and repeat the run",
     series=_series,
-    weight=0.5,
+    weight=0.3,
     spreads=_spreads,
 )

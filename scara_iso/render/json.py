@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
 from scara_iso.two_inertia import Backlash, Crossing
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import Diagnosis, Found
+    from scara_iso.diagnosis import Diagnosis, Found, Rival
+    from scara_iso.diagnosis.gear import GearDiagnosis
     from scara_iso.plan import Plan
 
 Json = dict[str, Any]
@@ -115,10 +116,13 @@ def _limit(check: LimitCheck) -> Json:
     }
 
 
-def backlash_json(result: Backlash, actual: PoseResult | None = None) -> Json:
+def backlash_json(
+    result: Backlash, actual: PoseResult | None = None, closed: GearDiagnosis | None = None
+) -> Json:
     """Return the object of ``backlash --json``, schema ``scara-iso/backlash/1``.
 
-    ``actual`` is a measured pose, given as ``actual`` beside the model.
+    ``actual`` is a measured pose, given as ``actual`` beside the model; ``closed`` what a measured
+    sweep leaves unexplained.
     """
     reflected: Json | None = None
     if result.reflected is not None:
@@ -135,6 +139,38 @@ def backlash_json(result: Backlash, actual: PoseResult | None = None) -> Json:
         "free_play_mm": result.free_play_mm,
         "reflected": reflected,
         **({} if actual is None else {"actual": _pose(actual)}),
+        **({} if closed is None else _sweep(closed)),
+    }
+
+
+def _sweep(closed: GearDiagnosis) -> Json:
+    return {
+        "verdict": closed.verdict.value,
+        "effects": [
+            {
+                "effect": found.effect,
+                "parameters": dict(found.parameters),
+                "intervals": {name: list(ends) for name, ends in found.intervals.items()},
+                "p_value": found.p_value,
+                "probability": found.probability,
+                "rivals": [
+                    {"effect": r.effect, "probability": r.probability} for r in found.rivals
+                ],
+                "cause": found.cause,
+                "confirm_by": found.confirm_by,
+            }
+            for found in closed.effects
+        ],
+        "error": {
+            "before": {"rms": closed.rms_before, "held_out_rms": closed.held_out_before},
+            "after": {"rms": closed.rms_after, "held_out_rms": closed.held_out_after},
+        },
+        "series": {
+            "measured": closed.measured.tolist(),
+            "predicted_before": closed.predicted_before.tolist(),
+            "predicted_after": closed.predicted_after.tolist(),
+        },
+        "notes": list(closed.notes),
     }
 
 
@@ -173,9 +209,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
         "verdict": diagnosis.verdict.value,
         "p_value": diagnosis.p_value,
         "effects": [_found(found) for found in diagnosis.effects],
-        "candidates": [
-            {"effect": c.effect, "probability": c.probability} for c in diagnosis.candidates
-        ],
+        "candidates": _rivals(diagnosis.candidates),
         "error": {
             name: {"rms": dict(error.rms), "held_out_rms": dict(error.held_out_rms)}
             for name, error in (
@@ -215,6 +249,10 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
     }
 
 
+def _rivals(rivals: Iterable[Rival]) -> list[Json]:
+    return [{"effect": r.effect, "probability": r.probability} for r in rivals]
+
+
 def _joint(direction: str | None) -> int | None:
     return int(direction[-1]) if direction in ("joint 1", "joint 2") else None
 
@@ -233,7 +271,7 @@ def _found(found: Found) -> Json:
         "standard_errors": {name: dict(value) for name, value in found.standard_errors.items()},
         "p_value": found.p_value,
         "probability": found.probability,
-        "rivals": [{"effect": r.effect, "probability": r.probability} for r in found.rivals],
+        "rivals": _rivals(found.rivals),
         "cause": found.cause,
         "confirm_by": found.confirm_by,
         "unidentified": list(found.unidentified),

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from scara_iso.report.blocks import Block, Report, Section, Table, Text
 from scara_iso.report.digits import four_digits
 from scara_iso.results import PoseResult
 from scara_iso.two_inertia import Backlash, Crossing
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis.gear import GearDiagnosis
 
 
 def backlash_report(result: Backlash, actual: PoseResult | None = None) -> Report:
@@ -87,6 +91,41 @@ def _assumptions(result: Backlash) -> Iterator[Block]:
         yield Text("Without --arm no width at the tool can be said.")
     assumed = "plastic impacts, no friction, no torque but the motor's (paper, section IV)"
     yield Text(f"assumed: {assumed}", "quiet")
+
+
+def sweep_report(closed: GearDiagnosis) -> Report:
+    """Return what is said of a measured sweep: what eq. 16 leaves, and which effect it is."""
+    blocks: list[Block] = [Text(f"{closed.verdict.value.replace('-', ' ')}", "strong")]
+    for found in closed.effects:
+        rivals = ", ".join(f"{_words(r.effect)} ({r.probability:.0%})" for r in found.rivals)
+        blocks += [
+            Text(
+                f"{_words(found.effect)}: p = {found.p_value:.2g}, probability "
+                f"{found.probability:.0%}" + (f"; not excluded: {rivals}" if rivals else ""),
+                "strong",
+            ),
+            *(
+                Text(f"{name} {value:.4g}{_between(found.intervals.get(name))}")
+                for name, value in found.parameters.items()
+            ),
+            Text(f"cause: {found.cause}"),
+            Text(f"confirm: {found.confirm_by}"),
+        ]
+    rows = (
+        ("eq. 16", four_digits(closed.rms_before), four_digits(closed.held_out_before)),
+        ("with the effect", four_digits(closed.rms_after), four_digits(closed.held_out_after)),
+    )
+    note = "held out: each reversal predicted without it, the choice of effect repeated"
+    blocks.append(Table(("rms error [rad]", "fitted", "held out"), rows, note))
+    return (Section("measured sweep", (*blocks, *(Text(line) for line in closed.notes))),)
+
+
+def _words(effect: str) -> str:
+    return effect.replace("_", " ")
+
+
+def _between(ends: tuple[float, float] | None) -> str:
+    return "" if ends is None else f" (95 %: {ends[0]:.4g} .. {ends[1]:.4g})"
 
 
 def _mm(value: float | None) -> str:
