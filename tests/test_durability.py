@@ -264,6 +264,18 @@ def test_the_manifest_says_what_was_edited(tmp_path):
     assert len(check_manifest(table)) == 2
 
 
+def test_resume_does_not_overwrite_an_edited_table(tmp_path):
+    run_session(tmp_path, [X])
+    table = tmp_path / "run.csv"
+    table.write_text("edited")
+    with pytest.raises(CannotCreateError, match="was changed"):
+        run_session(tmp_path, [X], cycles=4, resume=True)
+    assert table.read_text() == "edited"
+    table.unlink()
+    run_session(tmp_path, [X], cycles=4, resume=True)
+    assert len(read_table(table)) == 4
+
+
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"sha256": {"other.csv": "0"}}', "\x00"])
 def test_a_strange_manifest_is_said(tmp_path, text):
     run_session(tmp_path, [X])

@@ -23,6 +23,7 @@ from scara_iso.run import Axis, Origin, Run
 VOIDABLE = 100
 """How many readings back an operator may void."""
 _SHOWN = 10
+_THEN = ", then "
 _GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
 _MAX_CYCLES = 10_000_000
 
@@ -63,7 +64,7 @@ class Column:
 
 
 class History:
-    """The readings, the first session's header and the troubles of one raw file."""
+    """The readings, what the sessions' headers say, and the troubles of one raw file."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -109,10 +110,10 @@ class History:
     def _begin(self, record: Record) -> None:
         if record["schema"] != SCHEMA:
             raise ValueError(f"schema {record['schema']!r} is not {SCHEMA}")
+        _check_header(record)
         if not self.header:
-            _check_header(record)
-            self.header = record
             self.columns = {str(axis): Column() for axis in record["gauges"]}
+        self.header = _merged(self.header, record) if self.header else record
         self._start = max(self._last, _seconds(self.header["wall"], record["wall"]))
 
     @property
@@ -204,6 +205,18 @@ def _check_header(record: Record) -> None:
     _ = int(record["cycles"]), dict(record["metadata"]), str(record["trigger"])
     for gauge in record["gauges"].values():
         _ = [gauge[key] for key in _GAUGE_KEYS]
+
+
+def _merged(first: Record, later: Record) -> Record:
+    """Return the first session's header with what a later one says otherwise."""
+    gauges = {axis: dict(gauge) for axis, gauge in first["gauges"].items()}
+    for axis, gauge in later["gauges"].items():
+        known = gauges.setdefault(axis, dict(gauge))
+        if gauge["identity"] not in known["identity"].split(_THEN):
+            known["identity"] += _THEN + gauge["identity"]
+        known["simulated"] |= gauge["simulated"]
+    metadata = first["metadata"] | later["metadata"]
+    return {**first, "cycles": later["cycles"], "metadata": metadata, "gauges": gauges}
 
 
 def _indicator(gauge: Record) -> str:
