@@ -2,6 +2,7 @@
 
 from scara_iso.diagnosis.bank import UNKNOWN
 from scara_iso.diagnosis.loop import SEED, diagnose
+from scara_iso.diagnosis.poses import diagnose_poses, holm
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
@@ -16,5 +17,5 @@ from scara_iso.diagnosis.result import (
 
 __all__ = [
     "SEED", "UNKNOWN", "Diagnosis", "Error", "Flag", "Found", "Repeatabilities", "Rival",
-    "Series", "Shares", "Verdict", "diagnose",
+    "Series", "Shares", "Verdict", "diagnose", "diagnose_poses", "holm",
 ]  # fmt: skip
