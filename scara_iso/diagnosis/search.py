@@ -25,7 +25,7 @@ LEVEL = 0.05
 FURTHER_LEVEL = 0.01
 """Level at which a further one is."""
 
-_ORDER_SHARE, _TWO_LEVELS_SHARE, _OUTLIER_SHARE = 0.9, 0.15, 0.1
+_ORDER_SHARE, _TWO_LEVELS_SHARE, _OUTLIER_SHARE = 0.95, 0.15, 0.1
 """How much of the level each test may use. What trips one order-free test (skewed scatter the two
 levels, heavy tails the outlier) hardly ever trips the other, and Gaussian scatter trips neither,
 so no scatter uses up more than about the whole."""
