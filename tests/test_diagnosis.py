@@ -287,3 +287,9 @@ def test_holm_steps_down():
     assert holm({"a": 0.01, "b": 0.04, "c": 0.03}) == {"a"}
     assert holm({"a": 0.02, "b": 0.001}) == {"a", "b"}
     assert holm({None: 0.06}) == frozenset()
+
+
+def test_an_axis_that_is_largely_rounding_says_so(rng):
+    found = diagnose(make_run({"X": rng.normal(size=N)}, sigma=0.0005))
+    assert any(note.startswith("X: ") and "rounding" in note for note in found.notes)
+    assert found.shares["X"].resolution + found.shares["X"].unexplained == pytest.approx(1.0)

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from scara_iso.diagnosis.bank import Member, build, constant, extended, members_of
+from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.gear import diagnose_sweep
@@ -247,3 +248,22 @@ def test_a_sweep_says_what_it_cannot_tell(sweep):
     assert "wind-up was not tried" in notes
     with pytest.raises(DataError, match="2 reversals"):
         diagnose_sweep(one, np.zeros(2))
+
+
+def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_axes():
+    effects = [effect for effect in find_effects() if effect.name in {"step", "linear_drift"}]
+    found = {}
+    for label, n, moved in (("plan", 20, 1), ("longer", 50, 1), ("axes", 20, 3)):
+        plan = Plan(Conditions(np.arange(n)), sigma=0.01, division=0.01, moved=moved)
+        small = smallest_effects(plan, effects, np.random.default_rng(1))
+        found[label] = {s.effect: s.travel for s in small}
+    for name in ("step", "linear_drift"):
+        assert 0.01 < found["plan"][name] < 0.05
+        assert found["longer"][name] < found["plan"][name]
+        assert found["axes"][name] < found["plan"][name]
+
+
+def test_a_slow_warm_up_is_known_to_look_like_a_drift():
+    alike = {(a.first, a.second) for a in collinear(MEMBERS, CONDITIONS)}
+    assert ("linear_drift", "warm_up") in alike
+    assert ("linear_drift", "periodic") not in alike

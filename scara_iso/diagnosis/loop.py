@@ -19,6 +19,7 @@ from scara_iso.diagnosis.result import (
     Repeatabilities,
     Rival,
     Series,
+    Shares,
     Verdict,
 )
 from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Problem, Stage, find, problem_of
@@ -27,6 +28,9 @@ from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
 
 SEED = 9283
+_MUCH = 0.2
+"""Share of the variance from which rounding is worth a line."""
+
 _WORTH_CHAINS = 0.02
 """Effects with hidden sides less likely than this on the whole run are not tried in the folds."""
 
@@ -79,6 +83,7 @@ def _diagnosis(
     courses: tuple[dict[str, FloatArray], ...],
     found: tuple[Found, ...],
 ) -> Diagnosis:
+    shares = shares_of(problem.residual, fitted)
     return Diagnosis(
         verdict=_verdict(fitted, stages),
         effects=found,
@@ -86,9 +91,9 @@ def _diagnosis(
         p_value=stages[0].p_value,
         error_before=_error(problem.residual, None, unseen.before),
         error_after=_error(problem.residual, fitted, unseen.after),
-        shares=shares_of(problem.residual, fitted),
+        shares=shares,
         flags=_flags(problem.residual, stages),
-        notes=problem.residual.notes,
+        notes=(*problem.residual.notes, *_coarse(shares)),
         repeatability=Repeatabilities(*map(repeatabilities, courses)),
         series=Series(problem.residual.conditions.cycle, *courses[:3]),
     )
@@ -159,6 +164,16 @@ def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
         return ()
     cycle = int(residual.conditions.cycle[free.outlier_row])
     return (Flag(residual.axes[free.outlier_axis], cycle, free.gaussian_outlier),)
+
+
+def _coarse(shares: Mapping[str, Shares]) -> list[str]:
+    """Return a line for each axis whose scatter is largely the dial's rounding."""
+    return [
+        f"{axis}: {share.resolution:.0%} of the variance is rounding to the dial's division; "
+        "measure with a finer indicator"
+        for axis, share in shares.items()
+        if share.resolution > _MUCH
+    ]
 
 
 def _courses(
