@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import Verdict, diagnose, diagnose_poses, holm
+from scara_iso.effects import Conditions, find_effects, series_by_axis
 from scara_iso.errors import DataError
 from scara_iso.run import Axis, Run
 
@@ -164,6 +165,20 @@ def test_shift_scale_and_order_of_axes_change_nothing(rng):
     assert other.error_after.held_out_rms["X"] == pytest.approx(
         1000 * one.error_after.held_out_rms["X"]
     )
+
+
+@pytest.mark.parametrize("name", [*sorted(COURSES.keys() - {"contact_side"}), "temperature"])
+def test_found_parameters_give_the_course_back(name, rng):
+    recorded = {"humidity": rng.random(N), "temperature_C": 20 + rng.random(N)}
+    course = COURSES.get(name, 12 * (recorded["temperature_C"] - 20))
+    run = make_run({"X": course + rng.normal(size=N)}, covariates=recorded)
+    found = diagnose(run)
+    assert [e.effect for e in found.effects] == [name]
+    effect = next(e for e in find_effects() if e.name == name)
+    conditions = Conditions(run.cycle, recorded)
+    series = series_by_axis(effect, conditions, found.effects[0].parameters, rng)["X"]
+    predicted = found.series.predicted_after["X"]
+    np.testing.assert_allclose(series - series.mean(), predicted - predicted.mean(), atol=1e-9)
 
 
 def test_same_input_same_result(rng):
