@@ -159,7 +159,7 @@ def _zoomed(
         finer = tuple({name: float(v)} for v in np.linspace(ends[0], ends[1], _ZOOMED))
         predictions = np.stack([family.effect.deviation(sweep, v) for v in finer])
         family = _Family(family.effect, finer, predictions)
-        weight = _weights(measured, family, scale, known)
+        (weight,) = _weights(measured, [family], scale, known)
     return family, weight
 
 
