@@ -133,6 +133,34 @@ def test_several_tables_give_a_summary(call, tmp_path):
     assert call("diagnose", step, plain, "--plot", "a.svg")[0] == 2
 
 
+def test_a_planned_test_says_what_it_will_find(call):
+    document = json.loads(
+        call("diagnose", "--design", "--sigma", "0.004", "--columns", "approach", "--json")[1],
+        parse_constant=pytest.fail,
+    )
+    assert document["schema"] == "scara-iso/design/1"
+    assert document["cycles"] == 30
+    smallest = document["smallest"]
+    assert 1.2 * 0.004 < smallest["step"] < 2.4 * 0.004
+    assert "lost_motion" in smallest
+    moved = {c["change"]: c["smallest"]["step"] for c in document["changes"]}
+    assert moved["three axes that move together"] < smallest["step"]
+
+
+def test_a_test_like_that_of_a_table(call):
+    code, out, _ = call("diagnose", TABLE_1, "--design")
+    assert code == 0
+    assert "30 cycles" in out
+    assert "linear drift and warm up" in out
+
+
+@pytest.mark.parametrize(
+    "argv", [[], ["--design", "--sigma", "0"], ["--design", "--columns", "colour"]]
+)
+def test_a_design_that_cannot_be_meant(call, argv):
+    assert call("diagnose", *argv)[0] == 2
+
+
 def test_poses_are_diagnosed_one_at_a_time(rng):
     cycle = np.tile(np.arange(1, 32), 2)
     run = Run(cycle, {"X": Axis("X", rng.normal(0, 0.01, 62))}, pose=np.repeat(["P1", "P2"], 31))

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import Diagnosis
 
 Tables = Annotated[
-    list[str],
+    list[str] | None,
     typer.Argument(metavar="TABLE...", help="Tables of readings; several give a summary."),
 ]
 
 
 def diagnose_command(
-    tables: Tables,
+    tables: Tables = None,
     *,
     model: Annotated[
         str | None,
@@ -48,6 +48,15 @@ def diagnose_command(
     pose: Annotated[
         str | None, typer.Option(help="Which pose, where the table has several.")
     ] = None,
+    design: Annotated[
+        bool, typer.Option("--design", help="What a planned test will tell; needs no readings.")
+    ] = False,
+    sigma: Annotated[
+        float | None, typer.Option(help="Scatter of the planned test [mm], else 0.005.")
+    ] = None,
+    columns: Annotated[
+        str | None, typer.Option(help="Columns of the planned test: approach,temperature_C.")
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the shuffles.", min=0)] = 9283,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
@@ -63,14 +72,23 @@ def diagnose_command(
     """
     from scara_iso.closing import CyclesWanted, Reading, close_the_loop_on
 
+    reading = Reading(unit, resolution, decimal, sheet)
+    wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
+    if design:
+        from scara_iso.cli.diagnose_design import show_design
+
+        show_design(
+            tables or (), reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json
+        )
+        return
+    if not tables:
+        raise UsageError("no table is named", remedy="name one, or ask for --design")
     single = {"--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
     asked = [option for option, value in single.items() if value is not None]
     if len(tables) > 1 and asked:
         raise UsageError(f"{asked[0]} is for one table", remedy="diagnose the tables one by one")
     if save_model is not None and model is None:
         raise UsageError("--save-model needs --model", remedy="name the one to add to")
-    reading = Reading(unit, resolution, decimal, sheet)
-    wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
     if len(tables) > 1:
         from scara_iso.cli.diagnose_many import diagnose_many
 
@@ -95,7 +113,7 @@ def _save(diagnosis: Diagnosis, model: str, to: Path) -> None:
 
 def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:
     if as_json:
-        from scara_iso.render.json import diagnosis_json
+        from scara_iso.render.json_diagnosis import diagnosis_json
 
         write_json(diagnosis_json(diagnosis))
     else:

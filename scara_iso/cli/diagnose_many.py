@@ -13,7 +13,7 @@ from scara_iso.cli.output import settings, write_json, write_report
 from scara_iso.closing import CyclesWanted, Reading, close_the_loop_on
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.errors import ScaraIsoError
-from scara_iso.render.json import diagnosis_json
+from scara_iso.render.json_diagnosis import diagnosis_json
 from scara_iso.render.progress import track
 from scara_iso.render.terminal import open_console
 from scara_iso.report.diagnosis import Failure, summary_report
