@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.diagnosis import Diagnosis, Found, diagnose
+from scara_iso.diagnosis import Diagnosis, Found, diagnose, diagnose_poses
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
@@ -100,7 +100,7 @@ def close_the_loop(
     """
     used = wanted.take(run)
     second = None if hold_out is None else wanted.take(hold_out)
-    return diagnose(
+    found = diagnose(
         used,
         _predicted(model, used),
         seed=seed,
@@ -108,6 +108,21 @@ def close_the_loop(
         held_out_predicted=None if second is None else _predicted(model, second),
         directions={} if model is None else directions_of(model),
     )
+    unknown = [] if model is None else [axis for axis in run.axes if axis not in model.indicators]
+    note = f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
+    return replace(found, notes=(*found.notes, note)) if unknown else found
+
+
+def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
+    """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979)."""
+    chosen = used_cycles(
+        run, first_cycle_discarded=wanted.first_cycle_discarded, cycles=wanted.cycles
+    )
+    found = diagnose_poses(
+        run.take(chosen.rows.ravel()),
+        lambda single, level: diagnose(single, seed=seed, level=level),
+    )
+    return {str(pose): diagnosis for pose, diagnosis in found.items()}
 
 
 def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:

@@ -124,7 +124,7 @@ def test_several_tables_give_a_summary(call, tmp_path):
     plain = simulated(call, tmp_path / "plain.csv", seed=12)
     code, out, _ = call("diagnose", step, plain)
     assert code == 0
-    assert "2 tables: 1 explained, 1 nothing-to-explain" in out
+    assert "2 diagnosed: 1 explained, 1 nothing-to-explain" in out
     code, out, _ = call("diagnose", step, tmp_path / "nowhere.csv", "--json")
     assert code == 66
     first, second = json.loads(out, parse_constant=pytest.fail)["tables"]
@@ -159,6 +159,18 @@ def test_a_test_like_that_of_a_table(call):
 )
 def test_a_design_that_cannot_be_meant(call, argv):
     assert call("diagnose", *argv)[0] == 2
+
+
+def test_the_poses_of_a_table_give_a_summary(call, tmp_path, rng):
+    path = tmp_path / "poses.csv"
+    x = rng.normal(0, 0.01, 62) + np.repeat([0, 0, 0, 0.1], [31, 12, 0, 19])
+    rows = "".join(f"P{1 + k // 31},{1 + k % 31},{x[k]:.3f}\n" for k in range(62))
+    path.write_text(f"# unit: mm\n# resolution: 0.001\npose,cycle,X\n{rows}", encoding="utf-8")
+    code, out, _ = call("diagnose", path)
+    assert code == 0
+    assert "2 diagnosed: 1 nothing-to-explain, 1 explained" in out
+    assert call("diagnose", path, "--plot", tmp_path / "a.svg")[0] == 65
+    assert diagnosed(call, path, "--pose", "P2")["verdict"] == "explained"
 
 
 def test_poses_are_diagnosed_one_at_a_time(rng):

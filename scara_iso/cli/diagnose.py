@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,6 +21,7 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
+    from scara_iso.closing import CyclesWanted, Reading
     from scara_iso.diagnosis import Diagnosis
 
 Tables = Annotated[
@@ -70,38 +72,75 @@ def diagnose_command(
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
-    from scara_iso.closing import CyclesWanted, Reading, close_the_loop_on
+    from scara_iso.closing import CyclesWanted, Reading
 
     reading = Reading(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
+    single = {"--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
+    asked = [option for option, value in single.items() if value is not None]
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
         show_design(
             tables or (), reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json
         )
-        return
-    if not tables:
+    elif tables is None or not tables:
         raise UsageError("no table is named", remedy="name one, or ask for --design")
-    single = {"--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
-    asked = [option for option, value in single.items() if value is not None]
-    if len(tables) > 1 and asked:
+    elif len(tables) > 1 and asked:
         raise UsageError(f"{asked[0]} is for one table", remedy="diagnose the tables one by one")
-    if save_model is not None and model is None:
+    elif save_model is not None and model is None:
         raise UsageError("--save-model needs --model", remedy="name the one to add to")
-    if len(tables) > 1:
+    elif len(tables) > 1:
         from scara_iso.cli.diagnose_many import diagnose_many
 
         diagnose_many(tables, model, reading, wanted, seed=seed, as_json=json)
+    else:
+        files = _Files(tables[0], model, hold_out, save_model, plot)
+        _diagnose_table(files, reading, wanted, seed=seed, as_json=json)
+
+
+@dataclass(frozen=True, slots=True)
+class _Files:
+    """What the diagnosis of one table reads and writes."""
+
+    table: str
+    model: str | None
+    hold_out: str | None
+    save_model: Path | None
+    plot: Path | None
+
+    @property
+    def alone(self) -> bool:
+        """Whether nothing but a table is named."""
+        return not any((self.model, self.hold_out, self.save_model, self.plot))
+
+
+def _diagnose_table(
+    files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
+) -> None:
+    from scara_iso.closing import close_the_loop
+    from scara_iso.model import read_model
+
+    run = reading.read(files.table)
+    if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
+        from scara_iso.cli.diagnose_many import diagnose_poses_of
+
+        diagnose_poses_of(run, wanted, seed=seed, as_json=as_json)
         return
-    diagnosis = close_the_loop_on(tables[0], model, reading, wanted, hold_out=hold_out, seed=seed)
-    if plot is not None:
+    diagnosis = close_the_loop(
+        run,
+        None if files.model is None else read_model(files.model),
+        wanted,
+        hold_out=None if files.hold_out is None else reading.read(files.hold_out),
+        seed=seed,
+    )
+    if files.plot is not None:
         from scara_iso.render.plots import plot_diagnosis
 
-        plot_diagnosis(diagnosis, plot)
-    if save_model is not None and model is not None:
-        _save(diagnosis, model, save_model)
-    _write(diagnosis, tables[0], as_json=json)
+        plot_diagnosis(diagnosis, files.plot)
+    if files.save_model is not None and files.model is not None:
+        _save(diagnosis, files.model, files.save_model)
+    _write(diagnosis, run.origin.source, as_json=as_json)
 
 
 def _save(diagnosis: Diagnosis, model: str, to: Path) -> None:

@@ -10,13 +10,19 @@ from functools import partial
 import typer
 
 from scara_iso.cli.output import settings, write_json, write_report
-from scara_iso.closing import CyclesWanted, Reading, close_the_loop_on
+from scara_iso.closing import (
+    CyclesWanted,
+    Reading,
+    close_the_loop_at_poses,
+    close_the_loop_on,
+)
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.errors import ScaraIsoError
 from scara_iso.render.json_diagnosis import diagnosis_json
 from scara_iso.render.progress import track
 from scara_iso.render.terminal import open_console
 from scara_iso.report.diagnosis import Failure, summary_report
+from scara_iso.run import Run
 
 
 def diagnose_many(
@@ -43,6 +49,16 @@ def diagnose_many(
     codes = [one.exit_code for one in found if isinstance(one, Failure)]
     if codes:
         raise typer.Exit(codes[0])
+
+
+def diagnose_poses_of(run: Run, wanted: CyclesWanted, *, seed: int, as_json: bool) -> None:
+    """Write a summary of the diagnosis of each pose of a table of several."""
+    found = close_the_loop_at_poses(run, wanted, seed=seed)
+    names, diagnoses = [f"pose {pose}" for pose in found], list(found.values())
+    if as_json:
+        write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(names, diagnoses)})
+    else:
+        write_report(summary_report(names, diagnoses))
 
 
 def _diagnose_one(

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 from scara_iso.diagnosis.result import Diagnosis
 from scara_iso.diagnosis.search import LEVEL
-from scara_iso.run import IntArray, Run
+from scara_iso.run import Run
 
 Pose = str | None
 
@@ -31,22 +30,10 @@ def diagnose_poses(
     ``diagnose(run of one pose, level)`` gives a single one; a pose that `holm` does not admit is
     diagnosed again at level 0, which finds nothing.
     """
-    runs = {pose: of_pose(run, rows) for pose, rows in run.rows_by_pose()}
+    runs = {pose: run.take(rows) for pose, rows in run.rows_by_pose()}
     first = {pose: diagnose(single, level) for pose, single in runs.items()}
     admitted = holm({pose: result.p_value for pose, result in first.items()}, level)
     return {
         pose: result if pose in admitted else diagnose(runs[pose], 0.0)
         for pose, result in first.items()
     }
-
-
-def of_pose(run: Run, rows: IntArray) -> Run:
-    """Return the run that consists of some rows, without a pose column."""
-    return replace(
-        run,
-        cycle=run.cycle[rows],
-        axes={n: replace(axis, readings=axis.readings[rows]) for n, axis in run.axes.items()},
-        pose=None,
-        covariates={name: values[rows] for name, values in run.covariates.items()},
-        lines=None if run.lines is None else run.lines[rows],
-    )

@@ -36,13 +36,13 @@ def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) 
     rows = tuple(_summary(table, one) for table, one in zip(tables, found, strict=True))
     verdicts = [row[1] for row in rows]
     counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
-    table = Table(("table", "verdict", "effects", "p"), rows)
+    table = Table(("", "verdict", "effects", "p"), rows)
     failures = [
         Notice("error", "not-diagnosed", name, one.message)
         for name, one in zip(tables, found, strict=True)
         if isinstance(one, Failure)
     ]
-    return (Section("", (Text(f"{len(tables)} tables: {counts}", "strong"), table, *failures)),)
+    return (Section("", (Text(f"{len(tables)} diagnosed: {counts}", "strong"), table, *failures)),)
 
 
 def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, ...]:
