@@ -55,8 +55,8 @@ def diagnose(
     cross-validated. ``effects`` is the catalogue unless given; ``level`` the family-wise chance of
     finding structure in scatter alone. Same arguments, same result.
 
-    Raises `DataError` for fewer than 12 cycles, several poses, no axis that moves, or a
-    prediction that does not belong to the run.
+    Raises `DataError` for fewer than 12 cycles or more than 500, several poses, no axis that
+    moves, or a prediction that does not belong to the run.
     """
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
     rng = np.random.default_rng(seed)

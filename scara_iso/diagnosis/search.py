@@ -204,7 +204,9 @@ def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
     length = np.maximum(np.linalg.norm(now.values, axis=0), 1e-300)
     coarse = _neighbours(residual)
     division = np.where(coarse | ~now.values.any(axis=0), np.nan, residual.division / length)
-    sides = hidden_sides(chains, now.views, division, now.rows, len(residual))
+    sides = hidden_sides(
+        chains, now.views, now.basis, division=division, rows=now.rows, n=len(residual)
+    )
     return choose(now.bank(residual.conditions.cycle, named), now.views, sides)
 
 
