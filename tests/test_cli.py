@@ -255,6 +255,23 @@ def test_a_full_disk_is_said():
     assert b"Traceback" not in done.stderr
 
 
+@pytest.mark.skipif(os.name == "nt", reason="a POSIX shell closes the streams")
+@pytest.mark.parametrize(
+    ("streams", "code", "said"),
+    [
+        ("demo >&-", 74, b"standard output is closed"),
+        ("analyze - <&-", 66, b"standard input is closed"),
+        ("analyze nowhere.csv 2>&-", 66, b""),
+    ],
+)
+def test_closed_streams(streams, code, said):
+    command = f'"{sys.executable}" -m scara_iso {streams}'
+    done = subprocess.run(command, shell=True, capture_output=True, check=False, cwd=ROOT)  # noqa: S602
+    assert done.returncode == code
+    assert said in done.stderr
+    assert b"Error" not in done.stderr
+
+
 @pytest.mark.parametrize(
     "argv", [["--help"], ["analyze", str(TABLE_1)], ["analyze", str(TABLE_1), "--json"],
              ["backlash", *FIRST_JOINT], ["simulate", str(ROOT / "examples" / "fum_scara.toml")]],

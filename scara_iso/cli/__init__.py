@@ -75,6 +75,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
+        if sys.stdout is None:
+            raise OSError("standard output is closed")
         code = app(args=arguments, prog_name="scara-iso", standalone_mode=False)
         sys.stdout.flush()
     except SystemExit as leaving:
@@ -103,7 +105,8 @@ def _tell(error: Exception) -> int:
     if settings.debug:
         traceback.print_exception(error)
     lines, code = _explain(error)
-    sys.stderr.write("".join(f"{printable(line)}\n" for line in lines))
+    if sys.stderr is not None:  # closed by the caller: the exit code still says it
+        sys.stderr.write("".join(f"{printable(line)}\n" for line in lines))
     return code
 
 
