@@ -140,6 +140,20 @@ def test_demo_sets_the_print_beside_the_data(call):
     assert re.search(r"RP X \(eq\. 6\)\s+0\.013\s+0\.01404", out)
 
 
+def test_demo_names_the_table_and_no_folder(call):
+    assert "FUM SCARA · the paper's Table I\n" in call("demo")[1]
+
+
+def test_demo_as_json(call):
+    code, out, err = call("demo", "--json")
+    assert (code, err, out.count("\n")) == (0, "", 1)
+    document = json.loads(out, parse_constant=pytest.fail)
+    assert document["schema"] == "scara-iso/demo/1"
+    found = document["analysis"]["poses"][0]["axes"]["X"]["RP"] / document["printed"]["RP"]["X"]
+    assert round(found, 2) == 1.08
+    assert round(document["backlash"]["reflected"]["deviation_mm"], 4) == 0.2991
+
+
 @pytest.mark.parametrize(
     ("limit", "code"), [("0.03", 0), ("0.02", 1), ("XY=0.0153", 0), ("XY=0.0152", 1)]
 )
@@ -194,11 +208,15 @@ def test_interrupted(call, monkeypatch):
     assert call("analyze", TABLE_1)[0] == 130
 
 
-@pytest.mark.parametrize("command", ["analyze", "backlash", "demo"])
+@pytest.mark.parametrize(
+    "command",
+    ["analyze", "backlash", "demo", "diagnose", "plan", "ports", "record", "simulate"],
+)
 def test_help_has_an_example(call, command):
     code, out, _ = call(command, "--help")
     assert code == 0
     assert "Example" in out
+    assert "--json" in out
 
 
 def test_help_and_version(call):
@@ -335,6 +353,19 @@ def test_simulate_is_read_by_analyze():
     found = json.loads(shell("analyze", "-", "--json", stdin=made.stdout).stdout)
     assert found["cycles"] == {"read": 31, "discarded": [1], "used": 30}
     assert found["poses"][0]["axes"]["X"]["RP"] > 0.1
+
+
+def test_simulate_as_json_holds_the_readings_of_its_table(call, tmp_path):
+    out = tmp_path / "run.csv"
+    code, said, err = call("simulate", MODEL, "--json", "--seed", "3", "-o", out)
+    assert (code, err, said.count("\n")) == (0, "", 1)
+    document = json.loads(said, parse_constant=pytest.fail)
+    run = scara_iso.read_table(out)
+    assert (document["schema"], document["seed"]) == ("scara-iso/simulate/1", 3)
+    assert document["cycle"] == run.cycle.tolist()
+    for name, axis in run.axes.items():
+        assert document["axes"][name]["readings"] == axis.readings.tolist()
+    assert json.loads(call("simulate", MODEL, "--json", "--seed", "3")[1]) == document
 
 
 def test_simulate_adds_the_columns_that_were_asked_for(call):
