@@ -386,7 +386,15 @@ def test_simulate_by_the_drive_train_scatters_over_the_gap(call):
 
 @pytest.mark.parametrize(
     "argv",
-    [["--effect", "magic:size=1"], ["--temperature", "20"], ["--payload", "a"], ["--seed", "-1"]],
+    [
+        ["--effect", "magic:size=1"],
+        ["--temperature", "20"],
+        ["--payload", "a"],
+        ["--seed", "-1"],
+        ["--temperature", "nan:1"],
+        ["--payload", "0,inf"],
+        ["--payload", "1_0"],
+    ],
 )
 def test_a_simulation_that_cannot_be_meant(call, argv):
     code, out, err = call("simulate", MODEL, *argv)

@@ -126,7 +126,9 @@ def _recorded(temperature: str | None, payload: str | None, cycles: int) -> dict
 
 
 def _numbers(option: str, text: str, separator: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(separator)]
-    except ValueError:
-        raise UsageError(f"{option} {text!r} is not made of numbers") from None
+    from scara_iso.quantities import parse_number
+
+    numbers = [n for part in text.split(separator) if (n := parse_number(part)) is not None]
+    if len(numbers) <= text.count(separator):
+        raise UsageError(f"{option} {text!r} is not made of numbers")
+    return numbers
