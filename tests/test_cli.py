@@ -52,6 +52,7 @@ def test_table_1_as_json(call):
     }  # fmt: skip
     assert round(pose["XY"]["RP_rss"], 5) == 0.01526
     assert round(pose["XY"]["RP_radial"], 5) == 0.01406
+    assert round(pose["XY"]["uncertainty_ratio"], 3) == 0.205  # 0.01 mm / sqrt(12) over 0.01406 mm
     flagged = {f["code"] for f in document["findings"] if f["axis"] == "Y"}
     assert {"coarse-resolution", "trend"} <= flagged
 
@@ -161,6 +162,7 @@ def test_a_limit_makes_the_exit_code_a_verdict(call, limit, code):
     found, out, _ = call("analyze", TABLE_1, "--limit", limit)
     assert found == code
     assert "guard band" in out
+    assert "XY by the larger of its two figures" in out
     assert ("OUTSIDE" in out) == bool(code)
 
 

@@ -102,6 +102,7 @@ def _radial(found: RadialResult) -> Json:
         "l_bar": found.l_bar,
         "S_l": found.S_l,
         "uncertainty": found.uncertainty,
+        "uncertainty_ratio": found.uncertainty_ratio,
         "accuracy": found.accuracy,
     }
 
