@@ -78,6 +78,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
+        if sys.stdout is None:
+            raise OSError("standard output is closed")
         code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
         sys.stdout.flush()
     except SystemExit as leaving:
@@ -106,7 +108,8 @@ def _tell(error: Exception) -> int:
     if settings.debug:
         traceback.print_exception(error)
     lines, code = _explain(error)
-    sys.stderr.write("".join(f"{printable(line)}\n" for line in lines))
+    if sys.stderr is not None:  # closed by the caller: the exit code still says it
+        sys.stderr.write("".join(f"{printable(line)}\n" for line in lines))
     return code
 
 

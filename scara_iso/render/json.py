@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import Rival
     from scara_iso.diagnosis.gear import GearDiagnosis
     from scara_iso.plan import Plan
+    from scara_iso.run import Run
 
 Json = dict[str, Any]
 
@@ -100,20 +102,13 @@ def _radial(found: RadialResult) -> Json:
         "l_bar": found.l_bar,
         "S_l": found.S_l,
         "uncertainty": found.uncertainty,
+        "uncertainty_ratio": found.uncertainty_ratio,
         "accuracy": found.accuracy,
     }
 
 
 def _limit(check: LimitCheck) -> Json:
-    return {
-        "figure": check.figure,
-        "pose": check.pose,
-        "RP": check.RP,
-        "limit": check.limit,
-        "guard": check.guard,
-        "inside": check.inside,
-        "clear": check.clear,
-    }
+    return {**asdict(check), "inside": check.inside, "clear": check.clear}
 
 
 def backlash_json(
@@ -179,6 +174,26 @@ def _crossing(crossing: Crossing) -> Json:
         "load_deviation_rad": crossing.load_deviation_rad,
         "inertia_ratio": crossing.inertia_ratio,
         "deviation_mm": crossing.deviation_mm,
+    }
+
+
+def run_json(run: Run, *, seed: int) -> Json:
+    """Return the object of ``simulate --json``, schema ``scara-iso/simulate/1``."""
+    return {
+        "schema": "scara-iso/simulate/1",
+        "unit": "mm",
+        "seed": seed,
+        "metadata": dict(run.metadata),
+        "cycle": run.cycle.tolist(),
+        "axes": {
+            name: {
+                "unit": axis.unit,
+                "resolution": axis.resolution,
+                "readings": axis.readings.tolist(),
+            }
+            for name, axis in run.axes.items()
+        },
+        "covariates": {name: values.tolist() for name, values in run.covariates.items()},
     }
 
 
