@@ -61,12 +61,10 @@ def record(
         journal = Journal(raw, disk=disk, clock=clock, new=not job.resume)
         stack.callback(journal.close)
         earlier = _read_earlier(job, raw, disk) if job.resume else History(str(raw))
-        gauges = zip(job.gauges, ports, strict=True)
         try:
-            bench = [_gauge(spec, port, earlier) for spec, port in gauges]
-            _write_header(job, bench, journal)
+            gauges = _begin(job, ports, earlier, journal)
             Session(
-                bench, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
+                gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
                 position=Position.after(earlier),
             ).run()  # fmt: skip
         except WriteError:
@@ -74,11 +72,20 @@ def record(
         except BaseException:
             _finish(job, journal, disk, tell)
             raise
-        if not _finish(job, journal, disk, tell):
-            raise InstrumentError(
-                "no reading was recorded, and nothing is left behind",
-                remedy="`scara-iso ports --probe PORT` shows what an indicator sends",
-            )
+        if nothing := _finish(job, journal, disk, tell):
+            raise nothing
+
+
+def _begin(job: Job, ports: Sequence[Port], earlier: History, journal: Journal) -> list[Gauge]:
+    """Write the header; strike out what a crash left of a cycle whose gauges are asked together."""
+    specs = zip(job.gauges, ports, strict=True)
+    gauges = [_gauge(spec, port, earlier) for spec, port in specs]
+    _write_header(job, gauges, journal)
+    cycle = earlier.cycle
+    if cut := earlier.cut_short():
+        journal.append("void", cycle=cycle, axes=cut, reason="the cycle was cut short")
+        earlier.strike(cycle, cut)
+    return gauges
 
 
 def rebuild(raw: Path, table: Path | None, *, disk: Disk) -> tuple[Path, History]:
@@ -196,23 +203,34 @@ def _write_header(job: Job, gauges: Sequence[Gauge], journal: Journal) -> None:
     journal.sync()
 
 
-def _finish(job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]) -> bool:
-    """Write table and manifest from what the raw file holds; False where it holds no reading."""
+def _finish(
+    job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]
+) -> InstrumentError | None:
+    """Write table and manifest from what the raw file holds; return why there is no table."""
     history = read_history(journal.path)
     if not history.latest and not history.troubles["voided"]:
         _remove(disk, journal.path)
-        return False
+        return InstrumentError(
+            "no reading was recorded, and nothing is left behind",
+            remedy="`scara-iso ports --probe PORT` shows what an indicator sends",
+        )
     rows = int(history.complete_rows().sum())
     complete = rows == job.plan.cycles
     journal.append("end", complete=complete)
     journal.sync()
+    if not rows:
+        _remove(disk, job.table)
+        return InstrumentError(
+            f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
+            where=str(job.table), remedy="go on with --resume",
+        )  # fmt: skip
     _write(disk, job.table, _table_bytes(history))
     try:
         write_manifest(job.table, complete=complete, disk=disk)
     except OSError as error:
         raise _cannot_write(manifest_path(job.table), error) from error
     tell(Done(rows, job.plan.cycles, str(job.table), str(journal.path)))
-    return True
+    return None
 
 
 def _table_bytes(history: History) -> bytes:
