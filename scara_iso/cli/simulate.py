@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.output import write_text
+from scara_iso.cli.analyze import AsJson
+from scara_iso.cli.output import write_json, write_text
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ def simulate_command(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="File; else standard output.")
     ] = None,
+    json: AsJson = False,
 ) -> None:
     """Write readings of a model with scatter, effects and rounding, as a table.
 
@@ -68,6 +70,7 @@ def simulate_command(
     from scara_iso.effects import Conditions
     from scara_iso.model import read_model, simulate
     from scara_iso.model.spec import parse_effect
+    from scara_iso.render.json import run_json
     from scara_iso.tables import write_table
 
     rng = np.random.default_rng(seed)
@@ -85,7 +88,10 @@ def simulate_command(
         undeclared=[parse_effect(text, described) for text in effect or ()],
         displacement=displacement,
     )
-    write_text(write_table(run), output)
+    if output is not None or not json:
+        write_text(write_table(run), output)
+    if json:
+        write_json(run_json(run))
 
 
 def _arrivals(
@@ -120,7 +126,9 @@ def _recorded(temperature: str | None, payload: str | None, cycles: int) -> dict
 
 
 def _numbers(option: str, text: str, separator: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(separator)]
-    except ValueError:
-        raise UsageError(f"{option} {text!r} is not made of numbers") from None
+    from scara_iso.tables.numbers import parse_clean
+
+    found = parse_clean([part.strip() for part in text.split(separator)], ".")
+    if found is None:
+        raise UsageError(f"{option} {text!r} is not made of numbers")
+    return [float(value) for value in found[0]]

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import Diagnosis, Found, Rival
     from scara_iso.diagnosis.gear import GearDiagnosis
     from scara_iso.plan import Plan
+    from scara_iso.run import Run
 
 Json = dict[str, Any]
 
@@ -179,6 +180,21 @@ def _crossing(crossing: Crossing) -> Json:
         "load_deviation_rad": crossing.load_deviation_rad,
         "inertia_ratio": crossing.inertia_ratio,
         "deviation_mm": crossing.deviation_mm,
+    }
+
+
+def run_json(run: Run) -> Json:
+    """Return the object of ``simulate --json``, schema ``scara-iso/simulate/1``."""
+    return {
+        "schema": "scara-iso/simulate/1",
+        "unit": "mm",
+        "metadata": dict(run.metadata),
+        "cycle": run.cycle.tolist(),
+        "axes": {
+            name: {"unit": a.unit, "resolution": a.resolution, "readings": a.readings.tolist()}
+            for name, a in run.axes.items()
+        },
+        "covariates": {name: values.tolist() for name, values in run.covariates.items()},
     }
 
 
