@@ -182,8 +182,8 @@ arcmin = 6
         ("[[effect]]\nname='step'\nat_cycle=3\njoint='one'\nsize={ X = 1 }", "joint: 1 or 2"),
         ("[pose]\njoint_deg = [0, 150]", "joint 2 is 5 deg outside its limits"),
         ("[pose]\njoint_deg = [0, 90]\nx_mm = 3", "give either joint_deg"),
-        ("[pose]\nx_mm = 300\ny_mm = 300\nelbow = 'up'", "pose.elbow: 'up': right or left"),
-        ("[gearbox.joint_2]\nIm = 1\nIL = 1\narcmin = 1\nstiffness = -3\nfriction = -1", "friction: must"),
+        ("[pose]\nx_mm = 300\ny_mm = 300\nelbow = 'up'", "pose.elbow: 'up'"),
+        ("[gearbox.joint_2]\nIm = 1\nIL = 1\narcmin = 1\nstiffness = -3\nfriction = -1", "must be"),
         ("a = " + "[" * 50_000, "nested deeper"),
     ],
 )  # fmt: skip
