@@ -147,6 +147,29 @@ def test_what_is_no_model_is_refused(tmp_path, text):
         read_model(model_from(tmp_path, text))
 
 
+@pytest.mark.parametrize(
+    "start",
+    [
+        "",
+        "effect = [] # none yet\n",
+        "effect = [{ name = 'step', at_cycle = 3, size = { X = 1 } }] # one\n",
+        "[[effect]]\nname = 'step'\nat_cycle = 3\n[effect.size] # one\nX = 1\n",
+    ],
+)
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_declare_keeps_every_line_however_the_file_is_written(tmp_path, start, line_end):
+    path, copy = tmp_path / "model.toml", tmp_path / "new.toml"
+    text = f"{start}[indicator.X] # the dial\nresolution = 0.01\n".replace("\n", line_end)
+    path.write_bytes(text.encode())
+    found = DeclaredEffect("warm_up", {"tau": 8.0, "size": {"X": 0.03}})
+    declare(path, (found, found), copy)
+    assert read_model(copy).effects == (*read_model(path).effects, found, found)
+    written = copy.read_bytes()
+    for comment in (line for line in text.split(line_end) if "#" in line):
+        assert comment.partition("#")[2].encode() in written
+    assert f"resolution = 0.01{line_end}".encode() in written
+
+
 HEAD = """
 [robot]
 link_1_mm = 400

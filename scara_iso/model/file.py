@@ -66,7 +66,8 @@ def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Pat
     document = tomlkit.parse(_text(Path(path)))
     tables = document.setdefault("effect", tomlkit.aot())
     for effect in effects:
-        table = tomlkit.table()
+        listed = isinstance(tables, tomlkit.items.Array)  # effect = [...] in place of [[effect]]
+        table = tomlkit.inline_table() if listed else tomlkit.table()
         table["name"] = effect.name
         if effect.joint is not None:
             table["joint"] = effect.joint
@@ -74,7 +75,7 @@ def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Pat
             table[name] = _inline(value) if isinstance(value, Mapping) else value
         tables.append(table)
     try:
-        Path(to).write_text(tomlkit.dumps(document), encoding="utf-8")
+        Path(to).write_text(tomlkit.dumps(document), encoding="utf-8", newline="")
     except OSError as error:
         raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(to)) from error
 
