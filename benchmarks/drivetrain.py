@@ -43,7 +43,7 @@ GEAR_DAMPING = 0.1  # of critical, with the load
 VISCOUS = 5.0  # N m s/rad
 BANDWIDTHS = (5.0, 10.0, 20.0)  # Hz, of the servo, critically damped
 FAST, SLOW = Move(1.0, 10.0, 0.01, 0.05), Move(0.05, 10.0, 0.01, 0.05)
-ARRIVALS, SETS = 30, 200
+ARRIVALS, SETS = 30, 5000
 
 
 def repeatability(readings: np.ndarray) -> np.ndarray:

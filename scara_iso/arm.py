@@ -23,6 +23,8 @@ JOINT_UNITS = ("deg", "deg", "mm", "deg")
 
 _SLACK = 1e-9
 """What rounding may add to a joint or a distance, in degrees or mm, without leaving a limit."""
+_LONGEST = 1e6
+"""No arm is a kilometre long; mm."""
 _SHOWN = 3
 """How many poses an error names."""
 
@@ -45,8 +47,8 @@ class Elbow(Enum):
 class Arm:
     """A SCARA arm: two link lengths and the (lowest, highest) position of each joint.
 
-    Raises `UsageError`, naming every fault, for a length that is not positive and finite or limits
-    that are not two finite numbers in order.
+    Raises `UsageError`, naming every fault, for a length that is not positive or is beyond a
+    kilometre, or limits that are not two finite numbers in order.
     """
 
     link_1_mm: float
@@ -60,7 +62,7 @@ class Arm:
     def __post_init__(self) -> None:
         links = {"link_1_mm": self.link_1_mm, "link_2_mm": self.link_2_mm}
         limits = dict(zip(JOINTS, self.limits.tolist(), strict=True))
-        faults = [f"{name} is {v:g}" for name, v in links.items() if not 0 < v < math.inf]
+        faults = [f"{name} is {v:g}" for name, v in links.items() if not 0 < v <= _LONGEST]
         faults += [
             f"{name} goes from {low:g} to {high:g}"
             for name, (low, high) in limits.items()
@@ -69,7 +71,7 @@ class Arm:
         if faults:
             raise UsageError(
                 f"no such arm: {', '.join(faults)}",
-                remedy="link lengths are positive, limits finite and in order (lowest, highest)",
+                remedy="links are positive, in mm, limits finite and in order (lowest, highest)",
             )
 
     @property

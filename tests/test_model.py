@@ -1,12 +1,15 @@
 """The model file, what the model predicts, and what a dial would have shown of it."""
 
+import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tomlkit
 
+from scara_iso.cli import main
 from scara_iso.drivetrain import Approach
 from scara_iso.effects import Conditions
 from scara_iso.errors import CannotCreateError, DataError, NoInputError, UsageError
@@ -133,7 +136,7 @@ def test_every_fault_is_named_by_its_key(tmp_path):
     for key in (
         "robot.link_1_mm", "robot.link_2_mm", "robot.colour", "gearbox.joint_1", "gearbox.joint_9",
         "indicator.X.unit", "indicator.Q", "indicator.Y.resolution", "pose", "effect 1",
-        "effect 2.at", "effect 2.theta", "extra",
+        "effect 2.at", "effect 2.at_cycle", "effect 2.size.theta", "extra",
     ):  # fmt: skip
         assert key in said
 
@@ -142,6 +145,75 @@ def test_every_fault_is_named_by_its_key(tmp_path):
 def test_what_is_no_model_is_refused(tmp_path, text):
     with pytest.raises(DataError):
         read_model(model_from(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        "",
+        "effect = [] # none yet\n",
+        "effect = [{ name = 'step', at_cycle = 3, size = { X = 1 } }] # one\n",
+        "[[effect]]\nname = 'step'\nat_cycle = 3\n[effect.size] # one\nX = 1\n",
+    ],
+)
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_declare_keeps_every_line_however_the_file_is_written(tmp_path, start, line_end):
+    path, copy = tmp_path / "model.toml", tmp_path / "new.toml"
+    text = f"{start}[indicator.X] # the dial\nresolution = 0.01\n".replace("\n", line_end)
+    path.write_bytes(text.encode())
+    found = DeclaredEffect("warm_up", {"tau": 8.0, "size": {"X": 0.03}})
+    declare(path, (found, found), copy)
+    assert read_model(copy).effects == (*read_model(path).effects, found, found)
+    written = copy.read_bytes()
+    for comment in (line for line in text.split(line_end) if "#" in line):
+        assert comment.partition("#")[2].encode() in written
+    assert f"resolution = 0.01{line_end}".encode() in written
+
+
+HEAD = """
+[robot]
+link_1_mm = 400
+link_2_mm = 300
+joint_2_deg = [-145, 145]
+[indicator.X]
+resolution = 0.01
+[indicator.Y]
+[gearbox.joint_1]
+Im = 1e-3
+IL = 2
+arcmin = 6
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[[effect]]\nname = [1]", "effect 1: name one of"),
+        ("[[effect]]\nname = 'step'\nsize = { X = 1 }", "effect 1.at_cycle: missing"),
+        ("[[effect]]\nname = 'step'\nat_cycle = 3\nsize = 0.5", "effect 1.size: give a value"),
+        ("[[effect]]\nname = 'step'\nat_cycle = 3\nsize = 'big'", "effect 1.size: give a value"),
+        ("[[effect]]\nname = 'step'\nat_cycle = 3\nsize = {}", "effect 1.size: give a value"),
+        ("[[effect]]\nname = 'step'\nat_cycle = true\nsize = { X = 1 }", "effect 1.at_cycle: True"),
+        (f"[[effect]]\nname = 'step'\nat_cycle = 1{'0' * 400}\nsize = {{ X = 1 }}", "cycle: 10"),
+        ("[[effect]]\nname = 'warm_up'\ntau = 0\nsize = { X = 1 }", "effect 1.tau: 0 must"),
+        ("[[effect]]\nname = 'warm_up'\ntau = { Y = 1 }\nsize = { X = 1 }", "for the same axes"),
+        ("[[effect]]\nname = 'covariate'\ncolumn = 3\nsize = { X = 1 }", "not the name"),
+        ("[[effect]]\nname = 'friction_hold'\njoint = 1\nheld = 1.5", "above 0 and at most 1"),
+        ("[[effect]]\nname = 'held_motor'", "effect 1.joint: give"),
+        ("[[effect]]\nname = 'held_motor'\njoint = 2", "effect 1.joint: give"),
+        ("[[effect]]\nname = 'held_motor'\njoint = [1]", "effect 1.joint: give"),
+        ("[[effect]]\nname='step'\nat_cycle=3\njoint='one'\nsize={ X = 1 }", "joint: 1 or 2"),
+        ("[pose]\njoint_deg = [0, 150]", "joint 2 is 5 deg outside its limits"),
+        ("[pose]\njoint_deg = [0, 90]\nx_mm = 3", "give either joint_deg"),
+        ("[pose]\nx_mm = 300\ny_mm = 300\nelbow = 'up'", "pose.elbow: 'up'"),
+        ("[gearbox.joint_2]\nIm = 1\nIL = 1\narcmin = 1\nstiffness = -3\nfriction = -1", "must be"),
+        ("a = " + "[" * 50_000, "nested deeper"),
+    ],
+)  # fmt: skip
+def test_a_model_that_cannot_be_meant_is_refused(tmp_path, text, said):
+    with pytest.raises(DataError) as caught:
+        read_model(model_from(tmp_path, f"{HEAD}{text}\n"))
+    assert said in "\n".join([caught.value.what, *map(str, caught.value.faults)])
 
 
 def test_no_such_file(tmp_path):
@@ -189,6 +261,13 @@ def test_effects_as_they_are_typed(fum):
         ("warm_up:size=1", "tau not given"),
         ("warm_up:size=1,tau=2,rho=3", "no parameter 'rho'"),
         ("warm_up:size=one,tau=2", "no number"),
+        ("warm_up:size=nan,tau=2", "no number"),
+        ("warm_up:size=1e400,tau=2", "no number"),
+        ("warm_up:size=1_0,tau=2", "no number"),
+        ("warm_up:size=1,tau=0", "above 0"),
+        ("warm_up:size=1,tau=2,tau=3", "given twice"),
+        ("contact_side:size=1,switching=7", "at most 1"),
+        ("scatter_change:at_cycle=10,ratio=-2,scatter=1", "above 0"),
     ],
 )
 def test_effects_that_cannot_be_meant(fum, text, said):
@@ -223,3 +302,117 @@ def test_the_drive_train_needs_an_arm(tmp_path):
     model = read_model(model_from(tmp_path, "[indicator.X]"))
     with pytest.raises(UsageError, match="needs the arm"):
         rest_positions(model, Approach.RANDOM, count=3, rng=np.random.default_rng(1))
+
+
+def test_chance_draws_one_course_for_all_axes_of_a_common_cause(fum):
+    still = replace(fum, indicators={n: replace(i, scatter=0.0) for n, i in fum.indicators.items()})
+    side = parse_effect("contact_side@X,Y:size=0.5,switching=0.3", still)
+    run = simulate(still, CYCLES, rng=np.random.default_rng(1), undeclared=[side])
+    x, y = (run.axes[name].readings - fum.indicators[name].level for name in ("X", "Y"))
+    assert np.ptp(x) == pytest.approx(0.5)
+    assert y == pytest.approx(x, abs=0.011)
+    rounding = parse_effect("resolution@X,Y:division=0.5", still)
+    run = simulate(still, CYCLES, rng=np.random.default_rng(1), undeclared=[rounding])
+    assert abs(np.corrcoef(run.axes["X"].readings, run.axes["Y"].readings)[0, 1]) < 0.6
+
+
+def test_an_effect_both_declared_and_not_acts_twice(fum):
+    step = DeclaredEffect("step", {"at_cycle": 9.0, "size": {"X": 0.5}})
+    model = replace(fum, effects=(step,))
+    run = simulate(model, CYCLES, rng=np.random.default_rng(1), undeclared=[step])
+    assert np.ptp(run.axes["X"].readings) == pytest.approx(1.0, abs=0.03)
+
+
+def test_alternating_sides_are_expected(fum):
+    sides = DeclaredEffect("contact_side", {"switching": 1.0, "size": {"X": 0.5}})
+    readings = predict(replace(fum, effects=(sides,)), CYCLES).axes["X"].readings
+    assert readings - 0.1 == pytest.approx(np.resize([0.5, 0.0], 31))
+
+
+def geared(model, **changes):
+    """The model with its gearbox changed, and another at joint 2."""
+    one = replace(model.gearboxes[1], **changes)
+    return replace(model, gearboxes={1: one, 2: one})
+
+
+def test_one_approach_holds_for_all_joints(fum):
+    model = geared(fum)
+    sides, moved = rest_positions(model, Approach.RANDOM, count=40, rng=np.random.default_rng(2))
+    # without friction the load crosses the gap: half of it beyond the pose, in every joint
+    half = math.radians(12 / 60) / 2
+    whole = model.arm.jacobian(model.joints_deg) @ [half, half]
+    assert len(set(sides)) == 2
+    assert moved["X"] == pytest.approx(sides * whole[0])
+    assert moved["Y"] == pytest.approx(sides * whole[1])
+
+
+def test_what_friction_holds_on_the_driving_flank_is_the_closed_form_of_a_held_motor(fum):
+    held = replace(fum, effects=(DeclaredEffect("held_motor", {}, 1),))
+    rubbing = replace(held, gearboxes={1: replace(fum.gearboxes[1], friction=200.0)})
+    sides, moved = rest_positions(
+        rubbing, Approach.BOTH_SIDES, count=31, rng=np.random.default_rng(2)
+    )
+    assert sides.tolist() == BOTH.covariates["approach"].tolist()
+    expected = predict(held, BOTH).axes
+    for name in ("X", "Y"):
+        assert moved[name] == pytest.approx(expected[name].readings - fum.indicators[name].level)
+
+
+def test_the_drive_train_takes_the_place_of_the_closed_form(fum):
+    held = replace(
+        fum,
+        effects=(DeclaredEffect("held_motor", {}, 1),),
+        indicators={n: replace(i, scatter=0.0, resolution=None) for n, i in fum.indicators.items()},
+    )
+    moved = {"X": np.linspace(0, 1, 31)}
+    run = simulate(held, BOTH, rng=np.random.default_rng(1), displacement=moved)
+    assert run.axes["X"].readings - 0.1 == pytest.approx(moved["X"])
+
+
+def test_a_stiffness_is_not_left_out_in_silence(fum):
+    with pytest.raises(UsageError, match="without viscous friction or compliance"):
+        rest_positions(
+            geared(fum, stiffness=1e4), Approach.RANDOM, count=3, rng=np.random.default_rng(1)
+        )
+
+
+def run_command(capsys, *argv):
+    code = main(["simulate", *map(str, argv)])
+    return code, *capsys.readouterr()
+
+
+def test_simulate_as_json(capsys, tmp_path):
+    table = tmp_path / "run.csv"
+    words = (EXAMPLE, "--seed", "3", "--effect", "step@Y:size=0.1,at_cycle=9", "--approach", "both")
+    code, out, err = run_command(capsys, *words, "--json", "-o", table)
+    document = json.loads(out, parse_constant=pytest.fail)
+    assert (code, err) == (0, "")
+    assert document["schema"] == "scara-iso/simulate/1"
+    run = read_table(table)
+    assert document["cycle"] == run.cycle.tolist()
+    assert document["covariates"] == {"approach": run.covariates["approach"].tolist()}
+    for name, axis in document["axes"].items():
+        assert axis["readings"] == run.axes[name].readings.tolist()
+        assert axis["resolution"] == run.axes[name].resolution
+    assert "step" not in out + table.read_text(encoding="utf-8")
+    assert run_command(capsys, *words) == (0, table.read_text(encoding="utf-8"), "")
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (["--temperature", "20"], 2),
+        (["--temperature", "nan:3"], 2),
+        (["--payload", "1,inf"], 2),
+        (["--payload", ""], 2),
+        (["--cycles", "1"], 2),
+        (["--effect", "step@Q:size=1,at_cycle=3"], 2),
+        (["--effect", "compliance:size=1"], 2),
+        (["--effect", "held_motor:"], 2),
+        (["-o", "/nowhere/run.csv"], 73),
+    ],
+)
+def test_simulate_refuses(capsys, words, code):
+    found, out, err = run_command(capsys, EXAMPLE, *words)
+    assert (found, out) == (code, "")
+    assert 1 <= len(err.splitlines()) <= 3

@@ -16,6 +16,7 @@ from scara_iso.ports.tape import decode
 from scara_iso.recorder import raw_path
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
+EXAMPLE = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
 SIMULATOR = Path(__file__).with_name("simulator.py")
 
 
@@ -205,3 +206,35 @@ def test_the_live_screen_on_a_terminal(tmp_path):
     run = read_table(tmp_path / "run.csv")
     assert run.cycle.tolist() == [1]
     assert run.metadata["robot"] == "FUM SCARA"
+
+
+def test_a_simulated_robot_seen_by_a_simulated_instrument(tmp_path, capsys, instrument):
+    direct = tmp_path / "direct.csv"
+    words = ("--effect", "warm_up@X:size=0.03,tau=8", "--seed", "4", "-o", str(direct))
+    assert main(["simulate", str(EXAMPLE), *words]) == 0
+    shown = read_table(direct).axes["X"].readings
+    device = instrument(*[rf"{value:+08.3f}\r" for value in shown])
+    code, _, _ = record(
+        tmp_path, capsys, "--gauge", OPTO + device, "--trigger", "timer:0.005",
+    )  # fmt: skip
+    assert code == 0
+    assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == shown.tolist()
+    figures = []
+    for table in (direct, tmp_path / "run.csv"):
+        assert main(["analyze", str(table), "--json"]) == 0
+        axis = json.loads(capsys.readouterr().out)["poses"][0]["axes"]["X"]
+        # the instrument shows a digit more than the model's dial resolves
+        figures.append([axis[key] for key in ("n", "mean", "l_bar", "S_l", "RP", "three_sigma")])
+    assert figures[0] == figures[1]
+
+
+def test_a_model_behind_a_simulated_port_gives_the_figures_of_simulate(tmp_path, capsys):
+    code, events, _ = record(
+        tmp_path, capsys, "--gauge", f"X=opto-rs232@sim:?pace=0&seed=4&model={EXAMPLE}",
+        "--trigger", "timer:1",
+    )  # fmt: skip
+    assert code == 0
+    assert len(stored(events)) == 31
+    assert main(["simulate", str(EXAMPLE), "--seed", "4", "-o", str(tmp_path / "direct.csv")]) == 0
+    direct, recorded = (read_table(tmp_path / f"{name}.csv") for name in ("direct", "run"))
+    assert recorded.axes["X"].readings.tolist() == direct.axes["X"].readings.tolist()

@@ -60,20 +60,21 @@ class Arrivals:
 def arrivals(
     train: DriveTrain,
     move: Move,
-    approach: Approach,
+    approach: Approach | IntArray,
     *,
     count: int,
     rng: np.random.Generator,
 ) -> Arrivals:
     """Return where the load rests after each of ``count`` arrivals of a motor that obeys its servo.
 
+    ``approach`` says from which side, or gives the direction of each arrival, +1 or -1.
     The motor drives the load at speed, brakes and stands; the load goes on through the gap as
     friction, load torque and the flanks let it, until it rests. The motor follows its command
     whatever the load does (`Held`), so that its own inertia plays no part. Raises `UsageError` for
     viscous friction or a compliant gear, which `integrate` takes, and for a move without speed.
     """
     _check(train, move, count)
-    side = sides(approach, count, rng)
+    side = sides(approach, count, rng) if isinstance(approach, Approach) else approach.copy()
     speed = move.speed * _scattered(move.speed_scatter, count, rng)
     friction = train.coulomb * _scattered(move.friction_scatter, count, rng)
     trains = Constants(

@@ -6,6 +6,7 @@ the load deviation that the two-inertia model gives at a reversal.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -38,6 +39,9 @@ class Parameter:
     symbol: str
     unit: str
     meaning: str
+    above: float = -math.inf
+    """The value is larger than this, and finite."""
+    up_to: float = math.inf
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -156,6 +160,8 @@ class Effect:
     chains: tuple[Chain, ...] = ()
     ordered: bool = True
     """False where shuffling the cycles leaves the evidence for the effect as it is."""
+    common: bool = True
+    """Whether chance draws one course for all axes; else each axis has its own."""
     gain: float = 15.0
     """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
 

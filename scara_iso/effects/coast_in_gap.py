@@ -44,7 +44,7 @@ EFFECT = Effect(
     name="coast_in_gap",
     parameters=(
         Parameter("size", "2D", "reading", "travel across the whole gap, at the tool"),
-        Parameter("full_at", "w", "speed", "speed from which the whole gap is crossed"),
+        Parameter("full_at", "w", "speed", "speed from which the whole gap is crossed", above=0),
     ),
     cause="the load coasts on through the gap until Coulomb friction stops it",
     confirm_by="run at 10, 50 and 100 % of the speed: the shift must grow with its square until "

@@ -24,6 +24,8 @@ _SHARE_BELOW = (0.3, 0.4, 0.5, 0.6, 0.7)
 
 
 def _series(conditions: Conditions, values: Sizes, rng: Generator) -> FloatArray:
+    if values["switching"] == 1:
+        return np.asarray(values["size"] * (conditions.cycle % 2), dtype=np.float64)
     switches = rng.random(len(conditions)) < values["switching"]
     switches[0] = rng.random() < 0.5
     return np.asarray(values["size"] * (np.cumsum(switches) % 2), dtype=np.float64)
@@ -38,7 +40,14 @@ EFFECT = Effect(
     name="contact_side",
     parameters=(
         Parameter("size", "s", "reading", "distance of the two levels"),
-        Parameter("switching", "q", "", "probability that the side changes from cycle to cycle"),
+        Parameter(
+            "switching",
+            "q",
+            "",
+            "probability that the side changes from cycle to cycle; 1: upper level in odd cycles",
+            above=0,
+            up_to=1,
+        ),
     ),
     cause="the load comes to rest on either flank of a gear's gap (backlash)",
     confirm_by="preload the joint, or approach the pose from one side only: one level must remain",

@@ -13,14 +13,15 @@ from scara_iso.effects._effect import (
 )
 from scara_iso.run import FloatArray
 
-_CLAIMED = ("temperature", "approach", "payload_kg", "speed", "time_s")
+_CLAIMED = ("approach", "payload_kg", "speed", "time_s")
+"""Columns of other effects, besides every ``temperature...``."""
 
 
 def _recorded(conditions: Conditions) -> dict[str, FloatArray]:
     return {
         name: values
         for name, values in conditions.covariates.items()
-        if not name.lower().startswith(_CLAIMED)
+        if name not in _CLAIMED and not name.lower().startswith("temperature")
     }
 
 

@@ -24,7 +24,11 @@ def _candidates(_: Sweep) -> tuple[Sizes, ...]:
 
 EFFECT = GearEffect(
     name="friction_hold",
-    parameters=(Parameter("held", "h", "", "share of the gap that friction keeps from crossing"),),
+    parameters=(
+        Parameter(
+            "held", "h", "", "share of the gap that friction keeps from crossing", above=0, up_to=1
+        ),
+    ),
     cause="friction of seal, bearing or mesh holds the load inside the gap",
     confirm_by="vary the approach speed: a held load comes to rest elsewhere",
     deviation=_deviation,

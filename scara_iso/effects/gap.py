@@ -17,7 +17,7 @@ def _candidates(_: Sweep) -> tuple[Sizes, ...]:
 
 EFFECT = GearEffect(
     name="gap",
-    parameters=(Parameter("factor", "f", "", "true gap over the stated one"),),
+    parameters=(Parameter("factor", "f", "", "true gap over the stated one", above=0),),
     cause="the gear's backlash is not the catalogue's: wear, assembly, or a wrong figure",
     confirm_by="hold the motor and measure the free play of the output directly",
     deviation=_deviation,

@@ -48,7 +48,9 @@ def _sizes(coefficients: FloatArray) -> dict[str, float]:
 EFFECT = Effect(
     name="periodic",
     parameters=(
-        Parameter("period", "P", "cycles", "period; in median intervals if time_s is there"),
+        Parameter(
+            "period", "P", "cycles", "period; in median intervals if time_s is there", above=0
+        ),
         Parameter("size", "A", "reading", "amplitude"),
         Parameter("phase", "φ", "rad", "phase at the first cycle"),
     ),

@@ -17,7 +17,7 @@ def _candidates(_: Sweep) -> tuple[Sizes, ...]:
 
 EFFECT = GearEffect(
     name="reflected_inertia",
-    parameters=(Parameter("N", "N", "", "gear ratio through which the rotor acts"),),
+    parameters=(Parameter("N", "N", "", "gear ratio through which the rotor acts", above=0),),
     cause="the rotor's inertia acts on the load through the gearbox, as N² Im",
     confirm_by="vary the inertia of the payload: the deviation must follow 1 / (1 + IL / (N² Im))",
     deviation=_deviation,

@@ -18,8 +18,11 @@ def _series(conditions: Conditions, values: Sizes, rng: Generator) -> FloatArray
 
 EFFECT = Effect(
     name="resolution",
-    parameters=(Parameter("division", "d", "reading", "smallest difference that is shown"),),
+    parameters=(
+        Parameter("division", "d", "reading", "smallest difference that is shown", above=0),
+    ),
     cause="the indicator's division is too coarse for this robot's scatter",
     confirm_by="measure with a finer indicator",
     series=_series,
+    common=False,
 )

@@ -33,12 +33,13 @@ EFFECT = Effect(
     name="scatter_change",
     parameters=(
         Parameter("at_cycle", "k", "", "first cycle of the other scatter"),
-        Parameter("ratio", "r", "", "scatter from that cycle on, over scatter before it"),
-        Parameter("scatter", "σ", "reading", "standard deviation on the narrower side"),
+        Parameter("ratio", "r", "", "scatter from that cycle on, over scatter before it", above=0),
+        Parameter("scatter", "σ", "reading", "standard deviation on the narrower side", above=0),
     ),
     cause="something came loose during the test, or settled",
     confirm_by="check the clamps and repeat the run",
     series=_series,
     weight=0.3,
+    common=False,
     spreads=_spreads,
 )

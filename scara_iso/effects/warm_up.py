@@ -29,7 +29,9 @@ EFFECT = Effect(
     name="warm_up",
     parameters=(
         Parameter("size", "A", "reading", "travel from the first cycle to steady temperature"),
-        Parameter("tau", "τ", "cycles", "time constant; in median intervals if time_s is there"),
+        Parameter(
+            "tau", "τ", "cycles", "time constant; in median intervals if time_s is there", above=0
+        ),
     ),
     cause="motors, gears and links were still reaching their running temperature",
     confirm_by="run the robot for 60 minutes before the test, then start once more cold: the "

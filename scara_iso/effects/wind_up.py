@@ -20,7 +20,7 @@ def _candidates(sweep: Sweep) -> tuple[Sizes, ...]:
 
 EFFECT = GearEffect(
     name="wind_up",
-    parameters=(Parameter("compliance", "1/k", "rad/(N m)", "inverse of the stiffness"),),
+    parameters=(Parameter("compliance", "1/k", "rad/(N m)", "inverse of the stiffness", above=0),),
     cause="gear and shaft wind up under the torque of the reversal",
     confirm_by="ramp the torque both ways at standstill and record the angle",
     deviation=_deviation,

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from scara_iso.drivetrain import Approach, DriveTrain, Move, arrivals
+from scara_iso.drivetrain import Approach, DriveTrain, Move, arrivals, sides
 from scara_iso.errors import UsageError
 from scara_iso.model.parts import Model
 from scara_iso.run import FloatArray
@@ -22,7 +22,8 @@ def rest_positions(
     """Return the approach (+1/-1) of each arrival and what X and Y read of it, in mm, shape (n,).
 
     Each gearbox is followed by itself (`drivetrain.arrivals`) and moves the tool along its joint's
-    column of the Jacobian. Raises `UsageError` where the model holds no arm, pose or gearbox.
+    column of the Jacobian; all joints turn in the direction of the approach. Raises `UsageError`
+    where the model holds no arm, pose or gearbox, and for a gearbox with a stiffness.
     """
     if model.arm is None or model.joints_deg is None or not model.gearboxes:
         raise UsageError(
@@ -31,7 +32,7 @@ def rest_positions(
         )
     jacobian = model.arm.jacobian(model.joints_deg)
     moved = np.zeros((2, count))
-    sides = np.ones(count)
+    approaches = sides(approach, count, rng)
     for joint, gear in model.gearboxes.items():
         train = DriveTrain(
             motor_inertia=gear.Im,
@@ -39,8 +40,8 @@ def rest_positions(
             gap=math.radians(gear.arcmin / 60),
             ratio=gear.ratio or 1.0,
             coulomb=gear.friction or 0.0,
+            stiffness=gear.stiffness or math.inf,
         )
-        found = arrivals(train, _MOVE, approach, count=count, rng=rng)
-        sides = found.approach.astype(np.float64)
+        found = arrivals(train, _MOVE, approaches, count=count, rng=rng)
         moved += jacobian[:, joint - 1, np.newaxis] * found.load_angle
-    return sides, {"X": moved[0], "Y": moved[1]}
+    return approaches.astype(np.float64), {"X": moved[0], "Y": moved[1]}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.effects import Conditions, find_effects
+from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import UsageError
 from scara_iso.model.parts import DeclaredEffect, Indicator, Model
 from scara_iso.model.predict import course, is_chance, predict
@@ -20,30 +20,56 @@ def simulate(
     *,
     rng: np.random.Generator,
     undeclared: Sequence[DeclaredEffect] = (),
-    displacement: dict[str, FloatArray] | None = None,
+    displacement: Mapping[str, FloatArray] | None = None,
 ) -> Run:
     """Return readings of ``model`` with scatter, rounded to each indicator's resolution.
 
-    ``undeclared`` effects act on the readings and are written nowhere; ``displacement`` adds what
-    another simulator gives, by axis, shape (n,). Raises `UsageError` for an effect that is not
-    known or acts on an axis that the model does not have.
+    ``undeclared`` effects act on the readings and are written nowhere; ``displacement`` is what
+    another simulator gives in place of the gears' reversal, by axis, shape (n,). What chance draws
+    of an effect is one course for all its axes where the effect is `common`. Raises `UsageError`
+    for an effect that is not known or acts on an axis that the model does not have.
     """
-    expected = predict(model, procedure)
+    expected = predict(model, procedure, reversal=displacement is None)
     known = {effect.name: effect for effect in find_effects()}
     _check(undeclared, model, set(known))
-    axes = {}
-    for name, axis in expected.axes.items():
-        readings = axis.readings + rng.normal(0, model.indicators[name].scatter, len(procedure))
-        for declared in (*undeclared, *model.effects):
-            effect = known.get(declared.name)
-            if effect is None or name not in declared.axes:
-                continue
-            if declared in undeclared or is_chance(effect, declared, procedure, name):
-                readings += course(effect, declared, procedure, name, rng)
-        if displacement is not None and name in displacement:
-            readings += displacement[name]
-        axes[name] = replace(axis, readings=_shown(readings, model.indicators[name]))
+    readings = {
+        name: axis.readings + rng.normal(0, model.indicators[name].scatter, len(procedure))
+        for name, axis in expected.axes.items()
+    }
+    for name, moved in (displacement or {}).items():
+        if name in readings:
+            readings[name] += moved
+    for effect, declared in [
+        *((known[d.name], d) for d in undeclared),
+        *_of_chance(model, known, procedure),
+    ]:
+        for name, moved in _courses(effect, declared, procedure, rng):
+            readings[name] += moved
+    axes = {
+        name: replace(axis, readings=_shown(readings[name], model.indicators[name]))
+        for name, axis in expected.axes.items()
+    }
     return replace(expected, axes=axes)
+
+
+def _of_chance(
+    model: Model, known: Mapping[str, Effect], procedure: Conditions
+) -> Iterator[tuple[Effect, DeclaredEffect]]:
+    """Yield the declared effects that the prediction leaves out because chance draws them."""
+    for declared in model.effects:
+        effect = known.get(declared.name)
+        if effect is not None and is_chance(effect, declared, procedure, declared.axes[0]):
+            yield effect, declared
+
+
+def _courses(
+    effect: Effect, declared: DeclaredEffect, procedure: Conditions, rng: np.random.Generator
+) -> Iterator[tuple[str, FloatArray]]:
+    """Yield what the effect adds to each of its axes: one draw of chance for all if common."""
+    seed = rng.integers(2**63)
+    for name in declared.axes:
+        chance = np.random.default_rng(seed) if effect.common else rng
+        yield name, course(effect, declared, procedure, name, chance)
 
 
 def _shown(readings: FloatArray, indicator: Indicator) -> FloatArray:

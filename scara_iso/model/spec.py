@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from scara_iso.effects import Effect, find_effects
+from scara_iso.effects import Effect, Parameter, find_effects
 from scara_iso.errors import UsageError
+from scara_iso.model.declared import COLUMN, READING, why_not
 from scara_iso.model.parts import DeclaredEffect, Model, Value
 from scara_iso.quantities import Dimension
-
-_PER_AXIS = "reading"
+from scara_iso.tables.numbers import parse_clean
 
 
 def parse_effect(text: str, model: Model) -> DeclaredEffect:
@@ -29,7 +29,7 @@ def parse_effect(text: str, model: Model) -> DeclaredEffect:
 
 
 def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
-    wanted = {p.name for p in effect.parameters}
+    wanted = {p.name: p for p in effect.parameters}
     values: dict[str, float | str] = {}
     for part in filter(None, (part.strip() for part in tail.split(","))):
         key, _, value = (piece.strip() for piece in part.partition("="))
@@ -38,17 +38,24 @@ def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
                 f"effect {text!r} has no parameter {key!r}",
                 remedy=f"{effect.name} takes {', '.join(sorted(wanted))}",
             )
-        try:
-            values[key] = value if key == "column" else float(value)
-        except ValueError:
-            raise UsageError(f"effect {text!r}: {key} is no number") from None
-    missing = sorted(wanted - set(values))
+        if key in values:
+            raise UsageError(f"effect {text!r}: {key} is given twice")
+        values[key] = value if key == COLUMN else _value(text, wanted[key], value)
+    missing = sorted(set(wanted) - set(values))
     if missing:
         raise UsageError(
             f"effect {text!r}: {', '.join(missing)} not given",
             remedy=f"write {effect.name}:{','.join(f'{p.name}=...' for p in effect.parameters)}",
         )
     return values
+
+
+def _value(text: str, parameter: Parameter, spelled: str) -> float:
+    found = parse_clean([spelled], ".")
+    wrong = "no number" if found is None else why_not(parameter, float(found[0][0]))
+    if found is None or wrong:
+        raise UsageError(f"effect {text!r}: {parameter.name}={spelled}: {wrong}")
+    return float(found[0][0])
 
 
 def _axes(text: str, model: Model) -> list[str]:
@@ -61,7 +68,7 @@ def _axes(text: str, model: Model) -> list[str]:
 def _by_axis(
     values: Mapping[str, float | str], effect: Effect, axes: list[str]
 ) -> dict[str, Value]:
-    sizes = {p.name for p in effect.parameters if p.unit.startswith(_PER_AXIS)}
+    sizes = {p.name for p in effect.parameters if p.unit.startswith(READING)}
     return {
         key: dict.fromkeys(axes, value) if key in sizes and isinstance(value, float) else value
         for key, value in values.items()
