@@ -119,6 +119,16 @@ def test_gross_reading(rng):
     assert "in cycle 21" in found[0].message
 
 
+def test_a_gross_reading_among_equal_ones_needs_no_resolution(rng):
+    readings = np.full(31, 0.1)
+    readings[5] = 1.1
+    (finding, *_) = [f for f in analyze(clean_run(rng, X=x_axis(readings, None))).findings
+                     if f.code == "gross-reading"]  # fmt: skip
+    assert "1.1 mm in cycle 6" in finding.message
+    several = x_axis(np.resize([0.1, 0.1, 0.1, 0.11], 31), None)
+    assert "gross-reading" not in codes(clean_run(rng, X=several))
+
+
 def test_one_division_is_never_a_gross_reading(rng):
     readings = np.zeros(31)
     readings[7] = 0.01
