@@ -72,6 +72,15 @@ def test_indicator_uncertainty_counts_beside_the_resolution(rng):
     assert "coarse-resolution" in codes(clean_run(rng, X=poor))
 
 
+@pytest.mark.parametrize(("share", "flagged"), [(0.24, False), (0.26, True)])
+def test_a_quarter_of_rp_is_the_largest_share_of_the_dial(rng, share, flagged):
+    readings = np.tile(rng.normal(0, 0.01, 31).round(3), 5)
+    RP = analyze(clean_run(rng, X=Axis("X", readings))).poses[0].axes["X"].RP
+    run = clean_run(rng, X=Axis("X", readings, uncertainty=share * RP))
+    named = {f.axis for f in analyze(run).findings if f.code == "coarse-resolution"}
+    assert ("X" in named) == flagged
+
+
 def test_few_levels(rng):
     assert "few-levels" in codes(clean_run(rng, X=x_axis(rng.integers(0, 3, 31) * 0.01)))
 
