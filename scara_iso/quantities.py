@@ -72,7 +72,7 @@ _ALIASES = {
     "'": "arcmin", "′": "arcmin", "″": "arcsec", "radian": "rad", "radians": "rad",
 }  # fmt: skip
 _BY_NAME = {unit.name: unit for unit in _UNITS}
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 _SCALED = re.compile(r"([0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]{1,2})?)\s*[x×*]?\s*(\D.*)")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -65,7 +64,8 @@ def read_sweep(path: str | Path) -> MeasuredSweep:
 
 def _lines(path: Path) -> list[tuple[int, str]]:
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(_LARGEST + 1)
     except OSError as error:
         raise NoInputError(error.strerror or "cannot be read", where=str(path)) from error
     if len(data) > _LARGEST:
@@ -83,7 +83,7 @@ def _columns(lines: list[tuple[int, str]], faults: list[Fault]) -> Mapping[str, 
         faults.append(Fault("a header and at least one row are wanted"))
         return {}
     separator = max(",;\t", key=lines[0][1].count)
-    header = [name.strip() for name in lines[0][1].split(separator)]
+    header, *cells = [[_unquoted(cell) for cell in line.split(separator)] for _, line in lines]
     known = {name.lower(): name for name in (*_NEEDED, *_OPTIONAL)}
     names = [known.get(name.lower()) for name in header]
     faults += [Fault(f"column {n} is missing", lines[0][0]) for n in _NEEDED if n not in names]
@@ -92,7 +92,6 @@ def _columns(lines: list[tuple[int, str]], faults: list[Fault]) -> Mapping[str, 
         for name in known.values()
         if names.count(name) > 1
     ]
-    cells = list(csv.reader((line for _, line in lines[1:]), delimiter=separator))
     found: dict[str, list[float]] = {name: [] for name in names if name}
     for (line, _), row in zip(lines[1:], cells, strict=True):
         if len(row) != len(header):
@@ -102,6 +101,11 @@ def _columns(lines: list[tuple[int, str]], faults: list[Fault]) -> Mapping[str, 
             if name:
                 found[name].append(_value(name, cell, line, column, faults))
     return {name: np.array(values) for name, values in found.items()}
+
+
+def _unquoted(cell: str) -> str:
+    cell = cell.strip()
+    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
 
 
 def _value(name: str, cell: str, line: int, column: int, faults: list[Fault]) -> float:

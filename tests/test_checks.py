@@ -72,6 +72,15 @@ def test_indicator_uncertainty_counts_beside_the_resolution(rng):
     assert "coarse-resolution" in codes(clean_run(rng, X=poor))
 
 
+@pytest.mark.parametrize(("share", "flagged"), [(0.24, False), (0.26, True)])
+def test_a_quarter_of_rp_is_the_largest_share_of_the_dial(rng, share, flagged):
+    readings = np.tile(rng.normal(0, 0.01, 31).round(3), 5)
+    RP = analyze(clean_run(rng, X=Axis("X", readings))).poses[0].axes["X"].RP
+    run = clean_run(rng, X=Axis("X", readings, uncertainty=share * RP))
+    named = {f.axis for f in analyze(run).findings if f.code == "coarse-resolution"}
+    assert ("X" in named) == flagged
+
+
 def test_few_levels(rng):
     assert "few-levels" in codes(clean_run(rng, X=x_axis(rng.integers(0, 3, 31) * 0.01)))
 
@@ -117,6 +126,16 @@ def test_gross_reading(rng):
              if f.code == "gross-reading"]  # fmt: skip
     assert len(found) == 5
     assert "in cycle 21" in found[0].message
+
+
+def test_a_gross_reading_among_equal_ones_needs_no_resolution(rng):
+    readings = np.full(31, 0.1)
+    readings[5] = 1.1
+    (finding, *_) = [f for f in analyze(clean_run(rng, X=x_axis(readings, None))).findings
+                     if f.code == "gross-reading"]  # fmt: skip
+    assert "1.1 mm in cycle 6" in finding.message
+    several = x_axis(np.resize([0.1, 0.1, 0.1, 0.11], 31), None)
+    assert "gross-reading" not in codes(clean_run(rng, X=several))
 
 
 def test_one_division_is_never_a_gross_reading(rng):

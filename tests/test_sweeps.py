@@ -58,6 +58,8 @@ def test_sizes_take_the_sign_of_eq_16(tmp_path):
         (["1,1,1"], "Im,IL,arcmin", "column deviation_rad is missing"),
         (["1,1,1,1,1"], "Im,Im,IL,arcmin,deviation_rad", "column Im is there twice"),
         ([], None, "at least one row"),
+        (['1,1,1,"1', "1,1,1,1"], None, "line 2, column 4: deviation_rad: '\"1' is not a number"),
+        (["1,1,1," + "0" * 200_000 + "x"], None, "line 2, column 4"),
     ],
 )
 def test_what_is_no_sweep_is_refused(tmp_path, rows, header, said):
@@ -65,6 +67,13 @@ def test_what_is_no_sweep_is_refused(tmp_path, rows, header, said):
     with pytest.raises(DataError) as caught:
         read_sweep(path)
     assert said in "\n".join(str(fault) for fault in caught.value.faults)
+
+
+def test_quoted_numbers_of_a_sweep(tmp_path):
+    found = read_sweep(
+        sweep_file(tmp_path, ['"1","2","3","-4e-4"'], '"Im","IL","arcmin","deviation_rad"')
+    )
+    assert found.deviation.tolist() == [-4e-4]
 
 
 def test_no_such_sweep(tmp_path):

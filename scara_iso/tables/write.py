@@ -19,7 +19,7 @@ from scara_iso.tables.numbers import parse_number
 from scara_iso.tables.statements import COMMAND, is_of_axes
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]+")
-_FORMULA_CELL = re.compile(r"[,;]\s*[\"']?[=+@-]|[,;\"]\s*$|^[^:]*\"")
+_CUT = re.compile(r"[,;]\s*[\"']?[=+@-]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?,")
 
 
 def write_table(run: Run) -> str:
@@ -87,9 +87,9 @@ def _sizes(
 
 
 def _metadata_line(key: str, value: str) -> str:
-    """Return a metadata line; in quotes where a spreadsheet could cut a formula out of it."""
+    """Return a metadata line; in quotes where a formula or another key could be cut out."""
     line = f"# {key}: {_CONTROL.sub(' ', value).strip()}"
-    if not _FORMULA_CELL.search(line):
+    if not _CUT.search(line):
         return line
     return '"' + line.replace('"', '""') + '"'
 

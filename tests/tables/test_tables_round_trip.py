@@ -61,6 +61,15 @@ def is_label(text):
     return bool(text) and not names_a_footer(text)
 
 
+@pytest.mark.parametrize(
+    "metadata", [{"a": ",0"}, {"a,b": "0"}, {"a": " ,"}, {"robot,_old": "x: y"}]
+)
+def test_a_comma_does_not_cut_a_metadata_line(metadata):
+    run = Run(np.array([1]), {"X": Axis("X", np.array([0.1]))}, metadata=metadata)
+    back = read_table(write_table(run).encode()).metadata
+    assert dict(back) == {key: value.strip() for key, value in metadata.items()}
+
+
 @settings(max_examples=100, deadline=None)
 @given(runs())
 def test_written_and_read_is_the_same_run(run):
