@@ -20,6 +20,9 @@ _AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
 """Factors on the variances beside the scatter, and their prior: most effects are near it, some
 dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
 
+_SHARPNESS = 1.2
+"""Power of the evidence that makes stated probabilities come true (benchmarks/diagnosis.py)."""
+
 _LARGEST_LOG = 600.0
 
 
@@ -61,9 +64,11 @@ def choose(bank: Bank, views: Views, sides: Sequence[Hypothesis] = ()) -> Choice
         total[name] = total.get(name, 0.0) + hypothesis.evidence
         if name not in strongest or hypothesis.evidence > strongest[name].evidence:
             strongest[name] = hypothesis
-    whole = sum(total.values())
+    largest = max(total.values())
+    sharp = {name: (value / largest) ** _SHARPNESS for name, value in total.items()}
+    whole = sum(sharp.values())
     return Choice(
-        {name: value / whole for name, value in total.items() if value > 0},
+        {name: value / whole for name, value in sharp.items() if value > 0},
         {name: hypothesis.form for name, hypothesis in strongest.items()},
     )
 
