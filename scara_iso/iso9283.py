@@ -102,11 +102,8 @@ def used_cycles(
     if faults:
         raise _broken(run, rule, faults, undecided=undecided)
     if len(set(drops)) > 1 or len({len(counted) for counted in rows}) > 1:
-        raise DataError(
-            "some poses hold their first cycle and others do not",
-            where=run.origin.source,
-            remedy="give every pose the same cycles",
-        )
+        what = "some poses hold their first cycle and others do not"
+        raise DataError(what, where=run.origin.source, remedy="give every pose the same cycles")
     return UsedCycles(
         poses=tuple(poses),
         rows=np.stack(rows),

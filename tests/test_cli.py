@@ -266,6 +266,16 @@ def test_a_reader_that_leaves_is_no_error():
     assert done.stderr == b""
 
 
+def test_a_recording_is_not_overwritten(call, tmp_path):
+    table = tmp_path / "run.csv"
+    table.with_suffix(".raw.jsonl").touch()
+    table.write_text("readings", encoding="utf-8")
+    code, _, err = call("simulate", MODEL, "-o", table)
+    assert code == 73
+    assert "holds a recording" in err
+    assert table.read_text(encoding="utf-8") == "readings"
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_full_disk_is_said():
     command = f'"{sys.executable}" -m scara_iso demo > /dev/full'

@@ -89,7 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        return CANNOT_WRITE  # the reader left: nothing to say, but no success either
     except Exception as error:  # noqa: BLE001 - the one error boundary
         return _tell(error)
     return code if isinstance(code, int) else 0

@@ -44,6 +44,10 @@ def write_text(text: str, path: Path | None) -> None:
     if path is None:
         sys.stdout.write(text)
         return
+    if path.with_suffix(".raw.jsonl").exists():
+        raise CannotCreateError(
+            "holds a recording", where=str(path), remedy="name another file, or remove it yourself"
+        )
     try:
         path.write_text(text, encoding="utf-8", newline="")
     except OSError as error:

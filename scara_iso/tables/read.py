@@ -5,6 +5,9 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
 
 from scara_iso.errors import DataError, UsageError
 from scara_iso.run import Run
@@ -17,6 +20,7 @@ from scara_iso.tables.layout import (
     Layout,
     find_layout,
 )
+from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
@@ -88,7 +92,24 @@ def _read_text(data: bytes, name: str, options: Options) -> Run:
         skip = max(0, layout.data_line - first)
         _take(first + skip, lines[skip:], delimiter, columns, body)
     how = f"{delimiter.value}, {encoding}, {_said(columns, options.decimal)}"
-    return assemble(rows, columns, body, options, how)
+    run = assemble(rows, columns, body, options, how)
+    if delimiter is Delimiter.COMMA and not columns.marks and options.decimal is None:
+        _check_split(run, layout, name)
+    return run
+
+
+def _check_split(run: Run, layout: Layout, name: str) -> None:
+    """Refuse whole millimetres beside a column that never changes: 0,112 may have been one number.
+
+    A header with as many names as commas left fields lets split decimals pass for two axes.
+    """
+    axes = sorted(layout.of(Kind.AXIS), key=lambda column: column.position)
+    for left, right in pairwise(axes):
+        first, second = (run.axes[column.name].readings for column in (left, right))
+        whole = np.array_equal(first, np.round(first)) and np.array_equal(second, np.round(second))
+        if whole and np.ptp(first) == 0 and np.abs(second).max() >= 10:
+            message = f"{left.name} never changes and {right.name} is whole: split decimal commas?"
+            raise refuse(name, message, remedy="say --decimal . if the numbers are whole")
 
 
 def _check_length(first: int, lines: list[str], faults: Faults) -> None:

@@ -324,3 +324,15 @@ def test_text_numbers_beside_numbers_in_a_workbook_keep_their_value():
     run = read_table(book([["cycle", "X [mm]"], [1, "0,112"], [2, 1.234], [3, "0,5"]]))
     assert run.axes["X"].readings.tolist() == [0.112, 1.234, 0.5]
     assert places(faults(book([["cycle", "X [mm]"], [1, "1,112"], [2, 1.234]]))) == [(2, 2)]
+
+
+@pytest.mark.parametrize(
+    ("header", "row"), [("cycle,X,Y", "{k},0,11{d}"), ("X,Y,Z,theta", "0,11{d},0,81{d}")]
+)
+def test_decimal_commas_split_into_two_axes_are_asked_about(header, row):
+    rows = "\n".join(row.format(k=k, d=k % 5) for k in range(1, 32))
+    text = f"# unit: mm\n{header}\n{rows}\n".encode()
+    with pytest.raises(DataError, match="split decimal commas") as caught:
+        read_table(text)
+    assert "--decimal ." in caught.value.remedy
+    assert read_table(text, decimal=".").axes["X"].readings[0] == 0
