@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.diagnosis import Diagnosis, Found, diagnose
+from scara_iso.diagnosis import Diagnosis, Found, diagnose, diagnose_poses
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
-from scara_iso.model import DeclaredEffect, Model, predict
+from scara_iso.model import DeclaredEffect, Model, predict, read_model
 from scara_iso.model.parts import Value
 from scara_iso.run import Run
+from scara_iso.tables import read_table
 
 _PLANE = ("X", "Y")
 
@@ -46,6 +47,45 @@ class CyclesWanted:
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
 
 
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How the tables are to be read, as in `tables.read_table`."""
+
+    unit: str | None = None
+    resolution: float | None = None
+    decimal: str | None = None
+    sheet: str | None = None
+
+    def read(self, table: str) -> Run:
+        """Return the run of a table; errors as in `read_table`."""
+        return read_table(
+            table,
+            unit=self.unit,
+            resolution=self.resolution,
+            decimal=self.decimal,
+            sheet=self.sheet,
+        )
+
+
+def close_the_loop_on(
+    table: str,
+    model: str | None,
+    reading: Reading,
+    wanted: CyclesWanted,
+    *,
+    hold_out: str | None = None,
+    seed: int,
+) -> Diagnosis:
+    """Return `close_the_loop` of files, by name."""
+    return close_the_loop(
+        reading.read(table),
+        None if model is None else read_model(model),
+        wanted,
+        hold_out=None if hold_out is None else reading.read(hold_out),
+        seed=seed,
+    )
+
+
 def close_the_loop(
     run: Run,
     model: Model | None,
@@ -61,7 +101,7 @@ def close_the_loop(
     """
     used = wanted.take(run)
     second = None if hold_out is None else wanted.take(hold_out)
-    return diagnose(
+    found = diagnose(
         used,
         _predicted(model, used),
         seed=seed,
@@ -69,6 +109,21 @@ def close_the_loop(
         held_out_predicted=None if second is None else _predicted(model, second),
         directions={} if model is None else directions_of(model),
     )
+    unknown = [] if model is None else [axis for axis in run.axes if axis not in model.indicators]
+    note = f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
+    return replace(found, notes=(*found.notes, note)) if unknown else found
+
+
+def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
+    """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979)."""
+    chosen = used_cycles(
+        run, first_cycle_discarded=wanted.first_cycle_discarded, cycles=wanted.cycles
+    )
+    found = diagnose_poses(
+        run.take(chosen.rows.ravel()),
+        lambda single, level: diagnose(single, seed=seed, level=level),
+    )
+    return {str(pose): diagnosis for pose, diagnosis in found.items()}
 
 
 def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:

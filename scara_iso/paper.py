@@ -6,6 +6,7 @@ Planetary Gearbox. The printed figures are here only to be set beside those that
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib.resources import files
 
 from scara_iso.run import Run
@@ -28,9 +29,20 @@ PRINTED_FREE_PLAY_MM = 2.44
 """Eq. 22."""
 
 
+def printed() -> dict[str, float | dict[str, float]]:
+    """Return what the paper prints, by the names of the JSON objects; lengths in mm."""
+    return {
+        "RP": PRINTED_RP_MM,
+        "RP_rss": PRINTED_XY_MM,
+        "deviation_mm": PRINTED_DEVIATION_MM,
+        "free_play_mm": PRINTED_FREE_PLAY_MM,
+    }
+
+
 def table_1() -> Run:
     """Return the paper's Table I: 30 rows, X Y Z theta, the first cycle discarded before."""
-    return read_table(str(files("scara_iso") / "data" / TABLE_1))
+    run = read_table((files("scara_iso") / "data" / TABLE_1).read_bytes())
+    return replace(run, origin=replace(run.origin, source="the paper's Table I"))
 
 
 def first_joint() -> Backlash:

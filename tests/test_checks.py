@@ -156,6 +156,33 @@ def test_resolution_not_stated(rng):
     assert "differ by 0.01 mm at least" in message
 
 
+@pytest.mark.parametrize(
+    ("step", "stated", "said"),
+    [
+        (0.01, 0.001, "multiples of 0.01 mm"),
+        (0.005, 0.001, "multiples of 0.005 mm"),
+        (0.002, 0.001, None),
+        (0.01, 0.01, None),
+        (0.001, 0.01, "between its divisions"),
+        (0.01, 1e-300, None),
+    ],
+)
+def test_readings_on_another_grid_than_stated(rng, step, stated, said):
+    readings = 0.123 + step * np.array([*range(7), *rng.integers(0, 7, 24)])
+    found = [
+        f.message
+        for f in analyze(clean_run(rng, X=x_axis(readings, stated))).findings
+        if f.code == "doubtful-resolution"
+    ]
+    assert len(found) == (said is not None)
+    assert all(said in message for message in found)
+
+
+def test_three_levels_are_too_few_to_doubt_a_resolution(rng):
+    readings = 0.01 * np.array([0, 1, 2, *rng.integers(0, 3, 28)])
+    assert "doubtful-resolution" not in codes(clean_run(rng, X=x_axis(readings)))
+
+
 def test_both_approaches(rng):
     approach = np.tile([1.0, -1.0], 78)[:155]
     assert "mixed-approach" in codes(clean_run(rng, covariates={"approach": approach}))

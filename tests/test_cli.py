@@ -52,6 +52,7 @@ def test_table_1_as_json(call):
     }  # fmt: skip
     assert round(pose["XY"]["RP_rss"], 5) == 0.01526
     assert round(pose["XY"]["RP_radial"], 5) == 0.01406
+    assert round(pose["XY"]["uncertainty_ratio"], 3) == 0.205  # 0.01 mm / sqrt(12) over 0.01406 mm
     flagged = {f["code"] for f in document["findings"] if f["axis"] == "Y"}
     assert {"coarse-resolution", "trend"} <= flagged
 
@@ -140,6 +141,20 @@ def test_demo_sets_the_print_beside_the_data(call):
     assert re.search(r"RP X \(eq\. 6\)\s+0\.013\s+0\.01404", out)
 
 
+def test_demo_names_the_table_and_no_folder(call):
+    assert "FUM SCARA · the paper's Table I\n" in call("demo")[1]
+
+
+def test_demo_as_json(call):
+    code, out, err = call("demo", "--json")
+    assert (code, err, out.count("\n")) == (0, "", 1)
+    document = json.loads(out, parse_constant=pytest.fail)
+    assert document["schema"] == "scara-iso/demo/1"
+    found = document["analysis"]["poses"][0]["axes"]["X"]["RP"] / document["printed"]["RP"]["X"]
+    assert round(found, 2) == 1.08
+    assert round(document["backlash"]["reflected"]["deviation_mm"], 4) == 0.2991
+
+
 @pytest.mark.parametrize(
     ("limit", "code"), [("0.03", 0), ("0.02", 1), ("XY=0.0153", 0), ("XY=0.0152", 1)]
 )
@@ -147,6 +162,7 @@ def test_a_limit_makes_the_exit_code_a_verdict(call, limit, code):
     found, out, _ = call("analyze", TABLE_1, "--limit", limit)
     assert found == code
     assert "guard band" in out
+    assert "XY by the larger of its two figures" in out
     assert ("OUTSIDE" in out) == bool(code)
 
 
@@ -194,11 +210,15 @@ def test_interrupted(call, monkeypatch):
     assert call("analyze", TABLE_1)[0] == 130
 
 
-@pytest.mark.parametrize("command", ["analyze", "backlash", "demo"])
+@pytest.mark.parametrize(
+    "command",
+    ["analyze", "backlash", "demo", "diagnose", "plan", "ports", "record", "simulate"],
+)
 def test_help_has_an_example(call, command):
     code, out, _ = call(command, "--help")
     assert code == 0
     assert "Example" in out
+    assert "--json" in out
 
 
 def test_help_and_version(call):
@@ -253,6 +273,23 @@ def test_a_full_disk_is_said():
     assert done.returncode == 74
     assert b"cannot write" in done.stderr
     assert b"Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a POSIX shell closes the streams")
+@pytest.mark.parametrize(
+    ("streams", "code", "said"),
+    [
+        ("demo >&-", 74, b"standard output is closed"),
+        ("analyze - <&-", 66, b"standard input is closed"),
+        ("analyze nowhere.csv 2>&-", 66, b""),
+    ],
+)
+def test_closed_streams(streams, code, said):
+    command = f'"{sys.executable}" -m scara_iso {streams}'
+    done = subprocess.run(command, shell=True, capture_output=True, check=False, cwd=ROOT)  # noqa: S602
+    assert done.returncode == code
+    assert said in done.stderr
+    assert b"Error" not in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -320,6 +357,19 @@ def test_simulate_is_read_by_analyze():
     assert found["poses"][0]["axes"]["X"]["RP"] > 0.1
 
 
+def test_simulate_as_json_holds_the_readings_of_its_table(call, tmp_path):
+    out = tmp_path / "run.csv"
+    code, said, err = call("simulate", MODEL, "--json", "--seed", "3", "-o", out)
+    assert (code, err, said.count("\n")) == (0, "", 1)
+    document = json.loads(said, parse_constant=pytest.fail)
+    run = scara_iso.read_table(out)
+    assert (document["schema"], document["seed"]) == ("scara-iso/simulate/1", 3)
+    assert document["cycle"] == run.cycle.tolist()
+    for name, axis in run.axes.items():
+        assert document["axes"][name]["readings"] == axis.readings.tolist()
+    assert json.loads(call("simulate", MODEL, "--json", "--seed", "3")[1]) == document
+
+
 def test_simulate_adds_the_columns_that_were_asked_for(call):
     code, out, _ = call("simulate", MODEL, "--approach", "both", "--temperature", "20:23",
                         "--payload", "0,2", "--cycles", "6")  # fmt: skip
@@ -338,7 +388,15 @@ def test_simulate_by_the_drive_train_scatters_over_the_gap(call):
 
 @pytest.mark.parametrize(
     "argv",
-    [["--effect", "magic:size=1"], ["--temperature", "20"], ["--payload", "a"], ["--seed", "-1"]],
+    [
+        ["--effect", "magic:size=1"],
+        ["--temperature", "20"],
+        ["--payload", "a"],
+        ["--seed", "-1"],
+        ["--temperature", "nan:1"],
+        ["--payload", "0,inf"],
+        ["--payload", "1_0"],
+    ],
 )
 def test_a_simulation_that_cannot_be_meant(call, argv):
     code, out, err = call("simulate", MODEL, *argv)

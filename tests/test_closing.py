@@ -119,6 +119,60 @@ def test_it_is_said_on_the_terminal_and_drawn(call, tmp_path):
     assert picture.read_text(encoding="utf-8").startswith("<?xml")
 
 
+def test_several_tables_give_a_summary(call, tmp_path):
+    step = simulated(call, tmp_path / "step.csv", "step@X:size=0.05,at_cycle=12")
+    plain = simulated(call, tmp_path / "plain.csv", seed=12)
+    code, out, _ = call("diagnose", step, plain)
+    assert code == 0
+    assert "2 diagnosed: 1 explained, 1 nothing-to-explain" in out
+    code, out, _ = call("diagnose", step, tmp_path / "nowhere.csv", "--json")
+    assert code == 66
+    first, second = json.loads(out, parse_constant=pytest.fail)["tables"]
+    assert first["verdict"] == "explained"
+    assert "nowhere.csv" in second["error"]
+    assert call("diagnose", step, plain, "--plot", "a.svg")[0] == 2
+
+
+def test_a_planned_test_says_what_it_will_find(call):
+    document = json.loads(
+        call("diagnose", "--design", "--sigma", "0.004", "--columns", "approach", "--json")[1],
+        parse_constant=pytest.fail,
+    )
+    assert document["schema"] == "scara-iso/design/1"
+    assert document["cycles"] == 30
+    smallest = document["smallest"]
+    assert 1.2 * 0.004 < smallest["step"] < 2.4 * 0.004
+    assert "lost_motion" in smallest
+    moved = {c["change"]: c["smallest"]["step"] for c in document["changes"]}
+    assert moved["three axes that move together"] < smallest["step"]
+
+
+def test_a_test_like_that_of_a_table(call):
+    code, out, _ = call("diagnose", TABLE_1, "--design")
+    assert code == 0
+    assert "30 cycles" in out
+    assert "linear drift and warm up" in out
+
+
+@pytest.mark.parametrize(
+    "argv", [[], ["--design", "--sigma", "0"], ["--design", "--columns", "colour"]]
+)
+def test_a_design_that_cannot_be_meant(call, argv):
+    assert call("diagnose", *argv)[0] == 2
+
+
+def test_the_poses_of_a_table_give_a_summary(call, tmp_path, rng):
+    path = tmp_path / "poses.csv"
+    x = rng.normal(0, 0.01, 62) + np.repeat([0, 0, 0, 0.1], [31, 12, 0, 19])
+    rows = "".join(f"P{1 + k // 31},{1 + k % 31},{x[k]:.3f}\n" for k in range(62))
+    path.write_text(f"# unit: mm\n# resolution: 0.001\npose,cycle,X\n{rows}", encoding="utf-8")
+    code, out, _ = call("diagnose", path)
+    assert code == 0
+    assert "2 diagnosed: 1 nothing-to-explain, 1 explained" in out
+    assert call("diagnose", path, "--plot", tmp_path / "a.svg")[0] == 65
+    assert diagnosed(call, path, "--pose", "P2")["verdict"] == "explained"
+
+
 def test_poses_are_diagnosed_one_at_a_time(rng):
     cycle = np.tile(np.arange(1, 32), 2)
     run = Run(cycle, {"X": Axis("X", rng.normal(0, 0.01, 62))}, pose=np.repeat(["P1", "P2"], 31))

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from bench import run_session
+from bench import kept, run_session
 from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states
 
 from scara_iso import read_table
@@ -191,6 +191,36 @@ def test_a_torn_last_line_is_reported_and_recording_goes_on(tmp_path):
     assert len(read_table(tmp_path / "run.csv")) == 4
 
 
+def cut_behind(raw, axis, cycle):
+    """Leave of a raw file what a crash behind one stored line leaves."""
+    lines = raw.read_bytes().splitlines(keepends=True)
+    stored = b'"event":"stored"', b'"cycle":%d,"axis":"%s"' % (cycle, axis.encode())
+    k = next(k for k, line in enumerate(lines) if all(word in line for word in stored))
+    raw.write_bytes(b"".join(lines[: k + 1]))
+
+
+def test_what_a_crash_left_of_a_cycle_asked_together_is_not_mixed_with_a_later_one(tmp_path):
+    run_session(tmp_path, [X, Y])
+    for path in (tmp_path / "run.csv", tmp_path / "run.manifest.json"):
+        path.unlink()
+    cut_behind(raw_path(tmp_path / "run.csv"), "X", 2)
+    said = run_session(tmp_path, [X, Y], resume=True)
+    for cycle in (2, 3):
+        assert {s.axis for s in said if isinstance(s, Stored) and s.cycle == cycle} == {"X", "Y"}
+    assert len(read_table(tmp_path / "run.csv")) == 3
+
+
+def test_a_reading_announced_alone_is_kept_on_resume(tmp_path):
+    run_session(tmp_path, [X, Y], trigger="data")
+    for path in (tmp_path / "run.csv", tmp_path / "run.manifest.json"):
+        path.unlink()
+    cut_behind(raw_path(tmp_path / "run.csv"), "X", 2)
+    before = kept(tmp_path)[2]
+    said = run_session(tmp_path, [X, Y], resume=True)
+    second = [s.axis for s in said if isinstance(s, Stored) and s.cycle == 2]
+    assert (kept(tmp_path)[2], second) == (before, ["Y"])
+
+
 def test_a_changed_digit_in_the_raw_file_is_seen(tmp_path):
     run_session(tmp_path, [X])
     raw = raw_path(tmp_path / "run.csv")
@@ -262,6 +292,18 @@ def test_the_manifest_says_what_was_edited(tmp_path):
     assert check_manifest(table) == ("run.csv was changed after it was recorded",)
     raw_path(table).unlink()
     assert len(check_manifest(table)) == 2
+
+
+def test_resume_does_not_overwrite_an_edited_table(tmp_path):
+    run_session(tmp_path, [X])
+    table = tmp_path / "run.csv"
+    table.write_text("edited")
+    with pytest.raises(CannotCreateError, match="was changed"):
+        run_session(tmp_path, [X], cycles=4, resume=True)
+    assert table.read_text() == "edited"
+    table.unlink()
+    run_session(tmp_path, [X], cycles=4, resume=True)
+    assert len(read_table(table)) == 4
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"sha256": {"other.csv": "0"}}', "\x00"])

@@ -4,10 +4,12 @@ import socket
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import serial
+from serial import rfc2217
 
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, InstrumentError, NoInputError, UsageError
@@ -301,6 +303,7 @@ def test_socket_reads_and_sees_the_peer_go():
     thread = threading.Thread(target=serve)
     thread.start()
     port = DevicePort(f"socket://127.0.0.1:{server.getsockname()[1]}", LineSettings())
+    theirs = port._serial._socket  # which pyserial 3.5 leaves open where the peer went first
     port.write(b"?\r")
     heard = b""
     with pytest.raises(InstrumentError):  # noqa: PT012 - what came before the end counts
@@ -309,8 +312,50 @@ def test_socket_reads_and_sees_the_peer_go():
             SystemClock().idle(1)
     assert heard == b"+001.234\r"
     port.close()
+    theirs.close()
     thread.join()
     server.close()
+
+
+def serve_rfc2217(server, backend):
+    """Give a port to one client, as a serial server does; end when it goes."""
+    peer, _ = server.accept()
+    peer.settimeout(0.01)
+    manager = rfc2217.PortManager(backend, SimpleNamespace(write=peer.sendall))
+    with peer:
+        while True:
+            if data := backend.read(backend.in_waiting):
+                peer.sendall(b"".join(manager.escape(data)))
+            try:
+                heard = peer.recv(1024)
+            except TimeoutError:
+                continue
+            if not heard:
+                return
+            backend.write(b"".join(manager.filter(heard)))
+
+
+@pytest.mark.filterwarnings("ignore:set:DeprecationWarning")  # setDaemon, setName: pyserial 3.5
+def test_settings_reach_a_serial_server():
+    backend = serial.serial_for_url("loop://", timeout=0)
+    server = socket.create_server(("127.0.0.1", 0))
+    thread = threading.Thread(target=serve_rfc2217, args=(server, backend))
+    thread.start()
+    port = DevicePort(f"rfc2217://127.0.0.1:{server.getsockname()[1]}", OPTO.line)
+    theirs = port._serial._socket
+    settings = backend.get_settings()
+    port.write(b"+001.234\r")
+    heard, clock = b"", SystemClock()
+    while len(heard) < 9 and clock.now() < 5:
+        heard += port.read()
+        clock.idle(5)
+    port.close()
+    theirs.close()
+    thread.join()
+    server.close()
+    assert heard == b"+001.234\r"
+    assert (settings["baudrate"], settings["bytesize"]) == (4800, 7)
+    assert (settings["parity"], settings["stopbits"]) == ("E", 2)
 
 
 def ports(monkeypatch, *found):

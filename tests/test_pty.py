@@ -174,6 +174,40 @@ def test_an_interrupt_ends_with_130_and_keeps_the_readings(tmp_path, instrument)
     assert len(read_table(tmp_path / "run.csv")) == told
 
 
+def test_the_live_screen_on_a_terminal(tmp_path):
+    main_end, terminal = os.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "scara_iso", "record", tmp_path / "run.csv", "--gauge",
+         "X=opto-rs232@sim:"],
+        stdin=terminal, stdout=terminal, stderr=terminal,
+        env={**os.environ, "TERM": "xterm", "COLUMNS": "80", "LINES": "24"},
+    )  # fmt: skip
+    os.close(terminal)
+    seen = ""
+
+    def until(text):
+        nonlocal seen
+        while text not in seen:
+            seen += os.read(main_end, 4096).decode("utf-8", "replace")
+
+    until("robot")
+    os.write(main_end, b"FUM SCARA\n" + 5 * b"\n")
+    until("Cycle 1")
+    os.write(main_end, b"\n")
+    until("cycle 1 STORED")
+    os.write(main_end, b"\n")
+    until("cycle 2 STORED")
+    os.write(main_end, b"vslipped\n")
+    until("voided")
+    os.write(main_end, b"q")
+    until("record --resume")
+    assert process.wait() == 0
+    os.close(main_end)
+    run = read_table(tmp_path / "run.csv")
+    assert run.cycle.tolist() == [1]
+    assert run.metadata["robot"] == "FUM SCARA"
+
+
 def test_a_simulated_robot_seen_by_a_simulated_instrument(tmp_path, capsys, instrument):
     direct = tmp_path / "direct.csv"
     words = ("--effect", "warm_up@X:size=0.03,tau=8", "--seed", "4", "-o", str(direct))

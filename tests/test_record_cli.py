@@ -180,6 +180,7 @@ def test_a_unit_that_nobody_states_is_an_error_that_names_the_option(run, tmp_pa
         (["record", "a.csv", "--gauge", "X=opto-rs232@/dev/ttyNOTTHERE", *TIMER], 69, "NOTTHERE"),
         (["record", "a.csv", "--gauge", "X=opto-rs232@replay:none", *TIMER], 66, "none"),
         (["record", "a.csv", *X, "--trigger", "data", "--stable", "3"], 2, "--stable"),
+        (["record", "a.csv", *X, *TIMER, "--unit", "inch"], 2, "sim:?unit="),
         (["ports", "--ask", "opto-rs232"], 2, "--probe"),
         (["ports", "--probe", "/dev/ttyNOTTHERE"], 69, "NOTTHERE"),
     ],
@@ -196,15 +197,24 @@ def test_errors_say_what_and_what_to_do(run, tmp_path, arguments, code, word):
 def test_nothing_is_overwritten_and_resume_goes_on(run, tmp_path):
     assert run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--meta", "robot=R")[0] == 0
     assert run("record", "a.csv", *X, *TIMER)[0] == 73
-    code, out, _ = run("record", "--resume", "a.csv", "--cycles", "5")
+    code, out, _ = run("record", "--resume", "a.csv", "--cycles", "5", "--meta", "operator=O")
     assert code == 0
     assert [e["cycle"] for e in events(out) if e["event"] == "stored"] == [4, 5]
     table = read_table(tmp_path / "a.csv")
     assert len(table) == 5
-    assert table.metadata["robot"] == "R"
+    assert (table.metadata["robot"], table.metadata["operator"]) == ("R", "O")
+    assert "cycles_planned" not in table.metadata
     (tmp_path / "a.csv").unlink()
     assert run("record", "--rebuild", "a.raw.jsonl")[0] == 0
     assert len(read_table(tmp_path / "a.csv")) == 5
+
+
+def test_another_port_on_resume_is_recorded(run, tmp_path):
+    run("record", "a.csv", *X, *TIMER, "--cycles", "3")
+    other = ["--gauge", "X=opto-rs232@sim:?pace=0&seed=5"]
+    assert run("record", "--resume", "a.csv", *other, "--cycles", "4")[0] == 0
+    indicator = read_table(tmp_path / "a.csv").metadata["indicator"]
+    assert "sim:?pace=0 (simulated), then sim:?pace=0&seed=5 (simulated)" in indicator
 
 
 def test_a_recorded_stream_is_not_gone_on_with(run, tmp_path):

@@ -434,6 +434,43 @@ def test_resume_goes_on_with_the_next_cycle(tmp_path, monkeypatch):
     assert times[2] > times[1]
 
 
+class EndsAfterX:
+    """An operator who presses ``q`` or Ctrl-C when X has a reading."""
+
+    def __init__(self, folder, *, by):
+        self._folder = folder
+        self._by = by
+
+    def poll(self):
+        if not kept(self._folder):
+            return None
+        if self._by is KeyboardInterrupt:
+            raise KeyboardInterrupt
+        return Quit()
+
+
+@pytest.mark.parametrize("error", [InstrumentError, KeyboardInterrupt])
+def test_a_session_without_a_whole_cycle_keeps_its_readings(tmp_path, monkeypatch, error):
+    ports = {"X": lambda c: Script(c, pushes=[(1.0, frame("0.101"))]), "Y": script()}
+    with pytest.raises(error, match="no cycle is complete" if error is InstrumentError else None):
+        run_session(
+            tmp_path, [OPTO, MUX_Y], trigger="data", ports=ports, monkeypatch=monkeypatch,
+            operator=EndsAfterX(tmp_path, by=error),
+        )  # fmt: skip
+    assert kept(tmp_path) == {1: 0.101}
+    assert not (tmp_path / "run.csv").exists()
+
+
+def test_the_table_goes_when_its_last_cycle_is_struck_out(tmp_path, monkeypatch):
+    run_session(tmp_path, [OPTO], ports={"X": script("0.101")}, cycles=1, monkeypatch=monkeypatch)
+    with pytest.raises(InstrumentError, match="no cycle is complete"):
+        run_session(
+            tmp_path, [OPTO], ports={"X": script()}, cycles=2, resume=True, trigger="enter",
+            operator=Orders(None, Void("wrong pose"), Quit()), monkeypatch=monkeypatch,
+        )  # fmt: skip
+    assert not (tmp_path / "run.csv").exists()
+
+
 def test_resume_with_another_driver_is_refused(tmp_path, monkeypatch):
     run_session(tmp_path, [OPTO], ports={"X": script("0.1")}, cycles=1, monkeypatch=monkeypatch)
     with pytest.raises(UsageError, match="recorded with X=opto-rs232"):

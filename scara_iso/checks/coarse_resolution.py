@@ -24,8 +24,8 @@ def check(measured: Measured) -> Iterator[Finding]:
                 yield Finding(
                     CODE,
                     "warning",
-                    f"the indicator's uncertainty is {ratio:.0%} of RP: the figure is mostly the "
-                    "dial; measure with a finer one",
+                    f"the indicator's uncertainty is {ratio:.0%} of RP, more than "
+                    f"{LARGEST_SHARE:.0%}: measure with a finer one",
                     name,
                     pose.label,
                 )

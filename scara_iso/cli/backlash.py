@@ -35,7 +35,7 @@ def backlash_command(
     first_cycle_discarded: FirstDiscarded = False,
     json: AsJson = False,
 ) -> None:
-    """Deviation of the load through the gear's backlash, paper eq. 7-22.
+    """Deviation of the load through a gear's backlash, by the paper's model.
 
     Example: scara-iso backlash --Im 2.65e-4 --IL 4.749 --arcmin 12 --arm 0.7 --ratio 50
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,18 +15,23 @@ from scara_iso.cli.analyze import (
     FirstDiscarded,
     ResolutionOfTable,
     Sheet,
-    Table,
     UnitOfTable,
 )
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
+    from scara_iso.closing import CyclesWanted, Reading
     from scara_iso.diagnosis import Diagnosis
+
+Tables = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="TABLE...", help="Tables of readings; several give a summary."),
+]
 
 
 def diagnose_command(
-    table: Table,
+    tables: Tables = None,
     *,
     model: Annotated[
         str | None,
@@ -44,6 +50,15 @@ def diagnose_command(
     pose: Annotated[
         str | None, typer.Option(help="Which pose, where the table has several.")
     ] = None,
+    design: Annotated[
+        bool, typer.Option("--design", help="What a planned test will tell; needs no readings.")
+    ] = False,
+    sigma: Annotated[
+        float | None, typer.Option(help="Scatter of the planned test [mm], else 0.005.")
+    ] = None,
+    columns: Annotated[
+        str | None, typer.Option(help="Columns of the planned test: approach,temperature_C.")
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the shuffles.", min=0)] = 9283,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
@@ -57,27 +72,75 @@ def diagnose_command(
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
-    from scara_iso import read_table
-    from scara_iso.closing import CyclesWanted, close_the_loop
+    from scara_iso.closing import CyclesWanted, Reading
+
+    reading = Reading(unit, resolution, decimal, sheet)
+    wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
+    single = {"--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
+    asked = [option for option, value in single.items() if value is not None]
+    if design:
+        from scara_iso.cli.diagnose_design import show_design
+
+        show_design(
+            tables or (), reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json
+        )
+    elif tables is None or not tables:
+        raise UsageError("no table is named", remedy="name one, or ask for --design")
+    elif len(tables) > 1 and asked:
+        raise UsageError(f"{asked[0]} is for one table", remedy="diagnose the tables one by one")
+    elif save_model is not None and model is None:
+        raise UsageError("--save-model needs --model", remedy="name the one to add to")
+    elif len(tables) > 1:
+        from scara_iso.cli.diagnose_many import diagnose_many
+
+        diagnose_many(tables, model, reading, wanted, seed=seed, as_json=json)
+    else:
+        files = _Files(tables[0], model, hold_out, save_model, plot)
+        _diagnose_table(files, reading, wanted, seed=seed, as_json=json)
+
+
+@dataclass(frozen=True, slots=True)
+class _Files:
+    """What the diagnosis of one table reads and writes."""
+
+    table: str
+    model: str | None
+    hold_out: str | None
+    save_model: Path | None
+    plot: Path | None
+
+    @property
+    def alone(self) -> bool:
+        """Whether nothing but a table is named."""
+        return not any((self.model, self.hold_out, self.save_model, self.plot))
+
+
+def _diagnose_table(
+    files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
+) -> None:
+    from scara_iso.closing import close_the_loop
     from scara_iso.model import read_model
 
-    if save_model is not None and model is None:
-        raise UsageError("--save-model needs --model", remedy="name the one to add to")
-    run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
+    run = reading.read(files.table)
+    if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
+        from scara_iso.cli.diagnose_many import diagnose_poses_of
+
+        diagnose_poses_of(run, wanted, seed=seed, as_json=as_json)
+        return
     diagnosis = close_the_loop(
         run,
-        None if model is None else read_model(model),
-        CyclesWanted(pose, first_cycle_discarded, cycles),
-        hold_out=None if hold_out is None else read_table(hold_out, unit=unit, decimal=decimal),
+        None if files.model is None else read_model(files.model),
+        wanted,
+        hold_out=None if files.hold_out is None else reading.read(files.hold_out),
         seed=seed,
     )
-    if plot is not None:
+    if files.plot is not None:
         from scara_iso.render.plots import plot_diagnosis
 
-        plot_diagnosis(diagnosis, plot)
-    if save_model is not None and model is not None:
-        _save(diagnosis, model, save_model)
-    _write(diagnosis, run.origin.source, as_json=json)
+        plot_diagnosis(diagnosis, files.plot)
+    if files.save_model is not None and files.model is not None:
+        _save(diagnosis, files.model, files.save_model)
+    _write(diagnosis, run.origin.source, as_json=as_json)
 
 
 def _save(diagnosis: Diagnosis, model: str, to: Path) -> None:
@@ -89,7 +152,7 @@ def _save(diagnosis: Diagnosis, model: str, to: Path) -> None:
 
 def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:
     if as_json:
-        from scara_iso.render.json import diagnosis_json
+        from scara_iso.render.json_diagnosis import diagnosis_json
 
         write_json(diagnosis_json(diagnosis))
     else:

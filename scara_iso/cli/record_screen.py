@@ -95,7 +95,8 @@ class Screen:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._live.show(self._view(over=True))
+        if self._cycles:
+            self._live.show(self._view(over=True))
         self._live.__exit__(kind, error, trace)
 
     def poll(self) -> Command | None:

@@ -36,6 +36,7 @@ from scara_iso.recorder import (
     read_metadata,
     rebuild,
     record,
+    refuse_existing,
 )
 from scara_iso.render.live import LiveScreen
 from scara_iso.render.terminal import open_console
@@ -85,8 +86,10 @@ def record_table(options: Options) -> None:
         raise UsageError("--stable goes with readings that are asked for, not with --trigger data")
     metadata = {} if options.meta_file is None else read_metadata(options.meta_file)
     metadata |= parse_metadata(options.meta)
-    if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
-        metadata = metadata or ({} if options.resume else _ask_metadata())
+    if not options.resume:
+        refuse_existing(options.table)
+        if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
+            metadata = metadata or _ask_metadata()
     job = Job(options.table, specs, plan, metadata, options.resume)
     _run(job, earlier, on_terminal=on_terminal)
 

@@ -91,7 +91,7 @@ def simulate_command(
     if output is not None or not json:
         write_text(write_table(run), output)
     if json:
-        write_json(run_json(run))
+        write_json(run_json(run, seed=seed))
 
 
 def _arrivals(
@@ -126,9 +126,9 @@ def _recorded(temperature: str | None, payload: str | None, cycles: int) -> dict
 
 
 def _numbers(option: str, text: str, separator: str) -> list[float]:
-    from scara_iso.tables.numbers import parse_clean
+    from scara_iso.quantities import parse_number
 
-    found = parse_clean([part.strip() for part in text.split(separator)], ".")
-    if found is None:
+    numbers = [n for part in text.split(separator) if (n := parse_number(part)) is not None]
+    if len(numbers) <= text.count(separator):
         raise UsageError(f"{option} {text!r} is not made of numbers")
-    return [float(value) for value in found[0]]
+    return numbers

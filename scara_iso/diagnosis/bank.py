@@ -122,7 +122,8 @@ def _passages(conditions: Conditions) -> list[Member]:
     """Return levels that come and go again: they help the test to see, and carry no name."""
     n = len(conditions)
     row = np.arange(n)[:, np.newaxis]
-    spans = [(a, b) for a in range(2, n - 3, 2) for b in range(a + 2, n - 1, 2)]
+    stride = max(2, n // 15)
+    spans = [(a, b) for a in range(2, n - 3, stride) for b in range(a + 2, n - 1, stride)]
     return [
         Member(UNKNOWN, Shape(np.where((row >= a) & (row < b), 1.0, 0.0)),
                _PASSAGE_WEIGHT / len(spans), named=False)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.diagnosis.bank import Bank, Form, Member
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
-from scara_iso.diagnosis.levels import two_levels
+from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, log_bayes_of_course
+from scara_iso.diagnosis.levels import TwoLevels, two_levels
 from scara_iso.effects import Chain, Process, Shape
 from scara_iso.run import FloatArray, IntArray
 
@@ -94,47 +94,76 @@ class Hypothesis:
 
 
 def hidden_sides(
-    members: Sequence[Member], views: Views, division: FloatArray, rows: IntArray, n: int
+    members: Sequence[Member],
+    views: Views,
+    basis: FloatArray,
+    *,
+    division: FloatArray,
+    rows: IntArray,
+    n: int,
 ) -> list[Hypothesis]:
     """Return, for each effect with hidden chains, its evidence and the course of its sides.
 
     ``division`` (axes,) is the dial's in the units of the views, nan for an axis that can show no
-    sides; ``rows`` are those of the n cycles that the views hold.
-    With several axes the sides are sought in each axis and in each principal direction.
+    sides; ``rows`` are those of the n cycles that the views hold, ``basis`` what is fitted there.
     """
     chained: dict[str, list[tuple[Chain, float]]] = {}
     for member in members:
-        if isinstance(member.form, Chain):
+        if member.chained and isinstance(member.form, Chain):
             chained.setdefault(member.effect, []).append((member.form, member.weight))
     columns = _columns(views, division)
     if not columns:
         return []
-    return [_sides(effect, found, columns, rows, n) for effect, found in chained.items()]
+    found = [
+        (effect, _sides(chains, views, columns, rows, n)) for effect, chains in chained.items()
+    ]
+    return [_over_axes(effect, sides, views, basis, rows) for effect, sides in found]
 
 
-def _columns(views: Views, division: FloatArray) -> list[tuple[FloatArray, float]]:
+def _columns(views: Views, division: FloatArray) -> list[tuple[int, float]]:
+    """Return the columns in which sides are sought, with the least scatter of their dial.
+
+    Those are the axes and, with several, their principal directions.
+    """
     q = views.axes
-    axes = [(views.columns[:, a], float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
-    if len(axes) < 2:
-        return axes
-    return axes + [(views.columns[:, q + a], 0.0) for a in range(q)]
+    axes = [(int(a), float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
+    return axes if len(axes) < 2 else axes + [(q + a, 0.0) for a in range(q)]
 
 
 def _sides(
-    effect: str,
     chained: Sequence[tuple[Chain, float]],
-    columns: Sequence[tuple[FloatArray, float]],
+    views: Views,
+    columns: Sequence[tuple[int, float]],
     rows: IntArray,
     n: int,
-) -> Hypothesis:
+) -> tuple[int, float, TwoLevels]:
+    """Return the column that shows the sides best, their evidence there, and their course."""
     prior = np.array([weight for _, weight in chained])
     found = []
     for column, division in columns:
         whole = np.full(n, np.nan)
-        whole[rows] = column
+        whole[rows] = views.columns[:, column]
         levels = two_levels(whole, division, [chain for chain, _ in chained])
-        found.append((float(prior @ np.exp(np.minimum(levels.log_bf, _LARGEST_LOG))), levels))
-    best = max(found, key=lambda item: item[0])[1]
-    upper = np.where(best.share_upper > 0.5, 1.0, 0.0)[:, np.newaxis]
-    form = Shape(upper, {"switching": best.switching})
-    return Hypothesis(effect, form, float(np.mean([evidence for evidence, _ in found])))
+        evidence = float(prior @ np.exp(np.minimum(levels.log_bf, _LARGEST_LOG)))
+        found.append((column, evidence / len(columns), levels))
+    return max(found, key=lambda item: item[1])
+
+
+def _over_axes(
+    effect: str,
+    sides: tuple[int, float, TwoLevels],
+    views: Views,
+    basis: FloatArray,
+    rows: IntArray,
+) -> Hypothesis:
+    """Return the hypothesis that all axes share the sides found in one column.
+
+    Once their course is known it is a shape like any other: what the other axes add to the
+    evidence is that of the shape over all axes beside its own in the column where it was found.
+    """
+    column, evidence, levels = sides
+    course = np.where(levels.share_upper > 0.5, 1.0, 0.0)[:, np.newaxis]
+    log_bf = log_bayes_of_course(course[rows], basis, views.columns)
+    together = float(joint_evidence(log_bf[np.newaxis, :, np.newaxis], views)[0, 0])
+    gained = together / float(np.exp(log_bf[column]))
+    return Hypothesis(effect, Shape(course, {"switching": levels.switching}), evidence * gained)

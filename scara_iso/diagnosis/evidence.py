@@ -12,11 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import Bank
+from scara_iso.diagnosis.bank import Bank, extended
 from scara_iso.run import FloatArray
 
 _LARGEST_LOG = 600.0
 _SMALLEST_SHARE = 1e-12
+_GAIN = 15.0
 _TINY = 1e-300
 
 
@@ -70,6 +71,16 @@ def log_bayes(bank: Bank, columns: FloatArray) -> FloatArray:
     if not len(bank.split):
         return np.asarray(shaped)
     return np.concatenate([shaped, _log_bayes_of_spreads(bank, columns, nu)])
+
+
+def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArray) -> FloatArray:
+    """Return log Bayes factors (m,) of one course (n, k) under the g-prior, beside ``basis``."""
+    beside = extended(basis, course)[:, basis.shape[1] :]
+    free = columns - basis @ (basis.T @ columns)
+    explained = ((beside.T @ free) ** 2).sum(axis=0) / np.maximum((free**2).sum(axis=0), _TINY)
+    nu, k = len(columns) - basis.shape[1], beside.shape[1]
+    left = np.maximum(1 - explained * _GAIN / (1 + _GAIN), _SMALLEST_SHARE)
+    return np.asarray(-nu / 2 * np.log(left) - k / 2 * np.log1p(_GAIN))
 
 
 def _log_bayes_of_spreads(bank: Bank, columns: FloatArray, nu: int) -> FloatArray:

@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.bank import Form, constant, extended
+from scara_iso.diagnosis.evidence import log_bayes_of_course
 from scara_iso.effects import Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
-
-_GAIN = 15.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,11 +50,7 @@ def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: 
     axes = values.shape[1]
     if not isinstance(form, Shape):
         return Term(effect, form, np.ones(axes, dtype=bool))
-    free = values - basis @ (basis.T @ values)
-    beside = extended(basis, form.columns[rows])[:, basis.shape[1] :]
-    explained = ((beside.T @ free) ** 2).sum(axis=0) / np.maximum((free**2).sum(axis=0), 1e-300)
-    nu, k = len(rows) - basis.shape[1], beside.shape[1]
-    log_bf = -nu / 2 * np.log(1 - explained * _GAIN / (1 + _GAIN)) - k / 2 * np.log1p(_GAIN)
+    log_bf = log_bayes_of_course(form.columns[rows], basis, values)
     return Term(effect, form, (log_bf > 0) | (log_bf == log_bf.max()))
 
 

@@ -16,7 +16,7 @@ from scara_iso.errors import DataError
 from scara_iso.run import FloatArray
 
 _LEVEL = 0.05
-_SIMULATIONS = 1999
+_SIMULATIONS = 999
 _FEWEST = 3
 _RIVAL = 0.1
 _MISFIT_LEVEL = 0.01
@@ -94,7 +94,7 @@ def diagnose_sweep(
     if p_value > _LEVEL:
         return _result(Verdict.NOTHING, (), measured, before, before, None, _notes(sweep, ()))
     known = uncertainty is not None
-    weights = [_weights(measured, family, scale, known) for family in families]
+    weights = _weights(measured, families, scale, known)
     evidence = np.array([w.mean() for w in weights])
     best = int(np.argmax(evidence))
     families[best], weights[best] = _zoomed(
@@ -130,10 +130,14 @@ def _log_likelihood(misfit: FloatArray, m: int, known: bool) -> FloatArray:
     return np.asarray(-misfit / 2 if known else -m / 2 * np.log(misfit))
 
 
-def _weights(measured: FloatArray, family: _Family, scale: FloatArray, known: bool) -> FloatArray:
-    """Return each candidate's likelihood relative to eq. 16's misfit, shape (candidates,)."""
-    misfit = _misfit(measured, family.predictions, scale)
-    return np.asarray(np.exp(_log_likelihood(misfit, len(measured), known)))
+def _weights(
+    measured: FloatArray, families: Sequence[_Family], scale: FloatArray, known: bool
+) -> list[FloatArray]:
+    """Return each candidate's likelihood, for every family, relative to the largest of all."""
+    misfits = [_misfit(measured, family.predictions, scale) for family in families]
+    logs = [_log_likelihood(misfit, len(measured), known) for misfit in misfits]
+    peak = max(float(log.max()) for log in logs)
+    return [np.asarray(np.exp(log - peak)) for log in logs]
 
 
 def _zoomed(
@@ -155,7 +159,7 @@ def _zoomed(
         finer = tuple({name: float(v)} for v in np.linspace(ends[0], ends[1], _ZOOMED))
         predictions = np.stack([family.effect.deviation(sweep, v) for v in finer])
         family = _Family(family.effect, finer, predictions)
-        weight = _weights(measured, family, scale, known)
+        (weight,) = _weights(measured, [family], scale, known)
     return family, weight
 
 
@@ -229,7 +233,7 @@ def _left_out(
     for i in range(len(measured)):
         seen = np.arange(len(measured)) != i
         part = [_Family(f.effect, f.candidates, f.predictions[:, seen]) for f in families]
-        weights = [_weights(measured[seen], f, scale[seen], known) for f in part]
+        weights = _weights(measured[seen], part, scale[seen], known)
         best = int(np.argmax([w.mean() for w in weights]))
         value = families[best].predictions[int(np.argmax(weights[best])), i]
         errors.append(measured[i] - value)

@@ -15,17 +15,22 @@ from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
     Flag,
+    Found,
     Repeatabilities,
     Rival,
     Series,
+    Shares,
     Verdict,
 )
-from scara_iso.diagnosis.search import FLAG_LEVEL, Problem, Stage, find, problem_of
+from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Problem, Stage, find, problem_of
 from scara_iso.effects import Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
 
 SEED = 9283
+_MUCH = 0.2
+"""Share of the variance from which rounding is worth a line."""
+
 _WORTH_CHAINS = 0.02
 """Effects with hidden sides less likely than this on the whole run are not tried in the folds."""
 
@@ -39,6 +44,7 @@ def diagnose(
     held_out_predicted: Prediction | None = None,
     directions: Mapping[str, Mapping[str, float]] | None = None,
     effects: Sequence[Effect] | None = None,
+    level: float = LEVEL,
 ) -> Diagnosis:
     """Return what a model leaves unexplained in a run, which effect it is, and what is gained.
 
@@ -46,37 +52,50 @@ def diagnose(
     axis, None for a constant pose (a constant is always free: an indicator has no absolute zero).
     ``directions`` names how far each axis moves, such as ``{"joint 1": {"X": .., "Y": ..}}``.
     ``held_out`` is a second run for the error on unseen cycles; without it that is
-    cross-validated. ``effects`` is the catalogue unless given. Same arguments, same result.
+    cross-validated. ``effects`` is the catalogue unless given; ``level`` the family-wise chance of
+    finding structure in scatter alone. Same arguments, same result.
 
-    Raises `DataError` for fewer than 12 cycles, several poses, no axis that moves, or a
-    prediction that does not belong to the run.
+    Raises `DataError` for fewer than 12 cycles or more than 500, several poses, no axis that
+    moves, or a prediction that does not belong to the run.
     """
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
     rng = np.random.default_rng(seed)
-    problem = problem_of(
-        run, predicted, directions=directions or {}, effects=tuple(catalogue.values())
-    )
-    terms, stages = find(problem, rng)
+    known = tuple(catalogue.values())
+    problem = problem_of(run, predicted, directions=directions or {}, effects=known)
+    terms, stages = find(problem, rng, level=level)
     fitted = fit(terms, problem.residual.values, problem.rows, len(run))
     second = _second(held_out, held_out_predicted, problem.residual)
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        members = members_of(tuple(catalogue.values()), second.conditions)
-        unseen = on_second_run(fitted, members, second)
+        unseen = on_second_run(fitted, members_of(known, second.conditions), second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
+    return _diagnosis(
+        problem, fitted, stages, unseen, courses, account(problem, fitted, stages, catalogue)
+    )
+
+
+def _diagnosis(
+    problem: Problem,
+    fitted: Fit,
+    stages: Sequence[Stage],
+    unseen: HeldOut,
+    courses: tuple[dict[str, FloatArray], ...],
+    found: tuple[Found, ...],
+) -> Diagnosis:
+    shares = shares_of(problem.residual, fitted)
     return Diagnosis(
         verdict=_verdict(fitted, stages),
-        effects=account(problem, fitted, stages, catalogue),
+        effects=found,
         candidates=_candidates(fitted, stages),
         p_value=stages[0].p_value,
         error_before=_error(problem.residual, None, unseen.before),
         error_after=_error(problem.residual, fitted, unseen.after),
-        shares=shares_of(problem.residual, fitted),
+        shares=shares,
         flags=_flags(problem.residual, stages),
-        notes=problem.residual.notes,
+        notes=(*problem.residual.notes, *_coarse(shares)),
         repeatability=Repeatabilities(*map(repeatabilities, courses)),
-        series=Series(run.cycle, *courses[:3]),
+        series=Series(problem.residual.conditions.cycle, *courses[:3]),
     )
 
 
@@ -145,6 +164,16 @@ def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
         return ()
     cycle = int(residual.conditions.cycle[free.outlier_row])
     return (Flag(residual.axes[free.outlier_axis], cycle, free.gaussian_outlier),)
+
+
+def _coarse(shares: Mapping[str, Shares]) -> list[str]:
+    """Return a line for each axis whose scatter is largely the dial's rounding."""
+    return [
+        f"{axis}: {share.resolution:.0%} of the variance is rounding to the dial's division; "
+        "measure with a finer indicator"
+        for axis, share in shares.items()
+        if share.resolution > _MUCH
+    ]
 
 
 def _courses(

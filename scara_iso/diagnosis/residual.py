@@ -15,7 +15,7 @@ from scara_iso.run import FloatArray, Run
 Prediction = Mapping[str, npt.ArrayLike]
 """Predicted readings (n,) by axis."""
 
-FEWEST_CYCLES = 12
+FEWEST_CYCLES, MOST_CYCLES = 12, 500
 _SAME = 0.9999
 """Correlation from which two columns count as copies of each other."""
 
@@ -43,13 +43,18 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
 
     ``run`` holds one pose without the discarded cycle. Axes that never move, or that copy another
     axis, and covariates that are constant or copy the cycle number are left out with a note.
-    Raises `DataError` for fewer than 12 cycles, an axis of the prediction that was not measured,
-    a wrong number of predicted readings, or when every axis is stuck.
+    Raises `DataError` for fewer than 12 cycles or more than 500, an axis of the prediction that was
+    not measured, a wrong number of predicted readings, or when every axis is stuck.
     """
     if len(run) < FEWEST_CYCLES:
         raise DataError(
             f"{len(run)} usable cycles cannot tell structure from scatter",
             remedy=f"measure at least {FEWEST_CYCLES} cycles, better 30",
+        )
+    if len(run) > MOST_CYCLES:
+        raise DataError(
+            f"{len(run)} cycles are more than a diagnosis compares in one piece",
+            remedy=f"diagnose blocks of at most {MOST_CYCLES} cycles",
         )
     model = _checked(run, predicted or {})
     values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}

@@ -19,14 +19,16 @@ from scara_iso.effects import Chain, Effect, Process, Shape, Spread
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray, Run
 
-ORDER_LEVEL = 0.045
-TWO_LEVELS_LEVEL = 0.0075
-OUTLIER_LEVEL = 0.005
-"""Together 5 % for the first effect: what trips one order-free test (skewed scatter the two
-levels, heavy tails the outlier) hardly ever trips the other, and Gaussian scatter trips neither."""
+LEVEL = 0.05
+"""Family-wise level at which a first effect is admitted."""
 
-FURTHER = 0.01 / ORDER_LEVEL
-"""Share of these levels at which a further effect is admitted."""
+FURTHER_LEVEL = 0.01
+"""Level at which a further one is."""
+
+_ORDER_SHARE, _TWO_LEVELS_SHARE, _OUTLIER_SHARE = 0.95, 0.15, 0.1
+"""How much of the level each test may use. What trips one order-free test (skewed scatter the two
+levels, heavy tails the outlier) hardly ever trips the other, and Gaussian scatter trips neither,
+so no scatter uses up more than about the whole."""
 
 FLAG_LEVEL = 0.01
 """Level of a flagged reading in Gaussian scatter."""
@@ -108,8 +110,16 @@ class Stage:
 
     @property
     def p_value(self) -> float:
-        """Smallest p-value of the round."""
-        return min(self.order.p_value, self.order_free.two_levels, self.order_free.outlier)
+        """Smallest of the p-values, each divided by its share of the level."""
+        return min(1.0, *_shared(self.order, self.order_free))
+
+
+def _shared(order: OrderTest, free: OrderFreeTest) -> tuple[float, float, float]:
+    return (
+        order.p_value / _ORDER_SHARE,
+        free.two_levels / _TWO_LEVELS_SHARE,
+        free.outlier / _OUTLIER_SHARE,
+    )
 
 
 def look(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Look:
@@ -130,15 +140,19 @@ def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:
     return np.where(explained, 0.0, values)
 
 
-def find(problem: Problem, rng: np.random.Generator) -> tuple[tuple[Term, ...], tuple[Stage, ...]]:
+def find(
+    problem: Problem, rng: np.random.Generator, *, level: float = LEVEL
+) -> tuple[tuple[Term, ...], tuple[Stage, ...]]:
     """Return the terms found in the residual and every stage of the search.
+
+    ``level`` is that of the first effect; a further one needs FURTHER_LEVEL.
 
     The last stage has no choice, or chose the unknown, or MOST_EFFECTS were reached.
     """
     terms: tuple[Term, ...] = ()
     stages: list[Stage] = []
     while True:
-        stage, now = _stage(problem, terms, rng)
+        stage, now = _stage(problem, terms, rng, min(level, FURTHER_LEVEL) if terms else level)
         stages.append(stage)
         full = len(terms) == MOST_EFFECTS
         if stage.choice is None or stage.choice.best == UNKNOWN or full:
@@ -166,19 +180,20 @@ def find_again(
     return terms
 
 
-def _stage(problem: Problem, terms: Sequence[Term], rng: np.random.Generator) -> tuple[Stage, Look]:
+def _stage(
+    problem: Problem, terms: Sequence[Term], rng: np.random.Generator, level: float
+) -> tuple[Stage, Look]:
     now = look(problem, terms, problem.rows)
-    share = FURTHER if terms else 1.0
     ordered = [member for member in now.members if member.ordered]
     cycle = problem.residual.conditions.cycle
     order = order_test(now.bank(cycle, ordered), now.views, rng)
     free = order_free_test(now.values, problem.residual.division, rng)
-    if order.p_value <= share * ORDER_LEVEL or free.two_levels <= share * TWO_LEVELS_LEVEL:
+    by_order, by_levels, by_outlier = _shared(order, free)
+    choice = None
+    if min(by_order, by_levels) <= level:
         choice = _choice(problem, now, with_chains=True)
-    elif free.outlier <= share * OUTLIER_LEVEL:
+    elif by_outlier <= level:
         choice = _outlier(problem, free)
-    else:
-        choice = None
     return Stage(order, free, choice), now
 
 
@@ -189,7 +204,9 @@ def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
     length = np.maximum(np.linalg.norm(now.values, axis=0), 1e-300)
     coarse = _neighbours(residual)
     division = np.where(coarse | ~now.values.any(axis=0), np.nan, residual.division / length)
-    sides = hidden_sides(chains, now.views, division, now.rows, len(residual))
+    sides = hidden_sides(
+        chains, now.views, now.basis, division=division, rows=now.rows, n=len(residual)
+    )
     return choose(now.bank(residual.conditions.cycle, named), now.views, sides)
 
 

@@ -20,12 +20,13 @@ from scara_iso.effects._effect import (
     Shape,
     Spread,
     Sweep,
+    series_by_axis,
 )
 from scara_iso.plugins import find_modules
 
 __all__ = [
     "Chain", "Conditions", "Direction", "Effect", "GearEffect", "Parameter", "Process", "Shape",
-    "Spread", "Sweep", "find_effects", "find_gear_effects",
+    "Spread", "Sweep", "find_effects", "find_gear_effects", "series_by_axis",
 ]  # fmt: skip
 
 

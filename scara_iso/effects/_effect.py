@@ -15,6 +15,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray
 
 Sizes = Mapping[str, float]
@@ -198,3 +199,28 @@ class GearEffect:
 def column(values: npt.ArrayLike) -> FloatArray:
     """Return values (n,) as one column (n, 1) of floats."""
     return np.asarray(values, dtype=np.float64)[:, np.newaxis]
+
+
+def series_by_axis(
+    effect: Effect,
+    conditions: Conditions,
+    parameters: Mapping[str, float | str | Sizes],
+    rng: np.random.Generator,
+) -> dict[str, FloatArray]:
+    """Return what ``effect`` adds to each axis that ``parameters`` give a size, shape (n,) each.
+
+    Parameters are as a diagnosis finds them: a number, one number for each axis, or (``column``)
+    the covariate that acts. Raises `DataError` where that covariate was not recorded.
+    """
+    name = parameters.get("column")
+    if isinstance(name, str):
+        if name not in conditions.covariates:
+            raise DataError(f"{effect.name}: no column {name!r} in this table")
+        conditions = Conditions(conditions.cycle, {name: conditions.covariates[name]})
+    per_axis = {k: v for k, v in parameters.items() if isinstance(v, Mapping)}
+    common = {k: float(v) for k, v in parameters.items() if isinstance(v, int | float)}
+    axes = dict.fromkeys(axis for sizes in per_axis.values() for axis in sizes)
+    return {
+        axis: effect.series(conditions, common | {k: v[axis] for k, v in per_axis.items()}, rng)
+        for axis in axes
+    }

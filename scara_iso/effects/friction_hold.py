@@ -19,7 +19,7 @@ def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
 
 
 def _candidates(_: Sweep) -> tuple[Sizes, ...]:
-    return tuple({"held": float(held)} for held in np.linspace(0.005, 0.995, 400))
+    return tuple({"held": float(held)} for held in np.linspace(0.001, 0.999, 999))
 
 
 EFFECT = GearEffect(

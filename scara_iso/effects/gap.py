@@ -12,7 +12,7 @@ def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
 
 
 def _candidates(_: Sweep) -> tuple[Sizes, ...]:
-    return tuple({"factor": float(factor)} for factor in np.geomspace(0.2, 5.0, 400))
+    return tuple({"factor": float(factor)} for factor in np.geomspace(0.2, 5.0, 1200))
 
 
 EFFECT = GearEffect(

@@ -59,7 +59,7 @@ EFFECT = Effect(
     confirm_by="change the cycle time: the period in cycles must change, the period in minutes "
     "must not",
     series=_series,
-    weight=2.0,
+    weight=1.3,
     shapes=_shapes,
     sizes=_sizes,
 )

@@ -12,7 +12,7 @@ def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
 
 
 def _candidates(_: Sweep) -> tuple[Sizes, ...]:
-    return tuple({"N": float(N)} for N in np.geomspace(1.05, 1000.0, 400))
+    return tuple({"N": float(N)} for N in np.geomspace(1.05, 1000.0, 1200))
 
 
 EFFECT = GearEffect(

@@ -1,4 +1,7 @@
-"""The dial's own division: readings are rounded to it."""
+"""The dial's own division: readings are rounded to it.
+
+Its share of the variance is known and not searched: resolution^2 / 12 (GUM F.2.2.1).
+"""
 
 import numpy as np
 from numpy.random import Generator

@@ -15,7 +15,7 @@ def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
 def _candidates(sweep: Sweep) -> tuple[Sizes, ...]:
     if sweep.torque is None or not np.any(sweep.torque):
         return ()
-    return tuple({"compliance": float(c)} for c in np.geomspace(1e-8, 1e-1, 700))
+    return tuple({"compliance": float(c)} for c in np.geomspace(1e-8, 1e-1, 1200))
 
 
 EFFECT = GearEffect(

@@ -26,7 +26,7 @@ from scara_iso.recorder.events import (
 from scara_iso.recorder.history import History, read_history
 from scara_iso.recorder.manifest import check_manifest, manifest_path, raw_path
 from scara_iso.recorder.plan import Enter, Listen, Plan, Timer, Trigger, parse_trigger
-from scara_iso.recorder.recording import Job, rebuild, record
+from scara_iso.recorder.recording import Job, rebuild, record, refuse_existing
 from scara_iso.recorder.spec import (
     GaugeSpec,
     check_metadata,
@@ -41,5 +41,5 @@ __all__ = [
     "Refused", "Said", "Started", "Stored", "SystemDisk", "Take", "Timer", "Trigger", "Void",
     "Voided", "Waiting", "as_json", "check_manifest", "check_metadata", "manifest_path",
     "parse_gauges", "parse_metadata", "parse_trigger", "raw_path", "read_history",
-    "read_metadata", "rebuild", "record",
+    "read_metadata", "rebuild", "record", "refuse_existing",
 ]  # fmt: skip

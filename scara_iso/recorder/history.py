@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections import Counter, deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import datetime
 from decimal import Decimal
 from pathlib import Path
@@ -18,11 +18,13 @@ import numpy as np
 from scara_iso.errors import DataError, Fault
 from scara_iso.ports.tape import SCHEMA, Record, read_tape
 from scara_iso.quantities import Dimension, find_unit
+from scara_iso.recorder.plan import Listen
 from scara_iso.run import Axis, Origin, Run
 
 VOIDABLE = 100
 """How many readings back an operator may void."""
 _SHOWN = 10
+_THEN = ", then "
 _GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
 _MAX_CYCLES = 10_000_000
 
@@ -63,7 +65,7 @@ class Column:
 
 
 class History:
-    """The readings, the first session's header and the troubles of one raw file."""
+    """The readings, what the sessions' headers say, and the troubles of one raw file."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -75,6 +77,8 @@ class History:
         self.damaged: list[int] = []
         self.faults: list[Fault] = []
         self._start = self._last = 0.0
+        self._trigger = ""
+        self._asked: set[str] = set()
 
     def take(self, line: int, record: Record | None) -> None:
         """Take the next line of the file."""
@@ -98,21 +102,35 @@ class History:
                 _grow(self.times, cycle)
                 self.times[cycle - 1] = self._start + record["at"]
                 self.latest.append((cycle, axis))
+                (self._asked.discard if self._trigger == str(Listen()) else self._asked.add)(axis)
             case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
-                for axis in axes:
-                    self.columns[axis].void(cycle)
-                    self.latest.remove((cycle, axis))
-                self.troubles["voided"] += len(axes)
+                self.strike(cycle, axes)
             case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
                 self.troubles[event] += 1
+
+    def strike(self, cycle: int, axes: Iterable[str]) -> None:
+        """Take readings of a cycle out of the table."""
+        for axis in axes:
+            self.columns[axis].void(cycle)
+            self.latest.remove((cycle, axis))
+            self.troubles["voided"] += 1
+        self._asked.clear()
+
+    def cut_short(self) -> list[str]:
+        """Return the axes of the unfinished cycle that were asked together with missing ones.
+
+        A crash between two lines of one cycle leaves them; they were never announced.
+        """
+        return sorted(self.present(self.cycle) & self._asked)
 
     def _begin(self, record: Record) -> None:
         if record["schema"] != SCHEMA:
             raise ValueError(f"schema {record['schema']!r} is not {SCHEMA}")
+        _check_header(record)
         if not self.header:
-            _check_header(record)
-            self.header = record
             self.columns = {str(axis): Column() for axis in record["gauges"]}
+        self.header = _merged(self.header, record) if self.header else record
+        self._trigger = str(record["trigger"])
         self._start = max(self._last, _seconds(self.header["wall"], record["wall"]))
 
     @property
@@ -159,6 +177,8 @@ class History:
         """Return the complete cycles; raises as `check` does."""
         self.check()
         rows = np.flatnonzero(self.complete_rows())
+        if not len(rows):
+            raise DataError("no cycle is complete", where=self.source)
         times = np.array(self.times)[rows]
         return Run(
             cycle=rows + 1,
@@ -204,6 +224,18 @@ def _check_header(record: Record) -> None:
     _ = int(record["cycles"]), dict(record["metadata"]), str(record["trigger"])
     for gauge in record["gauges"].values():
         _ = [gauge[key] for key in _GAUGE_KEYS]
+
+
+def _merged(first: Record, later: Record) -> Record:
+    """Return the first session's header with what a later one says otherwise."""
+    gauges = {axis: dict(gauge) for axis, gauge in first["gauges"].items()}
+    for axis, gauge in later["gauges"].items():
+        known = gauges.setdefault(axis, dict(gauge))
+        if gauge["identity"] not in known["identity"].split(_THEN):
+            known["identity"] += _THEN + gauge["identity"]
+        known["simulated"] |= gauge["simulated"]
+    metadata = first["metadata"] | later["metadata"]
+    return {**first, "cycles": later["cycles"], "metadata": metadata, "gauges": gauges}
 
 
 def _indicator(gauge: Record) -> str:

@@ -22,7 +22,7 @@ from scara_iso.recorder.events import Done, Operator, Said
 from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.history import History, read_history
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.manifest import manifest_path, raw_path, write_manifest
+from scara_iso.recorder.manifest import check_manifest, manifest_path, raw_path, write_manifest
 from scara_iso.recorder.plan import Listen, Plan
 from scara_iso.recorder.session import Position, Session
 from scara_iso.recorder.spec import GaugeSpec
@@ -54,33 +54,38 @@ def record(
     Nothing is left behind where no reading was stored.
     """
     with ExitStack() as stack:
-        refuse_same_device({g.axis: g.address for g in job.gauges if is_device(g.address)})
         raw = raw_path(job.table)
         if not job.resume:
-            _refuse_existing(job.table, raw)
+            refuse_existing(job.table)
         ports = _open_ports(job, clock, stack)
         journal = Journal(raw, disk=disk, clock=clock, new=not job.resume)
         stack.callback(journal.close)
         earlier = _read_earlier(job, raw, disk) if job.resume else History(str(raw))
-        gauges = [_gauge(spec, port, earlier) for spec, port in zip(job.gauges, ports, strict=True)]
-        position = Position(earlier.cycle, earlier.present(earlier.cycle), tuple(earlier.latest))
-        session = Session(
-            gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
-            position=position,
-        )  # fmt: skip
         try:
-            _write_header(job, gauges, journal)
-            session.run()
+            gauges = _begin(job, ports, earlier, journal)
+            Session(
+                gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
+                position=Position.after(earlier),
+            ).run()  # fmt: skip
         except WriteError:
             raise
         except BaseException:
             _finish(job, journal, disk, tell)
             raise
-        if not _finish(job, journal, disk, tell):
-            raise InstrumentError(
-                "no reading was recorded, and nothing is left behind",
-                remedy="`scara-iso ports --probe PORT` shows what an indicator sends",
-            )
+        if nothing := _finish(job, journal, disk, tell):
+            raise nothing
+
+
+def _begin(job: Job, ports: Sequence[Port], earlier: History, journal: Journal) -> list[Gauge]:
+    """Write the header; strike out what a crash left of a cycle whose gauges are asked together."""
+    specs = zip(job.gauges, ports, strict=True)
+    gauges = [_gauge(spec, port, earlier) for spec, port in specs]
+    _write_header(job, gauges, journal)
+    cycle = earlier.cycle
+    if cut := earlier.cut_short():
+        journal.append("void", cycle=cycle, axes=cut, reason="the cycle was cut short")
+        earlier.strike(cycle, cut)
+    return gauges
 
 
 def rebuild(raw: Path, table: Path | None, *, disk: Disk) -> tuple[Path, History]:
@@ -103,8 +108,9 @@ def rebuild(raw: Path, table: Path | None, *, disk: Disk) -> tuple[Path, History
     return table, history
 
 
-def _refuse_existing(*paths: Path) -> None:
-    for path in paths:
+def refuse_existing(table: Path) -> None:
+    """Raise `CannotCreateError` where a table or its raw file is there already."""
+    for path in (table, raw_path(table)):
         if path.exists():
             raise CannotCreateError(
                 "exists already", where=str(path),
@@ -113,6 +119,7 @@ def _refuse_existing(*paths: Path) -> None:
 
 
 def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
+    refuse_same_device({g.axis: g.address for g in job.gauges if is_device(g.address)})
     ports = []
     for spec in job.gauges:
         if job.resume and spec.address.startswith("replay:"):
@@ -141,6 +148,11 @@ def _gauge(spec: GaugeSpec, port: Port, earlier: History) -> Gauge:
 
 def _read_earlier(job: Job, raw: Path, disk: Disk) -> History:
     """Return what was recorded before; its manifest holds no longer."""
+    if job.table.exists() and any(job.table.name in line for line in check_manifest(job.table)):
+        raise CannotCreateError(
+            "was changed after it was recorded", where=str(job.table),
+            remedy="move it away: it would be written anew from the raw file",
+        )  # fmt: skip
     history = read_history(raw)
     if history.header or history.faults:
         history.check()
@@ -191,23 +203,34 @@ def _write_header(job: Job, gauges: Sequence[Gauge], journal: Journal) -> None:
     journal.sync()
 
 
-def _finish(job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]) -> bool:
-    """Write table and manifest from what the raw file holds; False where it holds no reading."""
+def _finish(
+    job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]
+) -> InstrumentError | None:
+    """Write table and manifest from what the raw file holds; return why there is no table."""
     history = read_history(journal.path)
-    if not history.latest and not history.troubles["voided"] and not job.resume:
+    if not history.latest and not history.troubles["voided"]:
         _remove(disk, journal.path)
-        return False
+        return InstrumentError(
+            "no reading was recorded, and nothing is left behind",
+            remedy="`scara-iso ports --probe PORT` shows what an indicator sends",
+        )
     rows = int(history.complete_rows().sum())
     complete = rows == job.plan.cycles
     journal.append("end", complete=complete)
     journal.sync()
+    if not rows:
+        _remove(disk, job.table)
+        return InstrumentError(
+            f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
+            where=str(job.table), remedy="go on with --resume",
+        )  # fmt: skip
     _write(disk, job.table, _table_bytes(history))
     try:
         write_manifest(job.table, complete=complete, disk=disk)
     except OSError as error:
         raise _cannot_write(manifest_path(job.table), error) from error
     tell(Done(rows, job.plan.cycles, str(job.table), str(journal.path)))
-    return True
+    return None
 
 
 def _table_bytes(history: History) -> bytes:
@@ -227,6 +250,7 @@ def _write(disk: Disk, path: Path, data: bytes) -> None:
 def _remove(disk: Disk, path: Path) -> None:
     try:
         disk.remove(path)
+        disk.sync_folder(path.parent)
     except OSError as error:
         raise _cannot_write(path, error) from error
 

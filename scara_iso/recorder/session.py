@@ -33,7 +33,7 @@ from scara_iso.recorder.events import (
     Waiting,
 )
 from scara_iso.recorder.gauge import Gauge
-from scara_iso.recorder.history import VOIDABLE
+from scara_iso.recorder.history import VOIDABLE, History
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import Enter, Listen, Plan, Timer
 
@@ -49,6 +49,11 @@ class Position:
     cycle: int = 1
     present: frozenset[str] = frozenset()
     latest: tuple[tuple[int, str], ...] = ()
+
+    @classmethod
+    def after(cls, history: History) -> Position:
+        """Return where a recording goes on."""
+        return cls(history.cycle, history.present(history.cycle), tuple(history.latest))
 
 
 class Session:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
 from scara_iso.two_inertia import Backlash, Crossing
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import Diagnosis, Found, Rival
+    from scara_iso.diagnosis import Rival
     from scara_iso.diagnosis.gear import GearDiagnosis
     from scara_iso.plan import Plan
     from scara_iso.run import Run
@@ -101,20 +102,13 @@ def _radial(found: RadialResult) -> Json:
         "l_bar": found.l_bar,
         "S_l": found.S_l,
         "uncertainty": found.uncertainty,
+        "uncertainty_ratio": found.uncertainty_ratio,
         "accuracy": found.accuracy,
     }
 
 
 def _limit(check: LimitCheck) -> Json:
-    return {
-        "figure": check.figure,
-        "pose": check.pose,
-        "RP": check.RP,
-        "limit": check.limit,
-        "guard": check.guard,
-        "inside": check.inside,
-        "clear": check.clear,
-    }
+    return {**asdict(check), "inside": check.inside, "clear": check.clear}
 
 
 def backlash_json(
@@ -183,16 +177,21 @@ def _crossing(crossing: Crossing) -> Json:
     }
 
 
-def run_json(run: Run) -> Json:
+def run_json(run: Run, *, seed: int) -> Json:
     """Return the object of ``simulate --json``, schema ``scara-iso/simulate/1``."""
     return {
         "schema": "scara-iso/simulate/1",
         "unit": "mm",
+        "seed": seed,
         "metadata": dict(run.metadata),
         "cycle": run.cycle.tolist(),
         "axes": {
-            name: {"unit": a.unit, "resolution": a.resolution, "readings": a.readings.tolist()}
-            for name, a in run.axes.items()
+            name: {
+                "unit": axis.unit,
+                "resolution": axis.resolution,
+                "readings": axis.readings.tolist(),
+            }
+            for name, axis in run.axes.items()
         },
         "covariates": {name: values.tolist() for name, values in run.covariates.items()},
     }
@@ -216,79 +215,6 @@ def plan_json(plan: Plan) -> Json:
     }
 
 
-def diagnosis_json(diagnosis: Diagnosis) -> Json:
-    """Return the object of ``diagnose --json``, schema ``scara-iso/diagnose/1``."""
-    RP, series = diagnosis.repeatability, diagnosis.series
-    return {
-        "schema": "scara-iso/diagnose/1",
-        "unit": "mm",
-        "verdict": diagnosis.verdict.value,
-        "p_value": diagnosis.p_value,
-        "effects": [_found(found) for found in diagnosis.effects],
-        "candidates": _rivals(diagnosis.candidates),
-        "error": {
-            name: {"rms": dict(error.rms), "held_out_rms": dict(error.held_out_rms)}
-            for name, error in (
-                ("before", diagnosis.error_before),
-                ("after", diagnosis.error_after),
-            )
-        },
-        "repeatability": {
-            "measured": dict(RP.measured),
-            "model_before": dict(RP.model_before),
-            "model_after": dict(RP.model_after),
-            "with_effect_removed": dict(RP.with_effect_removed),
-        },
-        "shares": {
-            axis: {
-                "effects": part.effects,
-                "resolution": part.resolution,
-                "unexplained": part.unexplained,
-            }
-            for axis, part in diagnosis.shares.items()
-        },
-        "series": {
-            "cycle": series.cycle.tolist(),
-            **{
-                name: {axis: values.tolist() for axis, values in course.items()}
-                for name, course in (
-                    ("measured", series.measured),
-                    ("predicted_before", series.predicted_before),
-                    ("predicted_after", series.predicted_after),
-                )
-            },
-        },
-        "flags": [
-            {"axis": f.axis, "cycle": f.cycle, "p_value": f.p_value} for f in diagnosis.flags
-        ],
-        "notes": list(diagnosis.notes),
-    }
-
-
-def _rivals(rivals: Iterable[Rival]) -> list[Json]:
+def rivals_json(rivals: Iterable[Rival]) -> list[Json]:
+    """Return effects with their probabilities."""
     return [{"effect": r.effect, "probability": r.probability} for r in rivals]
-
-
-def _joint(direction: str | None) -> int | None:
-    return int(direction[-1]) if direction in ("joint 1", "joint 2") else None
-
-
-def _found(found: Found) -> Json:
-    return {
-        "effect": found.effect,
-        "axes": list(found.axes),
-        "joint": _joint(found.joint),
-        "direction": found.joint,
-        "angles": dict(found.angles),
-        "parameters": {
-            name: dict(value) if isinstance(value, Mapping) else value
-            for name, value in found.parameters.items()
-        },
-        "standard_errors": {name: dict(value) for name, value in found.standard_errors.items()},
-        "p_value": found.p_value,
-        "probability": found.probability,
-        "rivals": _rivals(found.rivals),
-        "cause": found.cause,
-        "confirm_by": found.confirm_by,
-        "unidentified": list(found.unidentified),
-    }

@@ -60,7 +60,6 @@ class LiveScreen:
         self._live = Live(console=console, auto_refresh=False, transient=False)
 
     def __enter__(self) -> LiveScreen:
-        self._live.start()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -68,6 +67,7 @@ class LiveScreen:
 
     def show(self, view: LiveView) -> None:
         """Draw the view in the place of the one before."""
+        self._live.start()
         self._live.update(draw(view, self._console), refresh=True)
 
 

@@ -129,6 +129,7 @@ def _limits_table(checks: Sequence[LimitCheck]) -> Table:
         for check in checks
     ]
     note = (
+        "In mm; XY by the larger of its two figures; an angle in degrees, by ± 3 s. "
         "Inside: RP is at most the limit. Guard band: U = 2 u of the indicator (ISO 14253-1); "
         "nearer to the limit than that, neither side is proven. What so few cycles leave open is "
         "the 95 % interval above."

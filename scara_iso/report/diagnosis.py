@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
@@ -20,6 +21,35 @@ def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
     sections.append(Section("measured minus predicted", tuple(_strips(diagnosis))))
     notices = tuple(_notices(diagnosis))
     return (*sections, *((Section("notes", notices),) if notices else ()))
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A table that could not be diagnosed."""
+
+    message: str
+    exit_code: int
+
+
+def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) -> Report:
+    """Return one row for each of several tables, and how many there are of each verdict."""
+    rows = tuple(_summary(table, one) for table, one in zip(tables, found, strict=True))
+    verdicts = [row[1] for row in rows]
+    counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
+    table = Table(("", "verdict", "effects", "p"), rows)
+    failures = [
+        Notice("error", "not-diagnosed", name, one.message)
+        for name, one in zip(tables, found, strict=True)
+        if isinstance(one, Failure)
+    ]
+    return (Section("", (Text(f"{len(tables)} diagnosed: {counts}", "strong"), table, *failures)),)
+
+
+def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, ...]:
+    if isinstance(one, Failure):
+        return (table, "not diagnosed", "", "")
+    effects = "; ".join(_sureness(found) for found in one.effects)
+    return (table, one.verdict.value, effects, f"{one.p_value:.2g}")
 
 
 def _verdict(diagnosis: Diagnosis) -> Iterator[Block]:

@@ -53,6 +53,8 @@ def _read(source: Source) -> bytes:
         case bytes():
             return source
         case "-":
+            if sys.stdin is None:
+                raise OSError("standard input is closed")
             return sys.stdin.buffer.read(LIMIT + 1)
         case str() | Path():
             with Path(source).open("rb") as file:

@@ -1,0 +1,79 @@
+"""``scara-iso diagnose --design``: what a planned test will be able to tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from scara_iso.cli.output import write_json, write_report
+from scara_iso.closing import CyclesWanted, Reading
+from scara_iso.diagnosis.design import Plan, design
+from scara_iso.effects import Conditions
+from scara_iso.errors import UsageError
+from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.render.json_diagnosis import design_json
+from scara_iso.report.design import design_report
+from scara_iso.run import FloatArray, Run
+
+_SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
+
+
+def show_design(
+    tables: Sequence[str],
+    reading: Reading,
+    wanted: CyclesWanted,
+    *,
+    sigma: float | None,
+    columns: str | None,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Write what a test like that of a table, or of the options, will find."""
+    if len(tables) > 1:
+        raise UsageError("--design takes one table at most")
+    if sigma is not None and not 0 < sigma < math.inf:
+        raise UsageError(f"--sigma {sigma:g}: not a positive, finite length")
+    plan = (
+        _like(wanted.take(reading.read(tables[0])), sigma)
+        if tables
+        else _planned(wanted.cycles or CYCLES_RUN, sigma, reading.resolution, columns or "")
+    )
+    found = design(plan, seed=seed)
+    if as_json:
+        write_json(design_json(plan, found))
+    else:
+        write_report(design_report(plan, found))
+
+
+def _like(run: Run, sigma: float | None) -> Plan:
+    """Return the test of a table: its columns, its dial, its scatter from cycle to cycle."""
+    axis = max(run.axes.values(), key=lambda axis: _scatter(axis.readings))
+    scatter = sigma or _scatter(axis.readings) or (axis.resolution or _RESOLUTION_MM)
+    return Plan(Conditions(run.cycle, run.covariates), scatter, axis.resolution or 0.0)
+
+
+def _scatter(readings: FloatArray) -> float:
+    """Return the standard deviation from successive differences, which a slow course leaves."""
+    return float(np.sqrt((np.diff(readings) ** 2).mean() / 2)) if len(readings) > 1 else 0.0
+
+
+def _planned(cycles: int, sigma: float | None, resolution: float | None, columns: str) -> Plan:
+    cycle = np.arange(2, cycles + 1)
+    ways = np.random.default_rng(0)
+    known = {
+        "approach": ways.permutation(np.where(cycle % 2, 1.0, -1.0)),
+        "temperature_C": 20 + ways.normal(0, 0.5, len(cycle)).cumsum() / 3,
+        "payload_kg": ways.permutation(np.resize([0.0, 1.0, 2.0], len(cycle))),
+        "speed": ways.permutation(np.resize([10.0, 50.0, 100.0], len(cycle))),
+    }
+    names = [name.strip() for name in columns.split(",") if name.strip()]
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise UsageError(f"--columns {unknown[0]}", remedy=f"known are {', '.join(known)}")
+    return Plan(
+        Conditions(cycle, {name: known[name] for name in names}),
+        sigma or _SIGMA_MM,
+        _RESOLUTION_MM if resolution is None else resolution,
+    )

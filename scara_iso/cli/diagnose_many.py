@@ -1,0 +1,81 @@
+"""``scara-iso diagnose`` of several tables: side by side, with a summary."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+
+import typer
+
+from scara_iso.cli.output import settings, write_json, write_report
+from scara_iso.closing import (
+    CyclesWanted,
+    Reading,
+    close_the_loop_at_poses,
+    close_the_loop_on,
+)
+from scara_iso.diagnosis import Diagnosis
+from scara_iso.errors import ScaraIsoError
+from scara_iso.render.json_diagnosis import diagnosis_json
+from scara_iso.render.progress import track
+from scara_iso.render.terminal import open_console
+from scara_iso.report.diagnosis import Failure, summary_report
+from scara_iso.run import Run
+
+
+def diagnose_many(
+    tables: Sequence[str],
+    model: str | None,
+    reading: Reading,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Diagnose every table, in as many processes as there are cores, and write a summary.
+
+    A table that cannot be diagnosed is said in its row; the exit code is then the first one's.
+    """
+    work = partial(_diagnose_one, model=model, reading=reading, wanted=wanted, seed=seed)
+    console = open_console(sys.stderr, no_color=settings.no_color)
+    with ProcessPoolExecutor() as pool:
+        found = list(track(pool.map(work, tables), len(tables), console))
+    if as_json:
+        write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(tables, found)})
+    else:
+        write_report(summary_report(tables, found))
+    codes = [one.exit_code for one in found if isinstance(one, Failure)]
+    if codes:
+        raise typer.Exit(codes[0])
+
+
+def diagnose_poses_of(run: Run, wanted: CyclesWanted, *, seed: int, as_json: bool) -> None:
+    """Write a summary of the diagnosis of each pose of a table of several."""
+    found = close_the_loop_at_poses(run, wanted, seed=seed)
+    names, diagnoses = [f"pose {pose}" for pose in found], list(found.values())
+    if as_json:
+        write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(names, diagnoses)})
+    else:
+        write_report(summary_report(names, diagnoses))
+
+
+def _diagnose_one(
+    table: str, *, model: str | None, reading: Reading, wanted: CyclesWanted, seed: int
+) -> Diagnosis | Failure:
+    try:
+        return close_the_loop_on(table, model, reading, wanted, seed=seed)
+    except ScaraIsoError as error:
+        return Failure(str(error), error.exit_code)
+
+
+def _as_json(
+    tables: Sequence[str], found: Sequence[Diagnosis | Failure]
+) -> list[dict[str, object]]:
+    return [
+        {"table": table, "error": one.message}
+        if isinstance(one, Failure)
+        else {"table": table, **diagnosis_json(one)}
+        for table, one in zip(tables, found, strict=True)
+    ]

@@ -1,0 +1,269 @@
+"""The parts of the search against independent oracles."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from scara_iso.diagnosis.bank import Member, build, constant, extended, members_of
+from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
+from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.fit import fit
+from scara_iso.diagnosis.gear import diagnose_sweep
+from scara_iso.diagnosis.held_out import cross_validated
+from scara_iso.diagnosis.levels import two_levels
+from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
+from scara_iso.diagnosis.permutation import order_test
+from scara_iso.diagnosis.residual import Residual
+from scara_iso.diagnosis.result import Verdict
+from scara_iso.diagnosis.search import Problem, find
+from scara_iso.effects import (
+    Chain,
+    Conditions,
+    Process,
+    Shape,
+    Spread,
+    Sweep,
+    find_effects,
+    find_gear_effects,
+)
+from scara_iso.effects._gap import deviation
+from scara_iso.errors import DataError
+
+N = 20
+CONDITIONS = Conditions(np.arange(2, N + 2))
+MEMBERS = members_of(find_effects(), CONDITIONS)
+ORDERED = [member for member in MEMBERS if member.ordered and not member.chained]
+
+
+def bank_of(members, n=N):
+    return build(members, np.arange(2, n + 2), np.arange(n), constant(n))
+
+
+def log_marginal(y, covariance):
+    """Return the log marginal likelihood of y with flat mean and prior 1 / scatter."""
+    n = len(y)
+    inverse = np.linalg.inv(covariance)
+    one = np.ones(n)
+    S = y @ inverse @ y - (one @ inverse @ y) ** 2 / (one @ inverse @ one)
+    _, determinant = np.linalg.slogdet(covariance)
+    return -(determinant + math.log(one @ inverse @ one) + (n - 1) * math.log(S)) / 2
+
+
+def test_evidence_is_the_ratio_of_marginal_likelihoods(rng):
+    y = rng.normal(size=N)
+    y -= y.mean()
+    ramp = np.arange(N) - (N - 1) / 2
+    unit = ramp / np.linalg.norm(ramp)
+    random = np.exp(-0.5 * np.subtract.outer(ramp, ramp) ** 2 / 4)
+    centre = np.eye(N) - 1 / N
+    wide = np.where(np.arange(N) >= 8, 2.5, 1.0)
+    cases = {
+        "shape": (Shape(ramp[:, None]), np.eye(N) + 15 * np.outer(unit, unit)),
+        "process": (Process(random), np.eye(N) + centre @ random @ centre),
+        "spread": (Spread(10, 2.5), np.diag(wide**2)),
+    }
+    members = [Member(name, form, 1.0) for name, (form, _) in cases.items()]
+    bank = bank_of([*members, Member("process", Process(random), 1.0)])
+    found = dict(zip([m.effect for m in bank.members], log_bayes(bank, y[:, None])[:, 0],
+                     strict=True))  # fmt: skip
+    for name, (_, covariance) in cases.items():
+        expected = log_marginal(y, covariance) - log_marginal(y, np.eye(N))
+        assert found[name] == pytest.approx(expected, abs=1e-3), name
+
+
+def test_an_amplified_bank_is_that_of_larger_variances(rng):
+    y = rng.normal(size=(N, 3))
+    y -= y.mean(axis=0)
+    lag = np.subtract.outer(np.arange(N), np.arange(N))
+    kernel = np.exp(-np.abs(lag) / 3.0)
+    small = bank_of([Member("a", Process(kernel), 1.0), Member("b", Shape(lag[:, :1] * 1.0), 1.0)])
+    large = bank_of([Member("a", Process(13 * kernel), 1.0),
+                     Member("b", Shape(lag[:, :1] * 1.0), 1.0, gain=195.0)])  # fmt: skip
+    np.testing.assert_allclose(log_bayes(small.amplified(13.0), y), log_bayes(large, y), atol=1e-6)
+
+
+def test_a_bank_ignores_what_is_already_fitted(rng):
+    trend = np.arange(N, dtype=float)[:, None]
+    basis = extended(constant(N), trend)
+    bank = build(ORDERED, np.arange(2, N + 2), np.arange(N), basis)
+    assert np.abs(basis.T @ bank.vectors).max() < 1e-9
+    assert "linear_drift" not in {member.effect for member in bank.members}
+
+
+def test_the_order_test_is_exact():
+    """p <= k / 20 has probability k / 20 in scatter alone, whatever its distribution."""
+    bank = bank_of(ORDERED)
+    p_values = []
+    for seed in range(400):
+        rng = np.random.default_rng(seed)
+        scatter = np.round(rng.standard_t(3, size=(N, 2)) @ [[1, 0.5], [0, 1]])
+        views = views_of(scatter, constant(N))
+        p_values.append(order_test(bank, views, rng, shuffles=19).p_value)
+    counts = np.bincount(np.round(np.array(p_values) * 20).astype(int), minlength=21)[1:]
+    assert stats.chisquare(counts).pvalue > 0.001
+
+
+def test_the_order_test_sees_a_trend_but_no_constant_scatter(rng):
+    bank = bank_of(ORDERED)
+    trend = rng.normal(size=(N, 1)) + 0.3 * np.arange(N)[:, None]
+    assert order_test(bank, views_of(trend, constant(N)), rng, shuffles=199).p_value < 0.02
+
+
+def test_views_of_correlated_axes_are_white(rng):
+    values = rng.normal(size=(N, 3)) @ rng.normal(size=(3, 3))
+    views = views_of(values, constant(N), {"joint 1": np.array([1.0, 0.5, 0.0])})
+    assert views.columns.shape == (N, 10)
+    for first in (3, 6):
+        white = views.columns[:, first : first + 3]
+        np.testing.assert_allclose(white.T @ white, np.eye(3), atol=1e-9)
+    assert views.named == ("joint 1",)
+
+
+def test_joint_evidence_without_any_is_one():
+    for axes, columns in ((1, 1), (2, 6), (4, 12)):
+        views = Views(np.zeros((N, columns)), axes)
+        assert joint_evidence(np.zeros((5, columns, 1)), views) == pytest.approx(1.0)
+
+
+def test_hidden_sides_agree_with_the_sum_over_every_course(rng):
+    """The forward algorithm against brute force over all 2^8 courses, levels and scatter given."""
+    y = rng.normal(size=8) + 4 * np.array([0, 0, 1, 1, 1, 0, 0, 1])
+    chain = Chain(0.2, 0.3)
+    sides = (np.arange(256)[:, None] >> np.arange(8)) & 1
+    leave = np.array([chain.leave_lower, chain.leave_upper])
+    start = np.array([chain.leave_upper, chain.leave_lower]) / leave.sum()
+    moved = sides[:, 1:] != sides[:, :-1]
+    step = np.where(moved, leave[sides[:, :-1]], 1 - leave[sides[:, :-1]])
+    prior = start[sides[:, 0]] * step.prod(axis=1)
+    assert prior.sum() == pytest.approx(1.0)
+    fit_of = stats.norm.logpdf(y, loc=np.array([0.0, 4.0])[sides]).sum(axis=1)
+    posterior = prior * np.exp(fit_of - fit_of.max())
+    expected = posterior @ sides / posterior.sum()
+    found = two_levels(y, 0.0, [chain])
+    np.testing.assert_array_equal(found.share_upper > 0.5, expected > 0.5)
+
+
+def test_hidden_sides_bridge_cycles_that_were_not_seen(rng):
+    y = rng.normal(size=24) + 8.0 * (np.arange(24) >= 12)
+    y[[3, 20]] = np.nan
+    found = two_levels(y, 0.0, [Chain(0.1, 0.1)])
+    assert found.share_upper[3] < 0.1
+    assert found.share_upper[20] > 0.9
+    assert found.log_bf[0] > 3
+
+
+def test_order_free_statistics_ignore_order_shift_and_scale(rng):
+    y = rng.normal(size=30)
+    for statistic in (level_statistic, outlier_statistic):
+        other = statistic(5 - 3 * rng.permutation(y))
+        assert other == pytest.approx(statistic(y), rel=1e-6)
+
+
+def test_the_outlier_statistic_is_the_distance_from_the_others(rng):
+    y = rng.normal(size=30)
+    y[4] = 9.0
+    others = np.delete(y, 4)
+    expected = (9.0 - others.mean()) / others.std(ddof=1)
+    assert outlier_statistic(y) == pytest.approx(expected, rel=1e-6)
+
+
+def test_neighbouring_divisions_never_prove_two_levels(rng):
+    readings = rng.permutation(np.repeat([0.0, 2.0], 15))[:, None]
+    fine = order_free_test(readings, np.array([0.1]), rng)
+    coarse = order_free_test(readings, np.array([1.0]), rng)
+    assert fine.two_levels < 0.01
+    assert coarse.two_levels == 1.0
+
+
+def test_cross_validation_is_no_better_than_the_fit(rng):
+    values = rng.normal(size=(N, 1)) + 6.0 * (np.arange(N) >= 9)[:, None]
+    problem = Problem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
+    terms, stages = find(problem, rng)
+    assert [term.effect for term in terms] == ["step"]
+    assert stages[-1].choice is None
+    fitted = fit(terms, values, problem.rows, N)
+    unseen = cross_validated(problem, fitted, rng, with_chains=False)
+    inside = np.sqrt(((values - fitted.predicted) ** 2).mean())
+    assert inside < unseen.after[0] < unseen.before[0]
+
+
+GEAR = {effect.name: effect for effect in find_gear_effects()}
+
+
+@pytest.fixture
+def sweep():
+    I_L = np.array([0.5, 1.0, 2.0, 4.749, 8.0, 12.0])
+    torque = np.array([1.0, 5.0, 2.0, 8.0, 3.0, 6.0])
+    return Sweep(np.full(6, 2.65e-4), I_L, np.full(6, 3.490659e-3), torque)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("reflected_inertia", {"N": 50.0}),
+        ("wind_up", {"compliance": 2e-4}),
+        ("held_motor", {}),
+    ],
+)
+def test_a_sweep_is_traced_to_its_effect(name, values, sweep, rng):
+    true = GEAR[name].deviation(sweep, values)
+    measured = true + 0.02 * np.abs(true).mean() * rng.normal(size=6)
+    found = diagnose_sweep(sweep, measured)
+    assert found.verdict is Verdict.EXPLAINED
+    assert found.effects[0].effect == name
+    assert found.rms_after < 0.2 * found.rms_before
+    assert found.held_out_after >= found.rms_after * 0.999
+    for key, value in values.items():
+        low, high = found.effects[0].intervals[key]
+        assert low * 0.98 <= value <= high * 1.02
+
+
+def test_effects_that_scale_the_deviation_are_rivals(sweep, rng):
+    true = 0.6 * deviation(sweep.I_m, sweep.I_L, sweep.gap)
+    found = diagnose_sweep(sweep, true * (1 + 0.01 * rng.normal(size=6))).effects[0]
+    assert {found.effect, *(rival.effect for rival in found.rivals)} >= {"gap", "friction_hold"}
+
+
+def test_a_sweep_that_follows_the_model_holds_nothing(sweep):
+    alarms = 0
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        measured = deviation(sweep.I_m, sweep.I_L, sweep.gap) + 1e-8 * rng.normal(size=6)
+        alarms += diagnose_sweep(sweep, measured).verdict is not Verdict.NOTHING
+    assert alarms <= 7
+
+
+def test_a_sweep_that_no_effect_fits_is_unexplained(sweep):
+    measured = -1e-3 * np.array([1.0, 9.0, 1.0, 9.0, 1.0, 9.0])
+    found = diagnose_sweep(sweep, measured, uncertainty=np.full(6, 1e-5))
+    assert found.verdict is Verdict.UNEXPLAINED
+
+
+def test_a_sweep_says_what_it_cannot_tell(sweep):
+    one = Sweep(sweep.I_m, np.full(6, 2.0), sweep.gap)
+    notes = " ".join(diagnose_sweep(one, np.full(6, -1e-3)).notes)
+    assert "one ratio of inertias only" in notes
+    assert "wind-up was not tried" in notes
+    with pytest.raises(DataError, match="2 reversals"):
+        diagnose_sweep(one, np.zeros(2))
+
+
+def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_axes():
+    effects = [effect for effect in find_effects() if effect.name in {"step", "linear_drift"}]
+    found = {}
+    for label, n, moved in (("plan", 20, 1), ("longer", 50, 1), ("axes", 20, 3)):
+        plan = Plan(Conditions(np.arange(n)), sigma=0.01, division=0.01, moved=moved)
+        small = smallest_effects(plan, effects, np.random.default_rng(1))
+        found[label] = {s.effect: s.travel for s in small}
+    for name in ("step", "linear_drift"):
+        assert 0.01 < found["plan"][name] < 0.05
+        assert found["longer"][name] < found["plan"][name]
+        assert found["axes"][name] < found["plan"][name]
+
+
+def test_a_slow_warm_up_is_known_to_look_like_a_drift():
+    alike = {(a.first, a.second) for a in collinear(MEMBERS, CONDITIONS)}
+    assert ("linear_drift", "warm_up") in alike
+    assert ("linear_drift", "periodic") not in alike
