@@ -12,6 +12,7 @@ from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
 from scara_iso.model import DeclaredEffect, Model, predict, read_model
+from scara_iso.model.parts import Value
 from scara_iso.run import Run
 from scara_iso.tables import read_table
 
@@ -154,6 +155,25 @@ def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
     }
 
 
-def declared(found: Found) -> DeclaredEffect:
-    """Return a found effect as one that a model declares."""
-    return DeclaredEffect(found.effect, dict(found.parameters))
+def declared(found: Found, diagnosis: Diagnosis) -> DeclaredEffect:
+    """Return a found effect as one that a model declares.
+
+    The search names cycle and ratio of a change of scatter; its size on the narrower side, one for
+    each axis, is that of what the model leaves there.
+    """
+    parameters: dict[str, Value] = dict(found.parameters)
+    if found.effect == "scatter_change":
+        after = diagnosis.series.cycle >= _number(parameters["at_cycle"])
+        narrower = ~after if _number(parameters["ratio"]) > 1 else after
+        left = {
+            name: diagnosis.series.measured[name] - diagnosis.series.predicted_after[name]
+            for name in found.axes
+        }
+        parameters["scatter"] = {n: float(r[narrower].std(ddof=1)) for n, r in left.items()}
+    return DeclaredEffect(found.effect, parameters)
+
+
+def _number(value: Value) -> float:
+    if isinstance(value, int | float):
+        return value
+    raise TypeError(f"{value!r} holds for single axes")

@@ -202,3 +202,17 @@ def test_a_model_of_another_robot_is_said(tmp_path, rng):
 )
 def test_errors_have_their_code(call, argv, code):
     assert call("diagnose", *argv)[0] == code
+
+
+def test_a_change_of_scatter_is_declared_with_its_size(call, tmp_path):
+    new = tmp_path / "new.toml"
+    table = simulated(
+        call, tmp_path / "run.csv", "scatter_change@X:at_cycle=14,ratio=12,scatter=0.01", seed=2
+    )
+    (found,) = diagnosed(call, table, "--model", MODEL, "--save-model", new)["effects"]
+    assert found["effect"] == "scatter_change"
+    (effect,) = read_model(new).effects
+    assert effect.on_axis("X")["ratio"] == found["parameters"]["ratio"]
+    assert effect.on_axis("X")["scatter"] == pytest.approx(0.0075, abs=0.003)
+    code, _, err = call("simulate", new)
+    assert (code, err) == (0, "")

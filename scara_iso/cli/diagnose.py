@@ -147,7 +147,7 @@ def _save(diagnosis: Diagnosis, model: str, to: Path) -> None:
     from scara_iso.closing import declared
     from scara_iso.model import declare
 
-    declare(model, tuple(declared(found) for found in diagnosis.effects), to)
+    declare(model, tuple(declared(found, diagnosis) for found in diagnosis.effects), to)
 
 
 def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:

@@ -28,7 +28,7 @@ def _processes(conditions: Conditions) -> tuple[Process, ...]:
 
 EFFECT = Effect(
     name="random_walk",
-    parameters=(Parameter("size", "w", "reading", "standard deviation of one step", above=0),),
+    parameters=(Parameter("size", "w", "reading", "standard deviation of one step"),),
     cause="a loose part that settles anew each cycle, a stepper losing counts, or slow wandering",
     confirm_by="log the encoders: does the commanded joint angle wander, or only the tool?",
     series=_series,

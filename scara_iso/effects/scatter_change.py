@@ -34,7 +34,7 @@ EFFECT = Effect(
     parameters=(
         Parameter("at_cycle", "k", "", "first cycle of the other scatter"),
         Parameter("ratio", "r", "", "scatter from that cycle on, over scatter before it", above=0),
-        Parameter("scatter", "σ", "reading", "standard deviation on the narrower side", above=0),
+        Parameter("scatter", "σ", "reading", "standard deviation on the narrower side"),
     ),
     cause="something came loose during the test, or settled",
     confirm_by="check the clamps and repeat the run",
