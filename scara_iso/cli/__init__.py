@@ -6,6 +6,7 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from pathlib import Path
 
 import typer
 
@@ -71,9 +72,7 @@ def run() -> None:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with ``argv`` and return its exit code; errors go to standard error."""
     arguments = _general_first(sys.argv[1:] if argv is None else argv)
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+    _mend_streams()
     try:
         code = app(args=arguments, prog_name="scara-iso", standalone_mode=False)
         sys.stdout.flush()
@@ -88,6 +87,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     except Exception as error:  # noqa: BLE001 - the one error boundary
         return _tell(error)
     return code if isinstance(code, int) else 0
+
+
+def _mend_streams() -> None:
+    """Let no character that a stream cannot hold end a command, nor a stream that was closed."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        stream = getattr(sys, name)
+        if stream is None:
+            nowhere = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - to the end
+            setattr(sys, name, nowhere)
+        elif hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
 
 
 def _general_first(arguments: Sequence[str]) -> list[str]:
