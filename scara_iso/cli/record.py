@@ -44,8 +44,8 @@ def record_command(
         float | None,
         typer.Option(
             metavar="SECONDS",
-            help="Refuse a reading that comes by itself so soon after the last: 0.5, but 0 for "
-            "recorded streams.",
+            help="Do not take a reading that comes by itself, or a key, so soon after the last: "
+            "0.5, keys 1, but 0 for recorded streams and lines of standard input.",
             min=0,
         ),
     ] = None,
