@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
 from typing import TypeVar
@@ -41,6 +42,13 @@ class Unit:
     def to_base(self, value: Number) -> Number:
         """Convert a value, or an array of any shape, in this unit to mm or degrees."""
         return value * self.numerator / self.denominator
+
+    def read(self, text: str) -> float:
+        """Convert a display's decimal number to mm or degrees, rounded once.
+
+        ``0.5660`` inch is 14.3764 mm and not 14.376399999999999. Raises `ArithmeticError`.
+        """
+        return float(Decimal(text) * Decimal(self.numerator) / Decimal(self.denominator))
 
     @property
     def base_name(self) -> str:

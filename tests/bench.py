@@ -94,7 +94,7 @@ def run_session(
     trigger="timer:1",
     cycles=3,
     stable=1,
-    rearm_s=0.5,
+    rearm_s=None,
     operator=None,
     disk=None,
     resume=False,
@@ -106,6 +106,8 @@ def run_session(
 ):
     """Record; return what was said. ``ports`` (axis to a function of the clock) replaces them."""
     clock = clock or StreamClock(paced=False)
+    if rearm_s is None:
+        rearm_s = 0.0 if trigger == "enter" else 0.5
     said = []
     if ports is not None:
         made = {axis: make(clock) for axis, make in ports.items()}

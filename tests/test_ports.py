@@ -407,8 +407,11 @@ def test_a_unit_for_all_gauges_stays_with_the_gauge():
 
 
 def test_a_pattern_makes_a_dialect():
-    spec = parse_gauge(r"Z=generic?pattern=(?P<value>\d\.\d%2B)&unit=mm@COM1")
-    assert spec.dialect.parse(b"1.25")[0].text == "1.25"
+    spec = parse_gauge(r"Z=generic?pattern=(?P<value>[+-]\d\.\d+)&unit=mm@COM1")
+    assert spec.dialect.parse(b"+1.25")[0].text == "1.25"
+    assert parse_gauge(spec.text).dialect.source == spec.dialect.source
+    scaled = parse_gauge("X=mitutoyo-mux@COM1", unit="0.01 mm")
+    assert parse_gauge(scaled.text) == scaled
 
 
 @pytest.mark.parametrize(

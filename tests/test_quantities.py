@@ -145,3 +145,12 @@ def test_rounding_uncertainty_is_the_deviation_of_a_division(rng):
     assert rounding_uncertainty(0.01) == pytest.approx(0.0028867513)
     rounded_off = rng.uniform(-0.005, 0.005, 100_000)
     assert rounded_off.std() == pytest.approx(rounding_uncertainty(0.01), rel=0.01)
+
+
+@given(st.decimals("-9999", "9999", places=4), st.sampled_from(sorted(EXACT)))
+def test_a_display_is_converted_with_one_rounding(shown, name):
+    assert parse_unit(name).read(str(shown)) == float(Fraction(shown) * EXACT[name])
+
+
+def test_a_display_in_inches_gives_the_millimetres_a_person_would_write():
+    assert str(parse_unit("inch").read("0.5660")) == "14.3764"

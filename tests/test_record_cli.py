@@ -248,6 +248,23 @@ def test_lines_of_standard_input_trigger(run, tmp_path, monkeypatch):
     assert len(read_table(tmp_path / "a.csv")) == 2
 
 
+def test_streams_that_were_closed_cost_nothing(run, tmp_path, monkeypatch):
+    for name in ("stdin", "stdout", "stderr"):
+        monkeypatch.setattr(sys, name, None)
+    assert main(["record", "a.csv", *X, *TIMER, "--cycles", "2"]) == 0
+    assert main(["record", "b.csv", *X, "--trigger", "enter"]) == 69
+    for stream in (sys.stdin, sys.stdout, sys.stderr):
+        stream.close()
+    assert len(read_table(tmp_path / "a.csv")) == 2
+
+
+def test_bytes_that_are_no_text_do_not_stop_the_lines(run, tmp_path, monkeypatch):
+    typed = io.TextIOWrapper(io.BytesIO(b"\n\xff\xfe\n\n"), encoding="utf-8", errors="strict")
+    monkeypatch.setattr(sys, "stdin", typed)
+    assert run("record", "a.csv", *X, "--trigger", "enter")[0] == 0
+    assert len(read_table(tmp_path / "a.csv")) == 2
+
+
 def test_a_reader_that_goes_away_ends_the_session(run, tmp_path, monkeypatch):
     class Closed(io.StringIO):
         def write(self, text):
@@ -308,6 +325,13 @@ def test_keys():
     assert typed("vslip\x7fpped\rq") == [Void("slipped"), Quit()]
     assert typed("nwarm\x1bp") == [Pause()]
     assert typed("n\rnok\r") == [Note("ok")]
+
+
+def test_keys_are_offered_where_they_do_something():
+    for trigger, offered in (("enter", True), ("data", False), ("timer:2", False)):
+        shown, text = screen(80, operator=Keys(lambda: ""))
+        shown._take(Started({"X": "opto-rs232 at sim:"}, 1, 31, trigger))
+        assert ("Enter take" in text(), "v void" in text()) == (offered, True)
 
 
 def test_the_prompt_shows_what_is_typed():

@@ -14,6 +14,7 @@ from scara_iso.recorder import (
     CycleDone,
     Note,
     Noted,
+    Noticed,
     Pause,
     Problem,
     Quit,
@@ -408,6 +409,40 @@ def test_enter_stays_with_a_cycle_that_gave_no_reading(tmp_path, monkeypatch):
     )  # fmt: skip
     assert stored(said) == [(1, "0.100")]
     assert problems(said) == [("X", "timeout")] * 3
+
+
+class Key:
+    """An operator whose key goes down at the given times [s], and who then quits."""
+
+    def __init__(self, clock, times):
+        self._clock = clock
+        self._times = [*times]
+        clock.watch(lambda: self._times[0] if self._times else math.inf)
+
+    def poll(self):
+        if self._times and self._clock.now() < self._times[0]:
+            return None
+        return Take() if self._times and self._times.pop(0) else Quit()
+
+
+@pytest.mark.parametrize(
+    ("presses", "taken"),
+    [
+        ((1.0, 1.05), 1),  # bounced
+        ((1.0, *(1.5 + 0.03 * k for k in range(50))), 1),  # held down: repeats after half a second
+        ((1.0, 3.0, 3.1, 9.0), 3),
+    ],
+)
+def test_a_key_that_bounces_or_is_held_down_takes_one_cycle(tmp_path, monkeypatch, presses, taken):
+    clock = StreamClock(paced=False)
+    said = run_session(
+        tmp_path, [OPTO], trigger="enter", cycles=99, rearm_s=1.0, clock=clock,
+        operator=Key(clock, presses), monkeypatch=monkeypatch,
+        ports={"X": script(*["0.101"] * 99)},
+    )  # fmt: skip
+    assert len(stored(said)) == taken
+    refused = [s for s in said if isinstance(s, Noticed) and s.message.startswith("Enter not")]
+    assert len(refused) == len(presses) - taken
 
 
 def test_another_channel_is_refused(tmp_path, monkeypatch):

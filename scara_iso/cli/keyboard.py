@@ -11,7 +11,7 @@ from typing import TextIO
 
 from scara_iso.recorder import Command, Note, Pause, Quit, Take, Void
 
-KEYS = "Enter take  v void  n note  p pause  q quit"
+KEYS = "v void  n note  p pause  q quit"
 _ASKING: dict[str, tuple[str, Callable[[str], Command]]] = {
     "v": ("Void the last reading, because: ", Void),
     "n": ("Note: ", Note),

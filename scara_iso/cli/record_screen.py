@@ -145,7 +145,8 @@ class Screen:
             case Noted(text=text):
                 self._status = (f"note written: {text}", "quiet")
             case Noticed():
-                self._status = (f"{said.axis}: {said.message}", "quiet")
+                place = f"{said.axis}: " if said.axis else ""
+                self._status = (f"{place}{said.message}", "quiet")
             case Paused(on=on):
                 self._paused = on
                 self._status = ("paused" if on else "goes on", "plain")
@@ -167,9 +168,12 @@ class Screen:
             status=self._status,
             troubles=", ".join(f"{n} {kind}" for kind, n in sorted(self._troubles.items())),
             next_step=self._next_step() if self._last or not over else "",
-            keys="" if over or not isinstance(self._operator, Keys) else KEYS,
+            keys="" if over or not isinstance(self._operator, Keys) else self._keys(),
             prompt=self._operator.prompt if isinstance(self._operator, Keys) else "",
         )
+
+    def _keys(self) -> str:
+        return f"Enter take  {KEYS}" if self._trigger == "enter" else KEYS
 
     def _axis(self, name: str) -> AxisView:
         readings = self._readings[name]

@@ -45,6 +45,8 @@ ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration
 """Metadata asked for at the start, where someone is there to answer and gave none."""
 _CYCLES = 31
 _REARM_S = 0.5
+_REARM_KEY_S = 1.0
+"""A key held down repeats after 0.25 to 0.7 s."""
 _SHOWN = 5
 
 
@@ -76,11 +78,12 @@ def record_table(options: Options) -> None:
     header = earlier.header if earlier else {}
     recorded = [str(found["spec"]) for found in header.get("gauges", {}).values()]
     specs = parse_gauges(options.gauges or recorded, unit=options.unit)
+    trigger = _trigger(options.trigger or header.get("trigger"), on_terminal=on_terminal)
     plan = Plan(
-        _trigger(options.trigger or header.get("trigger"), on_terminal=on_terminal),
+        trigger,
         options.cycles or int(header.get("cycles", _CYCLES)),
         options.stable,
-        _rearm(options.rearm, specs),
+        _rearm(trigger, specs) if options.rearm is None else options.rearm,
     )
     if plan.stable > 1 and plan.trigger == Listen():
         raise UsageError("--stable goes with readings that are asked for, not with --trigger data")
@@ -113,15 +116,17 @@ def _screen(job: Job, earlier: History | None, operator: Operator) -> Screen:
 
 
 def _operator(plan: Plan, stack: ExitStack, *, on_terminal: bool) -> Operator:
-    if sys.stdin is not None and sys.stdin.isatty() and (on_terminal or plan.trigger == Enter()):
+    if sys.stdin.isatty() and (on_terminal or plan.trigger == Enter()):
         return Keys(stack.enter_context(open_keyboard()))
     return Lines(sys.stdin) if plan.trigger == Enter() else Nobody()
 
 
-def _rearm(seconds: float | None, specs: Sequence[GaugeSpec]) -> float:
-    """Return the time; a recorded stream was pressed as it was pressed, and is taken whole."""
+def _rearm(trigger: Trigger, specs: Sequence[GaugeSpec]) -> float:
+    """Return the time; recorded streams and lines of a script say what they mean."""
+    if trigger == Enter():
+        return _REARM_KEY_S if sys.stdin.isatty() else 0.0
     recorded = all(spec.address.startswith("replay:") for spec in specs)
-    return seconds if seconds is not None else (0.0 if recorded else _REARM_S)
+    return 0.0 if recorded else _REARM_S
 
 
 def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Protocol
-from urllib.parse import parse_qsl
+from urllib.parse import unquote
 
 from scara_iso.errors import UsageError
 from scara_iso.indicators import LinePulse
@@ -44,14 +44,14 @@ class Port(Protocol):
 def split_options(text: str, known: Mapping[str, str]) -> tuple[str, dict[str, str]]:
     """Return what stands before ``?`` and the ``key=value&...`` behind it.
 
-    A value is written as in a URL (``%26`` for ``&``). Raises `UsageError` for a key that is not
-    in ``known``, which says for each what it means.
+    A value is written as in a URL (``%26`` for ``&``), but a ``+`` is a plus: patterns have them.
+    Raises `UsageError` for a key that is not in ``known``, which says for each what it means.
     """
     head, mark, tail = text.partition("?")
-    pairs = parse_qsl(tail, keep_blank_values=True) if mark else []
-    options = dict(pairs)
+    pairs = [pair.partition("=") for pair in tail.split("&")] if mark else []
+    options = {unquote(key): unquote(value) for key, equals, value in pairs if equals}
     wrong = sorted(set(options) - set(known))
-    if wrong or len(options) < len(pairs) or (mark and not pairs):
+    if wrong or len(options) < len(pairs):
         raise UsageError(
             f"unknown option {wrong[0]!r}" if wrong else f"{tail!r} is not key=value&key=value",
             where=text,

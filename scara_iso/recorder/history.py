@@ -50,7 +50,7 @@ class Column:
         _grow(self.values, cycle)
         if not math.isnan(self.values[cycle - 1]):
             raise ValueError("stored twice")
-        self.values[cycle - 1] = size.to_base(float(text))
+        self.values[cycle - 1] = size.read(text)
         count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
         self.resolution = max(self.resolution, size.to_base(count))
         self.dimension, self.unit = size.dimension, unit

@@ -41,8 +41,8 @@ Trigger: TypeAlias = Enter | Listen | Timer
 class Plan:
     """``stable`` equal readings in a row, within one count, make a reading that was asked for.
 
-    A reading that comes by itself within ``rearm_s`` [s] of the one before is refused: a key that
-    bounced, or an instrument that sent twice.
+    A reading that comes by itself, or a key pressed, within ``rearm_s`` [s] of the one before is
+    not taken: a key that bounced or was held down, or an instrument that sent twice.
     """
 
     trigger: Trigger

@@ -20,6 +20,7 @@ from scara_iso.recorder.events import (
     CycleDone,
     Note,
     Noted,
+    Noticed,
     Operator,
     Pause,
     Paused,
@@ -87,6 +88,7 @@ class Session:
         self._latest = deque(position.latest, maxlen=VOIDABLE)
         self._stored_at: dict[str, float] = {}
         self._due = 0.0
+        self._pressed = -math.inf
         self._paused = self._stopped = False
 
     def run(self) -> None:
@@ -135,6 +137,7 @@ class Session:
         for _ in range(ATTEMPTS):
             taken = self._bench.measure(self._plan.stable)
             if taken is not None:
+                self._pressed = self._clock.now()
                 self._store([one for one in taken if one.gauge.axis not in self._present])
                 return
             self._bench.drain(RETRY_S, "late, or not asked for")
@@ -180,9 +183,8 @@ class Session:
         for taken in readings:
             gauge, text = taken.gauge, taken.reading.text
             unit = taken.reading.unit or gauge.unit or ""
-            stored.append(Stored(
-                self._cycle, gauge.axis, parse_unit(unit).to_base(float(text)), text, unit
-            ))  # fmt: skip
+            value = parse_unit(unit).read(text)
+            stored.append(Stored(self._cycle, gauge.axis, value, text, unit))
             self._journal.append(
                 "stored", cycle=self._cycle, axis=gauge.axis, text=text, unit=unit,
                 at=round(taken.time, 6),
@@ -210,8 +212,8 @@ class Session:
     def _obey(self, command: Command | None) -> bool:
         """Do as the operator says; return True where a reading is to be taken."""
         match command:
-            case Take():
-                return isinstance(self._plan.trigger, Enter)
+            case Take() if isinstance(self._plan.trigger, Enter):
+                return not self._bounced()
             case Void(reason=reason):
                 self._void(reason)
             case Note(text=text):
@@ -225,6 +227,15 @@ class Session:
             case Quit():
                 self._stopped = True
         return False
+
+    def _bounced(self) -> bool:
+        """Say whether a key was held down, or pressed again before the reading was seen."""
+        since, self._pressed = self._clock.now() - self._pressed, self._clock.now()
+        if since < self._plan.rearm_s:
+            self._tell(
+                Noticed("", f"Enter not taken: within {self._plan.rearm_s:g} s of the one before")
+            )
+        return since < self._plan.rearm_s
 
     def _void(self, reason: str) -> None:
         """Strike out the last reading, or all of its cycle where they were asked for together."""

@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from urllib.parse import quote_plus
+from urllib.parse import quote
 
 from scara_iso.errors import DataError, NoInputError, UsageError
 from scara_iso.indicators import Dialect, Parity, find_dialect
@@ -66,7 +66,7 @@ def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
     key, options = split_options(driver, OPTIONS)
     stated = options.get("unit", unit)
     if "unit" not in options and stated is not None:
-        driver += f"{'&' if options else '?'}unit={quote_plus(stated)}"
+        driver += f"{'&' if options else '?'}unit={quote(stated)}"
     return GaugeSpec(
         text=f"{axis}={driver}@{address}",
         axis=axis,
