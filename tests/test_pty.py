@@ -178,7 +178,7 @@ def test_the_live_screen_on_a_terminal(tmp_path):
     main_end, terminal = os.openpty()
     process = subprocess.Popen(
         [sys.executable, "-m", "scara_iso", "record", tmp_path / "run.csv", "--gauge",
-         "X=opto-rs232@sim:"],
+         "X=opto-rs232@sim:", "--rearm", "0"],
         stdin=terminal, stdout=terminal, stderr=terminal,
         env={**os.environ, "TERM": "xterm", "COLUMNS": "80", "LINES": "24"},
     )  # fmt: skip

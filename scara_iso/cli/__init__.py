@@ -43,8 +43,8 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
         help="How repeatable a SCARA is, by ISO 9283 and digital dial indicators, and why.",
     )
     app.callback()(_program)
-    first = next((word for word in arguments if not word.startswith("-")), "")
-    for name in [first] if first in _COMMANDS else _COMMANDS:
+    called = _command(arguments)
+    for name in [called] if called else _COMMANDS:
         module = import_module(_COMMANDS[name])
         app.command(name)(getattr(module, f"{name}_command"))
     return app
@@ -77,7 +77,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     # A second thread of the linear algebra gains nothing on thirty readings and costs three times.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = _general_first(sys.argv[1:] if argv is None else argv)
-    _mend_streams()
+    _mend_streams(reopen=_command(arguments) == "record")
     try:
         if sys.stdout is None:
             raise OSError("standard output is closed")
@@ -96,15 +96,25 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code if isinstance(code, int) else 0
 
 
-def _mend_streams() -> None:
-    """Let no character that a stream cannot hold end a command, nor a stream that was closed."""
+def _mend_streams(*, reopen: bool) -> None:
+    """Let no character that a stream cannot hold end a command.
+
+    With ``reopen`` streams that were closed lead nowhere: a recording goes on without them. Other
+    commands say that they are closed.
+    """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         stream = getattr(sys, name)
-        if stream is None:
+        if stream is None and reopen:
             nowhere = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - to the end
             setattr(sys, name, nowhere)
         elif hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
+
+
+def _command(arguments: Sequence[str]) -> str:
+    """Return the name of the command that the arguments call, empty where they call none."""
+    first = next((word for word in arguments if not word.startswith("-")), "")
+    return first if first in _COMMANDS else ""
 
 
 def _general_first(arguments: Sequence[str]) -> list[str]:
