@@ -27,7 +27,8 @@ def check(measured: Measured) -> Iterator[Finding]:
     for axis in measured.run.axes.values():
         if axis.resolution is None or np.ptp(axis.readings) > _MOST_DIVISIONS * axis.resolution:
             continue
-        divisions = np.unique((axis.readings - axis.readings[0]) / axis.resolution)
+        shifted = (axis.readings - axis.readings[0]) / axis.resolution
+        divisions = np.unique(shifted, return_index=True)[0]  # without: imports masked arrays
         if np.any(np.abs(divisions - np.rint(divisions)) > _TOLERANCE):
             seen = "readings fall between its divisions"
         elif (step := _common_step(divisions)) >= _COARSER:

@@ -66,8 +66,6 @@ def analyze_command(
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
     from scara_iso import analyze, read_table
-    from scara_iso.render.json import analysis_json
-    from scara_iso.report.analysis import analysis_report
 
     run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
     analysis = analyze(
@@ -78,12 +76,20 @@ def analyze_command(
         other_definitions=definitions,
     )
     analysis = _compared_with_its_manifest(analysis, table)
-    if json:
-        write_json(analysis_json(analysis))
-    else:
-        write_report(analysis_report(analysis))
+    _write(analysis, as_json=json)
     if not all(check.inside for check in analysis.limits):
         raise typer.Exit(OUTSIDE_A_LIMIT)
+
+
+def _write(analysis: Analysis, *, as_json: bool) -> None:
+    if as_json:
+        from scara_iso.render.json import analysis_json
+
+        write_json(analysis_json(analysis))
+    else:
+        from scara_iso.report.analysis import analysis_report
+
+        write_report(analysis_report(analysis))
 
 
 def _compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:

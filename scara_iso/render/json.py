@@ -7,14 +7,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
-from scara_iso.two_inertia import Backlash, Crossing
-
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Rival
     from scara_iso.diagnosis.gear import GearDiagnosis
     from scara_iso.plan import Plan
+    from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
     from scara_iso.run import Run
+    from scara_iso.two_inertia import Backlash, Crossing
 
 Json = dict[str, Any]
 
