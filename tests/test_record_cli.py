@@ -14,6 +14,7 @@ from scara_iso import read_table
 from scara_iso.cli import main
 from scara_iso.cli.keyboard import Keys, Lines, parse_line
 from scara_iso.cli.record_screen import Screen
+from scara_iso.ports.tape import encode
 from scara_iso.recorder import (
     CycleDone,
     Done,
@@ -423,3 +424,12 @@ def test_the_screen_shows_troubles_void_pause_and_end():
     assert "press p" in text()
     shown._take(Done(7, 31, "run.csv", "run.raw.jsonl"))
     assert "scara-iso record --resume run.csv" in text()
+
+
+@pytest.mark.parametrize("record", [{"event": "session"}, {"event": "session", "t": 0.0}])
+def test_a_raw_file_that_lacks_its_fields_is_no_defect(run, tmp_path, record):
+    raw = tmp_path / "odd.raw.jsonl"
+    raw.write_bytes(encode(record))
+    assert run("record", "--rebuild", "odd.raw.jsonl")[0] == 65
+    replayed = ("record", "a.csv", "--gauge", "X=opto-rs232@replay:odd.raw.jsonl")
+    assert run(*replayed, "--trigger", "data")[0] in (2, 65)

@@ -114,7 +114,10 @@ def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
             data = b"" if tape else file.read()
     except OSError as error:
         raise NoInputError(f"cannot be read ({error.strerror})", where=str(path)) from error
-    stream = _from_tape(path, axis, asked=asked) if tape else Stream()
+    try:
+        stream = _from_tape(path, axis, asked=asked) if tape else Stream()
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(f"is no raw file of record ({error})", where=str(path)) from error
     if not tape:
         stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]
     request = _request(dialect)

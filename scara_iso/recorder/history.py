@@ -85,11 +85,11 @@ class History:
         if record is None:
             self.damaged.append(line)
             return
-        self._last = max(self._last, self._start + record["t"])
         try:
+            self._last = max(self._last, self._start + float(record["t"]))
             self._take(record)
         except (ValueError, KeyError, TypeError, ArithmeticError) as error:
-            self.faults.append(Fault(f"{record['event']}: {error}", line))
+            self.faults.append(Fault(f"{record.get('event')}: {error}", line))
 
     def _take(self, record: Record) -> None:
         match record:

@@ -208,7 +208,7 @@ def _finish(
 ) -> InstrumentError | None:
     """Write table and manifest from what the raw file holds; return why there is no table."""
     history = read_history(journal.path)
-    if not history.latest and not history.troubles["voided"]:
+    if not history.latest and not history.troubles["voided"] and not history.damaged:
         _remove(disk, journal.path)
         return InstrumentError(
             "no reading was recorded, and nothing is left behind",
