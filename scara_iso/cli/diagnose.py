@@ -30,36 +30,43 @@ Tables = Annotated[
 ]
 
 
+ModelOption = Annotated[
+    str | None,
+    typer.Option("--model", metavar="MODEL", help="Model file; else a constant pose."),
+]
+HoldOut = Annotated[
+    str | None,
+    typer.Option(metavar="TABLE", help="Second table for the error on unseen cycles."),
+]
+SaveModel = Annotated[
+    Path | None, typer.Option(metavar="NEW", help="Write the model with the effects declared.")
+]
+Plot = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Before and after as .svg or .png.")
+]
+Pose = Annotated[str | None, typer.Option(help="Which pose, where the table has several.")]
+Design = Annotated[
+    bool, typer.Option("--design", help="What a planned test will tell; needs no readings.")
+]
+Sigma = Annotated[float | None, typer.Option(help="Scatter of the planned test [mm], else 0.005.")]
+Columns = Annotated[
+    str | None, typer.Option(help="Columns of the planned test: approach,temperature_C.")
+]
+Seed = Annotated[int, typer.Option(help="Seed of the shuffles.", min=0)]
+
+
 def diagnose_command(
     tables: Tables = None,
     *,
-    model: Annotated[
-        str | None,
-        typer.Option("--model", metavar="MODEL", help="Model file; else a constant pose."),
-    ] = None,
-    hold_out: Annotated[
-        str | None,
-        typer.Option(metavar="TABLE", help="Second table for the error on unseen cycles."),
-    ] = None,
-    save_model: Annotated[
-        Path | None, typer.Option(metavar="NEW", help="Write the model with the effects declared.")
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Before and after as .svg or .png.")
-    ] = None,
-    pose: Annotated[
-        str | None, typer.Option(help="Which pose, where the table has several.")
-    ] = None,
-    design: Annotated[
-        bool, typer.Option("--design", help="What a planned test will tell; needs no readings.")
-    ] = False,
-    sigma: Annotated[
-        float | None, typer.Option(help="Scatter of the planned test [mm], else 0.005.")
-    ] = None,
-    columns: Annotated[
-        str | None, typer.Option(help="Columns of the planned test: approach,temperature_C.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the shuffles.", min=0)] = 9283,
+    model: ModelOption = None,
+    hold_out: HoldOut = None,
+    save_model: SaveModel = None,
+    plot: Plot = None,
+    pose: Pose = None,
+    design: Design = False,
+    sigma: Sigma = None,
+    columns: Columns = None,
+    seed: Seed = 9283,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,

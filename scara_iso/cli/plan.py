@@ -37,27 +37,39 @@ class ElbowName(StrEnum):
     LEFT = "left"
 
 
+SolidOption = Annotated[
+    SolidName, typer.Option(help="Largest cube, or largest box where the stroke is short.")
+]
+PlaneOption = Annotated[PlaneName, typer.Option(help="Diagonal plane.")]
+ElbowOption = Annotated[
+    ElbowName | None, typer.Option(help="Side of the elbow; else the better one.")
+]
+ShareOfDiagonal = Annotated[float, typer.Option("--m", help="m over the diagonal L: 0.08 to 0.12.")]
+Cycles = Annotated[int, typer.Option(help="Cycles run, the first counted.", min=2)]
+Velocity = Annotated[float, typer.Option(help="Percent of the rated velocity.")]
+Load = Annotated[float, typer.Option(help="Percent of the rated load.")]
+Dwell = Annotated[float, typer.Option(help="Seconds at each pose before its reading.")]
+Picture = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Workspace and poses as .svg or .png.")
+]
+Output = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Visits as CSV, for a robot program.")
+]
+
+
 def plan_command(
     model: ModelFile,
     *,
-    solid: Annotated[
-        SolidName, typer.Option(help="Largest cube, or largest box where the stroke is short.")
-    ] = SolidName.CUBE,
-    plane: Annotated[PlaneName, typer.Option(help="Diagonal plane.")] = PlaneName.C1,
-    elbow: Annotated[
-        ElbowName | None, typer.Option(help="Side of the elbow; else the better one.")
-    ] = None,
-    m: Annotated[float, typer.Option("--m", help="m over the diagonal L: 0.08 to 0.12.")] = 0.1,
-    cycles: Annotated[int, typer.Option(help="Cycles run, the first counted.", min=2)] = 31,
-    velocity: Annotated[float, typer.Option(help="Percent of the rated velocity.")] = 100.0,
-    load: Annotated[float, typer.Option(help="Percent of the rated load.")] = 100.0,
-    dwell: Annotated[float, typer.Option(help="Seconds at each pose before its reading.")] = 2.0,
-    picture: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Workspace and poses as .svg or .png.")
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Visits as CSV, for a robot program.")
-    ] = None,
+    solid: SolidOption = SolidName.CUBE,
+    plane: PlaneOption = PlaneName.C1,
+    elbow: ElbowOption = None,
+    m: ShareOfDiagonal = 0.1,
+    cycles: Cycles = 31,
+    velocity: Velocity = 100.0,
+    load: Load = 100.0,
+    dwell: Dwell = 2.0,
+    picture: Picture = None,
+    output: Output = None,
     json: AsJson = False,
 ) -> None:
     """Plan the test: largest cube in the workspace, diagonal plane, P1 to P5 with joint angles.

@@ -29,36 +29,41 @@ class Side(StrEnum):
     RANDOM = "random"
 
 
+Cycles = Annotated[int, typer.Option(help="Cycles, the first counted.", min=2, max=1_000_000)]
+Effects = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME[@AXES]:KEY=VALUE,...",
+        help="An effect that the file will not declare: warm_up:size=0.03,tau=8. May be repeated.",
+    ),
+]
+Seed = Annotated[int, typer.Option(help="Seed of the scatter.", min=0)]
+ApproachSide = Annotated[
+    Side | None, typer.Option(help="Side of the approach; adds the column approach.")
+]
+Temperature = Annotated[
+    str | None, typer.Option(metavar="FROM:TO", help="A ramp; adds temperature_C.")
+]
+Payload = Annotated[
+    str | None, typer.Option(metavar="KG,KG,...", help="Loads by turns; adds payload_kg.")
+]
+DriveTrainWanted = Annotated[
+    bool, typer.Option("--drivetrain", help="Rest positions from the gears through time.")
+]
+Output = Annotated[Path | None, typer.Option("-o", "--output", help="File; else standard output.")]
+
+
 def simulate_command(
     model: ModelFile,
     *,
-    cycles: Annotated[
-        int, typer.Option(help="Cycles, the first counted.", min=2, max=1_000_000)
-    ] = 31,
-    effect: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME[@AXES]:KEY=VALUE,...",
-            help="An effect that the file will not declare: warm_up:size=0.03,tau=8. May be "
-            "repeated.",
-        ),
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the scatter.", min=0)] = 0,
-    approach: Annotated[
-        Side | None, typer.Option(help="Side of the approach; adds the column approach.")
-    ] = None,
-    temperature: Annotated[
-        str | None, typer.Option(metavar="FROM:TO", help="A ramp; adds temperature_C.")
-    ] = None,
-    payload: Annotated[
-        str | None, typer.Option(metavar="KG,KG,...", help="Loads by turns; adds payload_kg.")
-    ] = None,
-    drivetrain: Annotated[
-        bool, typer.Option("--drivetrain", help="Rest positions from the gears through time.")
-    ] = False,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="File; else standard output.")
-    ] = None,
+    cycles: Cycles = 31,
+    effect: Effects = None,
+    seed: Seed = 0,
+    approach: ApproachSide = None,
+    temperature: Temperature = None,
+    payload: Payload = None,
+    drivetrain: DriveTrainWanted = False,
+    output: Output = None,
     json: AsJson = False,
 ) -> None:
     """Write readings of a model with scatter, effects and rounding, as a table.
