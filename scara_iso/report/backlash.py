@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from scara_iso.report.blocks import Block, Report, Section, Table, Text
 from scara_iso.report.digits import four_digits
+from scara_iso.report.words import words
 from scara_iso.results import PoseResult
 from scara_iso.two_inertia import Backlash, Crossing
 
@@ -95,12 +96,12 @@ def _assumptions(result: Backlash) -> Iterator[Block]:
 
 def sweep_report(closed: GearDiagnosis) -> Report:
     """Return what is said of a measured sweep: what eq. 16 leaves, and which effect it is."""
-    blocks: list[Block] = [Text(f"{closed.verdict.value.replace('-', ' ')}", "strong")]
+    blocks: list[Block] = [Text(f"{words(closed.verdict.value)}", "strong")]
     for found in closed.effects:
-        rivals = ", ".join(f"{_words(r.effect)} ({r.probability:.0%})" for r in found.rivals)
+        rivals = ", ".join(f"{words(r.effect)} ({r.probability:.0%})" for r in found.rivals)
         blocks += [
             Text(
-                f"{_words(found.effect)}: p = {found.p_value:.2g}, probability "
+                f"{words(found.effect)}: p = {found.p_value:.2g}, probability "
                 f"{found.probability:.0%}" + (f"; not excluded: {rivals}" if rivals else ""),
                 "strong",
             ),
@@ -118,10 +119,6 @@ def sweep_report(closed: GearDiagnosis) -> Report:
     note = "held out: each reversal predicted without it, the choice of effect repeated"
     blocks.append(Table(("rms error [rad]", "fitted", "held out"), rows, note))
     return (Section("measured sweep", (*blocks, *(Text(line) for line in closed.notes))),)
-
-
-def _words(effect: str) -> str:
-    return effect.replace("_", " ")
 
 
 def _between(ends: tuple[float, float] | None) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from scara_iso.diagnosis.design import Design, Plan, Smallest
 from scara_iso.report.blocks import Report, Section, Table, Text
 from scara_iso.report.digits import decimals
+from scara_iso.report.words import words
 
 
 def design_report(plan: Plan, found: Design) -> Report:
@@ -35,7 +36,7 @@ def _table(plan: Plan, found: Design) -> Table:
     names = list(dict.fromkeys(one.effect for column in columns for one in column))
     places = decimals([plan.sigma])
     rows = tuple(
-        (_words(name), *(_travel(column, name, places) for column in columns)) for name in names
+        (words(name), *(_travel(column, name, places) for column in columns)) for name in names
     )
     letters = [chr(ord("a") + k) for k in range(len(found.changes))]
     notes = "; ".join(f"{k}: {c.change}" for k, c in zip(letters, found.changes, strict=True))
@@ -49,16 +50,9 @@ def _travel(column: Sequence[Smallest], name: str, places: int) -> str:
     return ""
 
 
-def _words(effect: str) -> str:
-    return effect.replace("_", " ")
-
-
 def _alike(found: Design) -> list[Text]:
     if not found.alike:
         return [Text("every pair of effects has shapes that differ")]
     return [
-        Text(
-            f"{a.first.replace('_', ' ')} and {a.second.replace('_', ' ')} (cosine {a.cosine:.2f})"
-        )
-        for a in found.alike
+        Text(f"{words(a.first)} and {words(a.second)} (cosine {a.cosine:.2f})") for a in found.alike
     ]

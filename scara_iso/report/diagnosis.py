@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
 from scara_iso.report.digits import decimals
+from scara_iso.report.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
 
@@ -15,7 +16,7 @@ _SURE, _LIKELY = 0.9, 0.6
 def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
     """Return what is said of one pose's diagnosis; ``title`` names the table."""
     sections = [Section("", (Text(f"diagnosis of {title}", "strong"), *_verdict(diagnosis)))]
-    sections += [Section(_name(f.effect), tuple(_effect(f))) for f in diagnosis.effects]
+    sections += [Section(words(f.effect), tuple(_effect(f))) for f in diagnosis.effects]
     sections.append(Section("error and repeatability", tuple(_figures(diagnosis))))
     sections.append(Section("what RP is made of", (_shares(diagnosis),)))
     sections.append(Section("measured minus predicted", tuple(_strips(diagnosis))))
@@ -60,8 +61,8 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Block]:
                 "good",
             )
             yield Text(
-                "none found does not mean none there: in 30 cycles a step below 1.8, a drift below "
-                "2.4 or a warm-up below 2.9 standard deviations is missed more often than not"
+                "none found does not mean none there: --design with this table says how large an "
+                "effect it would have shown"
             )
         case Verdict.EXPLAINED:
             said = "; ".join(_sureness(found) for found in diagnosis.effects)
@@ -80,18 +81,14 @@ def _sureness(found: Found) -> str:
     """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
     where = f" on {', '.join(found.axes)}" if found.axes else ""
     if found.probability >= _SURE or not found.rivals:
-        return f"{_name(found.effect)}{where} ({found.probability:.0%})"
+        return f"{words(found.effect)}{where} ({found.probability:.0%})"
     others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals
-    names = " or ".join([_name(found.effect), *(_name(rival.effect) for rival in others)])
+    names = " or ".join([words(found.effect), *(words(rival.effect) for rival in others)])
     return f"{names}{where}"
 
 
 def _rivals(rivals: Sequence[Rival]) -> str:
-    return ", ".join(f"{_name(rival.effect)} ({rival.probability:.0%})" for rival in rivals)
-
-
-def _name(effect: str) -> str:
-    return effect.replace("_", " ")
+    return ", ".join(f"{words(rival.effect)} ({rival.probability:.0%})" for rival in rivals)
 
 
 def _effect(found: Found) -> Iterator[Block]:
@@ -114,13 +111,13 @@ def _effect(found: Found) -> Iterator[Block]:
 
 def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
     if not isinstance(value, Mapping):
-        return f"{_name(name)} {value if isinstance(value, str) else f'{value:.4g}'}"
+        return f"{words(name)} {value if isinstance(value, str) else f'{value:.4g}'}"
     errors = found.standard_errors.get(name, {})
     parts = [
         f"{axis} {size:+.4g}" + (f" ± {errors[axis]:.1g}" if axis in errors else "")
         for axis, size in value.items()
     ]
-    return f"{_name(name)} {', '.join(parts)}"
+    return f"{words(name)} {', '.join(parts)}"
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
