@@ -98,12 +98,16 @@ def diagnose_sweep(
 
 
 def diagnose_reversals(
-    data: Reversals, *, seed: int, effects: Sequence[GearEffect] | None = None
+    data: Reversals, *, seed: int, effects: Sequence[GearEffect] | None = None, sides: int = 1
 ) -> GearDiagnosis:
-    """Return what eq. 16 leaves of reversals, and which effects it is; two at the most."""
+    """Return what eq. 16 leaves of reversals, and which effects it is; two at the most.
+
+    ``sides`` is 2 where the sign of the reversals was chosen to suit the model.
+    """
     singles = single_families(data, find_gear_effects() if effects is None else effects)
     before = data.predict()
     chance = p_value(data, before, [*singles, *unknown_families(data)], np.random.default_rng(seed))
+    chance = min(1.0, sides * chance)
     nothing = _result(data, Verdict.NOTHING, chance, (), None)
     if chance > LEVEL:
         return replace(nothing, notes=_notes(data, ()))

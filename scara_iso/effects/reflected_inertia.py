@@ -11,9 +11,13 @@ _KNOWN_WITHIN = 1.25
 
 
 def _changed(sweep: Sweep, values: Sizes) -> Sweep:
-    """Return the sweep with N^2 I_m; where the rows state several ratios N is their median's."""
-    relative = 1.0 if sweep.ratio is None else sweep.ratio / np.median(sweep.ratio)
-    return replace(sweep, I_m=(values["N"] * relative) ** 2 * sweep.I_m)
+    """Return the sweep with N^2 I_m; where the rows state several ratios N is their median's.
+
+    What is left of the ratio is then 1: the rotor is not reflected twice.
+    """
+    relative = np.ones_like(sweep.I_m) if sweep.ratio is None else sweep.ratio
+    I_m = (values["N"] * relative / np.median(relative)) ** 2 * sweep.I_m
+    return replace(sweep, I_m=I_m, ratio=np.ones_like(I_m))
 
 
 def _candidates(sweep: Sweep) -> tuple[Sizes, ...]:

@@ -141,12 +141,12 @@ def load_deviation_rad(model: Model, joint: int) -> float:
 def sweep_of(model: Model, joint: int, payload: FloatArray | None = None) -> Sweep:
     """Return what eq. 16 takes of one joint, with the gear effects declared for it.
 
-    One entry, or one for each ``payload`` [kg] where the gearbox says which payload its I_L
-    includes: a payload is a point mass at the tool. Raises `UsageError` where that leaves no
+    One entry, or one for each ``payload`` [kg]: a point mass at the tool, where the gearbox says
+    which payload its I_L includes, else without influence. Raises `UsageError` where that leaves no
     inertia. The torque at a reversal is taken to be the friction, which holds the wound-up gear.
     """
     gear = model.gearboxes[joint]
-    I_L = np.array([gear.IL])
+    I_L = np.full(1 if payload is None else len(payload), gear.IL)
     if payload is not None and gear.payload_kg is not None:
         distance = math.hypot(*lever_mm(model, joint).values()) / 1000
         I_L = gear.IL + (payload - gear.payload_kg) * distance**2

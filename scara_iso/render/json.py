@@ -139,6 +139,19 @@ def backlash_json(
 
 def _sweep(closed: GearDiagnosis) -> Json:
     return {
+        **gear_json(closed),
+        "series": {
+            "measured": closed.measured.tolist(),
+            "predicted_before": closed.predicted_before.tolist(),
+            "predicted_after": closed.predicted_after.tolist(),
+        },
+        "notes": list(closed.notes),
+    }
+
+
+def gear_json(closed: GearDiagnosis) -> Json:
+    """Return verdict, effects and error of a diagnosis of reversals."""
+    return {
         "verdict": closed.verdict.value,
         "p_value": closed.p_value,
         "effects": [
@@ -160,12 +173,6 @@ def _sweep(closed: GearDiagnosis) -> Json:
             "before": {"rms": closed.rms_before, "held_out_rms": closed.held_out_before},
             "after": {"rms": closed.rms_after, "held_out_rms": closed.held_out_after},
         },
-        "series": {
-            "measured": closed.measured.tolist(),
-            "predicted_before": closed.predicted_before.tolist(),
-            "predicted_after": closed.predicted_after.tolist(),
-        },
-        "notes": list(closed.notes),
     }
 
 
