@@ -2,7 +2,7 @@
 
 import os
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the program does, before numpy starts
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the program does; before numpy
 
 import numpy as np
 import pytest

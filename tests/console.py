@@ -64,15 +64,27 @@ def alike(shown, output):
 
 def run(command):
     """Return what a command writes: the program's in this process, the others' by the system."""
-    words = shlex.split(command)
-    if words[0] != "scara-iso":
-        done = subprocess.run(words, capture_output=True, check=True, encoding="utf-8")
-        return _tidy(done.stdout)
-    screen = Screen() if words[1] == "record" and "--json" not in words else io.StringIO()
-    cables = mock.patch("scara_iso.ports.list_devices", return_value=CABLES)
-    with cables, contextlib.redirect_stdout(screen), contextlib.redirect_stderr(screen):
-        main(words[1:])
-    return _tidy(screen.picture() if isinstance(screen, Screen) else screen.getvalue())
+    said = ""
+    for part in command.split(" | "):
+        words = shlex.split(part)
+        said = _program(words[1:], said) if words[0] == "scara-iso" else _system(words)
+    return _tidy(said)
+
+
+def _system(words):
+    return subprocess.run(words, capture_output=True, check=True, encoding="utf-8").stdout
+
+
+def _program(words, typed):
+    screen = Screen() if words[0] == "record" and "--json" not in words else io.StringIO()
+    with (
+        mock.patch("scara_iso.ports.list_devices", return_value=CABLES),
+        mock.patch("sys.stdin", io.TextIOWrapper(io.BytesIO(typed.encode()))),
+        contextlib.redirect_stdout(screen),
+        contextlib.redirect_stderr(screen),
+    ):
+        main(words)
+    return screen.picture() if isinstance(screen, Screen) else screen.getvalue()
 
 
 def _tidy(text):
