@@ -4,6 +4,6 @@ Each module holds one physical cause; `FAMILIES` lists them with the names that 
 A table is written and read like a technician's file, which says nothing of the effect.
 """
 
-from undeclared.family import FAMILIES, Family, outcome
+from undeclared.family import FAMILIES, OUTCOMES, Family, outcome
 
-__all__ = ["FAMILIES", "Family", "outcome"]
+__all__ = ["FAMILIES", "OUTCOMES", "Family", "outcome"]

@@ -49,11 +49,13 @@ def beating(rng):
     return on_dial(rng, {"X": moved, "Y": np.roll(moved, 1)})
 
 
-def scatter_of_no_bell(rng):
-    """Scatter alone, of another distribution on each axis: flat, pointed, skewed."""
-    drawn = {
-        "X": rng.uniform(-1, 1, CYCLES) * np.sqrt(3),
-        "Y": rng.laplace(0, np.sqrt(0.5), CYCLES),
-        "Z": rng.gamma(4.0, 0.5, CYCLES) - 2.0,
-    }
+def pointed_scatter(rng):
+    """Scatter alone: pointed on X, skewed on Y."""
+    drawn = {"X": rng.laplace(0, np.sqrt(0.5), CYCLES), "Y": rng.gamma(4.0, 0.5, CYCLES) - 2.0}
     return on_dial(rng, {name: SCATTER * z for name, z in drawn.items()}, scatter=0.0005)
+
+
+def flat_scatter(rng):
+    """Scatter alone, equally likely within limits, as of a servo that stops in its dead band."""
+    flat = rng.uniform(-1, 1, CYCLES) * np.sqrt(3)
+    return on_dial(rng, {"X": SCATTER * flat}, scatter=0.0005)

@@ -57,7 +57,8 @@ FAMILIES = (
     _of(chance.beating, "periodic"),
     _of(chance.passing),
     _of(chance.knocked),
-    Family(chance.scatter_of_no_bell, silent=True),
+    Family(chance.pointed_scatter, silent=True),
+    Family(chance.flat_scatter, silent=True),
     Family(gearbox.one_side, silent=True),
 )
 
