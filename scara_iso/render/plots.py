@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 _MOST_PAIRS = 8
+_RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100)
 CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 
 
@@ -120,9 +121,10 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
         row[1].set_xscale("log")
         _draw_intervals(row[1], pair.spreads, ratios, none=1.0)
         row[1].set(xlabel="RP after / before", title="Repeatability: ratio with 95 % interval")
-        row[1].xaxis.set_major_formatter("{x:g}")
-        row[1].xaxis.set_minor_formatter("{x:g}")
-        row[1].tick_params(axis="x", which="both", labelsize=7)
+        row[1].xaxis.set_minor_formatter("")
+        low, high = row[1].get_xlim()
+        ticks = [tick for tick in _RATIOS if low <= tick <= high]
+        row[1].set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         changes = [(one.difference, one.interval) for one in pair.means]
         _draw_intervals(row[2], pair.means, changes, none=0.0)
         units = ", ".join(dict.fromkeys(one.unit for one in pair.means))
@@ -139,11 +141,13 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
         for shift, pose, marker, colour in ((-0.16, old, "o", EDGE), (0.16, new, "D", PLANE)):
             found = pose.axes[one.figure]
             label = ("before" if shift < 0 else "after") if k == 0 else None
-            axes.plot(found.readings - found.mean, np.full(found.n, k + shift), marker, ms=4,
-                      mfc="none", color=colour, ls="none", label=label, alpha=0.8)  # fmt: skip
+            row = k + shift + np.linspace(-0.13, 0.13, found.n)  # the first cycle on top
+            axes.plot(found.readings - found.mean, row, marker, ms=3.5, mfc="none", color=colour,
+                      ls="none", label=label)  # fmt: skip
         labels.append(_figure_name(one))
     axes.set_yticks(range(len(labels)), labels)
     axes.invert_yaxis()
+    axes.locator_params(axis="x", nbins=6)
     axes.set(xlabel="reading − mean of its run [mm or deg]")
     names = f"{pair.before.run.origin.source} → {pair.after.run.origin.source}"
     axes.set_title(names.replace("$", r"\$"), fontsize=9)

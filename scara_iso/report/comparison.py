@@ -123,9 +123,9 @@ def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
         )
         for one in contrasts
     ]
-    said = {"mean": "mean", "RP": "RP = l_bar + 3 S_l", "three_sigma": "± 3 s of an angle (7.2.2)"}
-    note = f"in {unit}; {said[contrasts[0].quantity]}; p counts all figures"
-    note += "; *: read it with what stands below" if any(one.doubts for one in contrasts) else ""
+    said = {"mean": "means", "RP": "RP = l_bar + 3 S_l", "three_sigma": "± 3 s of an angle (7.2.2)"}
+    note = f"in {unit}; {said[contrasts[0].quantity]}; p among all figures"
+    note += "; *: read it with the notes below" if any(one.doubts for one in contrasts) else ""
     return Table(
         ("figure", "before", "after", "change", "95 % interval", "p", "change is"),
         tuple(rows),
@@ -204,12 +204,13 @@ def _least(one: Contrast, places: int) -> str:
 
 
 def _strips(pair: Pair) -> Iterator[Block]:
-    names = {one.figure for one in pair.means}
-    for analysis, when in ((pair.before, "before"), (pair.after, "after")):
-        pose = analysis.poses[0]
-        for axis in (axis for name, axis in pose.axes.items() if name in names):
+    names = dict.fromkeys(one.figure for one in pair.means)
+    for name in names:
+        for analysis, when in ((pair.before, "before"), (pair.after, "after")):
+            pose = analysis.poses[0]
+            axis = pose.axes[name]
             caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
-            yield Strip(f"{axis.name} {when}", pose.cycle, axis.readings, caption)
+            yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
 
 
 def _method(comparison: Comparison) -> str:
@@ -217,8 +218,8 @@ def _method(comparison: Comparison) -> str:
     shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
     return (
         f"Cycles are dealt to the two runs at random {comparison.shuffles} times (studentised "
-        "permutation, seed fixed). Intervals of one quantity hold together with 95 %, p counts "
-        f"all its figures{shared}. The dials' rounding is taken off. Method: docs/compare.md"
+        "permutation, seed fixed). Intervals of one quantity hold together with 95 %, p is that "
+        f"among all its figures{shared}. The dials' rounding is taken off. Method: docs/compare.md"
     )
 
 
