@@ -6,7 +6,8 @@
     0.01404
 
 `read_table` and `Run.from_frame` give a `Run`; `analyze` turns it into an `Analysis`, `compare`
-several of these into a `Comparison`; `backlash` runs the paper's two-inertia model. Errors are `ScaraIsoError`s with what, where and what to do.
+several of these into a `Comparison`; `backlash` runs the paper's two-inertia model. Errors are
+`ScaraIsoError`s with what, where and what to do.
 """
 
 from __future__ import annotations

@@ -14,6 +14,8 @@ from scara_iso.report.digits import decimals
 _MOST_FIGURES = 60
 _MOST_NOTICES = 40
 _MOST_PAIRS = 20
+_MOST_NAMED = 8
+_CHANGED = (Verdict.LESS, Verdict.MORE)
 _SAID = {
     Verdict.LESS: "less",
     Verdict.MORE: "more",
@@ -38,30 +40,25 @@ def comparison_report(comparison: Comparison) -> Report:
 
 
 def headline(pair: Pair) -> str:
-    """Return what a pair shows, in a sentence."""
-    changed = [one for one in (*pair.spreads, *pair.means) if one.verdict in _CHANGED]
-    if not changed:
-        return f"no difference that {_cycles(pair)} can show"
-    spreads = [_changed(one) for one in changed if one.quantity != "mean"]
-    means = [_changed(one) for one in changed if one.quantity == "mean"]
-    said = [f"repeatability: {', '.join(spreads) or _nothing(pair)}"]
-    said.append(f"mean: {', '.join(means) or _nothing(pair)}")
-    return "; ".join(said)
-
-
-_CHANGED = (Verdict.LESS, Verdict.MORE)
-
-
-def _nothing(pair: Pair) -> str:
-    return f"no difference that {_cycles(pair)} can show"
+    """Return what a pair shows, in a sentence or three."""
+    said = []
+    for what, contrasts in (("repeatability", pair.spreads), ("mean", pair.means)):
+        changed = [_changed(one) for one in contrasts if one.verdict in _CHANGED]
+        if len(changed) > _MOST_NAMED:
+            changed[_MOST_NAMED:] = [f"and {len(changed) - _MOST_NAMED} more"]
+        said += [f"{what}: {', '.join(changed)}"] if changed else []
+    nothing = f"no difference that {_cycles(pair)} can show"
+    all_changed = all(one.verdict in _CHANGED for one in (*pair.spreads, *pair.means))
+    return "; ".join(said if all_changed else [*said, f"else {nothing}" if said else nothing])
 
 
 def _changed(one: Contrast) -> str:
     name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
-    if one.quantity == "mean" or one.ratio is None:
-        places = decimals([one.difference])
+    if one.ratio is None or one.ratio_interval is None:
+        places = _places([one])
         return f"{name} {one.difference:+.{places}f} {one.unit}"
-    return f"{name} {'better' if one.verdict is Verdict.LESS else 'worse'} (×{one.ratio:.2f})"
+    way = "better" if one.verdict is Verdict.LESS else "worse"
+    return f"{name} {way} (×{one.ratio:.2f}, 95 % interval {_ends(one.ratio_interval, 2)})"
 
 
 def _cycles(pair: Pair) -> str:
