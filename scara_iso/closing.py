@@ -7,7 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.diagnosis import Diagnosis, Found, diagnose, diagnose_poses
+from scara_iso.diagnosis import (
+    Diagnosis,
+    Found,
+    diagnose,
+    diagnose_poses,
+    diagnose_run_reversals,
+)
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
@@ -111,6 +117,8 @@ def close_the_loop(
     )
     unknown = [] if model is None else [axis for axis in run.axes if axis not in model.indicators]
     note = f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
+    if model is not None:
+        found = replace(found, reversals=diagnose_run_reversals(used, model, seed=seed))
     return replace(found, notes=(*found.notes, note)) if unknown else found
 
 
@@ -153,6 +161,21 @@ def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
     return {
         name: dict(zip(_PLANE, vector.tolist(), strict=True)) for name, vector in vectors.items()
     }
+
+
+def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
+    """Return what was found as effects that a model declares.
+
+    Effects on the gear take the place of the lost motion that they account for, unless the load
+    rests where the model cannot put it.
+    """
+    reversals = diagnosis.reversals
+    gear = reversals.gear if reversals is not None and not reversals.mirrored else None
+    on_gear = [] if gear is None else [
+        DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
+    ]  # fmt: skip
+    kept = [f for f in diagnosis.effects if not (on_gear and f.effect == "lost_motion")]
+    return (*(declared(found, diagnosis) for found in kept), *on_gear)
 
 
 def declared(found: Found, diagnosis: Diagnosis) -> DeclaredEffect:

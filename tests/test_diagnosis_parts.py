@@ -28,7 +28,6 @@ from scara_iso.effects import (
     find_effects,
     find_gear_effects,
 )
-from scara_iso.effects._gap import deviation
 from scara_iso.errors import DataError
 
 N = 20
@@ -221,7 +220,7 @@ def test_a_sweep_is_traced_to_its_effect(name, values, sweep, rng):
 
 
 def test_effects_that_scale_the_deviation_are_rivals(sweep, rng):
-    true = 0.6 * deviation(sweep.I_m, sweep.I_L, sweep.gap)
+    true = 0.6 * sweep.deviation
     found = diagnose_sweep(sweep, true * (1 + 0.01 * rng.normal(size=6))).effects[0]
     assert {found.effect, *(rival.effect for rival in found.rivals)} >= {"gap", "friction_hold"}
 
@@ -230,7 +229,7 @@ def test_a_sweep_that_follows_the_model_holds_nothing(sweep):
     alarms = 0
     for seed in range(60):
         rng = np.random.default_rng(seed)
-        measured = deviation(sweep.I_m, sweep.I_L, sweep.gap) + 1e-8 * rng.normal(size=6)
+        measured = sweep.deviation + 1e-8 * rng.normal(size=6)
         alarms += diagnose_sweep(sweep, measured).verdict is not Verdict.NOTHING
     assert alarms <= 7
 

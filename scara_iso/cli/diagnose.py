@@ -151,10 +151,10 @@ def _diagnose_table(
 
 
 def _save(diagnosis: Diagnosis, model: str, to: Path) -> None:
-    from scara_iso.closing import declared
+    from scara_iso.closing import declarations
     from scara_iso.model import declare
 
-    declare(model, tuple(declared(found, diagnosis) for found in diagnosis.effects), to)
+    declare(model, declarations(diagnosis), to)
 
 
 def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:
