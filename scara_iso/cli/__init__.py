@@ -24,7 +24,7 @@ _ANYWHERE = ("--debug", "--no-color")
 _COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
-        "record", "analyze", "backlash", "diagnose", "simulate", "plan", "ports", "demo",
+        "record", "analyze", "compare", "backlash", "diagnose", "simulate", "plan", "ports", "demo",
     )
 }  # fmt: skip
 
