@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from scara_iso.comparison import Comparison, Contrast, Pair, Verdict
 from scara_iso.comparison.decision import MOST_CYCLES
+from scara_iso.comparison.matching import poses_in_common
 from scara_iso.comparison.result import Ends
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
 from scara_iso.report.digits import decimals
@@ -201,13 +202,15 @@ def _least(one: Contrast, places: int) -> str:
 
 
 def _strips(pair: Pair) -> Iterator[Block]:
-    names = dict.fromkeys(one.figure for one in pair.means)
-    for name in names:
-        for analysis, when in ((pair.before, "before"), (pair.after, "after")):
-            pose = analysis.poses[0]
+    poses = poses_in_common(pair.before, pair.after)[0]
+    for name in dict.fromkeys(one.figure for one in pair.means):
+        for pose, when in zip(poses, ("before", "after"), strict=True):
             axis = pose.axes[name]
             caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
             yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
+    others = len({one.pose for one in pair.means}) - 1
+    if others:
+        yield Text(f"the first pose; --plot draws {others} more", "quiet")
 
 
 def _method(comparison: Comparison) -> str:
