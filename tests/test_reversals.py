@@ -11,6 +11,8 @@ from scara_iso.diagnosis import Verdict, diagnose_run_reversals
 from scara_iso.drivetrain import RIGHT, DriveTrain, Move, State, Torque, arrivals, solve
 from scara_iso.effects import Conditions
 from scara_iso.model import predict, read_model
+from scara_iso.report.blocks import Text
+from scara_iso.report.reversals import reversals_section
 from scara_iso.run import Axis, Run
 from scara_iso.tables import write_table
 
@@ -193,17 +195,19 @@ def test_the_saved_effect_explains_the_next_table(model_file, tmp_path, capsys, 
     assert again["verdict"] == again["gear"]["verdict"] == "nothing-to-explain"
 
 
-def test_it_is_said_on_the_terminal(model_file, tmp_path, capsys, rng):
-    path = tmp_path / "run.csv"
-    path.write_text(write_table(table(lambda p: free_motor(p, ratio=50), rng)), encoding="utf-8")
-    wanted = ["--cycles", "32", "--first-cycle-discarded"]
-    assert main(["diagnose", str(path), "--model", str(model_file), *wanted]) == 0
-    out = capsys.readouterr().out
-    assert "reversals and gears" in out
-    assert "reflected inertia at joint 1" in out
-    model_file.write_text(MODEL.replace("payload_kg = 2\n", ""), encoding="utf-8")
-    assert main(["diagnose", str(path), "--model", str(model_file), *wanted]) == 0
-    assert "gearbox.joint_1.payload_kg" in capsys.readouterr().out
+def said(found):
+    blocks = reversals_section(found).blocks
+    return "\n".join(block.text if isinstance(block, Text) else str(block) for block in blocks)
+
+
+def test_it_is_said_in_words(model, rng):
+    run = table(lambda p: free_motor(p, ratio=50), rng)
+    text = said(diagnose_run_reversals(run, model, seed=1))
+    assert "reflected inertia at joint 1: probability" in text
+    assert "each payload predicted without it" in text
+    gear = replace(model.gearboxes[1], payload_kg=None)
+    lacking = said(diagnose_run_reversals(run, replace(model, gearboxes={1: gear}), seed=1))
+    assert "the model lacks gearbox.joint_1.payload_kg" in lacking
 
 
 def test_what_the_model_lacks_is_named(model, rng):
