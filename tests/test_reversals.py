@@ -89,19 +89,17 @@ def held_motor(payload, rng, *, count=4, **changes):
     return float(rest[side > 0].mean() - rest[side < 0].mean())
 
 
-def table(width, rng, *, scatter=0.003, payloads=PAYLOADS, cycles=32):
+def table(width, rng, *, scatter=0.003, payloads=PAYLOADS, cycles=32, common=0.0):
     """Readings whose reversal is ``width(payload)`` rad wide at joint 1."""
     payload = np.repeat(payloads, cycles // len(payloads))
     side = np.concatenate([rng.permutation(np.resize([1.0, -1.0], cycles // len(payloads)))
                            for _ in payloads])  # fmt: skip
     wide = {p: width(p) for p in payloads}
+    wobble = rng.normal(0, common, cycles) if common else np.zeros(cycles)
+    half = side * [wide[p] / 2 for p in payload] + wobble
     axes = {
         name: Axis(
-            name,
-            np.round(
-                lever * side * [wide[p] / 2 for p in payload] + rng.normal(0, scatter, cycles), 3
-            ),
-            resolution=0.001,
+            name, np.round(lever * half + rng.normal(0, scatter, cycles), 3), resolution=0.001
         )
         for name, lever in LEVER.items()
     }
@@ -161,10 +159,12 @@ def test_a_shape_that_no_effect_gives_is_unexplained(model, rng):
     assert found.gear.candidates
 
 
-def test_scatter_alone_is_silent(model):
+@pytest.mark.parametrize("common", [0.0, 3e-5])
+def test_scatter_alone_is_silent(common, model):
+    """Also where it comes from the joint, and X and Y scatter together."""
     alarms = 0
     for seed in range(100):
-        run = table(free_motor, np.random.default_rng(seed))
+        run = table(free_motor, np.random.default_rng(seed), common=common)
         alarms += diagnose_run_reversals(run, model, seed=1).gear.verdict is not Verdict.NOTHING
     assert alarms <= 10
 
