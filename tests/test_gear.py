@@ -79,6 +79,23 @@ def test_structure_of_no_known_effect_is_unexplained(known, rng):
     assert found.rms_after == found.rms_before
 
 
+def test_a_bump_is_unexplained_where_the_rows_show_its_course(rng):
+    loads = np.geomspace(0.5, 12.0, 12)
+    bump = -2e-4 * np.exp(-(np.log(loads / 3) ** 2))
+    found = diagnose_sweep(sweep_of(loads), noisy(bump, 0.03, rng))
+    assert found.verdict is Verdict.UNEXPLAINED
+
+
+def test_what_scatter_may_hide_is_said(rng):
+    """Six reversals a thousand times too large, and as unequal."""
+    uneven = -1e-4 * np.array([0.1, 2.0, 0.3, 1.5, 0.1, 0.2])
+    found = diagnose_sweep(sweep_of(LOADS), uneven)
+    assert found.verdict is Verdict.NOTHING
+    assert "times its own prediction" in found.notes[0]
+    following = diagnose_sweep(sweep_of(LOADS), noisy(sweep_of(LOADS).deviation, 0.05, rng))
+    assert "times its own" not in " ".join(following.notes)
+
+
 def test_a_known_ratio_is_used(rng):
     ratio = np.resize([50.0, 50.0, 100.0], 6)
     true = np.array([free_motor(load, ratio=n) for load, n in zip(LOADS, ratio, strict=True)])

@@ -10,6 +10,7 @@ from scara_iso.cli import main
 from scara_iso.diagnosis import Verdict, diagnose_run_reversals
 from scara_iso.drivetrain import RIGHT, DriveTrain, Move, State, Torque, arrivals, solve
 from scara_iso.effects import Conditions
+from scara_iso.errors import UsageError
 from scara_iso.model import predict, read_model
 from scara_iso.report.blocks import Text
 from scara_iso.report.reversals import reversals_section
@@ -239,3 +240,10 @@ def test_the_predicted_reversal_follows_the_payload(model):
     for name, lever in LEVER.items():
         expected = [s * lever / 2 * free_motor(p) for p, s in zip(payload, side, strict=True)]
         np.testing.assert_allclose(run.axes[name].readings, expected, rtol=1e-9)
+
+
+def test_a_payload_that_the_load_s_inertia_cannot_hold_is_refused(model):
+    gear = replace(model.gearboxes[1], IL=0.4)
+    procedure = Conditions(np.arange(1, 3), {"payload_kg": np.zeros(2), "approach": np.ones(2)})
+    with pytest.raises(UsageError, match=r"gearbox\.joint_1: without its payload of 2 kg"):
+        predict(replace(model, gearboxes={1: gear}), procedure)
