@@ -18,6 +18,7 @@ Prediction = Mapping[str, npt.ArrayLike]
 FEWEST_CYCLES, MOST_CYCLES = 12, 500
 _SAME = 0.9999
 """Correlation from which two columns count as copies of each other."""
+_EXACT = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,12 +59,13 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
         )
     model = _checked(run, predicted or {})
     values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}
-    kept, notes = _moving(values)
+    division = {name: axis.resolution or 0.0 for name, axis in run.axes.items()}
+    kept, notes = _moving(values, division)
     covariates, more = _informative(run)
     return Residual(
         axes=kept,
         values=np.stack([values[name] for name in kept], axis=1),
-        division=np.array([run.axes[name].resolution or 0.0 for name in kept]),
+        division=np.array([division[name] for name in kept]),
         conditions=Conditions(run.cycle, covariates),
         notes=(*notes, *more),
     )
@@ -83,11 +85,13 @@ def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:
     return model
 
 
-def _moving(values: Mapping[str, FloatArray]) -> tuple[tuple[str, ...], list[str]]:
+def _moving(
+    values: Mapping[str, FloatArray], division: Mapping[str, float]
+) -> tuple[tuple[str, ...], list[str]]:
     kept: list[str] = []
     notes: list[str] = []
     for name, series in values.items():
-        copied = [other for other in kept if _same(series, values[other])]
+        copied = [k for k in kept if _copies(series, values[k], division[name])]
         if np.ptp(series) == 0:
             notes.append(f"{name} never moves: a stuck channel, or scatter below one division")
         elif copied:
@@ -124,3 +128,15 @@ def _same(a: FloatArray, b: FloatArray) -> bool:
     a, b = a - a.mean(), b - b.mean()
     product = float(np.linalg.norm(a) * np.linalg.norm(b))
     return product > 0 and abs(float(a @ b)) > _SAME * product
+
+
+def _copies(a: FloatArray, b: FloatArray, division: float) -> bool:
+    """Whether ``a`` is a linear function of ``b`` but for its rounding.
+
+    Two axes that a large effect moves together correlate as much, and differ by their scatter.
+    """
+    if not _same(a, b):
+        return False
+    a, b = a - a.mean(), b - b.mean()
+    left = a - b * float(a @ b) / float(b @ b)
+    return float(np.abs(left).max()) <= max(division, _EXACT * float(np.ptp(a)))
