@@ -50,17 +50,25 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
     if len(run) < FEWEST_CYCLES:
         raise DataError(
             f"{len(run)} usable cycles cannot tell structure from scatter",
+            where=run.origin.source,
             remedy=f"measure at least {FEWEST_CYCLES} cycles, better 30",
         )
     if len(run) > MOST_CYCLES:
         raise DataError(
             f"{len(run)} cycles are more than a diagnosis compares in one piece",
+            where=run.origin.source,
             remedy=f"diagnose blocks of at most {MOST_CYCLES} cycles",
         )
     model = _checked(run, predicted or {})
     values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}
     division = {name: axis.resolution or 0.0 for name, axis in run.axes.items()}
     kept, notes = _moving(values, division)
+    if not kept:
+        raise DataError(
+            "no axis moves: every reading is the same",
+            where=run.origin.source,
+            remedy="check the indicators, or use one with a finer resolution",
+        )
     covariates, more = _informative(run)
     return Residual(
         axes=kept,
@@ -76,6 +84,7 @@ def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:
     if unknown:
         raise DataError(
             f"the model predicts {', '.join(unknown)}, which the table does not hold",
+            where=run.origin.source,
             remedy="use the model of this robot and this set of indicators",
         )
     model = {name: np.asarray(values, dtype=np.float64) for name, values in predicted.items()}
@@ -98,11 +107,6 @@ def _moving(
             notes.append(f"{name} is an exact function of {copied[0]} and adds nothing to it")
         else:
             kept.append(name)
-    if not kept:
-        raise DataError(
-            "no axis moves: every reading is the same",
-            remedy="check the indicators, or use one with a finer resolution",
-        )
     return tuple(kept), notes
 
 
