@@ -8,7 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from scara_iso.diagnosis import Diagnosis, Found, diagnose, diagnose_poses
+from scara_iso.diagnosis import (
+    Diagnosis,
+    Found,
+    diagnose,
+    diagnose_poses,
+    diagnose_run_reversals,
+)
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
@@ -111,8 +117,13 @@ def close_the_loop(
         held_out_predicted=None if second is None else _predicted(model, second),
         directions={} if model is None else directions_of(model),
     )
-    doubts = () if model is None else tuple(_doubts(model, run))
-    return replace(found, notes=(*found.notes, *doubts))
+    if model is None:
+        return found
+    return replace(
+        found,
+        notes=(*found.notes, *_doubts(model, run)),
+        reversals=diagnose_run_reversals(used, model, seed=seed),
+    )
 
 
 def _doubts(model: Model, run: Run) -> Iterator[str]:
@@ -174,6 +185,21 @@ def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
     }
 
 
+def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
+    """Return what was found as effects that a model declares.
+
+    Effects on the gear take the place of the lost motion that they account for, unless the load
+    rests where the model cannot put it.
+    """
+    reversals = diagnosis.reversals
+    gear = reversals.gear if reversals is not None and not reversals.mirrored else None
+    on_gear = [] if gear is None else [
+        DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
+    ]  # fmt: skip
+    kept = [f for f in diagnosis.effects if not (on_gear and f.effect == "lost_motion")]
+    return (*(declared(found, diagnosis) for found in kept), *on_gear)
+
+
 def declared(found: Found, diagnosis: Diagnosis) -> DeclaredEffect:
     """Return a found effect as one that a model declares.
 
@@ -198,12 +224,12 @@ def save_model(diagnosis: Diagnosis, run: Run, model: str, to: Path) -> tuple[st
     An effect that does not recur is left out. Raises as `declare`.
     """
     known = {effect.name: effect for effect in find_effects()}
-    recurring = [found for found in diagnosis.effects if known[found.effect].recurs]
-    effects = tuple(declared(found, diagnosis) for found in recurring)
+    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
+    effects = declarations(replace(diagnosis, effects=recurring))
     declare(model, effects, to)
     conditions = Conditions(run.cycle, run.covariates)
     said = [
-        f"{to} declares {one.name}{_expectation(one, known[one.name], conditions)}"
+        f"{to} declares {one.name}{_expectation(one, known.get(one.name), conditions)}"
         for one in effects
     ]
     said += [
@@ -214,9 +240,9 @@ def save_model(diagnosis: Diagnosis, run: Run, model: str, to: Path) -> tuple[st
     return tuple(said) or (f"{to} is the model as it was: nothing was found to declare",)
 
 
-def _expectation(one: DeclaredEffect, effect: Effect, conditions: Conditions) -> str:
-    """Return what a model with the effect says of the next table."""
-    if is_chance(effect, one, conditions, one.axes[0]):
+def _expectation(one: DeclaredEffect, effect: Effect | None, conditions: Conditions) -> str:
+    """Return what a model with the effect says of the next table; none is known on the gear."""
+    if effect is not None and is_chance(effect, one, conditions, one.axes[0]):
         return (
             " for simulate only: chance draws it anew in every test, so no prediction moves and "
             "the next table will show it again"

@@ -202,7 +202,7 @@ def _gearboxes(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[int, 
         given = {name: number(entry, name, where, faults) for name in known & set(entry)}
         faults += [
             Fault(f"{where}.{name}: must be positive")
-            for name in ("stiffness", "friction")
+            for name in ("stiffness", "friction", "payload_kg")
             if (given.get(name) or 0.0) < 0
         ]
         if {"Im", "IL", "arcmin"} <= {name for name, value in given.items() if value is not None}:
