@@ -102,7 +102,8 @@ def _effect(found: Found) -> Iterator[Block]:
     yield Text(", ".join(_parameter(k, v, found) for k, v in found.parameters.items()))
     if found.joint is not None:
         angle = found.angles[found.joint]
-        yield Text(f"moves along {found.joint}, within {angle:.0f} degrees")
+        along = found.joint.removeprefix("along ")
+        yield Text(f"moves along {along}, within {angle:.0f} degrees")
     elif found.angles:
         angles = ", ".join(f"{name} {angle:.0f}" for name, angle in found.angles.items())
         yield Text(f"direction matches none: degrees from {angles}", "quiet")
