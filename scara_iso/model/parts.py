@@ -25,9 +25,9 @@ class Gearbox:
     friction: float | None = None
     """Coulomb friction on the load [N m]."""
 
-    def backlash(self) -> Backlash:
-        """Return the two-inertia model of this gear, eq. 16."""
-        return backlash(Im=self.Im, IL=self.IL, arcmin=self.arcmin, ratio=self.ratio)
+    def backlash(self, arm: float | None = None) -> Backlash:
+        """Return the two-inertia model of this gear, eq. 16; ``arm``: joint to tool [m]."""
+        return backlash(Im=self.Im, IL=self.IL, arcmin=self.arcmin, arm=arm, ratio=self.ratio)
 
 
 @dataclass(frozen=True, slots=True)

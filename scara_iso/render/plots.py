@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import io
+import re
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +14,27 @@ from scara_iso.arm import Arm
 from scara_iso.drivetrain import DriveTrain, Trajectory
 from scara_iso.errors import CannotCreateError, UsageError
 from scara_iso.plan import Plan
+from scara_iso.report.blocks import Course, Figure, Plane, Prediction
 from scara_iso.run import FloatArray
 from scara_iso.workspace import Workspace
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure as MplFigure
 
     from scara_iso.diagnosis import Diagnosis
 
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
+_STYLE: dict[str, Any] = {
+    "font.size": 8.5, "axes.spines.top": False, "axes.spines.right": False,
+    "axes.edgecolor": EDGE, "axes.grid": True, "grid.color": "#e3e8ed", "grid.linewidth": 0.6,
+    "axes.axisbelow": True, "xtick.color": ARM, "ytick.color": ARM, "axes.labelcolor": ARM,
+    "axes.formatter.useoffset": False, "svg.fonttype": "none", "path.simplify": False,
+}  # fmt: skip
+_OWN_STYLE = re.compile(r"<metadata>.*?</metadata>|<defs>\s*<style.*?</defs>", re.DOTALL)
+_NAMES = re.compile(
+    r' id="(?:figure|axes|patch|line2d|text|xtick|ytick|matplotlib|legend|Path)[^"]*"'
+)
 CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 
 
@@ -30,9 +44,9 @@ def plot_plan(plan: Plan, arm: Arm, path: Path) -> None:
     ``path`` ends in .svg or .png. Raises `UsageError` for another ending and `CannotCreateError`
     where the file cannot be written.
     """
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+    from matplotlib.figure import Figure as MplFigure  # noqa: PLC0415 - half a second, for pictures only
 
-    figure = Figure(figsize=(11, 5.2), layout="constrained")
+    figure = MplFigure(figsize=(11, 5.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1))
     _draw_from_above(left, plan, arm)
     spec = right.get_subplotspec()
@@ -46,9 +60,9 @@ def plot_gap(trajectory: Trajectory, train: DriveTrain, path: Path) -> None:
 
     Errors as in `plot_plan`.
     """
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+    from matplotlib.figure import Figure as MplFigure  # noqa: PLC0415 - half a second, for pictures only
 
-    figure = Figure(figsize=(8, 5.5), layout="constrained")
+    figure = MplFigure(figsize=(8, 5.5), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
     time = trajectory.time * 1000
     _shade_contacts(upper, trajectory)
@@ -74,10 +88,10 @@ def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
 
     Errors as in `plot_plan`.
     """
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+    from matplotlib.figure import Figure as MplFigure  # noqa: PLC0415 - half a second, for pictures only
 
     series = diagnosis.series
-    figure = Figure(figsize=(9, 1.2 + 2.1 * len(series.measured)), layout="constrained")
+    figure = MplFigure(figsize=(9, 1.2 + 2.1 * len(series.measured)), layout="constrained")
     rows = figure.subplots(len(series.measured), 2, sharex=True, squeeze=False)
     for (left, right), (axis, measured) in zip(rows, series.measured.items(), strict=True):
         before, after = series.predicted_before[axis], series.predicted_after[axis]
@@ -100,6 +114,86 @@ def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
     save(figure, path)
 
 
+def picture(figure: Figure, number: int) -> str:
+    """Return a figure of a report as inline SVG, with its words for those who cannot see it.
+
+    ``number`` makes the picture's identifiers its own within a page.
+    """
+    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
+    from matplotlib.figure import Figure as MplFigure  # noqa: PLC0415 - likewise
+
+    size = (4.4, 4.0) if isinstance(figure.data, Plane) else (4.4, 2.3)
+    style: dict[Any, Any] = {**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}
+    with mpl.rc_context(style):
+        drawing = MplFigure(figsize=size)
+        match figure.data:
+            case Course() as data:
+                _draw_course(drawing.add_axes((0.15, 0.19, 0.83, 0.77)), data)
+            case Plane() as data:
+                _draw_plane(drawing.add_axes((0.17, 0.12, 0.80, 0.85)), data)
+            case Prediction() as data:
+                _draw_prediction(drawing.add_axes((0.15, 0.19, 0.83, 0.70)), data)
+        file = io.StringIO()
+        drawing.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    return _inline(file.getvalue(), figure)
+
+
+def _draw_course(axes: Axes, data: Course) -> None:
+    if data.resolution is not None:
+        half = data.resolution / 2
+        axes.axhspan(data.mean - half, data.mean + half, color=AREA, lw=0)
+    axes.axhline(data.mean, color=SOLID, lw=1.2, ls=(0, (5, 3)))
+    axes.plot(data.cycle, data.readings, "o-", color=ARM, lw=0.6, ms=3.2)
+    axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
+
+
+def _draw_plane(axes: Axes, data: Plane) -> None:
+    turn = np.linspace(0, 2 * np.pi, 121)
+    places, counts = np.unique(data.positions.round(9), axis=1, return_counts=True)
+    x, y = data.barycentre
+    axes.plot(x + data.RP * np.cos(turn), y + data.RP * np.sin(turn), color=SOLID, lw=1.2)
+    axes.scatter(
+        places[0], places[1], s=14 * counts, facecolor=PLANE, edgecolor=ARM, lw=0.7, alpha=0.75
+    )
+    axes.plot(x, y, "+", color=SOLID, ms=11, mew=1.6)
+    reach = 1.1 * max(data.RP, float(np.abs(data.positions - data.barycentre[:, None]).max()))
+    if reach > 0:
+        axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
+    axes.set(xlabel="X [mm]", ylabel="Y [mm]", aspect="equal")
+    axes.locator_params(nbins=5)
+
+
+def _draw_prediction(axes: Axes, data: Prediction) -> None:
+    axes.plot(data.cycle, data.measured, "o", color=ARM, ms=3.2, label="measured")
+    axes.plot(data.cycle, data.before, color=SOLID, lw=1.3, ls=(0, (5, 3)), label="before")
+    axes.plot(data.cycle, data.after, color=PLANE, lw=2, label="after")
+    axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=3, frameon=False)
+
+
+def _inline(svg: str, figure: Figure) -> str:
+    """Return an SVG as part of a page: attributes for styles, its own title, no names in it."""
+    body = svg[svg.index("<svg") :]
+    body = _OWN_STYLE.sub("", body)
+    body = _NAMES.sub("", body)
+    body = re.sub(r' style="([^"]*)"', lambda found: _attributes(found[1]), body)
+    _, view, rest = re.split(r'(viewBox="[^"]*")[^>]*>', body, maxsplit=1)
+    words = f"<title>{escape(figure.title)}</title><desc>{escape(figure.caption)}</desc>"
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+        f'role="img" {view} stroke-linejoin="round" stroke-linecap="butt">{words}{rest}'
+    )
+
+
+def _attributes(style: str) -> str:
+    """Return a style as presentation attributes, which need no leave of a page's policy."""
+    parts = (part.partition(":") for part in style.split(";") if part.strip())
+    pairs = {name.strip(): value.strip() for name, _, value in parts}
+    if "font-family" in pairs:
+        pairs["font-family"] = "'DejaVu Sans', Verdana, Arial, sans-serif"
+    return "".join(f' {name}="{value}"' for name, value in pairs.items())
+
+
 def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
     names = {1: "right contact", 0: "no contact", -1: "left contact"}
     edges = np.flatnonzero(np.diff(trajectory.contact)) + 1
@@ -111,7 +205,7 @@ def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
         axes.axvspan(*span, color=CONTACT[side], lw=0, label=label)
 
 
-def save(figure: Figure, path: Path) -> None:
+def save(figure: MplFigure, path: Path) -> None:
     """Write a figure without date or random names; errors as in `plot_plan`."""
     import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
 

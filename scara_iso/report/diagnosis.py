@@ -53,7 +53,12 @@ def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, ...]:
     return (table, one.verdict.value, effects, f"{one.p_value:.2g}")
 
 
-def _verdict(diagnosis: Diagnosis) -> Iterator[Block]:
+def diagnosis_verdict(diagnosis: Diagnosis) -> str:
+    """Return the verdict in one sentence."""
+    return next(block.text for block in _verdict(diagnosis))
+
+
+def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
     match diagnosis.verdict:
         case Verdict.NOTHING:
             yield Text(
