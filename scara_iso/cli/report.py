@@ -99,14 +99,19 @@ def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Tested],
     if kind not in _KINDS:
         raise UsageError(
             f"{path.name}: a report is written as {', '.join(_KINDS)}",
-            remedy="let the name end in one of them",
+            remedy="let the name end in one of them; a browser prints the .html as a PDF",
         )
     for name in inputs:
         if name not in (None, "-") and path.exists() and path.samefile(name or ""):
             raise CannotCreateError(
                 "is what the report is made of", where=str(path), remedy="name another file"
             )
-    return lambda tested: _KINDS[kind](tested, "ISO 9283 repeatability test")
+    return lambda tested: _KINDS[kind](tested, _title(tested))
+
+
+def _title(tested: Tested) -> str:
+    robot = tested.analysis.run.metadata.get("robot", "").strip()
+    return f"ISO 9283 repeatability of {robot or tested.provenance.files[0].name}"
 
 
 def _html(tested: Tested, title: str) -> bytes:

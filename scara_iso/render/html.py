@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from importlib.resources import files
 from itertools import groupby
 
-from scara_iso.render.plots import picture
+from scara_iso.render.pictures import picture
 from scara_iso.report.blocks import Block, Figure, Report
 from scara_iso.report.head import NOT_STATED
 from scara_iso.report.words import printable

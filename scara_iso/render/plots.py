@@ -2,39 +2,29 @@
 
 from __future__ import annotations
 
-import io
-import re
-from html import escape
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from scara_iso.arm import Arm
+from scara_iso.comparison import Comparison, Contrast, Pair, Verdict
 from scara_iso.drivetrain import DriveTrain, Trajectory
 from scara_iso.errors import CannotCreateError, UsageError
 from scara_iso.plan import Plan
-from scara_iso.report.blocks import Course, Figure, Plane, Prediction
 from scara_iso.run import FloatArray
 from scara_iso.workspace import Workspace
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as MplFigure
+    from matplotlib.figure import Figure
 
     from scara_iso.diagnosis import Diagnosis
 
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
-_STYLE: dict[str, Any] = {
-    "font.size": 8.5, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.edgecolor": EDGE, "axes.grid": True, "grid.color": "#e3e8ed", "grid.linewidth": 0.6,
-    "axes.axisbelow": True, "xtick.color": ARM, "ytick.color": ARM, "axes.labelcolor": ARM,
-    "axes.formatter.useoffset": False, "svg.fonttype": "none", "path.simplify": False,
-}  # fmt: skip
-_OWN_STYLE = re.compile(r"<metadata>.*?</metadata>|<defs>\s*<style.*?</defs>", re.DOTALL)
-_NAMES = re.compile(
-    r' id="(?:figure|axes|patch|line2d|text|xtick|ytick|matplotlib|legend|Path)[^"]*"'
-)
+_MOST_PAIRS = 8
+_RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100)
 CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 
 
@@ -44,9 +34,9 @@ def plot_plan(plan: Plan, arm: Arm, path: Path) -> None:
     ``path`` ends in .svg or .png. Raises `UsageError` for another ending and `CannotCreateError`
     where the file cannot be written.
     """
-    from matplotlib.figure import Figure as MplFigure  # noqa: PLC0415 - half a second, for pictures only
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
-    figure = MplFigure(figsize=(11, 5.2), layout="constrained")
+    figure = Figure(figsize=(11, 5.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1))
     _draw_from_above(left, plan, arm)
     spec = right.get_subplotspec()
@@ -60,9 +50,9 @@ def plot_gap(trajectory: Trajectory, train: DriveTrain, path: Path) -> None:
 
     Errors as in `plot_plan`.
     """
-    from matplotlib.figure import Figure as MplFigure  # noqa: PLC0415 - half a second, for pictures only
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
-    figure = MplFigure(figsize=(8, 5.5), layout="constrained")
+    figure = Figure(figsize=(8, 5.5), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
     time = trajectory.time * 1000
     _shade_contacts(upper, trajectory)
@@ -88,10 +78,10 @@ def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
 
     Errors as in `plot_plan`.
     """
-    from matplotlib.figure import Figure as MplFigure  # noqa: PLC0415 - half a second, for pictures only
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
     series = diagnosis.series
-    figure = MplFigure(figsize=(9, 1.2 + 2.1 * len(series.measured)), layout="constrained")
+    figure = Figure(figsize=(9, 1.2 + 2.1 * len(series.measured)), layout="constrained")
     rows = figure.subplots(len(series.measured), 2, sharex=True, squeeze=False)
     for (left, right), (axis, measured) in zip(rows, series.measured.items(), strict=True):
         before, after = series.predicted_before[axis], series.predicted_after[axis]
@@ -114,84 +104,83 @@ def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
     save(figure, path)
 
 
-def picture(figure: Figure, number: int) -> str:
-    """Return a figure of a report as inline SVG, with its words for those who cannot see it.
+def plot_comparison(comparison: Comparison, path: Path) -> None:
+    """Draw for each pair the readings about their means, ratios of spread, and changes of mean.
 
-    ``number`` makes the picture's identifiers its own within a page.
+    Full marks are differences that are shown; an arrow is an interval without end. Errors as in
+    `plot_plan`.
     """
-    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
-    from matplotlib.figure import Figure as MplFigure  # noqa: PLC0415 - likewise
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
-    size = (4.4, 4.0) if isinstance(figure.data, Plane) else (4.4, 2.3)
-    style: dict[Any, Any] = {**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}
-    with mpl.rc_context(style):
-        drawing = MplFigure(figsize=size)
-        match figure.data:
-            case Course() as data:
-                _draw_course(drawing.add_axes((0.15, 0.19, 0.83, 0.77)), data)
-            case Plane() as data:
-                _draw_plane(drawing.add_axes((0.17, 0.12, 0.80, 0.85)), data)
-            case Prediction() as data:
-                _draw_prediction(drawing.add_axes((0.15, 0.19, 0.83, 0.70)), data)
-        file = io.StringIO()
-        drawing.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
-    return _inline(file.getvalue(), figure)
-
-
-def _draw_course(axes: Axes, data: Course) -> None:
-    if data.resolution is not None:
-        half = data.resolution / 2
-        axes.axhspan(data.mean - half, data.mean + half, color=AREA, lw=0)
-    axes.axhline(data.mean, color=SOLID, lw=1.2, ls=(0, (5, 3)))
-    axes.plot(data.cycle, data.readings, "o-", color=ARM, lw=0.6, ms=3.2)
-    axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
+    heights = [0.9 + 0.34 * len(pair.spreads) for pair in comparison.pairs[:_MOST_PAIRS]]
+    figure = Figure(figsize=(12, sum(heights) + 0.9), layout="constrained")
+    rows = figure.subplots(len(heights), 3, squeeze=False, height_ratios=heights)
+    for row, pair in zip(rows, comparison.pairs, strict=False):
+        _draw_readings(row[0], pair)
+        ratios = [(one.ratio or 1.0, one.ratio_interval or (1.0, 1.0)) for one in pair.spreads]
+        row[1].set_xscale("log")
+        _draw_intervals(row[1], pair.spreads, ratios, none=1.0)
+        row[1].set(xlabel="RP after / before", title="Repeatability: ratio with 95 % interval")
+        row[1].xaxis.set_minor_formatter("")
+        low, high = row[1].get_xlim()
+        ticks = [tick for tick in _RATIOS if low <= tick <= high]
+        row[1].set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        changes = [(one.difference, one.interval) for one in pair.means]
+        _draw_intervals(row[2], pair.means, changes, none=0.0)
+        units = ", ".join(dict.fromkeys(one.unit for one in pair.means))
+        row[2].set(xlabel=f"after − before [{units}]", title="Mean: change with 95 % interval")
+    save(figure, path)
 
 
-def _draw_plane(axes: Axes, data: Plane) -> None:
-    turn = np.linspace(0, 2 * np.pi, 121)
-    places, counts = np.unique(data.positions.round(9), axis=1, return_counts=True)
-    x, y = data.barycentre
-    axes.plot(x + data.RP * np.cos(turn), y + data.RP * np.sin(turn), color=SOLID, lw=1.2)
-    axes.scatter(
-        places[0], places[1], s=14 * counts, facecolor=PLANE, edgecolor=ARM, lw=0.7, alpha=0.75
-    )
-    axes.plot(x, y, "+", color=SOLID, ms=11, mew=1.6)
-    reach = 1.1 * max(data.RP, float(np.abs(data.positions - data.barycentre[:, None]).max()))
-    if reach > 0:
-        axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
-    axes.set(xlabel="X [mm]", ylabel="Y [mm]", aspect="equal")
-    axes.locator_params(nbins=5)
+def _draw_readings(axes: Axes, pair: Pair) -> None:
+    labels = []
+    before, after = ({pose.label: pose for pose in run.poses} for run in (pair.before, pair.after))
+    for k, one in enumerate(pair.means):
+        old = before[one.pose] if one.pose in before else pair.before.poses[0]
+        new = after[one.pose] if one.pose in after else pair.after.poses[0]
+        for shift, pose, marker, colour in ((-0.16, old, "o", EDGE), (0.16, new, "D", PLANE)):
+            found = pose.axes[one.figure]
+            label = ("before" if shift < 0 else "after") if k == 0 else None
+            row = k + shift + np.linspace(-0.13, 0.13, found.n)  # the first cycle on top
+            axes.plot(found.readings - found.mean, row, marker, ms=3.5, mfc="none", color=colour,
+                      ls="none", label=label)  # fmt: skip
+        labels.append(_figure_name(one))
+    axes.set_yticks(range(len(labels)), labels)
+    axes.invert_yaxis()
+    axes.locator_params(axis="x", nbins=6)
+    axes.set(xlabel="reading − mean of its run [mm or deg]")
+    names = f"{pair.before.run.origin.source} → {pair.after.run.origin.source}"
+    axes.set_title(names.replace("$", r"\$"), fontsize=9)
+    axes.legend(fontsize=8, frameon=False, loc="best")
 
 
-def _draw_prediction(axes: Axes, data: Prediction) -> None:
-    axes.plot(data.cycle, data.measured, "o", color=ARM, ms=3.2, label="measured")
-    axes.plot(data.cycle, data.before, color=SOLID, lw=1.3, ls=(0, (5, 3)), label="before")
-    axes.plot(data.cycle, data.after, color=PLANE, lw=2, label="after")
-    axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=3, frameon=False)
+def _draw_intervals(
+    axes: Axes,
+    contrasts: Sequence[Contrast],
+    found: Sequence[tuple[float, tuple[float | None, float | None]]],
+    *,
+    none: float,
+) -> None:
+    axes.axvline(none, color=ARM, lw=0.9, ls="--")
+    inner = [value for middle, ends in found for value in (middle, *ends) if value]
+    beyond = (min(inner, default=1.0) / 1.3, max(inner, default=1.0) * 1.3)
+    for k, (one, (middle, ends)) in enumerate(zip(contrasts, found, strict=True)):
+        shown = one.verdict in (Verdict.LESS, Verdict.MORE)
+        colour = PLANE if shown else EDGE
+        bounded = [bool(end) or (end is not None and not none) for end in ends]
+        places = [e if b and e is not None else beyond[n]
+                  for n, (e, b) in enumerate(zip(ends, bounded, strict=True))]  # fmt: skip
+        axes.plot(places, [k, k], color=colour, lw=2)
+        for place, b, arrow in zip(places, bounded, "<>", strict=True):
+            axes.plot(place, k, "|" if b else arrow, color=colour, ms=7)
+        axes.plot(middle, k, "o", color=colour, mfc=colour if shown else "white", ms=6)
+    axes.set_yticks(range(len(contrasts)), [_figure_name(one) for one in contrasts])
+    axes.invert_yaxis()
 
 
-def _inline(svg: str, figure: Figure) -> str:
-    """Return an SVG as part of a page: attributes for styles, its own title, no names in it."""
-    body = svg[svg.index("<svg") :]
-    body = _OWN_STYLE.sub("", body)
-    body = _NAMES.sub("", body)
-    body = re.sub(r' style="([^"]*)"', lambda found: _attributes(found[1]), body)
-    _, view, rest = re.split(r'(viewBox="[^"]*")[^>]*>', body, maxsplit=1)
-    words = f"<title>{escape(figure.title)}</title><desc>{escape(figure.caption)}</desc>"
-    return (
-        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
-        f'role="img" {view} stroke-linejoin="round" stroke-linecap="butt">{words}{rest}'
-    )
-
-
-def _attributes(style: str) -> str:
-    """Return a style as presentation attributes, which need no leave of a page's policy."""
-    parts = (part.partition(":") for part in style.split(";") if part.strip())
-    pairs = {name.strip(): value.strip() for name, _, value in parts}
-    if "font-family" in pairs:
-        pairs["font-family"] = "'DejaVu Sans', Verdana, Arial, sans-serif"
-    return "".join(f' {name}="{value}"' for name, value in pairs.items())
+def _figure_name(one: Contrast) -> str:
+    name = one.figure if one.pose is None else f"{one.pose} {one.figure}"
+    return name.replace("$", r"\$")
 
 
 def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
@@ -205,7 +194,7 @@ def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
         axes.axvspan(*span, color=CONTACT[side], lw=0, label=label)
 
 
-def save(figure: MplFigure, path: Path) -> None:
+def save(figure: Figure, path: Path) -> None:
     """Write a figure without date or random names; errors as in `plot_plan`."""
     import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
 

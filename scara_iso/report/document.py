@@ -55,8 +55,8 @@ def document(tested: Tested) -> Report:
     """Return the whole report of a test."""
     analysis = tested.analysis
     sections = [
-        Section("Test", (head(analysis.run, analysis.cycles), *_reading_notes(analysis))),
         Section("Result", (*verdict(analysis), *_diagnosed(tested))),
+        Section("Test", (head(analysis.run, analysis.cycles), *_reading_notes(analysis))),
     ]
     for pose in analysis.poses:
         sections.append(Section(_of(pose, "Repeatability"), tuple(pose_figures(pose))))
@@ -120,7 +120,12 @@ def _gear(
 ) -> Iterator[Section]:
     actual = poses[0] if len(poses) == 1 else None
     opening, *others = backlash_report(gearbox.backlash(arm), actual)
-    yield Section(f"Backlash of joint {joint}", opening.blocks[1:])
+    blocks = list(opening.blocks[1:])
+    if arm is not None:
+        blocks.append(
+            Text(f"Joint to tool: {arm:g} m, the arm stretched, as in the paper.", "quiet")
+        )
+    yield Section(f"Backlash of joint {joint}", tuple(blocks))
     for section in others:
         name = section.heading and f"Backlash of joint {joint}: {section.heading}"
         yield Section(name, section.blocks)
