@@ -6,6 +6,7 @@ gives the canonical form.
 """
 
 from scara_iso.tables.read import read_table
+from scara_iso.tables.source import Source, read_bytes
 from scara_iso.tables.write import write_table
 
-__all__ = ["read_table", "write_table"]
+__all__ = ["Source", "read_bytes", "read_table", "write_table"]
