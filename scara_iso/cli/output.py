@@ -5,13 +5,29 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from scara_iso.errors import CannotCreateError
 
 if TYPE_CHECKING:
     from scara_iso.report.blocks import Report
+
+
+class ExcelName(StrEnum):
+    """Language of the Excel that is to open a table."""
+
+    DE = "de"
+    EN = "en"
+
+
+ExcelLocale = Annotated[
+    ExcelName | None,
+    typer.Option(help="Spell the table for a German or an English Excel: de is ; and decimal ,"),
+]
 
 
 @dataclass(slots=True)
@@ -49,6 +65,6 @@ def write_text(text: str, path: Path | None) -> None:
             "holds a recording", where=str(path), remedy="name another file, or remove it yourself"
         )
     try:
-        path.write_text(text, encoding="utf-8", newline="")
+        path.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")
     except OSError as error:
         raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(path)) from error
