@@ -25,6 +25,7 @@ _COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
         "record", "analyze", "backlash", "diagnose", "simulate", "plan", "ports", "demo",
+        "explain",
     )
 }  # fmt: skip
 
