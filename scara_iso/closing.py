@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -14,13 +15,14 @@ from scara_iso.diagnosis import (
     diagnose_poses,
     diagnose_run_reversals,
 )
-from scara_iso.effects import Conditions
+from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
-from scara_iso.model import DeclaredEffect, Model, predict, read_model
+from scara_iso.model import DeclaredEffect, Model, declare, predict, read_model
 from scara_iso.model.parts import Value
+from scara_iso.model.predict import is_chance
 from scara_iso.run import Run
-from scara_iso.tables import read_table
+from scara_iso.tables import Source, read_table
 
 _PLANE = ("X", "Y")
 
@@ -62,7 +64,7 @@ class Reading:
     decimal: str | None = None
     sheet: str | None = None
 
-    def read(self, table: str) -> Run:
+    def read(self, table: Source) -> Run:
         """Return the run of a table; errors as in `read_table`."""
         return read_table(
             table,
@@ -115,11 +117,23 @@ def close_the_loop(
         held_out_predicted=None if second is None else _predicted(model, second),
         directions={} if model is None else directions_of(model),
     )
-    unknown = [] if model is None else [axis for axis in run.axes if axis not in model.indicators]
-    note = f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
-    if model is not None:
-        found = replace(found, reversals=diagnose_run_reversals(used, model, seed=seed))
-    return replace(found, notes=(*found.notes, note)) if unknown else found
+    if model is None:
+        return found
+    return replace(
+        found,
+        notes=(*found.notes, *_doubts(model, run)),
+        reversals=diagnose_run_reversals(used, model, seed=seed),
+    )
+
+
+def _doubts(model: Model, run: Run) -> Iterator[str]:
+    """Yield what speaks against the model being that of the run's robot."""
+    unknown = [axis for axis in run.axes if axis not in model.indicators]
+    if unknown:
+        yield f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
+    robot = run.metadata.get("robot", "")
+    if model.robot and robot and model.robot.casefold() != robot.casefold():
+        yield f"the model is that of {model.robot}, the table is of {robot}: is it the right one?"
 
 
 def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
@@ -144,6 +158,14 @@ def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
             where=run.origin.source,
             remedy="take the model of this robot, or leave --model out",
         )
+    for name, axis in run.axes.items():
+        if name in model.indicators and model.indicators[name].dimension is not axis.dimension:
+            raise DataError(
+                f"{name} is in {axis.unit}, and in {model.indicators[name].dimension.value} in the "
+                "model",
+                where=run.origin.source,
+                remedy=f"state the unit of [indicator.{name}], or take the model of this robot",
+            )
     expected = predict(model, Conditions(run.cycle, run.covariates))
     return {name: a.readings for name, a in expected.axes.items() if name in run.axes}
 
@@ -194,6 +216,45 @@ def declared(found: Found, diagnosis: Diagnosis) -> DeclaredEffect:
         }
         parameters["scatter"] = {n: float(r[narrower].std(ddof=1)) for n, r in left.items()}
     return DeclaredEffect(found.effect, parameters)
+
+
+def save_model(diagnosis: Diagnosis, run: Run, model: str, to: Path) -> tuple[str, ...]:
+    """Write ``model`` with what was found in ``run`` to ``to``; return what of it was declared.
+
+    An effect that does not recur is left out. Raises as `declare`.
+    """
+    known = {effect.name: effect for effect in find_effects()}
+    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
+    effects = declarations(replace(diagnosis, effects=recurring))
+    declare(model, effects, to)
+    conditions = Conditions(run.cycle, run.covariates)
+    said = [
+        f"{to} declares {one.name}{_expectation(one, known.get(one.name), conditions)}"
+        for one in effects
+    ]
+    said += [
+        f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
+        for found in diagnosis.effects
+        if found not in recurring
+    ]
+    return tuple(said) or (f"{to} is the model as it was: nothing was found to declare",)
+
+
+def _expectation(one: DeclaredEffect, effect: Effect | None, conditions: Conditions) -> str:
+    """Return what a model with the effect says of the next table; none is known on the gear."""
+    if effect is not None and is_chance(effect, one, conditions, one.axes[0]):
+        return (
+            " for simulate only: chance draws it anew in every test, so no prediction moves and "
+            "the next table will show it again"
+        )
+    if "at_cycle" in one.parameters:
+        return (
+            f" at cycle {one.parameters['at_cycle']}, and expects it there in the next table: take "
+            "it out once its cause is cured"
+        )
+    if "phase" in one.parameters:
+        return " with the phase of this table: the next one must begin at the same phase"
+    return ": the next table is expected to show it"
 
 
 def _number(value: Value) -> float:

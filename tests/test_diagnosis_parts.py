@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from scara_iso.diagnosis.bank import Member, build, constant, extended, members_of
+from scara_iso.diagnosis.choice import hidden_sides
 from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
@@ -14,7 +15,7 @@ from scara_iso.diagnosis.gear import diagnose_sweep
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.levels import two_levels
 from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
-from scara_iso.diagnosis.permutation import order_test
+from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.search import Problem, find
@@ -102,6 +103,31 @@ def test_the_order_test_is_exact():
         p_values.append(order_test(bank, views, rng, shuffles=19).p_value)
     counts = np.bincount(np.round(np.array(p_values) * 20).astype(int), minlength=21)[1:]
     assert stats.chisquare(counts).pvalue > 0.001
+
+
+def test_shuffling_ends_early_only_where_the_test_stays_quiet():
+    rng = np.random.default_rng(4)
+    bank, stopped = bank_of(ORDERED), []
+    for _ in range(40):
+        views = views_of(rng.normal(size=(N, 1)), constant(N))
+        early = order_test(bank, views, np.random.default_rng(1)).p_value
+        orders = np.random.default_rng(1)
+        order = np.array([orders.permutation(N) for _ in range(999)])
+        observed = log_statistic(bank, views, np.arange(N)[np.newaxis])
+        full = np.mean([1, *(log_statistic(bank, views, order) >= observed - 1e-9)])
+        stopped.append(early > 0.05)
+        assert early == full if full <= 0.05 else early > 0.05
+    assert 0 < sum(stopped)
+
+
+def test_hidden_sides_are_not_sought_where_nothing_moves(rng):
+    two = rng.normal(size=(N, 2))
+    two = np.column_stack([two, np.zeros(N)])
+    views, sticky = views_of(two, constant(N)), Member("sides", Chain(0.1, 0.1, 1.0), 1.0)
+    (found,) = hidden_sides(
+        [sticky], views, constant(N), division=np.array([0, 0, np.nan]), rows=np.arange(N), n=N
+    )
+    assert np.isfinite(found.evidence)
 
 
 def test_the_order_test_sees_a_trend_but_no_constant_scatter(rng):

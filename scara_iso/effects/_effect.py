@@ -162,6 +162,8 @@ class Effect:
     """False where shuffling the cycles leaves the evidence for the effect as it is."""
     common: bool = True
     """Whether chance draws one course for all axes; else each axis has its own."""
+    recurs: bool = True
+    """False for an accident of one test: no model expects it in the next."""
     gain: float = 15.0
     """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
 
