@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import Diagnosis
     from scara_iso.model import Gearbox, Model
     from scara_iso.report.diagnosis import Failure
-    from scara_iso.report.document import InputFile, Tested
+    from scara_iso.report.document import Dossier, InputFile
     from scara_iso.results import Analysis
     from scara_iso.run import Run
 
@@ -77,15 +77,15 @@ def report_command(
     write = None if path is None else _writer(path, inputs=(table, model))
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
     reading = Reading(unit, resolution, decimal, sheet)
-    tested = _test(table, model, reading, wanted, parse_limits(limit or ()))
+    dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
     if path is not None and write is not None:
-        write_bytes(write(tested), path)
+        write_bytes(write(dossier), path)
         typer.echo(f"{path} is written", err=json)
     if json:
         from scara_iso.render.json_report import report_json
 
-        write_json(report_json(tested))
-    if not all(check.inside for check in tested.analysis.limits):
+        write_json(report_json(dossier))
+    if not all(check.inside for check in dossier.analysis.limits):
         raise typer.Exit(OUTSIDE_A_LIMIT)
 
 
@@ -93,7 +93,7 @@ def _stem(table: str) -> str:
     return "report" if table == "-" else Path(table).stem
 
 
-def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Tested], bytes]:
+def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     kind = path.suffix.lower()
     if kind not in _KINDS:
@@ -106,50 +106,50 @@ def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Tested],
             raise CannotCreateError(
                 "is what the report is made of", where=str(path), remedy="name another file"
             )
-    return lambda tested: _KINDS[kind](tested, _title(tested))
+    return lambda dossier: _KINDS[kind](dossier, _title(dossier))
 
 
-def _title(tested: Tested) -> str:
-    robot = tested.analysis.run.metadata.get("robot", "").strip()
-    return f"ISO 9283 repeatability of {robot or tested.provenance.files[0].name}"
+def _title(dossier: Dossier) -> str:
+    robot = dossier.analysis.run.metadata.get("robot", "").strip()
+    return f"ISO 9283 repeatability of {robot or dossier.provenance.files[0].name}"
 
 
-def _html(tested: Tested, title: str) -> bytes:
+def _html(dossier: Dossier, title: str) -> bytes:
     from scara_iso.render.html import to_html
     from scara_iso.report.document import document
 
-    return to_html(document(tested), title).encode()
+    return to_html(document(dossier), title).encode()
 
 
-def _markdown(tested: Tested, title: str) -> bytes:
+def _markdown(dossier: Dossier, title: str) -> bytes:
     from scara_iso.render.markdown import to_markdown
     from scara_iso.report.document import document
 
-    return to_markdown(document(tested), title).encode()
+    return to_markdown(document(dossier), title).encode()
 
 
-def _csv(tested: Tested, title: str) -> bytes:
+def _csv(dossier: Dossier, title: str) -> bytes:
     from scara_iso.render.csv import to_csv
     from scara_iso.report.document import document
 
-    return to_csv(document(tested), title).encode()
+    return to_csv(document(dossier), title).encode()
 
 
-def _workbook(tested: Tested, title: str) -> bytes:
+def _workbook(dossier: Dossier, title: str) -> bytes:
     from scara_iso.render.workbook import to_workbook
     from scara_iso.report.document import document
 
-    return to_workbook(document(tested), title)
+    return to_workbook(document(dossier), title)
 
 
-def _json(tested: Tested, title: str) -> bytes:  # noqa: ARG001 - JSON holds no title
+def _json(dossier: Dossier, title: str) -> bytes:  # noqa: ARG001 - JSON holds no title
     from scara_iso.render.json import to_text
     from scara_iso.render.json_report import report_json
 
-    return f"{to_text(report_json(tested))}\n".encode()
+    return f"{to_text(report_json(dossier))}\n".encode()
 
 
-_KINDS: dict[str, Callable[[Tested, str], bytes]] = {
+_KINDS: dict[str, Callable[[Dossier, str], bytes]] = {
     ".html": _html,
     ".md": _markdown,
     ".csv": _csv,
@@ -164,9 +164,9 @@ def _test(
     reading: Reading,
     wanted: CyclesWanted,
     limits: dict[str, float],
-) -> Tested:
+) -> Dossier:
     from scara_iso import __version__, analyze
-    from scara_iso.report.document import Provenance, Tested
+    from scara_iso.report.document import Dossier, Provenance
 
     run, table_file = _read(table, reading, wanted.pose)
     described, files = None, [table_file]
@@ -181,7 +181,7 @@ def _test(
     )
     analysis = compared_with_its_manifest(analysis, table)
     command = shlex.join(("scara-iso", *settings.arguments))
-    return Tested(
+    return Dossier(
         analysis=analysis,
         provenance=Provenance(tuple(files), __version__, command),
         diagnoses=_diagnoses(analysis, described, replace(wanted, pose=None)),
