@@ -27,7 +27,7 @@ _COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
         "record", "analyze", "report", "compare", "backlash", "diagnose", "simulate", "plan",
-        "ports", "demo",
+        "ports", "demo", "explain",
     )
 }  # fmt: skip
 

@@ -249,7 +249,8 @@ def findings(analysis: Analysis) -> Iterator[Section]:
     others.sort(key=lambda finding: _GRAVITY[finding.severity])
     notices = [_notice(finding) for finding in others[:_MOST_NOTICES]]
     if notices:
-        yield Section("findings", (*notices, *_more(others, notices)))
+        how = Text("scara-iso explain CODE says more of each", "quiet")
+        yield Section("findings", (*notices, *_more(others, notices), how))
 
 
 def _more(all_of_them: Sequence[object], shown: Sequence[object]) -> Iterator[Block]:
