@@ -7,15 +7,21 @@ import math
 import re
 import shutil
 import statistics
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
 import openpyxl
 import pytest
+from hostile import TEXTS
 
 from scara_iso import analyze, read_table
 from scara_iso.cli import main
 from scara_iso.closing import CyclesWanted, close_the_loop
+from scara_iso.render.csv import to_csv
+from scara_iso.render.html import to_html
+from scara_iso.render.markdown import to_markdown
+from scara_iso.render.workbook import to_workbook
 from scara_iso.report.blocks import Course, Figure, Plane, Prediction, Table
 from scara_iso.report.document import Dossier, InputFile, Provenance, document
 from scara_iso.report.head import FIELDS, NOT_STATED, head
@@ -200,7 +206,35 @@ def test_text_of_a_file_stays_text_in_every_form(tmp_path, monkeypatch, hostile)
     assert json.loads(found["json"])["analysis"]["metadata"]["robot"] == HOSTILE["robot"]
     book = openpyxl.load_workbook(io.BytesIO(found["xlsx"]))
     kinds = {cell.data_type for sheet in book for row in sheet for cell in row}
-    assert kinds <= {"s", "n"}
+    assert kinds <= {"s", "n", "inlineStr"}
+
+
+def test_every_hostile_text_is_shown_and_nothing_else():
+    run = read_table(WARM_UP)
+    run = replace(run, metadata={f"key {k}": text for k, text in enumerate(TEXTS)})
+    report = document(Dossier(analyze(run), MADE))
+    page = to_html(report, TEXTS[0])
+    outside = re.sub(r"<svg.*?</svg>", "", page, flags=re.DOTALL)
+    known = {
+        "html", "head", "meta", "title", "style", "body", "main", "h1", "h2", "section", "p",
+        "div", "table", "thead", "tbody", "tr", "th", "td", "b", "code", "figure", "figcaption",
+    }  # fmt: skip
+    assert set(re.findall(r"<(\w+)", outside)) <= known
+    assert not [c for c in page if ord(c) < 32 and c != "\n"]
+    page.encode()
+    to_markdown(report, "").encode()
+    for cell in (c for row in csv.reader(io.StringIO(to_csv(report, ""))) for c in row):
+        assert cell.strip()[:1] not in ("=", "@")
+    book = openpyxl.load_workbook(io.BytesIO(to_workbook(report, TEXTS[0])))
+    assert {c.data_type for sheet in book for row in sheet for c in row} <= {"s", "n", "inlineStr"}
+
+
+def test_a_german_excel_gets_its_marks(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", str(WARM_UP), "-o", "out.csv", "--excel-locale", "de"]) == 0
+    text = Path("out.csv").read_bytes().decode("utf-8-sig")
+    assert Path("out.csv").read_bytes().startswith(b"\xef\xbb\xbf")
+    assert "7;2;0,11;0,81;0,36;0,480;yes" in text.splitlines()
 
 
 def test_numbers_of_the_workbook_are_numbers_and_a_serial_number_is_none(
@@ -256,7 +290,7 @@ def test_a_report_is_not_written_over_what_it_is_made_of(tmp_path, capsys):
 def test_another_ending_names_the_known_ones(tmp_path, capsys):
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.docx")]) == 2
     said = capsys.readouterr().err
-    assert ".html, .md, .csv, .xlsx, .json" in said
+    assert ".html, .md, .xlsx, .json, .csv" in said
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "no" / "out.md")]) == 73
 
 

@@ -24,7 +24,7 @@ from scara_iso.cli.analyze import (
     compared_with_its_manifest,
     parse_limits,
 )
-from scara_iso.cli.output import settings, write_bytes, write_json
+from scara_iso.cli.output import ExcelLocale, settings, write_bytes, write_json
 from scara_iso.errors import CannotCreateError, ScaraIsoError, UsageError
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from scara_iso.report.document import Dossier, InputFile
     from scara_iso.results import Analysis
     from scara_iso.run import Run
+    from scara_iso.tables import SheetLocale
 
 _SEED = 9283
 
@@ -65,6 +66,7 @@ def report_command(
     sheet: Sheet = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
+    excel_locale: ExcelLocale = None,
     json: AsJson = False,
 ) -> None:
     """Write the test report: result, pictures, every intermediate value, diagnosis, raw data.
@@ -74,7 +76,7 @@ def report_command(
     from scara_iso.closing import CyclesWanted, Reading
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    write = None if path is None else _writer(path, inputs=(table, model))
+    write = None if path is None else _writer(path, (table, model), excel_locale)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
     reading = Reading(unit, resolution, decimal, sheet)
     dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
@@ -93,12 +95,14 @@ def _stem(table: str) -> str:
     return "report" if table == "-" else Path(table).stem
 
 
-def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Dossier], bytes]:
+def _writer(
+    path: Path, inputs: tuple[str | None, ...], locale: str | None
+) -> Callable[[Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     kind = path.suffix.lower()
-    if kind not in _KINDS:
+    if kind not in _ENDINGS:
         raise UsageError(
-            f"{path.name}: a report is written as {', '.join(_KINDS)}",
+            f"{path.name}: a report is written as {', '.join(_ENDINGS)}",
             remedy="let the name end in one of them; a browser prints the .html as a PDF",
         )
     for name in inputs:
@@ -106,7 +110,12 @@ def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Dossier]
             raise CannotCreateError(
                 "is what the report is made of", where=str(path), remedy="name another file"
             )
-    return lambda dossier: _KINDS[kind](dossier, _title(dossier))
+    if kind == ".csv":
+        from scara_iso.tables import find_locale
+
+        return lambda dossier: _csv(dossier, _title(dossier), find_locale(locale))
+    render = _KINDS[kind]
+    return lambda dossier: render(dossier, _title(dossier))
 
 
 def _title(dossier: Dossier) -> str:
@@ -128,11 +137,11 @@ def _markdown(dossier: Dossier, title: str) -> bytes:
     return to_markdown(document(dossier), title).encode()
 
 
-def _csv(dossier: Dossier, title: str) -> bytes:
+def _csv(dossier: Dossier, title: str, locale: SheetLocale) -> bytes:
     from scara_iso.render.csv import to_csv
     from scara_iso.report.document import document
 
-    return to_csv(document(dossier), title).encode()
+    return to_csv(document(dossier), title, locale).encode()
 
 
 def _workbook(dossier: Dossier, title: str) -> bytes:
@@ -152,10 +161,10 @@ def _json(dossier: Dossier, title: str) -> bytes:  # noqa: ARG001 - JSON holds n
 _KINDS: dict[str, Callable[[Dossier, str], bytes]] = {
     ".html": _html,
     ".md": _markdown,
-    ".csv": _csv,
     ".xlsx": _workbook,
     ".json": _json,
 }
+_ENDINGS = (*_KINDS, ".csv")
 
 
 def _test(
