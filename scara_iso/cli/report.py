@@ -24,7 +24,7 @@ from scara_iso.cli.analyze import (
     compared_with_its_manifest,
     parse_limits,
 )
-from scara_iso.cli.output import settings, write_bytes, write_json
+from scara_iso.cli.output import ExcelLocale, settings, write_bytes, write_json
 from scara_iso.errors import CannotCreateError, ScaraIsoError, UsageError
 
 if TYPE_CHECKING:
@@ -32,9 +32,10 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import Diagnosis
     from scara_iso.model import Gearbox, Model
     from scara_iso.report.diagnosis import Failure
-    from scara_iso.report.document import InputFile, Tested
+    from scara_iso.report.document import Dossier, InputFile
     from scara_iso.results import Analysis
     from scara_iso.run import Run
+    from scara_iso.tables import SheetLocale
 
 _SEED = 9283
 
@@ -65,6 +66,7 @@ def report_command(
     sheet: Sheet = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
+    excel_locale: ExcelLocale = None,
     json: AsJson = False,
 ) -> None:
     """Write the test report: result, pictures, every intermediate value, diagnosis, raw data.
@@ -74,18 +76,18 @@ def report_command(
     from scara_iso.closing import CyclesWanted, Reading
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    write = None if path is None else _writer(path, inputs=(table, model))
+    write = None if path is None else _writer(path, (table, model), excel_locale)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
     reading = Reading(unit, resolution, decimal, sheet)
-    tested = _test(table, model, reading, wanted, parse_limits(limit or ()))
+    dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
     if path is not None and write is not None:
-        write_bytes(write(tested), path)
+        write_bytes(write(dossier), path)
         typer.echo(f"{path} is written", err=json)
     if json:
         from scara_iso.render.json_report import report_json
 
-        write_json(report_json(tested))
-    if not all(check.inside for check in tested.analysis.limits):
+        write_json(report_json(dossier))
+    if not all(check.inside for check in dossier.analysis.limits):
         raise typer.Exit(OUTSIDE_A_LIMIT)
 
 
@@ -93,12 +95,14 @@ def _stem(table: str) -> str:
     return "report" if table == "-" else Path(table).stem
 
 
-def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Tested], bytes]:
+def _writer(
+    path: Path, inputs: tuple[str | None, ...], locale: str | None
+) -> Callable[[Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     kind = path.suffix.lower()
-    if kind not in _KINDS:
+    if kind not in _ENDINGS:
         raise UsageError(
-            f"{path.name}: a report is written as {', '.join(_KINDS)}",
+            f"{path.name}: a report is written as {', '.join(_ENDINGS)}",
             remedy="let the name end in one of them; a browser prints the .html as a PDF",
         )
     for name in inputs:
@@ -106,56 +110,61 @@ def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Tested],
             raise CannotCreateError(
                 "is what the report is made of", where=str(path), remedy="name another file"
             )
-    return lambda tested: _KINDS[kind](tested, _title(tested))
+    if kind == ".csv":
+        from scara_iso.tables import find_locale
+
+        return lambda dossier: _csv(dossier, _title(dossier), find_locale(locale))
+    render = _KINDS[kind]
+    return lambda dossier: render(dossier, _title(dossier))
 
 
-def _title(tested: Tested) -> str:
-    robot = tested.analysis.run.metadata.get("robot", "").strip()
-    return f"ISO 9283 repeatability of {robot or tested.provenance.files[0].name}"
+def _title(dossier: Dossier) -> str:
+    robot = dossier.analysis.run.metadata.get("robot", "").strip()
+    return f"ISO 9283 repeatability of {robot or dossier.provenance.files[0].name}"
 
 
-def _html(tested: Tested, title: str) -> bytes:
+def _html(dossier: Dossier, title: str) -> bytes:
     from scara_iso.render.html import to_html
     from scara_iso.report.document import document
 
-    return to_html(document(tested), title).encode()
+    return to_html(document(dossier), title).encode()
 
 
-def _markdown(tested: Tested, title: str) -> bytes:
+def _markdown(dossier: Dossier, title: str) -> bytes:
     from scara_iso.render.markdown import to_markdown
     from scara_iso.report.document import document
 
-    return to_markdown(document(tested), title).encode()
+    return to_markdown(document(dossier), title).encode()
 
 
-def _csv(tested: Tested, title: str) -> bytes:
+def _csv(dossier: Dossier, title: str, locale: SheetLocale) -> bytes:
     from scara_iso.render.csv import to_csv
     from scara_iso.report.document import document
 
-    return to_csv(document(tested), title).encode()
+    return to_csv(document(dossier), title, locale).encode()
 
 
-def _workbook(tested: Tested, title: str) -> bytes:
+def _workbook(dossier: Dossier, title: str) -> bytes:
     from scara_iso.render.workbook import to_workbook
     from scara_iso.report.document import document
 
-    return to_workbook(document(tested), title)
+    return to_workbook(document(dossier), title)
 
 
-def _json(tested: Tested, title: str) -> bytes:  # noqa: ARG001 - JSON holds no title
+def _json(dossier: Dossier, title: str) -> bytes:  # noqa: ARG001 - JSON holds no title
     from scara_iso.render.json import to_text
     from scara_iso.render.json_report import report_json
 
-    return f"{to_text(report_json(tested))}\n".encode()
+    return f"{to_text(report_json(dossier))}\n".encode()
 
 
-_KINDS: dict[str, Callable[[Tested, str], bytes]] = {
+_KINDS: dict[str, Callable[[Dossier, str], bytes]] = {
     ".html": _html,
     ".md": _markdown,
-    ".csv": _csv,
     ".xlsx": _workbook,
     ".json": _json,
 }
+_ENDINGS = (*_KINDS, ".csv")
 
 
 def _test(
@@ -164,9 +173,9 @@ def _test(
     reading: Reading,
     wanted: CyclesWanted,
     limits: dict[str, float],
-) -> Tested:
+) -> Dossier:
     from scara_iso import __version__, analyze
-    from scara_iso.report.document import Provenance, Tested
+    from scara_iso.report.document import Dossier, Provenance
 
     run, table_file = _read(table, reading, wanted.pose)
     described, files = None, [table_file]
@@ -181,7 +190,7 @@ def _test(
     )
     analysis = compared_with_its_manifest(analysis, table)
     command = shlex.join(("scara-iso", *settings.arguments))
-    return Tested(
+    return Dossier(
         analysis=analysis,
         provenance=Provenance(tuple(files), __version__, command),
         diagnoses=_diagnoses(analysis, described, replace(wanted, pose=None)),

@@ -1,54 +1,48 @@
-"""A report as comma-separated values: its sections below each other."""
+"""A report as CSV: its sections below each other."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator
 
 from scara_iso.quantities import parse_number
 from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
 from scara_iso.report.words import printable
-
-_FORMULA = ("=", "+", "-", "@", "'", "|", "%")
-
-
-def to_csv(report: Report, title: str) -> str:
-    """Return a report as CSV; no cell of it becomes a formula in a spreadsheet."""
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    for row in to_rows(report, title):
-        writer.writerow(_cell(cell) for cell in row)
-    return file.getvalue()
+from scara_iso.tables import PLAIN, SheetLocale, write_rows
+from scara_iso.tables.locale import Cell, Digits
 
 
-def to_rows(report: Report, title: str) -> Iterator[tuple[str, ...]]:
-    """Yield the rows of a report, an empty one before each heading."""
-    yield (title,)
+def to_csv(report: Report, title: str, locale: SheetLocale = PLAIN) -> str:
+    """Return a report as CSV; numbers are numbers, and no cell becomes a formula."""
+    return locale.bom + write_rows(_rows_of(report, title), locale)
+
+
+def _rows_of(report: Report, title: str) -> Iterator[tuple[Cell, ...]]:
+    yield (printable(title),)
     for section in report:
         yield ()
         if section.heading:
-            yield (section.heading,)
+            yield (printable(section.heading),)
         for block in section.blocks:
             yield from _rows(block)
 
 
-def _rows(block: Block) -> Iterator[tuple[str, ...]]:
+def _rows(block: Block) -> Iterator[tuple[Cell, ...]]:
     match block:
         case Text():
-            yield (block.text,)
+            yield (printable(block.text),)
         case Table():
-            yield block.header
-            yield from block.rows
-            yield from [(block.note,)] if block.note else []
+            yield tuple(map(printable, block.header))
+            spell = printable if block.verbatim else _cell
+            yield from (tuple(map(spell, row)) for row in block.rows)
+            yield from [(printable(block.note),)] if block.note else []
         case Notice():
-            yield (block.severity, block.code, block.subject, block.text)
+            said = (block.severity, block.code, block.subject, block.text)
+            yield tuple(map(printable, said))
         case Strip():
-            yield (block.label, block.caption)
+            yield (printable(block.label), printable(block.caption))
         case Figure():
-            yield (block.title, block.caption)
+            yield (printable(block.title), printable(block.caption))
 
 
-def _cell(text: str) -> str:
-    safe = printable(text)
-    return f"'{safe}" if safe.lstrip().startswith(_FORMULA) and parse_number(safe) is None else safe
+def _cell(text: str) -> Cell:
+    return printable(text) if parse_number(text) is None else Digits(text)

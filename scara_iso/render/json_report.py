@@ -7,13 +7,13 @@ from dataclasses import asdict
 from scara_iso.render.json import Json, analysis_json, backlash_json
 from scara_iso.render.json_diagnosis import diagnosis_json
 from scara_iso.report.diagnosis import Failure
-from scara_iso.report.document import Tested
+from scara_iso.report.document import Dossier
 from scara_iso.report.head import head
 
 
-def report_json(tested: Tested) -> Json:
+def report_json(dossier: Dossier) -> Json:
     """Return the object of ``report --json``; its parts are those of the other commands."""
-    analysis, made = tested.analysis, tested.provenance
+    analysis, made = dossier.analysis, dossier.provenance
     run = analysis.run
     return {
         "schema": "scara-iso/report/1",
@@ -25,11 +25,11 @@ def report_json(tested: Tested) -> Json:
             {"pose": pose, "error": found.message}
             if isinstance(found, Failure)
             else {"pose": pose, **diagnosis_json(found)}
-            for pose, found in tested.diagnoses.items()
+            for pose, found in dossier.diagnoses.items()
         ],
         "backlash": [
             {"joint": joint, **backlash_json(gearbox.backlash(arm))}
-            for joint, (gearbox, arm) in tested.gearboxes.items()
+            for joint, (gearbox, arm) in dossier.gearboxes.items()
         ],
         "readings": {
             "line": None if run.lines is None else run.lines.tolist(),

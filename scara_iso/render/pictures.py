@@ -92,7 +92,7 @@ def _inline(svg: str, figure: Figure) -> str:
     body = _NAMES.sub("", body)
     body = re.sub(r' style="([^"]*)"', lambda found: _attributes(found[1]), body)
     _, view, rest = re.split(r'(viewBox="[^"]*")[^>]*>', body, maxsplit=1)
-    title, caption = escape(printable(figure.title)), escape(printable(figure.caption))
+    title, caption = (escape(printable(text)) for text in (figure.title, figure.caption))
     words = f"<title>{title}</title><desc>{caption}</desc>"
     return (
         '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '

@@ -114,7 +114,7 @@ def _effect(found: Found) -> Iterator[Block]:
         yield Text(f"moves along {found.joint.removeprefix('along ')}, within {angle:.0f} degrees")
     elif found.angles:
         angles = ", ".join(f"{name} {angle:.0f}" for name, angle in found.angles.items())
-        yield Text(f"direction matches none: degrees from {angles}", "quiet")
+        yield Text(f"names no joint: degrees from {angles}", "quiet")
     yield Text(f"cause: {found.cause}")
     yield Text(f"confirm: {found.confirm_by}")
     for line in found.unidentified:

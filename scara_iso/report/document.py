@@ -38,7 +38,7 @@ class Provenance:
 
 
 @dataclass(frozen=True, slots=True)
-class Tested:
+class Dossier:
     """Everything that is known of a test, to be reported.
 
     ``diagnoses`` by pose; ``gearboxes`` by the number of the joint, with the distance from the
@@ -51,11 +51,11 @@ class Tested:
     gearboxes: Mapping[int, tuple[Gearbox, float | None]] = field(default_factory=dict)
 
 
-def document(tested: Tested) -> Report:
+def document(dossier: Dossier) -> Report:
     """Return the whole report of a test."""
-    analysis = tested.analysis
+    analysis = dossier.analysis
     sections = [
-        Section("Result", (*verdict(analysis), *_diagnosed(tested))),
+        Section("Result", (*verdict(analysis), *_diagnosed(dossier))),
         Section("Test", (head(analysis.run, analysis.cycles), *_reading_notes(analysis))),
     ]
     for pose in analysis.poses:
@@ -65,14 +65,14 @@ def document(tested: Tested) -> Report:
     sections.append(Section("Uncertainty budget", tuple(uncertainty_budget(analysis))))
     sections += [_capital(section) for section in findings(analysis)]
     for pose in analysis.poses:
-        sections += _diagnosis(pose, tested.diagnoses.get(pose.label))
-    for joint, (gearbox, arm) in tested.gearboxes.items():
+        sections += _diagnosis(pose, dossier.diagnoses.get(pose.label))
+    for joint, (gearbox, arm) in dossier.gearboxes.items():
         sections += _gear(joint, gearbox, arm, analysis.poses)
     for pose in analysis.poses:
         sections.append(Section(_of(pose, "Intermediate values"), tuple(intermediates(pose))))
         sections.append(Section(_of(pose, "Deviations of each cycle"), tuple(by_cycle(pose))))
     sections += [Section(_of(p, "Raw data"), tuple(raw_data(analysis, p))) for p in analysis.poses]
-    return (*sections, Section("Provenance", tuple(_provenance(tested.provenance))))
+    return (*sections, Section("Provenance", tuple(_provenance(dossier.provenance))))
 
 
 def _of(pose: PoseResult, heading: str) -> str:
@@ -90,8 +90,8 @@ def _reading_notes(analysis: Analysis) -> Iterator[Block]:
     yield from (Text(note, "quiet") for note in origin.notes)
 
 
-def _diagnosed(tested: Tested) -> Iterator[Block]:
-    for pose, found in tested.diagnoses.items():
+def _diagnosed(dossier: Dossier) -> Iterator[Block]:
+    for pose, found in dossier.diagnoses.items():
         where = "Diagnosis" if pose is None else f"Diagnosis at pose {pose}"
         if isinstance(found, Failure):
             yield Text(f"{where}: none, {found.message}", "warn")
@@ -132,7 +132,10 @@ def _gear(
 
 
 def _provenance(made: Provenance) -> Iterator[Block]:
-    files = tuple((f.role, f.name, f.sha256) for f in made.files)
-    yield Table(("file", "name", "SHA-256"), files, verbatim=True)
-    program = (("program", f"scara-iso {made.version}"), ("command", made.command))
-    yield Table(("made by", ""), program, verbatim=True)
+    rows = [
+        row
+        for file in made.files
+        for row in ((file.role, file.name), (f"SHA-256 of the {file.role}", file.sha256))
+    ]
+    rows += [("program", f"scara-iso {made.version}"), ("command", made.command)]
+    yield Table(("made from", "by"), tuple(rows), verbatim=True)

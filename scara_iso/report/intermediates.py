@@ -32,7 +32,8 @@ def intermediates(pose: PoseResult) -> Iterator[Block]:
         ),
         tuple(rows),
         "l_j: distance of cycle j from the mean (of an axis, eq. 2) or from the barycentre "
-        "(XY and XYZ, 7.2.2); S_l with n - 1. Computed with all digits, rounded here.",
+        "(XY and XYZ, 7.2.2); S_l with n - 1; eq. 23 is the root of RP² of X plus RP² of Y. "
+        "Computed with all digits, rounded here.",
     )  # fmt: skip
     angles = [axis for axis in pose.axes.values() if axis.unit == "deg"]
     for axis in angles:

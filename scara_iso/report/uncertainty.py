@@ -39,7 +39,7 @@ def uncertainty_budget(analysis: Analysis) -> Iterator[Block]:
         "(GUM 5.1.2)",
     )  # fmt: skip
     if any(axis.uncertainty is None for axis in analysis.run.axes.values()):
-        yield Text(_NO_CALIBRATION, "warn")
+        yield Text(_NO_CALIBRATION)
     yield Text(_WHAT_IT_IS)
     yield Text(_OPEN)
 
