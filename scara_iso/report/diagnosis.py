@@ -56,7 +56,12 @@ def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, ...]:
     return (table, one.verdict.value, effects, f"{one.p_value:.2g}")
 
 
-def _verdict(diagnosis: Diagnosis) -> Iterator[Block]:
+def diagnosis_verdict(diagnosis: Diagnosis) -> str:
+    """Return the verdict in one sentence."""
+    return next(block.text for block in _verdict(diagnosis))
+
+
+def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
     match diagnosis.verdict:
         case Verdict.NOTHING:
             yield Text(
@@ -102,10 +107,10 @@ def _effect(found: Found) -> Iterator[Block]:
     yield Text(", ".join(_parameter(k, v, found) for k, v in found.parameters.items()))
     if found.joint is not None:
         angle = found.angles[found.joint]
-        yield Text(f"moves along {found.joint}, within {angle:.0f} degrees")
+        yield Text(f"moves along {found.joint.removeprefix('along ')}, within {angle:.0f} degrees")
     elif found.angles:
         angles = ", ".join(f"{name} {angle:.0f}" for name, angle in found.angles.items())
-        yield Text(f"direction matches none: degrees from {angles}", "quiet")
+        yield Text(f"names no joint: degrees from {angles}", "quiet")
     yield Text(f"cause: {found.cause}")
     yield Text(f"confirm: {found.confirm_by}")
     for line in found.unidentified:
