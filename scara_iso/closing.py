@@ -22,7 +22,7 @@ from scara_iso.model import DeclaredEffect, Model, declare, predict, read_model
 from scara_iso.model.parts import Value
 from scara_iso.model.predict import is_chance
 from scara_iso.run import Run
-from scara_iso.tables import read_table
+from scara_iso.tables import Source, read_table
 
 _PLANE = ("X", "Y")
 
@@ -64,7 +64,7 @@ class Reading:
     decimal: str | None = None
     sheet: str | None = None
 
-    def read(self, table: str) -> Run:
+    def read(self, table: Source) -> Run:
         """Return the run of a table; errors as in `read_table`."""
         return read_table(
             table,

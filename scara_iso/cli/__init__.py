@@ -26,8 +26,8 @@ _ANYWHERE = ("--debug", "--no-color")
 COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
-        "record", "analyze", "compare", "backlash", "diagnose", "simulate", "plan", "ports", "demo",
-        "explain",
+        "record", "analyze", "report", "compare", "backlash", "diagnose", "simulate", "plan",
+        "ports", "demo", "explain",
     )
 }  # fmt: skip
 
@@ -80,6 +80,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     # A second thread of the linear algebra gains nothing on thirty readings and costs three times.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = _general_first(sys.argv[1:] if argv is None else argv)
+    settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
     try:
         if sys.stdout is None:
@@ -128,7 +129,7 @@ def _general_first(arguments: Sequence[str]) -> list[str]:
 
 
 def _tell(error: Exception) -> int:
-    from scara_iso.render.terminal import printable
+    from scara_iso.report.words import printable
 
     if settings.debug:
         traceback.print_exception(error)

@@ -56,7 +56,12 @@ def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, ...]:
     return (table, one.verdict.value, effects, f"{one.p_value:.2g}")
 
 
-def _verdict(diagnosis: Diagnosis) -> Iterator[Block]:
+def diagnosis_verdict(diagnosis: Diagnosis) -> str:
+    """Return the verdict in one sentence."""
+    return next(block.text for block in _verdict(diagnosis))
+
+
+def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
     match diagnosis.verdict:
         case Verdict.NOTHING:
             yield Text(
@@ -102,8 +107,7 @@ def _effect(found: Found) -> Iterator[Block]:
     yield Text(", ".join(_parameter(k, v, found) for k, v in found.parameters.items()))
     if found.joint is not None:
         angle = found.angles[found.joint]
-        along = found.joint.removeprefix("along ")
-        yield Text(f"moves along {along}, within {angle:.0f} degrees")
+        yield Text(f"moves along {found.joint.removeprefix('along ')}, within {angle:.0f} degrees")
     elif found.angles:
         angles = ", ".join(f"{name} {angle:.0f}" for name, angle in found.angles.items())
         yield Text(f"direction matches none: degrees from {angles}", "quiet")

@@ -7,6 +7,16 @@ gives the canonical form.
 
 from scara_iso.tables.locale import PLAIN, SheetLocale, find_locale, write_rows
 from scara_iso.tables.read import read_table
+from scara_iso.tables.source import Source, read_bytes
 from scara_iso.tables.write import write_table
 
-__all__ = ["PLAIN", "SheetLocale", "find_locale", "read_table", "write_rows", "write_table"]
+__all__ = [
+    "PLAIN",
+    "SheetLocale",
+    "Source",
+    "find_locale",
+    "read_bytes",
+    "read_table",
+    "write_rows",
+    "write_table",
+]
