@@ -52,6 +52,7 @@ COMMANDS = [
     ("dialects", "ports --dialects"),
     ("demo", "demo"),
     ("compare", "compare examples/warm_up.csv examples/scatter.csv"),
+    ("report", "report examples/warm_up.csv --model examples/fum_scara.toml"),
     ("explain", "explain"),
     ("explain", "explain warm_up"),
     ("record", "record OUT/rec.csv --gauge X=opto-rs232@sim:?pace=0 --trigger timer:0.1"),

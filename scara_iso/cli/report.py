@@ -24,7 +24,7 @@ from scara_iso.cli.analyze import (
     compared_with_its_manifest,
     parse_limits,
 )
-from scara_iso.cli.output import settings, write_bytes, write_json
+from scara_iso.cli.output import ExcelLocale, settings, write_bytes, write_json
 from scara_iso.errors import CannotCreateError, ScaraIsoError, UsageError
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ def report_command(
     *,
     model: ModelFile = None,
     output: Output = None,
+    excel_locale: ExcelLocale = None,
     pose: Pose = None,
     limit: Limits = None,
     unit: UnitOfTable = None,
@@ -74,7 +75,7 @@ def report_command(
     from scara_iso.closing import CyclesWanted, Reading
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    write = None if path is None else _writer(path, inputs=(table, model))
+    write = None if path is None else _writer(path, excel_locale, inputs=(table, model))
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
     reading = Reading(unit, resolution, decimal, sheet)
     tested = _test(table, model, reading, wanted, parse_limits(limit or ()))
@@ -93,7 +94,9 @@ def _stem(table: str) -> str:
     return "report" if table == "-" else Path(table).stem
 
 
-def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Tested], bytes]:
+def _writer(
+    path: Path, excel_locale: str | None, *, inputs: tuple[str | None, ...]
+) -> Callable[[Tested], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     kind = path.suffix.lower()
     if kind not in _KINDS:
@@ -106,6 +109,8 @@ def _writer(path: Path, *, inputs: tuple[str | None, ...]) -> Callable[[Tested],
             raise CannotCreateError(
                 "is what the report is made of", where=str(path), remedy="name another file"
             )
+    if kind == ".csv":
+        return lambda tested: _csv(tested, _title(tested), excel_locale)
     return lambda tested: _KINDS[kind](tested, _title(tested))
 
 
@@ -128,11 +133,12 @@ def _markdown(tested: Tested, title: str) -> bytes:
     return to_markdown(document(tested), title).encode()
 
 
-def _csv(tested: Tested, title: str) -> bytes:
+def _csv(tested: Tested, title: str, excel_locale: str | None = None) -> bytes:
     from scara_iso.render.csv import to_csv
     from scara_iso.report.document import document
+    from scara_iso.tables import find_locale
 
-    return to_csv(document(tested), title).encode()
+    return to_csv(document(tested), title, find_locale(excel_locale)).encode()
 
 
 def _workbook(tested: Tested, title: str) -> bytes:
