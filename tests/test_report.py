@@ -294,6 +294,13 @@ def test_another_ending_names_the_known_ones(tmp_path, capsys):
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "no" / "out.md")]) == 73
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_disk_is_said(tmp_path, capsys):
+    (tmp_path / "out.md").symlink_to("/dev/full")
+    assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.md")]) == 74
+    assert "cannot be written" in capsys.readouterr().err
+
+
 def test_outside_a_limit_the_report_is_written_and_the_exit_code_says_so(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["report", str(WARM_UP), "--limit", "XY=0.02", "-o", "out.md"]) == 1
@@ -314,3 +321,28 @@ def test_too_few_cycles_for_a_diagnosis_are_said(tmp_path, monkeypatch):
     short.write_text("\n".join(rows[:9]) + "\n")
     assert main(["report", str(short), "--cycles", "4", "-o", "out.md"]) == 0
     assert "Deviations from ISO 9283" in Path("out.md").read_text()
+
+
+@pytest.mark.parametrize("name", ["fum_scara_table1", "warm_up"])
+def test_the_reports_among_the_examples_are_what_the_program_writes(tmp_path, monkeypatch, name):
+    """Pictures are compared by their words: another matplotlib draws other paths."""
+    (tmp_path / "examples" / "reports").mkdir(parents=True)
+    for file in (EXAMPLES / f"{name}.csv", MODEL):
+        shutil.copy(file, tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    page = f"examples/reports/{name}.html"
+    model = ("--model", "examples/fum_scara.toml")
+    assert main(["report", f"examples/{name}.csv", *model, "-o", page]) == 0
+    written, kept = Path(page).read_text("utf-8"), (EXAMPLES.parent / page).read_text("utf-8")
+    assert without_drawing(written) == without_drawing(kept)
+
+
+def without_drawing(page):
+    return re.sub(r"(<svg[^>]*>.*?</desc>).*?(?=</svg>)", r"\1", page, flags=re.DOTALL)
+
+
+def test_the_page_of_the_fields_names_every_key():
+    text = (EXAMPLES.parent / "docs" / "report.md").read_text("utf-8")
+    rows = {row.split("|")[1].strip(): row for row in text.splitlines() if row.startswith("| ")}
+    for field, keys in FIELDS.items():
+        assert all(f"`{key}`" in rows[field] for key in keys), field
