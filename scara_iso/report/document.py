@@ -61,9 +61,8 @@ def document(dossier: Dossier) -> Report:
     separate = any(found.code == "separate-axes" for found in analysis.findings)
     for pose in analysis.poses:
         sections.append(Section(_of(pose, "Repeatability"), tuple(pose_figures(pose))))
-        sections.append(
-            Section(_of(pose, "Readings"), (*courses(pose), *plane(pose, separate=separate)))
-        )
+        pictures = (*courses(pose), *plane(pose, separate=separate))
+        sections.append(Section(_of(pose, "Readings"), pictures))
     sections += [_capital(section) for section in limits(analysis)]
     sections.append(Section("Uncertainty budget", tuple(uncertainty_budget(analysis))))
     sections += [_capital(section) for section in findings(analysis)]
