@@ -264,11 +264,13 @@ def test_a_model_is_saved_over_itself_whole_or_not_at_all(call, tmp_path, monkey
     link = tmp_path / "link.toml"
     link.symlink_to(own)
     argv = (table, "--model", link, "--save-model", link)
+    before = own.stat().st_ino
     found = diagnosed(call, *argv)
     assert f"{link} declares warm_up: the next table is expected to show it" in found["notes"]
     assert own.read_text(encoding="utf-8").startswith(MODEL.read_text(encoding="utf-8").rstrip())
     assert [effect.name for effect in read_model(own).effects] == ["warm_up"]
     assert link.is_symlink()
+    assert own.stat().st_ino != before  # another file in its place, not written over
     assert own.stat().st_mode & 0o777 == 0o640
     kept = own.read_bytes()
 
