@@ -13,7 +13,7 @@ from math import lgamma
 import numpy as np
 
 from scara_iso.effects import Chain
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 _LEVELS = 14
 _SCATTERS = np.geomspace(0.12, 1.05, 10)
@@ -22,10 +22,16 @@ _SCATTERS = np.geomspace(0.12, 1.05, 10)
 _SPLIT_SCALE = 4.0
 """Half-normal prior of the distance of the levels, in scatters; below 1 they are one level."""
 
+_FEWEST = 4
+_LEAST_SCATTER = 0.6
+_TINY = 1e-300
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TwoLevels:
     """Log Bayes factor of each chain against scatter alone, and the likeliest course.
+
+    The chain changes sides twice at least: a course with one change is a step, with none scatter.
 
     ``share_upper`` (n,) is the probability of the upper level in each cycle, ``switching`` the
     posterior mean probability that the side changes from one cycle to the next.
@@ -34,6 +40,48 @@ class TwoLevels:
     log_bf: FloatArray
     share_upper: FloatArray
     switching: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sides:
+    """Likelihood (n,) of each reading on the lower and the upper level, the larger of them 1.
+
+    Levels and scatter are those of the best split of the sorted readings, which no order changes.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    chains: Sequence[Chain]
+
+    def stickiness(self, orders: IntArray) -> FloatArray:
+        """Return how much likelier sides under the chains make each order (m, n), shape (m,).
+
+        Against sides drawn anew in each cycle: the mean likelihood ratio over the chains.
+        """
+        weight = np.array([chain.weight for chain in self.chains])
+        p = np.array([[chain.leave_lower] for chain in self.chains])
+        q = np.array([[chain.leave_upper] for chain in self.chains])
+        _, log_order = _forward(self.lower[orders.T], self.upper[orders.T], p, q)
+        start = q / (p + q)
+        none = np.log(start * self.lower + (1 - start) * self.upper).sum(axis=1, keepdims=True)
+        return np.asarray(weight / weight.sum() @ np.exp(log_order - none))
+
+
+def sides_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Sides:
+    """Return how likely each of the readings y (n,) is on either level.
+
+    The scatter is at least 0.6 divisions: that of a finer one would be the dial's alone.
+    """
+    ranked = np.sort(y - y.mean())
+    n, below = len(y), np.arange(_FEWEST, len(y) - _FEWEST + 1)
+    between = np.cumsum(ranked)[below - 1] ** 2 * n / (below * (n - below))
+    k = below[np.argmax(between)]
+    within = max(float((ranked**2).sum() - between.max()), 1e-12 * float(ranked @ ranked))
+    scatter = max(np.sqrt(within / (n - 2)), _LEAST_SCATTER * division)
+    levels = np.array([ranked[:k].mean(), ranked[k:].mean()])[:, np.newaxis]
+    log_likelihood = -0.5 * ((y - y.mean() - levels) / scatter) ** 2
+    lower, upper = np.exp(log_likelihood - log_likelihood.max(axis=0))
+    return Sides(lower, upper, chains)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,10 +103,13 @@ def two_levels(y: FloatArray, division: float, chains: Sequence[Chain]) -> TwoLe
     lower, upper, scale = _emissions(y, grid)
     leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])[:, :, None, None]
     forward, log_scale = _forward(lower, upper, leave[:, 0], leave[:, 1])
-    log_weight = log_scale + scale + grid.log_prior
+    settled, odds = _at_most_one_change(lower, upper, leave[:, 0, 0, 0], leave[:, 1, 0, 0])
+    changing = np.maximum(-np.expm1(np.minimum(settled - log_scale, 0.0)), _TINY)
+    restless = np.log(changing) - np.log1p(-odds)[:, np.newaxis, np.newaxis]
+    log_weight = log_scale + restless + scale + grid.log_prior
     peak = log_weight.max()
     weight = np.exp(log_weight - peak)
-    log_bf = peak + np.log(np.maximum(weight.sum(axis=(1, 2)), 1e-300)) - _log_scatter_alone(seen)
+    log_bf = peak + np.log(np.maximum(weight.sum(axis=(1, 2)), _TINY)) - _log_scatter_alone(seen)
     c, pair, s = np.unravel_index(np.argmax(weight), weight.shape)
     share = _smoothed(
         lower[:, pair, s], upper[:, pair, s], forward[:, c, pair, s], leave[c, :, 0, 0]
@@ -105,11 +156,45 @@ def _forward(
                 (below * (1 - p) + above * q) * lower[j],
                 (below * p + above * (1 - q)) * upper[j],
             )
-        total = below + above + 1e-300
+        total = below + above + _TINY
         below, above = below / total, above / total
         log_scale += np.log(total)
         filtered[j] = above
     return filtered, log_scale
+
+
+def _at_most_one_change(
+    lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the log likelihood (chains, pairs, scatters) of every course with one change or none.
+
+    Weighted by the courses' probabilities under the chains p, q (chains,); their sum is (chains,).
+    """
+    below, above = (np.log(np.maximum(side, _TINY)) for side in (lower, upper))
+    courses = np.stack([_changed_once(below, above), _changed_once(above, below)])
+    peak = courses.max(axis=(0, 1))
+    odds = np.stack([_odds_of_one(p, q, len(lower)), _odds_of_one(q, p, len(lower))], axis=1)
+    summed = np.tensordot(odds, np.exp(courses - peak), axes=([1, 2], [0, 1]))
+    return np.log(np.maximum(summed, _TINY)) + peak, odds.sum(axis=(1, 2))
+
+
+def _odds_of_one(leave: FloatArray, back: FloatArray, n: int) -> FloatArray:
+    """Return the probability (chains, n) of k = 1 .. n cycles on one side, the rest on the other.
+
+    ``leave`` and ``back`` (chains,) are the chances of leaving either side.
+    """
+    k = np.arange(1, n + 1)
+    leave, back = leave[:, np.newaxis], back[:, np.newaxis]
+    stays = back / (leave + back) * (1 - leave) ** (k - 1)
+    return np.asarray(stays * np.where(k < n, leave * (1 - back) ** np.maximum(n - 1 - k, 0), 1.0))
+
+
+def _changed_once(first: FloatArray, then: FloatArray) -> FloatArray:
+    """Return the log likelihood of ``first`` for k cycles and ``then`` afterwards, k = 1 .. n."""
+    before = np.cumsum(first, axis=0)
+    after = np.cumsum(then[::-1], axis=0)[::-1]
+    before[:-1] += after[1:]
+    return before
 
 
 def _smoothed(
