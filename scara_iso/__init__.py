@@ -5,8 +5,9 @@
     >>> round(scara_iso.analyze(run).poses[0].axes["X"].RP, 5)
     0.01404
 
-`read_table` and `Run.from_frame` give a `Run`; `analyze` turns it into an `Analysis`; `backlash`
-runs the paper's two-inertia model. Errors are `ScaraIsoError`s with what, where and what to do.
+`read_table` and `Run.from_frame` give a `Run`; `analyze` turns it into an `Analysis`, `compare`
+several of these into a `Comparison`; `backlash` runs the paper's two-inertia model. Errors are
+`ScaraIsoError`s with what, where and what to do.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from scara_iso.analysis import analyze as analyze
+    from scara_iso.comparison import Comparison as Comparison
+    from scara_iso.comparison import compare as compare
     from scara_iso.errors import DataError as DataError
     from scara_iso.errors import ScaraIsoError as ScaraIsoError
     from scara_iso.errors import UsageError as UsageError
@@ -36,6 +39,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "analyze": "analysis",
+    **dict.fromkeys(("Comparison", "compare"), "comparison"),
     **dict.fromkeys(("DataError", "ScaraIsoError", "UsageError"), "errors"),
     **dict.fromkeys(("Analysis", "AxisResult", "Finding", "PoseResult", "RadialResult"), "results"),
     **dict.fromkeys(("Axis", "Run"), "run"),
@@ -47,6 +51,7 @@ __all__ = [
     "Axis",
     "AxisResult",
     "Backlash",
+    "Comparison",
     "Crossing",
     "DataError",
     "Finding",
@@ -57,6 +62,7 @@ __all__ = [
     "UsageError",
     "analyze",
     "backlash",
+    "compare",
     "read_table",
     "write_table",
 ]

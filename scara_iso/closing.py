@@ -4,15 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
-from scara_iso.diagnosis import Diagnosis, Found, diagnose, diagnose_poses
-from scara_iso.effects import Conditions
+from scara_iso.diagnosis import (
+    Diagnosis,
+    Found,
+    diagnose,
+    diagnose_poses,
+    diagnose_run_reversals,
+)
+from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import used_cycles
-from scara_iso.model import DeclaredEffect, Model, predict, read_model
+from scara_iso.model import DeclaredEffect, Model, declare, predict, read_model
 from scara_iso.model.parts import Value
+from scara_iso.model.predict import is_chance
 from scara_iso.run import Run
 from scara_iso.tables import read_table
 
@@ -111,6 +119,8 @@ def close_the_loop(
     )
     unknown = [] if model is None else [axis for axis in run.axes if axis not in model.indicators]
     note = f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
+    if model is not None:
+        found = replace(found, reversals=diagnose_run_reversals(used, model, seed=seed))
     return replace(found, notes=(*found.notes, note)) if unknown else found
 
 
@@ -155,6 +165,21 @@ def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
     }
 
 
+def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
+    """Return what was found as effects that a model declares.
+
+    Effects on the gear take the place of the lost motion that they account for, unless the load
+    rests where the model cannot put it.
+    """
+    reversals = diagnosis.reversals
+    gear = reversals.gear if reversals is not None and not reversals.mirrored else None
+    on_gear = [] if gear is None else [
+        DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
+    ]  # fmt: skip
+    kept = [f for f in diagnosis.effects if not (on_gear and f.effect == "lost_motion")]
+    return (*(declared(found, diagnosis) for found in kept), *on_gear)
+
+
 def declared(found: Found, diagnosis: Diagnosis) -> DeclaredEffect:
     """Return a found effect as one that a model declares.
 
@@ -171,6 +196,45 @@ def declared(found: Found, diagnosis: Diagnosis) -> DeclaredEffect:
         }
         parameters["scatter"] = {n: float(r[narrower].std(ddof=1)) for n, r in left.items()}
     return DeclaredEffect(found.effect, parameters)
+
+
+def save_model(diagnosis: Diagnosis, run: Run, model: str, to: Path) -> tuple[str, ...]:
+    """Write ``model`` with what was found in ``run`` to ``to``; return what of it was declared.
+
+    An effect that does not recur is left out. Raises as `declare`.
+    """
+    known = {effect.name: effect for effect in find_effects()}
+    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
+    effects = declarations(replace(diagnosis, effects=recurring))
+    declare(model, effects, to)
+    conditions = Conditions(run.cycle, run.covariates)
+    said = [
+        f"{to} declares {one.name}{_expectation(one, known.get(one.name), conditions)}"
+        for one in effects
+    ]
+    said += [
+        f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
+        for found in diagnosis.effects
+        if found not in recurring
+    ]
+    return tuple(said) or (f"{to} is the model as it was: nothing was found to declare",)
+
+
+def _expectation(one: DeclaredEffect, effect: Effect | None, conditions: Conditions) -> str:
+    """Return what a model with the effect says of the next table; none is known on the gear."""
+    if effect is not None and is_chance(effect, one, conditions, one.axes[0]):
+        return (
+            " for simulate only: chance draws it anew in every test, so no prediction moves and "
+            "the next table will show it again"
+        )
+    if "at_cycle" in one.parameters:
+        return (
+            f" at cycle {one.parameters['at_cycle']}, and expects it there in the next table: take "
+            "it out once its cause is cured"
+        )
+    if "phase" in one.parameters:
+        return " with the phase of this table: the next one must begin at the same phase"
+    return ": the next table is expected to show it"
 
 
 def _number(value: Value) -> float:

@@ -20,9 +20,9 @@ from scara_iso.run import FloatArray
 # Relative standard error of RP times sqrt(n) for Gaussian scatter, equal in 1, 2 or 3 directions:
 # standard deviation of the influence function of E[l] + 3 sd[l] over its value, l half-normal,
 # Rayleigh or Maxwell distributed.
-_GAUSSIAN_ERROR = {1: 0.74737, 2: 0.57371, 3: 0.49973}
+GAUSSIAN_ERROR = {1: 0.74737, 2: 0.57371, 3: 0.49973}
 # E[l] + 3 sd[l] for the same three and unit scatter.
-_GAUSSIAN_RP = {1: 2.60632, 2: 3.21872, 3: 3.61609}
+GAUSSIAN_RP = {1: 2.60632, 2: 3.21872, 3: 3.61609}
 
 _JACKKNIFE_GROUPS = 128
 _CONFIDENCE = 0.95
@@ -91,15 +91,15 @@ def rp_interval(
     RP = repeatability(positions).RP
     error, skewness = _jackknife(positions)
     t = _student_quantile(n - 1)
-    gaussian = _GAUSSIAN_ERROR[components] / math.sqrt(n)
+    gaussian = GAUSSIAN_ERROR[components] / math.sqrt(n)
     spread = np.minimum(t * np.maximum(error, gaussian), _WIDEST)
     stretched = np.minimum(error * _accelerated(t, skewness), _WIDEST)
     upper = RP * np.exp(np.maximum(spread, stretched))
     if resolutions is None:
         return RP * np.exp(-spread), upper
-    width = _two_divisions(positions, resolutions)
+    width = two_divisions(positions, resolutions)
     lower = _beside_rounding(positions, RP, resolutions) * np.exp(-spread)
-    return np.where(width > 0, 0.0, lower), np.maximum(upper, _hidden(width, components, n))
+    return np.where(width > 0, 0.0, lower), np.maximum(upper, hidden(width, components, n))
 
 
 def _jackknife(positions: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -135,11 +135,11 @@ def _beside_rounding(
     rounding = sum(rounding_uncertainty(resolution) ** 2 for resolution in resolutions)
     share = 1 - rounding / np.maximum(variance, max(rounding, np.finfo(np.float64).tiny))
     # Gaussian scatter on three divisions looks long-tailed: its RP is read too large.
-    gaussian = _GAUSSIAN_RP[components] * np.sqrt(variance / components)
+    gaussian = GAUSSIAN_RP[components] * np.sqrt(variance / components)
     return np.asarray(np.minimum(RP, gaussian) * np.sqrt(share))
 
 
-def _two_divisions(positions: FloatArray, resolutions: Sequence[float]) -> FloatArray:
+def two_divisions(positions: FloatArray, resolutions: Sequence[float]) -> FloatArray:
     """Return the width of the one or two divisions that hold all readings, 0 if there are more.
 
     A robot without scatter can read so: it stands still on the border of two divisions.
@@ -149,11 +149,11 @@ def _two_divisions(positions: FloatArray, resolutions: Sequence[float]) -> Float
     return np.where(held, widths.max(axis=-1), 0.0)
 
 
-def _hidden(width: FloatArray, components: int, n: int) -> FloatArray:
+def hidden(width: FloatArray, components: int, n: int) -> FloatArray:
     """Return the RP of the scatter that stays inside ``width`` n times one time in twenty."""
     all_inside = (1 - _CONFIDENCE) ** (1 / n)
     sigma = width / (2 * NormalDist().inv_cdf((1 + all_inside) / 2))
-    return _GAUSSIAN_RP[components] * sigma
+    return GAUSSIAN_RP[components] * sigma
 
 
 def _student_quantile(nu: int) -> float:

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+import csv
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from scara_iso.effects import Sweep
-from scara_iso.errors import DataError, Fault, NoInputError
-from scara_iso.quantities import parse_number
 from scara_iso.run import FloatArray
+from scara_iso.tables.columns import Cell
+from scara_iso.tables.faults import Faults, listed, refuse, show
+from scara_iso.tables.layout import is_comment
+from scara_iso.tables.names import clean
+from scara_iso.tables.numbers import BLANKS, Mark, parse_number
+from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
+from scara_iso.tables.text import Delimiter, decode, split_head, split_lines, stated_delimiter
 
 _NEEDED = ("Im", "IL", "arcmin", "deviation_rad")
 _OPTIONAL = ("ratio", "torque_Nm", "u_rad")
+_KNOWN = {name.lower(): name for name in (*_NEEDED, *_OPTIONAL)}
 _POSITIVE = {"Im", "IL", "arcmin", "ratio", "u_rad"}
 _MOST_ROWS = 100_000
-_LARGEST = 10_000_000  # bytes
+_WHAT = "a sweep of reversals"
+_REMEDY = f"give the columns {', '.join(_NEEDED)} in kg m2, arcmin and rad"
+
+_Rows = list[tuple[int, Sequence[Cell]]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,19 +42,21 @@ class MeasuredSweep:
     notes: tuple[str, ...] = ()
 
 
-def read_sweep(path: str | Path) -> MeasuredSweep:
-    """Return the sweep of a CSV file with the columns Im, IL, arcmin and deviation_rad.
+def read_sweep(source: Source) -> MeasuredSweep:
+    """Return the sweep of a table with the columns Im, IL, arcmin and deviation_rad.
 
-    Optional columns are ratio, torque_Nm and u_rad; ``#`` begins a comment line; comma, semicolon
-    or tab separate. Raises `NoInputError` where it cannot be read, and `DataError` with every
-    fault and its line.
+    Optional columns are ratio, torque_Nm and u_rad; others are left out. Text or .xlsx, in the
+    spellings that `tables.read_table` takes; ``#`` begins a comment line. Raises `NoInputError`
+    where it cannot be read, and `DataError` with every fault and its line.
     """
-    faults: list[Fault] = []
-    columns = _columns(_lines(Path(path)), faults)
-    if faults:
-        what = f"no sweep can be read: {len(faults)} fault{'s' if len(faults) > 1 else ''}"
-        remedy = f"give the columns {', '.join(_NEEDED)} in kg m2, arcmin and rad"
-        raise DataError(what, where=str(path), remedy=remedy, faults=faults)
+    data, name = read_bytes(source)
+    found = _of_workbook(data, name) if data.startswith(WORKBOOK) else _of_text(data, name)
+    rows = [(line, cells) for line, cells in found if _is_row(cells)]
+    if not 2 <= len(rows) <= _MOST_ROWS:
+        raise refuse(name, "a header and at least one row are wanted", remedy=_REMEDY)
+    faults = Faults(name, _WHAT)
+    columns = _columns(rows, faults)
+    faults.check()
     deviation = columns["deviation_rad"]
     sizes = bool(np.all(deviation >= 0))
     return MeasuredSweep(
@@ -62,56 +73,112 @@ def read_sweep(path: str | Path) -> MeasuredSweep:
     )
 
 
-def _lines(path: Path) -> list[tuple[int, str]]:
-    try:
-        with path.open("rb") as file:
-            data = file.read(_LARGEST + 1)
-    except OSError as error:
-        raise NoInputError(error.strerror or "cannot be read", where=str(path)) from error
-    if len(data) > _LARGEST:
-        raise DataError("larger than any sweep", where=str(path))
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DataError("not UTF-8", where=str(path)) from error
-    numbered = enumerate(text.splitlines(), 1)
-    return [(k, line) for k, line in numbered if line.strip() and not line.lstrip().startswith("#")]
+def _of_text(data: bytes, name: str) -> _Rows:
+    if data.startswith(OLD_WORKBOOK):
+        raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
+    text, _ = decode(data, name)
+    lines = list(enumerate(text.split("\n"), 1))
+    stated = stated_delimiter(lines[0][1])
+    lines = [(k, line) for k, line in lines[bool(stated) :] if _is_row([line])]
+    if not lines:
+        return []
+    header = lines[0][1]
+    named = {d: _known_names(split_head([header], d)[0].cells) for d in Delimiter}
+    delimiter = stated or max(named, key=lambda d: named[d])
+    faults = Faults(name, _WHAT)
+    rows: _Rows = []
+    for k, line in lines:
+        try:
+            rows.append((k, split_lines([line], delimiter)[0]))
+        except csv.Error as error:
+            faults.add(f"{error}: {show(line)}", k, remedy="close or remove the quote")
+    faults.check()
+    return rows
 
 
-def _columns(lines: list[tuple[int, str]], faults: list[Fault]) -> Mapping[str, FloatArray]:
-    if len(lines) < 2 or len(lines) > _MOST_ROWS:
-        faults.append(Fault("a header and at least one row are wanted"))
-        return {}
-    separator = max(",;\t", key=lines[0][1].count)
-    header, *cells = [[_unquoted(cell) for cell in line.split(separator)] for _, line in lines]
-    known = {name.lower(): name for name in (*_NEEDED, *_OPTIONAL)}
-    names = [known.get(name.lower()) for name in header]
-    faults += [Fault(f"column {n} is missing", lines[0][0]) for n in _NEEDED if n not in names]
-    faults += [
-        Fault(f"column {name} is there twice", lines[0][0])
-        for name in known.values()
-        if names.count(name) > 1
-    ]
-    found: dict[str, list[float]] = {name: [] for name in names if name}
-    for (line, _), row in zip(lines[1:], cells, strict=True):
-        if len(row) != len(header):
-            faults.append(Fault(f"{len(row)} fields, the header has {len(header)}", line))
-            continue
-        for column, (name, cell) in enumerate(zip(names, row, strict=True), 1):
-            if name:
-                found[name].append(_value(name, cell, line, column, faults))
-    return {name: np.array(values) for name, values in found.items()}
+def _of_workbook(data: bytes, name: str) -> _Rows:
+    from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - zip and XML for few
+
+    found: dict[str, _Rows] = {}
+    for title, cells in read_sheets(data, name):
+        numbered: _Rows = [(k, row) for k, row in enumerate(cells, 1) if _is_row(row)]
+        if numbered and _known_names(numbered[0][1]) >= len(_NEEDED):
+            found[title] = numbered
+    if len(found) != 1:
+        which = f"sheets {listed(map(show, found))} hold" if found else "no sheet holds"
+        raise refuse(name, f"{which} a sweep", remedy=_REMEDY if not found else "leave one")
+    return next(iter(found.values()))
 
 
-def _unquoted(cell: str) -> str:
-    cell = cell.strip()
-    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
+def _is_row(cells: Sequence[Cell]) -> bool:
+    texts = [cell.strip(BLANKS) if isinstance(cell, str) else "0" for cell in cells]
+    return any(texts) and not is_comment(texts[0])
 
 
-def _value(name: str, cell: str, line: int, column: int, faults: list[Fault]) -> float:
-    value = parse_number(cell)
-    if value is None:
-        faults.append(Fault(f"{name}: {cell[:30]!r} is not a number", line, column))
-    elif name in _POSITIVE and value <= 0:
-        faults.append(Fault(f"{name}: {value:g} is not positive", line, column))
-    return math.nan if value is None else value
+def _names(header: Sequence[Cell]) -> list[str | None]:
+    return [_KNOWN.get(clean(str(cell)).lower()) for cell in header]
+
+
+def _known_names(header: Sequence[Cell]) -> int:
+    return sum(name is not None for name in _names(header))
+
+
+def _columns(rows: _Rows, faults: Faults) -> dict[str, FloatArray]:
+    (header_line, header), *body = rows
+    names = _names(header)
+    for missing in (n for n in _NEEDED if n not in names):
+        faults.add(f"column {missing} is missing", header_line, remedy=_REMEDY)
+    for name in (n for n in _KNOWN.values() if names.count(n) > 1):
+        faults.add(f"column {name} is there twice", header_line, remedy=_REMEDY)
+    whole = [row for row in body if _is_whole(row, len(header), faults)]
+    marks: dict[Mark, tuple[int, int, str]] = {}
+    found = {
+        name: np.array([_value(name, cells[k], (line, k + 1), marks, faults)
+                        for line, cells in whole])
+        for k, name in enumerate(names)
+        if name
+    }  # fmt: skip
+    _check_marks(marks, faults)
+    return found
+
+
+def _is_whole(row: tuple[int, Sequence[Cell]], width: int, faults: Faults) -> bool:
+    line, cells = row
+    if len(cells) != width:
+        remedy = "for decimal commas in a comma-separated table, export it with semicolons"
+        faults.add(f"{len(cells)} fields, the header has {width}", line, remedy=remedy)
+    return len(cells) == width
+
+
+def _value(
+    name: str,
+    cell: Cell,
+    place: tuple[int, int],
+    marks: dict[Mark, tuple[int, int, str]],
+    faults: Faults,
+) -> float:
+    value = cell if isinstance(cell, float) else math.nan
+    if isinstance(cell, str):
+        number = parse_number(cell)
+        if number is not None and not number.unit:
+            value = number.value
+            marks.setdefault(number.mark, (*place, cell.strip(BLANKS)))
+    if not math.isfinite(value):
+        faults.add(f"{name}: {show(str(cell))} is not a number", *place, remedy=_REMEDY)
+    elif name in _POSITIVE and value <= 0 and Mark.BOTH not in marks:
+        faults.add(f"{name}: {value:g} is not positive", *place, remedy=_REMEDY)
+    return value
+
+
+def _check_marks(marks: dict[Mark, tuple[int, int, str]], faults: Faults) -> None:
+    """Refuse a comma that could be a decimal or a thousands mark."""
+    comma = Mark.COMMA in marks or Mark.EITHER in marks
+    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
+        said = "commas and points both occur"
+    elif Mark.EITHER in marks and Mark.COMMA not in marks:
+        said = "could have a decimal comma or group thousands"
+    else:
+        return
+    for mark in marks.keys() - {Mark.NONE}:
+        line, column, text = marks[mark]
+        faults.add(f"{show(text)}: {said}", line, column, remedy="write decimal points, no groups")

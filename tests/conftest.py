@@ -1,5 +1,9 @@
 """What every test may ask for."""
 
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the program does; before numpy
+
 import numpy as np
 import pytest
 

@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 from scara_iso.diagnosis.bank import EMPHASIS, Member, build, constant, extended, members_of
+from scara_iso.diagnosis.choice import hidden_sides
 from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
@@ -15,7 +16,7 @@ from scara_iso.diagnosis.gear import diagnose_sweep
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.levels import Sides, _at_most_one_change, sides_of, two_levels
 from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
-from scara_iso.diagnosis.permutation import order_test
+from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.search import Problem, find, find_again
@@ -29,7 +30,6 @@ from scara_iso.effects import (
     find_effects,
     find_gear_effects,
 )
-from scara_iso.effects._gap import deviation
 from scara_iso.errors import DataError
 
 N = 20
@@ -104,6 +104,31 @@ def test_the_order_test_is_exact():
         p_values.append(order_test(bank, views, rng, shuffles=19).p_value)
     counts = np.bincount(np.round(np.array(p_values) * 20).astype(int), minlength=21)[1:]
     assert stats.chisquare(counts).pvalue > 0.001
+
+
+def test_shuffling_ends_early_only_where_the_test_stays_quiet():
+    rng = np.random.default_rng(4)
+    bank, stopped = bank_of(ORDERED), []
+    for _ in range(40):
+        views = views_of(rng.normal(size=(N, 1)), constant(N))
+        early = order_test(bank, views, np.random.default_rng(1)).p_value
+        orders = np.random.default_rng(1)
+        order = np.array([orders.permutation(N) for _ in range(999)])
+        observed = log_statistic(bank, views, np.arange(N)[np.newaxis])
+        full = np.mean([1, *(log_statistic(bank, views, order) >= observed - 1e-9)])
+        stopped.append(early > 0.05)
+        assert early == full if full <= 0.05 else early > 0.05
+    assert 0 < sum(stopped)
+
+
+def test_hidden_sides_are_not_sought_where_nothing_moves(rng):
+    two = rng.normal(size=(N, 2))
+    two = np.column_stack([two, np.zeros(N)])
+    views, sticky = views_of(two, constant(N)), Member("sides", Chain(0.1, 0.1, 1.0), 1.0)
+    (found,) = hidden_sides(
+        [sticky], views, constant(N), division=np.array([0, 0, np.nan]), rows=np.arange(N), n=N
+    )
+    assert np.isfinite(found.evidence)
 
 
 def test_the_order_test_sees_a_trend_but_no_constant_scatter(rng):
@@ -181,7 +206,7 @@ def test_courses_with_one_change_or_none_are_summed_as_by_hand(rng):
     settled = (sides[:, 1:] != sides[:, :-1]).sum(axis=1) < 2
     expected = prior * likelihood[sides, np.arange(8)].prod(axis=1)
     log_sum, odds = _at_most_one_change(
-        likelihood[0][:, None, None], likelihood[1][:, None, None], np.array([0.2]), np.array([0.3])
+        likelihood[0][:, None], likelihood[1][:, None], np.array([0.2]), np.array([0.3])
     )
     assert np.exp(log_sum).item() == pytest.approx(expected[settled].sum())
     assert odds.item() == pytest.approx(prior[settled].sum())
@@ -298,7 +323,7 @@ def test_a_sweep_is_traced_to_its_effect(name, values, sweep, rng):
 
 
 def test_effects_that_scale_the_deviation_are_rivals(sweep, rng):
-    true = 0.6 * deviation(sweep.I_m, sweep.I_L, sweep.gap)
+    true = 0.6 * sweep.deviation
     found = diagnose_sweep(sweep, true * (1 + 0.01 * rng.normal(size=6))).effects[0]
     assert {found.effect, *(rival.effect for rival in found.rivals)} >= {"gap", "friction_hold"}
 
@@ -307,7 +332,7 @@ def test_a_sweep_that_follows_the_model_holds_nothing(sweep):
     alarms = 0
     for seed in range(60):
         rng = np.random.default_rng(seed)
-        measured = deviation(sweep.I_m, sweep.I_L, sweep.gap) + 1e-8 * rng.normal(size=6)
+        measured = sweep.deviation + 1e-8 * rng.normal(size=6)
         alarms += diagnose_sweep(sweep, measured).verdict is not Verdict.NOTHING
     assert alarms <= 7
 

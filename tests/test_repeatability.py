@@ -298,7 +298,7 @@ def test_a_known_resolution_only_lowers_the_lower_limit_of_an_uneven_scatter(rng
 def test_the_lower_limit_holds_at_the_worst_place_between_two_divisions(rng, axes, n):
     readings = np.rint(0.4 * rng.standard_normal((2000, axes, n)))
     lower = rp_interval(readings, resolutions=[1.0] * axes)[0]
-    assert np.mean(lower > 0.4 * module._GAUSSIAN_RP[axes]) < 0.04
+    assert np.mean(lower > 0.4 * module.GAUSSIAN_RP[axes]) < 0.04
 
 
 @pytest.mark.parametrize("n", [5, 8, 10, 16, 30, 31, 32, 100, 1000])
@@ -307,7 +307,7 @@ def test_equal_readings_are_bounded_by_what_a_division_hides(n, axes):
     lower, upper = rp_interval(np.full((axes, n), 0.36), resolutions=[0.005] * (axes - 1) + [0.01])
     sigma = 0.005 / stats.norm.isf((1 - 0.05 ** (1 / n)) / 2)
     assert lower == 0
-    assert upper == pytest.approx(module._GAUSSIAN_RP[axes] * sigma)
+    assert upper == pytest.approx(module.GAUSSIAN_RP[axes] * sigma)
     chance = (1 - 2 * stats.norm.sf(0.005, scale=sigma)) ** n
     assert chance == pytest.approx(0.05)
 
@@ -322,7 +322,7 @@ def test_two_neighbouring_divisions_may_hide_a_robot_without_scatter(n):
     lower, upper = rp_interval(readings, resolutions=[0.01])
     assert lower == 0
     sigma = 0.01 / stats.norm.isf((1 - 0.05 ** (1 / n)) / 2)
-    assert upper >= module._GAUSSIAN_RP[1] * sigma * (1 - 1e-12)
+    assert upper >= module.GAUSSIAN_RP[1] * sigma * (1 - 1e-12)
     readings[0, 0] += 0.02
     assert rp_interval(readings, resolutions=[0.01])[0] > 0
 
@@ -332,7 +332,7 @@ def test_the_interval_is_never_narrower_than_that_of_gaussian_scatter(rng, axes)
     readings = rng.permuted(np.tile([0.0, 1.0], (axes, 15)), axis=1)  # the jackknife sees no error
     RP = repeatability(readings).RP
     lower, upper = rp_interval(readings, resolutions=None)
-    least = math.exp(stats.t.ppf(0.975, 29) * module._GAUSSIAN_ERROR[axes] / math.sqrt(30))
+    least = math.exp(stats.t.ppf(0.975, 29) * module.GAUSSIAN_ERROR[axes] / math.sqrt(30))
     assert upper >= RP * least * (1 - 1e-6)
     assert lower <= RP / least * (1 + 1e-6)
 
@@ -349,7 +349,7 @@ def test_equal_readings_have_exactly_no_scatter():
 def test_the_upper_limit_holds_on_the_border_of_two_divisions(rng, axes, sigma):
     readings = np.rint(0.5 + sigma * rng.standard_normal((2000, axes, 30)))
     upper = rp_interval(readings, resolutions=[1.0] * axes)[1]
-    assert np.mean(upper < sigma * module._GAUSSIAN_RP[axes]) < 0.03
+    assert np.mean(upper < sigma * module.GAUSSIAN_RP[axes]) < 0.03
 
 
 def test_one_reading_that_holds_all_of_rp_has_a_wide_but_finite_interval():
@@ -396,8 +396,8 @@ def population(axes):
 @pytest.mark.parametrize("axes", [1, 2, 3])
 def test_gaussian_constants(axes):
     RP, spread = population(axes)
-    assert module._GAUSSIAN_RP[axes] == pytest.approx(RP, abs=5e-6)
-    assert module._GAUSSIAN_ERROR[axes] == pytest.approx(spread / RP, abs=5e-6)
+    assert module.GAUSSIAN_RP[axes] == pytest.approx(RP, abs=5e-6)
+    assert module.GAUSSIAN_ERROR[axes] == pytest.approx(spread / RP, abs=5e-6)
 
 
 @pytest.mark.parametrize("nu", [4, 5, 9, 29, 30, 99])

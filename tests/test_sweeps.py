@@ -4,6 +4,7 @@ import json
 import math
 
 import numpy as np
+import openpyxl
 import pytest
 
 from scara_iso.cli import main
@@ -58,7 +59,11 @@ def test_sizes_take_the_sign_of_eq_16(tmp_path):
         (["1,1,1"], "Im,IL,arcmin", "column deviation_rad is missing"),
         (["1,1,1,1,1"], "Im,Im,IL,arcmin,deviation_rad", "column Im is there twice"),
         ([], None, "at least one row"),
-        (['1,1,1,"1', "1,1,1,1"], None, "line 2, column 4: deviation_rad: '\"1' is not a number"),
+        (['1,1,1,"1', "1,1,1,1"], None, "line 2: unexpected end of data"),
+        (["1;1;12,5;1.5"], "Im;IL;arcmin;deviation_rad", "commas and points both occur"),
+        (["1;1;1,234;1"], "Im;IL;arcmin;deviation_rad", "could have a decimal comma or group"),
+        (["0,5,1,12,0,1"], None, "line 2: 6 fields, the header has 4"),
+        (["1 kg,1,1,1"], None, "line 2, column 1: Im: '1 kg' is not a number"),
         (["1,1,1," + "0" * 200_000 + "x"], None, "line 2, column 4"),
     ],
 )
@@ -74,6 +79,48 @@ def test_quoted_numbers_of_a_sweep(tmp_path):
         sweep_file(tmp_path, ['"1","2","3","-4e-4"'], '"Im","IL","arcmin","deviation_rad"')
     )
     assert found.deviation.tolist() == [-4e-4]
+
+
+GERMAN = "Im;IL;arcmin;deviation_rad\n2,65E-04;0,5;12;-1,85E-06\n2,65E-04;4,749;12;-1,9E-07\n"
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        GERMAN.encode(),
+        GERMAN.replace("\n", "\r\n").encode("cp1252"),
+        GERMAN.encode("utf-16"),
+        ("sep=;\n" + GERMAN + ";;;\n").encode("utf-8-sig"),
+        GERMAN.replace(";", "\t").encode(),
+        GERMAN.replace(";", "   ").replace("-1", "\u22121").encode(),
+    ],
+)
+def test_a_sweep_as_a_german_spreadsheet_saves_it(data):
+    found = read_sweep(data)
+    assert found.sweep.I_m.tolist() == [2.65e-4, 2.65e-4]
+    assert found.sweep.I_L.tolist() == [0.5, 4.749]
+    assert found.deviation.tolist() == [-1.85e-6, -1.9e-7]
+
+
+def test_a_sweep_in_a_workbook(tmp_path):
+    book = openpyxl.Workbook()
+    book.active.append(["notes"])
+    sheet = book.create_sheet("sweep")
+    sheet.append(["# by hand"])
+    sheet.append(["IL", "Im", "arcmin", "u_rad", "deviation_rad", "who"])
+    sheet.append([0.5, 2.65e-4, 12, 1e-8, -1.85e-6, "A"])
+    sheet.append([])
+    sheet.append([4.749, 2.65e-4, 12, 1e-8, -1.9e-7, "B"])
+    path = tmp_path / "sweep.xlsx"
+    book.save(path)
+    found = read_sweep(path)
+    assert found.sweep.I_L.tolist() == [0.5, 4.749]
+    assert found.uncertainty.tolist() == [1e-8, 1e-8]
+    sheet["E3"] = "#DIV/0!"
+    book.save(path)
+    with pytest.raises(DataError) as caught:
+        read_sweep(path)
+    assert "line 3, column 5" in str(caught.value.faults[0])
 
 
 def test_no_such_sweep(tmp_path):

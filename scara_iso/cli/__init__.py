@@ -15,6 +15,8 @@ from scara_iso import __version__
 from scara_iso.cli.output import settings
 from scara_iso.errors import DataError, ScaraIsoError
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
+
 INTERRUPTED = 130
 BUG = 70
 CANNOT_WRITE = 74
@@ -24,7 +26,7 @@ _ANYWHERE = ("--debug", "--no-color")
 _COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
-        "record", "analyze", "backlash", "diagnose", "simulate", "plan", "ports", "demo",
+        "record", "analyze", "compare", "backlash", "diagnose", "simulate", "plan", "ports", "demo",
     )
 }  # fmt: skip
 

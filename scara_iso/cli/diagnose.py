@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -125,7 +125,7 @@ class _Files:
 def _diagnose_table(
     files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
 ) -> None:
-    from scara_iso.closing import close_the_loop
+    from scara_iso.closing import close_the_loop, save_model
     from scara_iso.model import read_model
 
     run = reading.read(files.table)
@@ -146,15 +146,9 @@ def _diagnose_table(
 
         plot_diagnosis(diagnosis, files.plot)
     if files.save_model is not None and files.model is not None:
-        _save(diagnosis, files.model, files.save_model)
+        said = save_model(diagnosis, run, files.model, files.save_model)
+        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     _write(diagnosis, run.origin.source, as_json=as_json)
-
-
-def _save(diagnosis: Diagnosis, model: str, to: Path) -> None:
-    from scara_iso.closing import declared
-    from scara_iso.model import declare
-
-    declare(model, tuple(declared(found, diagnosis) for found in diagnosis.effects), to)
 
 
 def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:

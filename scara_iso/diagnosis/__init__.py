@@ -16,9 +16,11 @@ from scara_iso.diagnosis.result import (
     Shares,
     Verdict,
 )
+from scara_iso.diagnosis.reversals import Reversal, RunReversals, diagnose_run_reversals
 
 __all__ = [
     "SEED", "UNKNOWN", "Alike", "Change", "Design", "Diagnosis", "Error", "Flag", "Found",
-    "GearDiagnosis", "GearFound", "Plan", "Repeatabilities", "Rival", "Series", "Shares",
-    "Smallest", "Verdict", "design", "diagnose", "diagnose_poses", "diagnose_sweep", "holm",
+    "GearDiagnosis", "GearFound", "Plan", "Repeatabilities", "Reversal", "Rival", "RunReversals",
+    "Series", "Shares", "Smallest", "Verdict", "design", "diagnose", "diagnose_poses",
+    "diagnose_run_reversals", "diagnose_sweep", "holm",
 ]  # fmt: skip

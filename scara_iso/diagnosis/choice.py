@@ -128,11 +128,12 @@ def hidden_sides(
 def _columns(views: Views, division: FloatArray) -> list[tuple[int, float]]:
     """Return the columns in which sides are sought, with the least scatter of their dial.
 
-    Those are the axes and, with several, their principal directions.
+    Those are the axes and, with several, their principal directions in which anything moves.
     """
     q = views.axes
     axes = [(int(a), float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
-    return axes if len(axes) < 2 else axes + [(q + a, 0.0) for a in range(q)]
+    moving = np.flatnonzero(views.columns[:, q : 2 * q].any(axis=0))
+    return axes if len(axes) < 2 else axes + [(q + int(a), 0.0) for a in moving]
 
 
 def _sides(

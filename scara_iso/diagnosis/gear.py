@@ -3,39 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from statistics import NormalDist
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.diagnosis.gear_chance import (
+    LEVEL,
+    SECOND_LEVEL,
+    misfits,
+    p_value,
+    second_p_value,
+)
+from scara_iso.diagnosis.gear_fit import (
+    Family,
+    Fitted,
+    Joint,
+    Reversals,
+    fit_family,
+    pair_families,
+    single_families,
+)
+from scara_iso.diagnosis.gear_unknown import UNKNOWN, unknown_families
 from scara_iso.diagnosis.result import Rival, Verdict
 from scara_iso.effects import GearEffect, Sweep, find_gear_effects
-from scara_iso.effects._effect import Sizes
-from scara_iso.effects._gap import deviation
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray
 
-_LEVEL = 0.05
-_SIMULATIONS = 999
 _FEWEST = 3
 _RIVAL = 0.1
-_MISFIT_LEVEL = 0.01
-_RELATIVE_FLOOR = 1e-6
-"""A reversal is not known better than this share of the largest one."""
-_ZOOMS, _ZOOMED = 3, 401
-_LIGHTEST = 1e-6
-"""Candidates lighter than this share of the best one are left out of the finer ones."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class GearFound:
-    """An effect on the load deviation; intervals are 95 % and hold for this effect alone."""
+    """An effect on the load deviation; intervals are 95 %, over all effects that were found."""
 
     effect: str
+    joint: Joint
     parameters: Mapping[str, float]
     intervals: Mapping[str, tuple[float, float]]
     p_value: float
     probability: float
+    """Of the effects found, together."""
     rivals: tuple[Rival, ...]
     cause: str
     confirm_by: str
@@ -43,28 +51,22 @@ class GearFound:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class GearDiagnosis:
-    """What the two-inertia model leaves unexplained in a sweep; deviations in rad, shape (m,)."""
+    """What the two-inertia model leaves unexplained of reversals, shape (m,), in their unit."""
 
     verdict: Verdict
+    p_value: float
     effects: tuple[GearFound, ...]
+    candidates: tuple[Rival, ...]
+    """Nearest effects where the verdict is that none fits."""
     rms_before: float
     rms_after: float
     held_out_before: float
-    held_out_after: float
-    """Leave-one-out; before nothing is fitted, so it is ``rms_before``."""
+    held_out_after: float | None
+    """Each group (a reversal; a payload) left out in turn; None where there is one only."""
     measured: FloatArray
     predicted_before: FloatArray
     predicted_after: FloatArray
     notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Family:
-    """One effect and its predictions (candidates, m)."""
-
-    effect: GearEffect
-    candidates: tuple[Sizes, ...]
-    predictions: FloatArray
 
 
 def diagnose_sweep(
@@ -77,200 +79,165 @@ def diagnose_sweep(
 ) -> GearDiagnosis:
     """Return what eq. 16 leaves of measured load deviations (m,) in rad, and which effect it is.
 
-    Deviations follow eq. 16's sign (negative); ``uncertainty`` (m,) are standard uncertainties,
-    and without them the scatter is taken equal at all reversals and unknown. One effect is
-    sought. Raises `DataError` for fewer than 3 reversals.
+    Deviations follow eq. 16's sign (negative); ``uncertainty`` (m,) are standard uncertainties.
+    Without them the scatter is unknown and may grow with the deviation. Raises `DataError` for
+    fewer than 3 reversals.
     """
     if len(measured) < _FEWEST:
         raise DataError(
             f"{len(measured)} reversals cannot be told from chance",
             remedy=f"measure at least {_FEWEST}, at different inertias",
         )
-    families = _families(sweep, find_gear_effects() if effects is None else effects)
-    before = deviation(sweep.I_m, sweep.I_L, sweep.gap)
-    scale = np.ones_like(before) if uncertainty is None else uncertainty
-    rng = np.random.default_rng(seed)
-    p_value = _p_value(measured, before, families, scale, uncertainty is not None, rng)
-    if p_value > _LEVEL:
-        return _result(Verdict.NOTHING, (), measured, before, before, None, _notes(sweep, ()))
-    known = uncertainty is not None
-    weights = _weights(measured, families, scale, known)
-    evidence = np.array([w.mean() for w in weights])
-    best = int(np.argmax(evidence))
-    families[best], weights[best] = _zoomed(
-        sweep, measured, families[best], weights[best], scale, known
+    data = Reversals(
+        measured, {None: sweep}, {None: np.ones(len(measured))}, np.arange(len(measured)),
+        uncertainty,
+    )  # fmt: skip
+    found = diagnose_reversals(data, seed=seed, effects=effects)
+    without = "no torque_Nm column: wind-up was not tried"
+    return replace(found, notes=(*found.notes, without)) if sweep.torque is None else found
+
+
+def diagnose_reversals(
+    data: Reversals, *, seed: int, effects: Sequence[GearEffect] | None = None, sides: int = 1
+) -> GearDiagnosis:
+    """Return what eq. 16 leaves of reversals, and which effects it is; two at the most.
+
+    ``sides`` is 2 where the sign of the reversals was chosen to suit the model.
+    """
+    singles = single_families(data, find_gear_effects() if effects is None else effects)
+    before = data.predict()
+    chance = p_value(data, before, [*singles, *unknown_families(data)], np.random.default_rng(seed))
+    chance = min(1.0, sides * chance)
+    nothing = _result(data, Verdict.NOTHING, chance, (), None)
+    if chance > LEVEL:
+        return replace(nothing, notes=_notes(data, ()))
+    families, fits = _chosen(data, singles)
+    best, ranked = fits[0], _probabilities(fits)
+    unknown = any(term.effect.name == UNKNOWN for term in best.family)
+    if unknown or misfits(data, best):
+        near = tuple(r for r in ranked if UNKNOWN not in r.effect)[:3]
+        return replace(
+            nothing, verdict=Verdict.UNEXPLAINED, candidates=near, notes=_notes(data, ())
+        )
+    found = _found(best, ranked, chance)
+    unseen = _left_out(data, families)
+    return replace(
+        _result(data, Verdict.EXPLAINED, chance, found, best),
+        held_out_after=unseen,
+        notes=_notes(data, _settled_by(best, fits[1:], ranked)),
     )
-    found = _found(families, weights, evidence / evidence.sum(), best, p_value)
-    after = families[best].predictions[int(np.argmax(weights[best]))]
-    misfit = float((((measured - after) / scale) ** 2).sum())
-    fits = not known or misfit <= _chi_squared_quantile(max(1, len(measured) - 1), _MISFIT_LEVEL)
-    verdict = Verdict.EXPLAINED if fits else Verdict.UNEXPLAINED
-    unseen = _left_out(measured, families, scale, known)
-    return _result(verdict, (found,), measured, before, after, unseen, _notes(sweep, (found,)))
 
 
-def _families(sweep: Sweep, effects: Sequence[GearEffect]) -> list[_Family]:
-    tried = [(effect, effect.candidates(sweep)) for effect in effects]
+def _chosen(data: Reversals, singles: Sequence[Family]) -> tuple[list[Family], list[Fitted]]:
+    """Return the families that compete, one effect or two, and their fits, the likeliest first."""
+    one = [fit_family(data, family) for family in singles]
+    rows, conditions = len(data.measured), distinct_conditions(data)
+    pairs = [*pair_families(singles, conditions, rows)]
+    pairs += unknown_families(data) if min(rows - 1, conditions) >= 2 else []
+    two = [fit_family(data, family) for family in pairs]
+    if two and second_p_value(data, one, two) <= SECOND_LEVEL:
+        return pairs, sorted(two, key=lambda f: -f.log_evidence)
+    return list(singles), sorted(one, key=lambda f: -f.log_evidence)
+
+
+def _probabilities(fits: Sequence[Fitted]) -> list[Rival]:
+    log = np.array([fit.log_evidence for fit in fits])
+    weight = np.exp(log - log.max())
     return [
-        _Family(effect, values, np.stack([effect.deviation(sweep, v) for v in values]))
-        for effect, values in tried
-        if values
+        Rival(_label(fit), float(w)) for fit, w in zip(fits, weight / weight.sum(), strict=True)
     ]
 
 
-def _misfit(measured: FloatArray, predictions: FloatArray, scale: FloatArray) -> FloatArray:
-    """Return sums of squares (candidates, ...) of measured (..., m) about predictions."""
-    squares = ((measured - predictions) / scale) ** 2
-    floor = (_RELATIVE_FLOOR * np.abs(measured / scale).max()) ** 2
-    return np.asarray(squares.sum(axis=-1) + floor)
+def _label(fit: Fitted) -> str:
+    joints = {term.joint for term in fit.family} - {None}
+    if fit.family[0].effect.name == UNKNOWN:
+        return UNKNOWN
+    return fit.name if not joints else "+".join(
+        f"{term.effect.name} at joint {term.joint}" for term in fit.family
+    )  # fmt: skip
 
 
-def _log_likelihood(misfit: FloatArray, m: int, known: bool) -> FloatArray:
-    """Return log likelihoods; an unknown scatter is integrated out under the prior 1 / scatter."""
-    return np.asarray(-misfit / 2 if known else -m / 2 * np.log(misfit))
-
-
-def _weights(
-    measured: FloatArray, families: Sequence[_Family], scale: FloatArray, known: bool
-) -> list[FloatArray]:
-    """Return each candidate's likelihood, for every family, relative to the largest of all."""
-    misfits = [_misfit(measured, family.predictions, scale) for family in families]
-    logs = [_log_likelihood(misfit, len(measured), known) for misfit in misfits]
-    peak = max(float(log.max()) for log in logs)
-    return [np.asarray(np.exp(log - peak)) for log in logs]
-
-
-def _zoomed(
-    sweep: Sweep,
-    measured: FloatArray,
-    family: _Family,
-    weight: FloatArray,
-    scale: FloatArray,
-    known: bool,
-) -> tuple[_Family, FloatArray]:
-    """Return a family of one parameter on ever finer candidates where its weight lies."""
-    for _ in range(_ZOOMS):
-        if len(family.effect.parameters) != 1 or len(family.candidates) < 3:
-            break
-        name = family.effect.parameters[0].name
-        values = np.array([candidate[name] for candidate in family.candidates])
-        inside = np.flatnonzero(weight > _LIGHTEST * weight.max())
-        ends = values[[max(inside[0] - 1, 0), min(inside[-1] + 1, len(values) - 1)]]
-        finer = tuple({name: float(v)} for v in np.linspace(ends[0], ends[1], _ZOOMED))
-        predictions = np.stack([family.effect.deviation(sweep, v) for v in finer])
-        family = _Family(family.effect, finer, predictions)
-        (weight,) = _weights(measured, [family], scale, known)
-    return family, weight
-
-
-def _p_value(
-    measured: FloatArray,
-    before: FloatArray,
-    families: Sequence[_Family],
-    scale: FloatArray,
-    known: bool,
-    rng: np.random.Generator,
-) -> float:
-    """Return how often eq. 16 with Gaussian scatter alone fits some effect as much better."""
-    residual = (measured - before) / scale
-    size = 1.0 if known else float(np.sqrt((residual**2).mean()))
-    drawn = before + scale * size * rng.normal(size=(_SIMULATIONS, len(measured)))
-    observed = _gain(measured[np.newaxis], before, families, scale, known)[0]
-    simulated = _gain(drawn, before, families, scale, known)
-    return float((1 + (simulated >= observed).sum()) / (1 + _SIMULATIONS))
-
-
-def _gain(
-    readings: FloatArray, before: FloatArray, families: Sequence[_Family], scale: FloatArray,
-    known: bool,
-) -> FloatArray:  # fmt: skip
-    """Return the log likelihood gained by the best candidate of any effect, shape (readings,)."""
-    m = readings.shape[1]
-    alone = _log_likelihood(_misfit(readings, before, scale), m, known)
-    every = np.concatenate([family.predictions for family in families]) / scale
-    scaled = readings / scale
-    cross = scaled @ every.T
-    misfit = (scaled**2).sum(axis=1)[:, None] - 2 * cross + (every**2).sum(axis=1)
-    floor = (_RELATIVE_FLOOR * np.abs(scaled).max()) ** 2
-    best = _log_likelihood(np.maximum(misfit, 0).min(axis=1) + floor, m, known)
-    return np.asarray(best - alone)
-
-
-def _found(
-    families: Sequence[_Family],
-    weights: Sequence[FloatArray],
-    probability: FloatArray,
-    best: int,
-    p_value: float,
-) -> GearFound:
-    effect, candidates = families[best].effect, families[best].candidates
-    names = [parameter.name for parameter in effect.parameters]
-    ranked = sorted(range(len(families)), key=lambda i: -probability[i])
-    rivals = [i for i in ranked[1:] if probability[i] >= _RIVAL * probability[best]]
-    return GearFound(
-        effect=effect.name,
-        parameters=dict(candidates[int(np.argmax(weights[best]))]),
-        intervals={name: _interval(candidates, weights[best], name) for name in names},
-        p_value=p_value,
-        probability=float(probability[best]),
-        rivals=tuple(Rival(families[i].effect.name, float(probability[i])) for i in rivals),
-        cause=effect.cause,
-        confirm_by=effect.confirm_by,
+def _found(best: Fitted, ranked: Sequence[Rival], p_value: float) -> tuple[GearFound, ...]:
+    first, *others = ranked
+    rivals = tuple(r for r in others if r.probability >= _RIVAL * first.probability)
+    return tuple(
+        GearFound(
+            effect=term.effect.name,
+            joint=term.joint,
+            parameters=values,
+            intervals=spread,
+            p_value=p_value,
+            probability=first.probability,
+            rivals=rivals,
+            cause=term.effect.cause,
+            confirm_by=term.effect.confirm_by,
+        )
+        for term, values, spread in zip(best.family, best.values, best.spread, strict=True)
     )
 
 
-def _interval(candidates: Sequence[Sizes], weight: FloatArray, name: str) -> tuple[float, float]:
-    share = np.cumsum(weight) / weight.sum()
-    low, high = np.searchsorted(share, [0.025, 0.975])
-    return candidates[int(low)][name], candidates[min(int(high), len(candidates) - 1)][name]
-
-
-def _left_out(
-    measured: FloatArray, families: Sequence[_Family], scale: FloatArray, known: bool
-) -> float:
-    """Return the root mean square error at each reversal, effect and value chosen without it."""
+def _left_out(data: Reversals, families: Sequence[Family]) -> float | None:
+    """Return the root mean square error at each group, effect and values chosen without it."""
+    groups = np.unique(data.group)
+    if len(groups) < 2:
+        return None
     errors = []
-    for i in range(len(measured)):
-        seen = np.arange(len(measured)) != i
-        part = [_Family(f.effect, f.candidates, f.predictions[:, seen]) for f in families]
-        weights = _weights(measured[seen], part, scale[seen], known)
-        best = int(np.argmax([w.mean() for w in weights]))
-        value = families[best].predictions[int(np.argmax(weights[best])), i]
-        errors.append(measured[i] - value)
-    return float(np.sqrt(np.mean(np.square(errors))))
+    for group in groups:
+        seen = data.without(int(group))
+        fits = [fit_family(seen, family) for family in families]
+        best = max(fits, key=lambda fit: fit.log_evidence)
+        left = data.measured - data.predict(best.changes)[0]
+        errors.append(left[data.group == group])
+    return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
 
-def _notes(sweep: Sweep, found: Sequence[GearFound]) -> tuple[str, ...]:
+def distinct_conditions(data: Reversals) -> int:
+    """Return how many distinct inertias (and torques) the reversals were measured at."""
+    columns = [
+        part
+        for sweep in data.sweeps.values()
+        for part in (sweep.I_L / sweep.I_m, sweep.torque)
+        if part is not None
+    ]
+    return len(np.unique(np.round(np.stack(columns, axis=1), 12), axis=0))
+
+
+def _settled_by(best: Fitted, others: Sequence[Fitted], ranked: Sequence[Rival]) -> list[str]:
+    """Return one line for each rival: what would tell it from the effects found."""
+    own = {term.effect.name for term in best.family}
+    lines = []
+    for fit, rival in zip(others, ranked[1:], strict=True):
+        if rival.probability >= _RIVAL * ranked[0].probability:
+            ways = [t.effect.confirm_by for t in fit.family if t.effect.name not in own]
+            ways = ways or [term.effect.confirm_by for term in best.family]
+            lines.append(f"{ranked[0].effect} or {rival.effect}: {'; '.join(dict.fromkeys(ways))}")
+    return lines
+
+
+def _notes(data: Reversals, settled: Sequence[str]) -> tuple[str, ...]:
     notes = []
-    if len(np.unique(np.round(sweep.I_L / sweep.I_m, 12))) < 2:
+    ratios = [len(np.unique(np.round(s.I_L / s.I_m, 12))) for s in data.sweeps.values()]
+    if max(ratios) < 2:
         notes.append(
             "one ratio of inertias only: effects that scale the deviation cannot be told apart; "
             "vary the inertia of the payload"
         )
-    if sweep.torque is None:
-        notes.append("no torque_Nm column: wind-up was not tried")
-    notes += [f"{f.effect} or {r.effect}: {f.confirm_by}" for f in found for r in f.rivals]
-    return tuple(notes)
+    return (*notes, *settled)
 
 
 def _result(
+    data: Reversals,
     verdict: Verdict,
+    p_value: float,
     found: tuple[GearFound, ...],
-    measured: FloatArray,
-    before: FloatArray,
-    after: FloatArray,
-    unseen: float | None,
-    notes: tuple[str, ...],
+    fit: Fitted | None,
 ) -> GearDiagnosis:
-    rms_before = float(np.sqrt(((measured - before) ** 2).mean()))
-    rms_after = float(np.sqrt(((measured - after) ** 2).mean()))
-    held = rms_before if unseen is None else unseen
+    before = data.predict()
+    after = before if fit is None else data.predict(fit.changes)[0]
+    rms = float(np.sqrt(((data.measured - before) ** 2).mean()))
+    left = float(np.sqrt(((data.measured - after) ** 2).mean()))
     return GearDiagnosis(
-        verdict, found, rms_before, rms_after, rms_before, held, measured, before, after, notes
-    )
-
-
-def _chi_squared_quantile(nu: int, level: float) -> float:
-    """Return the upper ``level`` quantile (Wilson and Hilferty 1931)."""
-    z = NormalDist().inv_cdf(1 - level)
-    return float(nu * (1 - 2 / (9 * nu) + z * (2 / (9 * nu)) ** 0.5) ** 3)
+        verdict=verdict, p_value=p_value, effects=found, candidates=(),
+        rms_before=rms, rms_after=left, held_out_before=rms, held_out_after=rms,
+        measured=data.measured, predicted_before=before, predicted_after=after,
+    )  # fmt: skip

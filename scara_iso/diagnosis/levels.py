@@ -19,12 +19,14 @@ _LEVELS = 14
 _SCATTERS = np.geomspace(0.12, 1.05, 10)
 """Scatters tried, over the standard deviation of the readings."""
 
+_BEFORE_UNDERFLOW = 8
+_TINY = 1e-300
+
 _SPLIT_SCALE = 4.0
 """Half-normal prior of the distance of the levels, in scatters; below 1 they are one level."""
 
 _FEWEST = 4
 _LEAST_SCATTER = 0.6
-_TINY = 1e-300
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -61,7 +63,7 @@ class Sides:
         weight = np.array([chain.weight for chain in self.chains])
         p = np.array([[chain.leave_lower] for chain in self.chains])
         q = np.array([[chain.leave_upper] for chain in self.chains])
-        _, log_order = _forward(self.lower[orders.T], self.upper[orders.T], p, q)
+        log_order = _forward(self.lower[orders.T], self.upper[orders.T], p, q)
         start = q / (p + q)
         none = np.log(start * self.lower + (1 - start) * self.upper).sum(axis=1, keepdims=True)
         return np.asarray(weight / weight.sum() @ np.exp(log_order - none))
@@ -86,6 +88,8 @@ def sides_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Sides:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Grid:
+    """Levels and scatter of every cell, shape (cells,), and the log of its prior."""
+
     lower: FloatArray
     upper: FloatArray
     scatter: FloatArray
@@ -101,22 +105,19 @@ def two_levels(y: FloatArray, division: float, chains: Sequence[Chain]) -> TwoLe
     seen = y[np.isfinite(y)]
     grid = _grid(seen, division)
     lower, upper, scale = _emissions(y, grid)
-    leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])[:, :, None, None]
-    forward, log_scale = _forward(lower, upper, leave[:, 0], leave[:, 1])
-    settled, odds = _at_most_one_change(lower, upper, leave[:, 0, 0, 0], leave[:, 1, 0, 0])
+    leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
+    log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
+    settled, odds = _at_most_one_change(lower, upper, *leave.T)
     changing = np.maximum(-np.expm1(np.minimum(settled - log_scale, 0.0)), _TINY)
-    restless = np.log(changing) - np.log1p(-odds)[:, np.newaxis, np.newaxis]
-    log_weight = log_scale + restless + scale + grid.log_prior
+    restless = log_scale + np.log(changing) - np.log1p(-odds)[:, np.newaxis]
+    log_weight = restless + scale + grid.log_prior
     peak = log_weight.max()
     weight = np.exp(log_weight - peak)
-    log_bf = peak + np.log(np.maximum(weight.sum(axis=(1, 2)), _TINY)) - _log_scatter_alone(seen)
-    c, pair, s = np.unravel_index(np.argmax(weight), weight.shape)
-    share = _smoothed(
-        lower[:, pair, s], upper[:, pair, s], forward[:, c, pair, s], leave[c, :, 0, 0]
-    )
-    p = leave[:, :, 0, 0]
-    switching = 2 * p[:, 0] * p[:, 1] / p.sum(axis=1)
-    by_chain = weight.sum(axis=(1, 2))
+    by_chain = weight.sum(axis=1)
+    log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen)
+    c, cell = np.unravel_index(np.argmax(weight), weight.shape)
+    share = _smoothed(lower[:, cell], upper[:, cell], leave[c])
+    switching = 2 * leave.prod(axis=1) / leave.sum(axis=1)
     return TwoLevels(log_bf, share, float(switching @ by_chain / by_chain.sum()))
 
 
@@ -127,46 +128,40 @@ def _grid(seen: FloatArray, division: float) -> _Grid:
     distance = (levels[b] - levels[a])[:, np.newaxis] / scatter
     density = np.log(2 / (_SPLIT_SCALE * np.sqrt(2 * np.pi))) - (distance / _SPLIT_SCALE) ** 2 / 2
     cell = 2 * np.log(levels[1] - levels[0]) + np.log(np.log(_SCATTERS[1] / _SCATTERS[0]))
-    log_prior = np.where(distance < 1, -np.inf, density - np.log(scatter) + cell)
-    return _Grid(levels[a], levels[b], scatter, log_prior)
+    pair, s = np.nonzero(distance >= 1)
+    log_prior = density[pair, s] - np.log(scatter[s]) + cell
+    return _Grid(levels[a[pair]], levels[b[pair]], scatter[s], log_prior)
 
 
 def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return likelihoods of either level, (n, pairs, scatters), and the log of their scale."""
+    """Return likelihoods of either level, (n, cells), and the log of their scale."""
     unseen = ~np.isfinite(y)
-    reading = np.where(unseen, 0.0, y)[:, np.newaxis, np.newaxis]
-    log_lower = -0.5 * ((reading - grid.lower[:, np.newaxis]) / grid.scatter) ** 2
-    log_upper = -0.5 * ((reading - grid.upper[:, np.newaxis]) / grid.scatter) ** 2
+    reading = np.where(unseen, 0.0, y)[:, np.newaxis]
+    log_lower = -0.5 * ((reading - grid.lower) / grid.scatter) ** 2
+    log_upper = -0.5 * ((reading - grid.upper) / grid.scatter) ** 2
     log_lower[unseen] = log_upper[unseen] = 0.0
     peak = np.maximum(log_lower, log_upper)
     scale = peak.sum(axis=0) - (~unseen).sum() * np.log(grid.scatter * np.sqrt(2 * np.pi))
     return np.exp(log_lower - peak), np.exp(log_upper - peak), scale
 
 
-def _forward(
-    lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return filtered probabilities of the upper level (n, chains, pairs, scatters), log scale."""
-    below, above = q / (p + q) * lower[0], p / (p + q) * upper[0]
-    filtered = np.empty((len(lower), *below.shape))
-    log_scale = np.zeros_like(below)
-    for j in range(len(lower)):
-        if j:
-            below, above = (
-                (below * (1 - p) + above * q) * lower[j],
-                (below * p + above * (1 - q)) * upper[j],
-            )
-        total = below + above + _TINY
-        below, above = below / total, above / total
-        log_scale += np.log(total)
-        filtered[j] = above
-    return filtered, log_scale
+def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
+    """Return the log likelihood of the readings for chains (chains, 1), shape (chains, cells)."""
+    share = p / (p + q)
+    log_scale, scale = 0.0, 1.0
+    for j, rise in enumerate(upper - lower):
+        total = lower[j] + share * rise
+        scale = scale * total
+        if j % _BEFORE_UNDERFLOW == 0:
+            log_scale, scale = log_scale + np.log(scale + _TINY), 1.0
+        share = p + (1 - p - q) * (share * upper[j] / total)
+    return np.asarray(log_scale + np.log(scale + _TINY))
 
 
 def _at_most_one_change(
     lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the log likelihood (chains, pairs, scatters) of every course with one change or none.
+    """Return the log likelihood (chains, cells) of every course with one change or none.
 
     Weighted by the courses' probabilities under the chains p, q (chains,); their sum is (chains,).
     """
@@ -197,21 +192,22 @@ def _changed_once(first: FloatArray, then: FloatArray) -> FloatArray:
     return before
 
 
-def _smoothed(
-    lower: FloatArray, upper: FloatArray, filtered: FloatArray, leave: FloatArray
-) -> FloatArray:
+def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatArray:
     """Return the probability of the upper level given all cycles, shape (n,)."""
     p, q = leave
-    share = np.array(filtered)
-    back_lower = back_upper = 1.0
-    for j in range(len(lower) - 2, -1, -1):
-        to_lower, to_upper = lower[j + 1] * back_lower, upper[j + 1] * back_upper
-        back_lower = (1 - p) * to_lower + p * to_upper
-        back_upper = q * to_lower + (1 - q) * to_upper
-        back_lower, back_upper = np.array([back_lower, back_upper]) / (back_lower + back_upper)
-        above = filtered[j] * back_upper
-        share[j] = above / (above + (1 - filtered[j]) * back_lower)
-    return share
+    change = np.array([[1 - p, p], [q, 1 - q]])
+    emitted = np.stack([lower, upper], axis=1)
+    share, back = np.empty_like(emitted), np.empty_like(emitted)
+    ahead, behind = np.array([q, p]) / (p + q), np.ones(2)
+    for j, emission in enumerate(emitted):
+        share[j] = ahead * emission / (ahead @ emission)
+        ahead = share[j] @ change
+    for j in range(len(emitted) - 1, -1, -1):
+        back[j] = behind
+        behind = change @ (emitted[j] * behind)
+        behind = behind / behind.sum()
+    both = share * back
+    return np.asarray(both[:, 1] / both.sum(axis=1))
 
 
 def _log_scatter_alone(seen: FloatArray) -> float:

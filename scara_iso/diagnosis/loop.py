@@ -10,7 +10,7 @@ from scara_iso.diagnosis.account import account, repeatabilities, rivals_of, sha
 from scara_iso.diagnosis.bank import members_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
-from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
+from scara_iso.diagnosis.residual import Prediction, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
@@ -23,7 +23,7 @@ from scara_iso.diagnosis.result import (
     Verdict,
 )
 from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Problem, Stage, find, problem_of
-from scara_iso.effects import Effect, Process, find_effects
+from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
 
@@ -102,7 +102,6 @@ def _diagnosis(
 def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> Residual | None:
     if run is None:
         return None
-    second = residual_of(run, predicted)
     missing = [name for name in first.axes if name not in run.axes]
     if missing:
         raise DataError(
@@ -111,9 +110,8 @@ def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> R
         )
     model = predicted or {}
     columns = [run.axes[name].readings - np.asarray(model.get(name, 0.0)) for name in first.axes]
-    return Residual(
-        first.axes, np.stack(columns, axis=1), first.division, second.conditions, second.notes
-    )
+    conditions = Conditions(run.cycle, run.covariates)
+    return Residual(first.axes, np.stack(columns, axis=1), first.division, conditions)
 
 
 def _cross_validated(

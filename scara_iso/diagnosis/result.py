@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.run import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis.reversals import RunReversals
 
 ByAxis: TypeAlias = Mapping[str, float]
 """One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""
@@ -121,3 +124,5 @@ class Diagnosis:
     flags: tuple[Flag, ...] = ()
     notes: tuple[str, ...] = ()
     """What could not be searched or told, one line each."""
+    reversals: RunReversals | None = None
+    """The gears, by payload; None without a model or the columns approach and payload_kg."""

@@ -169,6 +169,8 @@ class Effect:
     """False where shuffling the cycles leaves the evidence for the effect as it is."""
     common: bool = True
     """Whether chance draws one course for all axes; else each axis has its own."""
+    recurs: bool = True
+    """False for an accident of one test: no model expects it in the next."""
     gain: float = 15.0
     """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
 
@@ -186,21 +188,34 @@ class Sweep:
     torque: FloatArray | None = None
     ratio: FloatArray | None = None
 
+    @property
+    def deviation(self) -> FloatArray:
+        """Load deviation in rad, shape (m,): -2D / (1 + I_L / I_m), paper eq. 16.
+
+        An infinite ``I_m`` is a motor that is held.
+        """
+        return np.asarray(-self.gap / (1 + self.I_L / self.I_m))
+
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class GearEffect:
-    """A change of the two-inertia model: ``deviation(sweep, values)`` in rad, shape (m,).
+    """A change of the two-inertia model: ``changed(sweep, values)`` is the sweep that eq. 16 sees.
 
-    ``candidates(sweep)`` are the parameter values to try, equally likely beforehand; none where
-    the sweep lacks what the effect acts through.
+    Values are numbers or columns of shape (k, 1), for k sweeps at once. ``candidates(sweep)`` are
+    the parameter values to try, in order and equally likely beforehand; none where the sweep lacks
+    what the effect acts through.
     """
 
     name: str
     parameters: tuple[Parameter, ...]
     cause: str
     confirm_by: str
-    deviation: Callable[[Sweep, Sizes], FloatArray]
+    changed: Callable[[Sweep, Sizes], Sweep]
     candidates: Callable[[Sweep], tuple[Sizes, ...]]
+
+    def deviation(self, sweep: Sweep, values: Sizes) -> FloatArray:
+        """Return eq. 16's load deviation with the effect, in rad, shape (m,)."""
+        return self.changed(sweep, values).deviation
 
 
 def column(values: npt.ArrayLike) -> FloatArray:

@@ -19,7 +19,7 @@ from scara_iso.effects._effect import (
 from scara_iso.run import FloatArray
 
 _COLUMN = "speed"
-_SATURATION = (0.3, 0.5, 0.7, 1.0)
+_SATURATION = tuple(share / 20 for share in range(6, 21))
 """Speeds tried at which the whole gap is crossed, as a share of the largest one recorded."""
 
 

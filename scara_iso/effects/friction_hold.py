@@ -3,19 +3,19 @@
 At one speed this cannot be told from a smaller gap.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from scara_iso.effects._effect import GearEffect, Parameter, Sizes, Sweep
-from scara_iso.effects._gap import deviation
-from scara_iso.run import FloatArray
 
 
-def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
-    """Return eq. 16 for the share of the gap that is crossed.
+def _changed(sweep: Sweep, values: Sizes) -> Sweep:
+    """Return the sweep with the share of the gap that is crossed.
 
     The source gives no formula; a load that friction holds leaves ``held`` 2D uncrossed.
     """
-    return deviation(sweep.I_m, sweep.I_L, (1 - values["held"]) * sweep.gap)
+    return replace(sweep, gap=(1 - values["held"]) * sweep.gap)
 
 
 def _candidates(_: Sweep) -> tuple[Sizes, ...]:
@@ -31,6 +31,6 @@ EFFECT = GearEffect(
     ),
     cause="friction of seal, bearing or mesh holds the load inside the gap",
     confirm_by="vary the approach speed: a held load comes to rest elsewhere",
-    deviation=_deviation,
+    changed=_changed,
     candidates=_candidates,
 )

@@ -1,14 +1,14 @@
 """A gap that differs from the catalogue's: the same model with another 2D."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from scara_iso.effects._effect import GearEffect, Parameter, Sizes, Sweep
-from scara_iso.effects._gap import deviation
-from scara_iso.run import FloatArray
 
 
-def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
-    return deviation(sweep.I_m, sweep.I_L, values["factor"] * sweep.gap)
+def _changed(sweep: Sweep, values: Sizes) -> Sweep:
+    return replace(sweep, gap=values["factor"] * sweep.gap)
 
 
 def _candidates(_: Sweep) -> tuple[Sizes, ...]:
@@ -20,6 +20,6 @@ EFFECT = GearEffect(
     parameters=(Parameter("factor", "f", "", "true gap over the stated one", above=0),),
     cause="the gear's backlash is not the catalogue's: wear, assembly, or a wrong figure",
     confirm_by="hold the motor and measure the free play of the output directly",
-    deviation=_deviation,
+    changed=_changed,
     candidates=_candidates,
 )

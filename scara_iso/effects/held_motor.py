@@ -1,11 +1,14 @@
 """The motor is held: I_m to infinity in eq. 16, the load crosses the whole gap."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from scara_iso.effects._effect import GearEffect, Sizes, Sweep
-from scara_iso.run import FloatArray
 
 
-def _deviation(sweep: Sweep, _: Sizes) -> FloatArray:
-    return -sweep.gap
+def _changed(sweep: Sweep, _: Sizes) -> Sweep:
+    return replace(sweep, I_m=np.full_like(sweep.I_m, np.inf))
 
 
 def _candidates(_: Sweep) -> tuple[Sizes, ...]:
@@ -17,6 +20,6 @@ EFFECT = GearEffect(
     parameters=(),
     cause="servo or brake holds the motor while the load is pushed across the whole gap",
     confirm_by="measure with the servo on and off",
-    deviation=_deviation,
+    changed=_changed,
     candidates=_candidates,
 )

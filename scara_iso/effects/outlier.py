@@ -35,5 +35,6 @@ EFFECT = Effect(
     series=_series,
     shapes=_shapes,
     ordered=False,
+    recurs=False,
     gain=60.0,
 )

@@ -1,15 +1,15 @@
 """Gear and shaft wind up under torque: torque / stiffness is added to the gap on either side."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from scara_iso.effects._effect import GearEffect, Parameter, Sizes, Sweep
-from scara_iso.effects._gap import deviation
-from scara_iso.run import FloatArray
 
 
-def _deviation(sweep: Sweep, values: Sizes) -> FloatArray:
+def _changed(sweep: Sweep, values: Sizes) -> Sweep:
     torque = np.zeros_like(sweep.gap) if sweep.torque is None else np.abs(sweep.torque)
-    return deviation(sweep.I_m, sweep.I_L, sweep.gap + 2 * torque * values["compliance"])
+    return replace(sweep, gap=sweep.gap + 2 * torque * values["compliance"])
 
 
 def _candidates(sweep: Sweep) -> tuple[Sizes, ...]:
@@ -23,6 +23,6 @@ EFFECT = GearEffect(
     parameters=(Parameter("compliance", "1/k", "rad/(N m)", "inverse of the stiffness", above=0),),
     cause="gear and shaft wind up under the torque of the reversal",
     confirm_by="ramp the torque both ways at standstill and record the angle",
-    deviation=_deviation,
+    changed=_changed,
     candidates=_candidates,
 )

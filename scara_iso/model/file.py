@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
@@ -59,7 +61,7 @@ def read_model(path: str | Path) -> Model:
 def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Path) -> None:
     """Write the model file ``path`` to ``to`` with ``effects`` added; comments are kept.
 
-    Raises `CannotCreateError` where ``to`` cannot be written.
+    ``to`` may be ``path`` itself. Raises `CannotCreateError` where ``to`` cannot be written.
     """
     import tomlkit  # noqa: PLC0415 - only where a model is written
 
@@ -75,9 +77,28 @@ def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Pat
             table[name] = _inline(value) if isinstance(value, Mapping) else value
         tables.append(table)
     try:
-        Path(to).write_text(tomlkit.dumps(document), encoding="utf-8", newline="")
+        _replace(Path(to), tomlkit.dumps(document))
     except OSError as error:
         raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(to)) from error
+
+
+def _replace(path: Path, text: str) -> None:
+    """Put ``text`` at ``path`` in one step: whatever happens, the old or the new file is whole."""
+    target = path.resolve()  # a link goes on pointing to what it names
+    if target.exists() and not target.is_file():  # a pipe or a terminal cannot be replaced
+        target.write_text(text, encoding="utf-8", newline="")
+        return
+    part = target.with_name(f"{target.name}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        if target.exists():
+            shutil.copymode(target, part)
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def _inline(values: Mapping[str, float]) -> InlineTable:
@@ -179,7 +200,7 @@ def _gearboxes(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[int, 
         given = {name: number(entry, name, where, faults) for name in known & set(entry)}
         faults += [
             Fault(f"{where}.{name}: must be positive")
-            for name in ("stiffness", "friction")
+            for name in ("stiffness", "friction", "payload_kg")
             if (given.get(name) or 0.0) < 0
         ]
         if {"Im", "IL", "arcmin"} <= {name for name, value in given.items() if value is not None}:

@@ -24,6 +24,8 @@ class Gearbox:
     """Of gear and shaft, at the output [N m/rad]."""
     friction: float | None = None
     """Coulomb friction on the load [N m]."""
+    payload_kg: float | None = None
+    """Payload that ``IL`` includes [kg]; the reversal then follows a ``payload_kg`` column."""
 
     def backlash(self) -> Backlash:
         """Return the two-inertia model of this gear, eq. 16."""

@@ -17,7 +17,7 @@ from scara_iso.effects import (
     find_gear_effects,
 )
 from scara_iso.errors import UsageError
-from scara_iso.model.parts import DeclaredEffect, Gearbox, Model
+from scara_iso.model.parts import DeclaredEffect, Model
 from scara_iso.run import Axis, FloatArray, Origin, Run
 
 _PLANE = {"X": (1.0, 0.0), "Y": (0.0, 1.0)}
@@ -105,8 +105,22 @@ def _reversal(model: Model, procedure: Conditions, axis: str) -> FloatArray:
     approach = procedure.covariates.get("approach")
     if approach is None or axis not in _PLANE:
         return np.zeros(len(procedure))
-    width = sum(reversal_mm(model, joint)[axis] for joint in model.gearboxes)
+    payload = procedure.covariates.get("payload_kg")
+    width = np.zeros(1)
+    for joint in model.gearboxes:
+        width = width + lever_mm(model, joint)[axis] * sweep_of(model, joint, payload).deviation
     return np.asarray(np.sign(approach) * width / 2)
+
+
+def lever_mm(model: Model, joint: int) -> dict[str, float]:
+    """Return how far the dials X and Y move for each radian of a joint, in mm.
+
+    0 where the model holds no arm or pose.
+    """
+    if model.arm is None or model.joints_deg is None:
+        return dict.fromkeys(_PLANE, 0.0)
+    column = model.arm.jacobian(model.joints_deg)[..., joint - 1]
+    return dict(zip(_PLANE, project(column, list(_PLANE.values())).tolist(), strict=True))
 
 
 def reversal_mm(model: Model, joint: int) -> dict[str, float]:
@@ -115,23 +129,43 @@ def reversal_mm(model: Model, joint: int) -> dict[str, float]:
     Eq. 16 with the gear effects declared for the joint, times the lever that the arm gives it; 0
     where the model holds no arm or pose.
     """
-    if model.arm is None or model.joints_deg is None:
-        return dict.fromkeys(_PLANE, 0.0)
-    lever = model.arm.jacobian(model.joints_deg)[..., joint - 1]
-    moved = lever * load_deviation_rad(model, joint)
-    return dict(zip(_PLANE, project(moved, list(_PLANE.values())).tolist(), strict=True))
+    moved = load_deviation_rad(model, joint)
+    return {axis: lever * moved for axis, lever in lever_mm(model, joint).items()}
 
 
 def load_deviation_rad(model: Model, joint: int) -> float:
     """Return eq. 16's load deviation of one joint, right minus left contact, effects included."""
+    return float(sweep_of(model, joint).deviation[0])
+
+
+def sweep_of(model: Model, joint: int, payload: FloatArray | None = None) -> Sweep:
+    """Return what eq. 16 takes of one joint, with the gear effects declared for it.
+
+    One entry, or one for each ``payload`` [kg]: a point mass at the tool, where the gearbox says
+    which payload its I_L includes, else without influence. Raises `UsageError` where that leaves no
+    inertia. The torque at a reversal is taken to be the friction, which holds the wound-up gear.
+    """
     gear = model.gearboxes[joint]
-    declared = list(_gear_effects(model, joint))
-    if not declared:
-        return gear.backlash().as_given.load_deviation_rad
-    changed = [effect.deviation(_sweep(gear), d.on_axis("")) for effect, d in declared]
-    # Several gear effects are taken as small and additive; the sources leave their product open.
-    plain = gear.backlash().as_given.load_deviation_rad
-    return plain + math.fsum(float(value[0]) - plain for value in changed)
+    I_L = np.full(1 if payload is None else len(payload), gear.IL)
+    if payload is not None and gear.payload_kg is not None:
+        distance = math.hypot(*lever_mm(model, joint).values()) / 1000
+        I_L = gear.IL + (payload - gear.payload_kg) * distance**2
+    if np.any(I_L <= 0):
+        raise UsageError(
+            f"gearbox.joint_{joint}: without its payload of {gear.payload_kg:g} kg no I_L is left",
+            remedy="check IL and payload_kg",
+        )
+    one = np.ones_like(I_L)
+    sweep = Sweep(
+        I_m=gear.Im * one,
+        I_L=I_L,
+        gap=math.radians(gear.arcmin / 60) * one,
+        torque=None if gear.friction is None else gear.friction * one,
+        ratio=None if gear.ratio is None else gear.ratio * one,
+    )
+    for effect, declared in _gear_effects(model, joint):
+        sweep = effect.changed(sweep, declared.on_axis(""))
+    return sweep
 
 
 def _gear_effects(model: Model, joint: int) -> Iterator[tuple[GearEffect, DeclaredEffect]]:
@@ -139,13 +173,3 @@ def _gear_effects(model: Model, joint: int) -> Iterator[tuple[GearEffect, Declar
     for declared in model.effects:
         if declared.name in known and declared.joint == joint:
             yield known[declared.name], declared
-
-
-def _sweep(gear: Gearbox) -> Sweep:
-    one = np.ones(1)
-    return Sweep(
-        I_m=gear.Im * one,
-        I_L=gear.IL * one,
-        gap=math.radians(gear.arcmin / 60) * one,
-        ratio=None if gear.ratio is None else gear.ratio * one,
-    )

@@ -139,32 +139,40 @@ def backlash_json(
 
 def _sweep(closed: GearDiagnosis) -> Json:
     return {
-        "verdict": closed.verdict.value,
-        "effects": [
-            {
-                "effect": found.effect,
-                "parameters": dict(found.parameters),
-                "intervals": {name: list(ends) for name, ends in found.intervals.items()},
-                "p_value": found.p_value,
-                "probability": found.probability,
-                "rivals": [
-                    {"effect": r.effect, "probability": r.probability} for r in found.rivals
-                ],
-                "cause": found.cause,
-                "confirm_by": found.confirm_by,
-            }
-            for found in closed.effects
-        ],
-        "error": {
-            "before": {"rms": closed.rms_before, "held_out_rms": closed.held_out_before},
-            "after": {"rms": closed.rms_after, "held_out_rms": closed.held_out_after},
-        },
+        **gear_json(closed),
         "series": {
             "measured": closed.measured.tolist(),
             "predicted_before": closed.predicted_before.tolist(),
             "predicted_after": closed.predicted_after.tolist(),
         },
         "notes": list(closed.notes),
+    }
+
+
+def gear_json(closed: GearDiagnosis) -> Json:
+    """Return verdict, effects and error of a diagnosis of reversals."""
+    return {
+        "verdict": closed.verdict.value,
+        "p_value": closed.p_value,
+        "effects": [
+            {
+                "effect": found.effect,
+                "joint": found.joint,
+                "parameters": dict(found.parameters),
+                "intervals": {name: list(ends) for name, ends in found.intervals.items()},
+                "p_value": found.p_value,
+                "probability": found.probability,
+                "rivals": rivals_json(found.rivals),
+                "cause": found.cause,
+                "confirm_by": found.confirm_by,
+            }
+            for found in closed.effects
+        ],
+        "candidates": rivals_json(closed.candidates),
+        "error": {
+            "before": {"rms": closed.rms_before, "held_out_rms": closed.held_out_before},
+            "after": {"rms": closed.rms_after, "held_out_rms": closed.held_out_after},
+        },
     }
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 
-from scara_iso.diagnosis import Diagnosis, Found
+from scara_iso.diagnosis import Diagnosis, Found, RunReversals
 from scara_iso.diagnosis.design import Design, Plan, Smallest
-from scara_iso.render.json import Json, rivals_json
+from scara_iso.render.json import Json, gear_json, rivals_json
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> Json:
@@ -55,6 +56,17 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
             {"axis": f.axis, "cycle": f.cycle, "p_value": f.p_value} for f in diagnosis.flags
         ],
         "notes": list(diagnosis.notes),
+        **({} if diagnosis.reversals is None else {"gear": _gear(diagnosis.reversals)}),
+    }
+
+
+def _gear(found: RunReversals) -> Json:
+    return {
+        **({"verdict": None} if found.gear is None else gear_json(found.gear)),
+        "reversals": [asdict(one) for one in found.reversals],
+        "mirrored": found.mirrored,
+        "missing": list(found.missing),
+        "notes": list(found.notes),
     }
 
 

@@ -96,29 +96,46 @@ def _assumptions(result: Backlash) -> Iterator[Block]:
 
 def sweep_report(closed: GearDiagnosis) -> Report:
     """Return what is said of a measured sweep: what eq. 16 leaves, and which effect it is."""
-    blocks: list[Block] = [Text(f"{words(closed.verdict.value)}", "strong")]
+    blocks = [*gear_blocks(closed), gear_errors(closed, "rad", "each reversal")]
+    return (Section("measured sweep", (*blocks, *(Text(line) for line in closed.notes))),)
+
+
+def gear_blocks(closed: GearDiagnosis) -> Iterator[Block]:
+    """Yield verdict and effects of a diagnosis of reversals."""
+    near = ", ".join(words(r.effect) for r in closed.candidates)
+    yield Text(
+        f"{words(closed.verdict.value)} (p = {closed.p_value:.2g})"
+        + (f": structure that no known effect fits; nearest: {near}" if near else ""),
+        "strong",
+    )
     for found in closed.effects:
         rivals = ", ".join(f"{words(r.effect)} ({r.probability:.0%})" for r in found.rivals)
-        blocks += [
-            Text(
-                f"{words(found.effect)}: p = {found.p_value:.2g}, probability "
-                f"{found.probability:.0%}" + (f"; not excluded: {rivals}" if rivals else ""),
-                "strong",
-            ),
-            *(
-                Text(f"{name} {value:.4g}{_between(found.intervals.get(name))}")
-                for name, value in found.parameters.items()
-            ),
-            Text(f"cause: {found.cause}"),
-            Text(f"confirm: {found.confirm_by}"),
-        ]
+        at = "" if found.joint is None else f" at joint {found.joint}"
+        yield Text(
+            f"{words(found.effect)}{at}: probability {found.probability:.0%}"
+            + (f"; not excluded: {rivals}" if rivals else ""),
+            "strong",
+        )
+        for name, value in found.parameters.items():
+            yield Text(f"{name} {value:.4g}{_between(found.intervals.get(name))}")
+        yield Text(f"cause: {found.cause}")
+        yield Text(f"confirm: {found.confirm_by}")
+
+
+def gear_errors(closed: GearDiagnosis, unit: str, left_out: str) -> Table:
+    """Return the error before and after, fitted and with ``left_out`` predicted unseen."""
     rows = (
-        ("eq. 16", four_digits(closed.rms_before), four_digits(closed.held_out_before)),
-        ("with the effect", four_digits(closed.rms_after), four_digits(closed.held_out_after)),
+        ("eq. 16", closed.rms_before, closed.held_out_before),
+        ("with the effect", closed.rms_after, closed.held_out_after),
     )
-    note = "held out: each reversal predicted without it, the choice of effect repeated"
-    blocks.append(Table(("rms error [rad]", "fitted", "held out"), rows, note))
-    return (Section("measured sweep", (*blocks, *(Text(line) for line in closed.notes))),)
+    return Table(
+        (f"rms error [{unit}]", "fitted", "held out"),
+        tuple(
+            (name, four_digits(fitted), "" if unseen is None else four_digits(unseen))
+            for name, fitted, unseen in rows
+        ),
+        f"held out: {left_out} predicted without it, the choice of effect repeated",
+    )
 
 
 def _between(ends: tuple[float, float] | None) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
 from scara_iso.report.digits import decimals
+from scara_iso.report.reversals import reversals_section
 from scara_iso.report.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
@@ -17,6 +18,8 @@ def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
     """Return what is said of one pose's diagnosis; ``title`` names the table."""
     sections = [Section("", (Text(f"diagnosis of {title}", "strong"), *_verdict(diagnosis)))]
     sections += [Section(words(f.effect), tuple(_effect(f))) for f in diagnosis.effects]
+    if diagnosis.reversals is not None:
+        sections.append(reversals_section(diagnosis.reversals))
     sections.append(Section("error and repeatability", tuple(_figures(diagnosis))))
     sections.append(Section("what RP is made of", (_shares(diagnosis),)))
     sections.append(Section("measured minus predicted", tuple(_strips(diagnosis))))

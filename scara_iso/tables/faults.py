@@ -12,10 +12,11 @@ _SHOWN = 30
 
 
 class Faults:
-    """Collect what is wrong with the file ``where``, in the order found."""
+    """Collect what is wrong with the file ``where``, wanted as ``what``, in the order found."""
 
-    def __init__(self, where: str) -> None:
+    def __init__(self, where: str, what: str = "a table of readings") -> None:
         self.where = where
+        self.what = what
         self.total = 0
         self._kept: list[Fault] = []
         self._remedy = ""
@@ -37,7 +38,7 @@ class Faults:
         count = "1 fault" if self.total == 1 else f"{self.total} faults"
         more = f", the first {KEPT} listed" if self.total > KEPT else ""
         raise DataError(
-            f"cannot be read as a table of readings: {count}{more}",
+            f"cannot be read as {self.what}: {count}{more}",
             where=self.where,
             remedy=self._remedy or "correct the file, or export it again",
             faults=faults,

@@ -1,0 +1,78 @@
+"""Is it more than chance? The tests of reversals: any effect, a second one, what a fit leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from scara_iso.diagnosis.gear_fit import Family, Fitted, Reversals, over_all
+from scara_iso.run import FloatArray
+
+LEVEL, SECOND_LEVEL, MISFIT_LEVEL = 0.05, 0.01, 0.01
+_SIMULATIONS = 499
+_LIKELY = 0.1
+"""Ways in which the scatter may grow are tried if so likely, relative to the likeliest."""
+
+
+def p_value(
+    data: Reversals, before: FloatArray, families: Sequence[Family], rng: np.random.Generator
+) -> float:
+    """Return how often eq. 16 with scatter alone fits some effect as much better.
+
+    Of the ways in which the scatter may grow, the one that does so most often counts.
+    """
+    tried = np.concatenate([data.predict(over_all(family)) for family in families])
+    observed = _gain(data, data.measured[np.newaxis], before, tried)[0]
+    scatters, likely = data.scatters(before)
+    chances = []
+    for scatter in scatters[likely > _LIKELY * likely.max()]:
+        noise = rng.normal(size=(_SIMULATIONS, len(before))) * scatter
+        if np.isfinite(data.degrees):
+            drawn = rng.chisquare(data.degrees, size=(_SIMULATIONS, 1)) / data.degrees
+            noise /= np.sqrt(drawn)
+        pieces = np.array_split(before + noise, 10)
+        gains = np.concatenate([_gain(data, piece, before, tried) for piece in pieces])
+        chances.append((1 + (gains >= observed).sum()) / (1 + _SIMULATIONS))
+    return float(max(chances))
+
+
+def _gain(
+    data: Reversals, readings: FloatArray, before: FloatArray, tried: FloatArray
+) -> FloatArray:
+    """Return the log likelihood gained by the best of predictions (k, m), shape (readings,)."""
+    alone = data.best_log_likelihood(readings, before[np.newaxis])
+    return np.asarray(data.best_log_likelihood(readings, tried) - alone)
+
+
+def second_p_value(data: Reversals, one: Sequence[Fitted], two: Sequence[Fitted]) -> float:
+    """Return the chance that some pair fits as much better than every single effect (F test)."""
+    from scipy.stats import f  # noqa: PLC0415 - heavy
+
+    single = max(one, key=lambda fit: fit.log_best)
+    chances = []
+    for pair in two:
+        more = max(1, free(pair) - free(single))
+        gain, m = pair.log_best - single.log_best, len(data.rows)
+        if data.uncertainty is not None:
+            chances.append(f.sf(2 * gain / more, more, min(data.degrees, 1e6)))
+        else:
+            left = m - free(pair)
+            chances.append(f.sf(np.expm1(2 * max(gain, 0.0) / m) * left / more, more, left))
+    return float(min(1.0, len(chances) * min(chances)))
+
+
+def free(fit: Fitted) -> int:
+    """Return the number of parameters of a fit."""
+    return sum(term.free for term in fit.family)
+
+
+def misfits(data: Reversals, fit: Fitted) -> bool:
+    """Return whether known uncertainties do not account for what a fit leaves."""
+    from scipy.stats import f  # noqa: PLC0415 - heavy
+
+    left = len(data.rows) - free(fit)
+    if data.uncertainty is None or left < 1:
+        return False
+    chance = f.sf(-2 * fit.log_best / left, left, min(data.degrees, 1e6))
+    return bool(chance < MISFIT_LEVEL)

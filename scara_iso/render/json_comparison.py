@@ -1,0 +1,74 @@
+"""The object of ``compare --json``, schema ``scara-iso/compare/1``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from scara_iso.comparison import Comparison, Contrast, Pair
+from scara_iso.results import Analysis
+
+Json = dict[str, Any]
+
+
+def comparison_json(comparison: Comparison) -> Json:
+    """Return the object; see docs/json.md."""
+    return {
+        "schema": "scara-iso/compare/1",
+        "unit": "mm",
+        "test": {
+            "method": "studentised permutation of centred cycles, single-step maximum",
+            "level": 0.05,
+            "shuffles": comparison.shuffles,
+            "seed": comparison.seed,
+        },
+        "before": _run(comparison.pairs[0].before),
+        "pairs": [_pair(pair) for pair in comparison.pairs],
+    }
+
+
+def _run(analysis: Analysis) -> Json:
+    return {
+        "source": analysis.run.origin.source,
+        "read_as": analysis.run.origin.understood,
+        "metadata": dict(analysis.run.metadata),
+        "cycles": {"read": analysis.cycles.read, "used": analysis.cycles.used},
+    }
+
+
+def _pair(pair: Pair) -> Json:
+    return {
+        "after": _run(pair.after),
+        "spreads": [_contrast(one) for one in pair.spreads],
+        "means": [_contrast(one) for one in pair.means],
+        "findings": [
+            {
+                "code": f.code,
+                "severity": f.severity,
+                "axis": f.axis,
+                "pose": f.pose,
+                "message": f.message,
+            }
+            for f in pair.findings
+        ],
+    }
+
+
+def _contrast(one: Contrast) -> Json:
+    spread = {"ratio": one.ratio, "ratio_interval": one.ratio_interval}
+    return {
+        "pose": one.pose,
+        "figure": one.figure,
+        "quantity": one.quantity,
+        "unit": one.unit,
+        "before": one.before,
+        "after": one.after,
+        "difference": one.difference,
+        "difference_interval": one.interval,
+        **({} if one.quantity == "mean" else spread),
+        "p_value": one.p_value,
+        "p_value_alone": one.p_value_alone,
+        "verdict": one.verdict.value,
+        "cycles_needed": one.cycles_needed,
+        "smallest_shown": one.smallest_shown,
+        "doubts": list(one.doubts),
+    }

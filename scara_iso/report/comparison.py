@@ -1,0 +1,228 @@
+"""What is said of a comparison: what changed first, then every figure with its interval."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from scara_iso.comparison import Comparison, Contrast, Pair, Verdict
+from scara_iso.comparison.decision import MOST_CYCLES
+from scara_iso.comparison.result import Ends
+from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.report.digits import decimals
+
+_MOST_FIGURES = 60
+_MOST_NOTICES = 40
+_MOST_PAIRS = 20
+_MOST_NAMED = 8
+_CHANGED = (Verdict.LESS, Verdict.MORE)
+_SAID = {
+    Verdict.LESS: "less",
+    Verdict.MORE: "more",
+    Verdict.NOT_SHOWN: "not shown",
+    Verdict.DIAL: "the dial",
+}
+
+
+def comparison_report(comparison: Comparison) -> Report:
+    """Return what is said of a comparison."""
+    first = comparison.pairs[0].before
+    head = [Text(f"comparison with {_name(first.run.origin.source)}", "strong")]
+    if len(comparison.pairs) > 1:
+        head.append(Text(f"{len(comparison.pairs)} tables, each against this first one", "quiet"))
+    shown = comparison.pairs[:_MOST_PAIRS]
+    sections = [Section("", tuple(head))]
+    for pair in shown:
+        sections += _pair(pair)
+    hidden = len(comparison.pairs) - len(shown)
+    more = (Text(f"{hidden} more tables; --json gives them all", "quiet"),) if hidden else ()
+    return (*sections, Section("", (*more, Text(_method(comparison), "quiet"))))
+
+
+def headline(pair: Pair) -> str:
+    """Return what a pair shows, in a sentence or three."""
+    said = []
+    for what, contrasts in (("repeatability", pair.spreads), ("mean", pair.means)):
+        changed = [_changed(one) for one in contrasts if one.verdict in _CHANGED]
+        if len(changed) > _MOST_NAMED:
+            changed[_MOST_NAMED:] = [f"and {len(changed) - _MOST_NAMED} more"]
+        said += [f"{what}: {', '.join(changed)}"] if changed else []
+    nothing = f"no difference that {_cycles(pair)} can show"
+    all_changed = all(one.verdict in _CHANGED for one in (*pair.spreads, *pair.means))
+    return "; ".join(said if all_changed else [*said, f"else {nothing}" if said else nothing])
+
+
+def _changed(one: Contrast) -> str:
+    name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
+    if one.ratio is None or one.ratio_interval is None:
+        places = _places([one])
+        return f"{name} {one.difference:+.{places}f} {one.unit}"
+    way = "better" if one.verdict is Verdict.LESS else "worse"
+    return f"{name} {way} (×{one.ratio:.2f}, 95 % interval {_ends(one.ratio_interval, 2)})"
+
+
+def _cycles(pair: Pair) -> str:
+    before, after = pair.before.cycles.used, pair.after.cycles.used
+    return f"{before} cycles" if before == after else f"{before} and {after} cycles"
+
+
+def _pair(pair: Pair) -> Iterator[Section]:
+    blocks: list[Block] = [Text(headline(pair), "strong"), *_caution(pair)]
+    yield Section(f"{_name(pair.after.run.origin.source)}: what changed", tuple(blocks))
+    yield Section("repeatability", tuple(_tables(pair.spreads)))
+    yield Section("mean", tuple(_tables(pair.means)))
+    yield Section("readings before and after", tuple(_strips(pair)))
+    notices = [Notice(f.severity, f.code, _subject(f.pose, f.axis), f.message)
+               for f in pair.findings[:_MOST_NOTICES]]  # fmt: skip
+    hidden = len(pair.findings) - len(notices)
+    more = [Text(f"{hidden} more; --json gives them all", "quiet")] if hidden > 0 else []
+    if notices:
+        yield Section("to be read with it", (*notices, *more))
+
+
+def _caution(pair: Pair) -> Iterator[Block]:
+    drifting = [one.figure for one in (*pair.spreads, *pair.means) if "trend" in one.doubts]
+    if drifting:
+        names = ", ".join(dict.fromkeys(drifting))
+        yield Text(
+            f"{names}: readings drift in one of the runs. The test deals cycles between the runs "
+            "as if their order did not count: diagnose the drift first.",
+            "warn",
+        )
+    if any(one.verdict is Verdict.DIAL for one in (*pair.spreads, *pair.means)):
+        said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
+        yield Text(said, "warn")
+
+
+def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
+    shown = contrasts[:_MOST_FIGURES]
+    for unit in ("mm", "deg"):
+        of_unit = [one for one in shown if one.unit == unit]
+        if of_unit:
+            yield _figures(of_unit, unit)
+    yield _power(shown)
+    if len(contrasts) > _MOST_FIGURES:
+        hidden = len(contrasts) - _MOST_FIGURES
+        yield Text(f"{hidden} more figures; --json gives them all", "quiet")
+
+
+def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
+    places = _places(contrasts)
+    rows = [
+        (
+            _row_name(one),
+            f"{one.before:.{places}f}",
+            f"{one.after:.{places}f}",
+            f"{one.difference:+.{places}f}",
+            _ends(one.interval, places, sign="+"),
+            _p_value(one.p_value),
+            _SAID[one.verdict] + ("*" if one.doubts else ""),
+        )
+        for one in contrasts
+    ]
+    said = {"mean": "means", "RP": "RP = l_bar + 3 S_l", "three_sigma": "± 3 s of an angle (7.2.2)"}
+    note = f"in {unit}; {said[contrasts[0].quantity]}; p among all figures"
+    note += "; *: read it with the notes below" if any(one.doubts for one in contrasts) else ""
+    return Table(
+        ("figure", "before", "after", "change", "95 % interval", "p", "change is"),
+        tuple(rows),
+        note,
+    )
+
+
+def _power(contrasts: Sequence[Contrast]) -> Table:
+    means = contrasts[0].quantity == "mean"
+    rows = [
+        (
+            _row_name(one),
+            *(() if means else _ratio(one)),
+            _needed(one.cycles_needed),
+            _least(one, _places([one])),
+        )
+        for one in contrasts
+    ]
+    note = (
+        "Cycles wanted: how many in each run would show this change in 4 of 5 tests, if it is the "
+        "true one. Shown here: the change that these cycles show in 4 of 5 tests"
+    )
+    note += (
+        "; a mean moves also where the indicator was mounted or zeroed anew."
+        if means
+        else ", as a ratio up or down."
+    )
+    ratio = () if means else ("after/before", "95 % interval")
+    return Table(("figure", *ratio, "cycles wanted", "shown here"), tuple(rows), note)
+
+
+def _row_name(one: Contrast) -> str:
+    return one.figure if one.pose is None else f"{one.pose} {one.figure}"
+
+
+def _places(contrasts: Sequence[Contrast]) -> int:
+    if contrasts[0].quantity == "mean":
+        return decimals([_width(one) for one in contrasts])
+    return decimals([size for one in contrasts for size in (one.before, one.after)])
+
+
+def _ratio(one: Contrast) -> tuple[str, str]:
+    assert one.ratio_interval is not None  # noqa: S101 - not a mean
+    return "" if one.ratio is None else f"{one.ratio:.2f}", _ends(one.ratio_interval, 2)
+
+
+def _ends(ends: Ends, places: int, *, sign: str = "") -> str:
+    said = ["any" if end is None else f"{end:{sign}.{places}f}" for end in ends]
+    return "..".join(said)
+
+
+def _width(one: Contrast) -> float:
+    lower, upper = one.interval
+    return 10 * (upper - lower) if lower is not None and upper is not None else 0.0
+
+
+def _p_value(p_value: float) -> str:
+    return f"{p_value:.4f}" if p_value < 0.01 else f"{p_value:.2f}"
+
+
+def _needed(cycles: int | None) -> str:
+    if cycles is None:
+        return ""
+    if cycles >= MOST_CYCLES:
+        return f"> {MOST_CYCLES - 1}"
+    magnitude = 10 ** max(math.floor(math.log10(cycles)) - 1, 0)
+    return f"{math.ceil(cycles / magnitude) * magnitude}"
+
+
+def _least(one: Contrast, places: int) -> str:
+    if one.smallest_shown is None:
+        return "none"
+    if one.quantity == "mean":
+        return f"{one.smallest_shown:.{places}f} {one.unit}"
+    return f"×{one.smallest_shown:.2f}"
+
+
+def _strips(pair: Pair) -> Iterator[Block]:
+    names = dict.fromkeys(one.figure for one in pair.means)
+    for name in names:
+        for analysis, when in ((pair.before, "before"), (pair.after, "after")):
+            pose = analysis.poses[0]
+            axis = pose.axes[name]
+            caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
+            yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
+
+
+def _method(comparison: Comparison) -> str:
+    pairs = len(comparison.pairs)
+    shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
+    return (
+        f"Cycles are dealt to the two runs at random {comparison.shuffles} times (studentised "
+        "permutation, seed fixed). Intervals of one quantity hold together with 95 %, p is that "
+        f"among all its figures{shared}. The dials' rounding is taken off. Method: docs/compare.md"
+    )
+
+
+def _subject(pose: str | None, axis: str | None) -> str:
+    return ", ".join(part for part in (pose, axis) if part)
+
+
+def _name(source: str) -> str:
+    return source or "the first run"
