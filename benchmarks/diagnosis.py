@@ -331,6 +331,17 @@ def geometry(task):
     return summary(searched(run_of(columns, sigma), rng, joint if known else None))
 
 
+def knowing(task):
+    """Return the name given to one run whose scatter is known beforehand."""
+    rng, run = generated(task)
+    if problem_in(run) is None:
+        return summary(None)
+    scatter_read = np.sqrt(task[2] ** 2 + 1 / 12)
+    known = dict.fromkeys(run.axes, scatter_read)
+    problem = problem_of(run, directions={}, effects=find_effects(), sigma=known)
+    return summary((problem, (), (chosen(problem, (), rng)[0],)))
+
+
 def gains(pool, runs):
     """More data of the right kind: several axes, covariates, geometry, a second run."""
     print("\n## Gains at sigma 0.7: found [%], named right of found [%]")
@@ -348,6 +359,19 @@ def gains(pool, runs):
         tasks = [(1.6, 0.7, known, [SEED, 9, i]) for i in range(runs)]
         print(f"step of 1.6 sigma along joint 1, arm {'known' if known else 'not known'}: "
               f"{said(tabled(pool, geometry, tasks), 'step')}", flush=True)  # fmt: skip
+
+    for function, label in ((named, "not known"), (knowing, "known")):
+        means = []
+        for structures in (MIDDLE, HIGH):
+            right, counts = [], []
+            for kind, size in structures:
+                tasks = [(kind, size, 0.7, "normal", [SEED, 4, i]) for i in range(runs)]
+                found = [r for r in tabled(pool, function, tasks) if r["best"] is not None]
+                right.append(100 * np.mean([r["best"] == NAME[kind] for r in found]))
+                counts.append(np.mean([len(r["rivals"]) for r in found]))
+            means.append(f"{np.mean(right):.1f} ({np.mean(counts):.2f})")
+        print(f"scatter {label}: named right, middle and high sizes (best and rivals): {means}",
+              flush=True)  # fmt: skip
 
 
 def said(results, name):

@@ -158,6 +158,18 @@ def test_three_levels_are_more_than_any_named_effect(rng):
     assert found.effects == ()
 
 
+def test_a_known_scatter_sharpens_the_naming_and_is_checked(rng):
+    run = make_run({"X": 5.0 * (J >= 12) + rng.normal(size=N)})
+    without, known = diagnose(run), diagnose(run, sigma={"X": 0.005})
+    assert known.p_value == without.p_value
+    assert known.effects[0].effect == "step"
+    assert known.effects[0].probability > without.effects[0].probability
+    assert known.notes == without.notes
+    assert "0.001 as stated" in diagnose(run, sigma={"X": 0.001}).notes[-1]
+    with pytest.raises(DataError, match="known scatter"):
+        diagnose(run, sigma={"X": -1.0})
+
+
 def test_two_effects_are_found_one_after_the_other(rng):
     approach = rng.permutation(np.repeat([-1.0, 1.0], N // 2))
     course = 4 * approach + 6.0 * (J >= 14) + rng.normal(size=N)

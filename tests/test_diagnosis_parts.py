@@ -10,7 +10,7 @@ from scipy import stats
 from scara_iso.diagnosis.bank import EMPHASIS, Member, build, constant, extended, members_of
 from scara_iso.diagnosis.choice import hidden_sides
 from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.evidence import KNOWN_FROM, Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.gear import diagnose_sweep
 from scara_iso.diagnosis.held_out import cross_validated
@@ -72,6 +72,32 @@ def test_evidence_is_the_ratio_of_marginal_likelihoods(rng):
     for name, (_, covariance) in cases.items():
         expected = log_marginal(y, covariance) - log_marginal(y, np.eye(N))
         assert found[name] == pytest.approx(expected, abs=1e-3), name
+
+
+def test_a_known_scatter_counts_as_cycles_on_which_nothing_acted(rng):
+    """Each bank's evidence with those cycles appended, where no effect reaches them."""
+    y = rng.normal(size=(N, 1))
+    y -= y.mean(axis=0)
+    views = views_of(y, constant(N), sigma=np.array([0.7]))
+    ramp = np.arange(N) - (N - 1) / 2
+    unit = ramp / np.linalg.norm(ramp)
+    random = Member("random", Process(np.eye(N)), 1.0)
+    bank = bank_of([Member("ramp", Shape(ramp[:, None]), 1.0), random])
+    found = log_bayes(bank, views.columns, views.known)
+    more = (KNOWN_FROM - 1) * 0.7**2
+    nu = N - 1 + KNOWN_FROM - 1
+    share = 15 / 16 * (unit @ y[:, 0]) ** 2 / ((y**2).sum() + more)
+    assert found[0, 0] == pytest.approx(-nu / 2 * np.log(1 - share) - np.log(16) / 2)
+    assert views_of(y, constant(N), sigma=np.zeros(1)).known is None
+
+
+def test_two_levels_a_known_scatter_apart_are_no_levels(rng):
+    y = rng.normal(size=24)
+    free, wide, narrow = (
+        two_levels(y, 0.0, [Chain(0.6, 0.4)], known=(KNOWN_FROM - 1) * sigma**2).log_bf[0]
+        for sigma in (0.0, y.std(), 0.4 * y.std())
+    )
+    assert wide < free < narrow
 
 
 def test_an_amplified_bank_is_that_of_larger_variances(rng):

@@ -12,6 +12,7 @@ from math import lgamma
 
 import numpy as np
 
+from scara_iso.diagnosis.evidence import KNOWN_FROM
 from scara_iso.effects import Chain
 from scara_iso.run import FloatArray, IntArray
 
@@ -96,14 +97,16 @@ class _Grid:
     log_prior: FloatArray
 
 
-def two_levels(y: FloatArray, division: float, chains: Sequence[Chain]) -> TwoLevels:
+def two_levels(
+    y: FloatArray, division: float, chains: Sequence[Chain], *, known: float = 0.0
+) -> TwoLevels:
     """Return the evidence for two levels in readings y (n,); nan marks a cycle that is not seen.
 
     ``division`` is the dial's: rounding keeps the scatter from being smaller than division /
-    sqrt(12).
+    sqrt(12). ``known`` are squares as in `evidence.Views`, 0 for a scatter that is not known.
     """
     seen = y[np.isfinite(y)]
-    grid = _grid(seen, division)
+    grid = _grid(seen, division, known)
     lower, upper, scale = _emissions(y, grid)
     leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
     log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
@@ -114,14 +117,14 @@ def two_levels(y: FloatArray, division: float, chains: Sequence[Chain]) -> TwoLe
     peak = log_weight.max()
     weight = np.exp(log_weight - peak)
     by_chain = weight.sum(axis=1)
-    log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen)
+    log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen, known)
     c, cell = np.unravel_index(np.argmax(weight), weight.shape)
     share = _smoothed(lower[:, cell], upper[:, cell], leave[c])
     switching = 2 * leave.prod(axis=1) / leave.sum(axis=1)
     return TwoLevels(log_bf, share, float(switching @ by_chain / by_chain.sum()))
 
 
-def _grid(seen: FloatArray, division: float) -> _Grid:
+def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     levels = np.linspace(seen.min(), seen.max(), _LEVELS)
     scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, division / np.sqrt(12))
     a, b = np.triu_indices(_LEVELS, 1)
@@ -130,6 +133,8 @@ def _grid(seen: FloatArray, division: float) -> _Grid:
     cell = 2 * np.log(levels[1] - levels[0]) + np.log(np.log(_SCATTERS[1] / _SCATTERS[0]))
     pair, s = np.nonzero(distance >= 1)
     log_prior = density[pair, s] - np.log(scatter[s]) + cell
+    if known:
+        log_prior -= (KNOWN_FROM - 1) * np.log(scatter[s]) + known / (2 * scatter[s] ** 2)
     return _Grid(levels[a[pair]], levels[b[pair]], scatter[s], log_prior)
 
 
@@ -210,8 +215,10 @@ def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatA
     return np.asarray(both[:, 1] / both.sum(axis=1))
 
 
-def _log_scatter_alone(seen: FloatArray) -> float:
+def _log_scatter_alone(seen: FloatArray, known: float) -> float:
     """Return the log marginal likelihood of one level under the prior 1 / scatter."""
     nu = len(seen) - 1
-    S = float(((seen - seen.mean()) ** 2).sum())
-    return float(lgamma(nu / 2) - nu / 2 * np.log(np.pi * S) - 0.5 * np.log(nu + 1) - np.log(2))
+    m = nu + (KNOWN_FROM - 1 if known else 0)
+    S = float(((seen - seen.mean()) ** 2).sum()) + known
+    free = lgamma(m / 2) - nu / 2 * np.log(2 * np.pi) - m / 2 * np.log(S / 2)
+    return float(free - 0.5 * np.log(nu + 1) - np.log(2))

@@ -55,14 +55,22 @@ def order_test(
     Clifford 1991), and below 0.05 just where all the orders would put it there.
     """
     n = len(views.columns)
-    observed = float(log_statistic(bank, views, np.arange(n)[np.newaxis], sides)[0])
-    orders = np.array([rng.permutation(n) for _ in range(shuffles)])
+    orders = np.array([np.arange(n), *(rng.permutation(n) for _ in range(shuffles))])
+    sticky = _stickiness(sides, orders)
+    observed = float(log_statistic(bank, views, orders[:1], sticky[:1])[0])
     as_large = np.zeros(0, dtype=bool)
     while len(as_large) < shuffles and as_large.sum() < ENOUGH:
-        block = orders[len(as_large) : len(as_large) + _BLOCK]
-        statistics = log_statistic(bank, views, block, sides)
+        block = slice(1 + len(as_large), 1 + len(as_large) + _BLOCK)
+        statistics = log_statistic(bank, views, orders[block], sticky[block])
         as_large = np.concatenate([as_large, statistics >= observed - _EQUAL])
     return OrderTest(observed, _p_value(as_large))
+
+
+def _stickiness(sides: Sequence[Sides], orders: IntArray) -> FloatArray:
+    """Return the evidence that sides stay, for each order, beside that of the bank."""
+    if not sides:
+        return np.zeros(len(orders))
+    return np.asarray(_SIDES_SHARE * np.mean([side.stickiness(orders) for side in sides], axis=0))
 
 
 def _p_value(as_large: npt.NDArray[np.bool_]) -> float:
@@ -73,16 +81,15 @@ def _p_value(as_large: npt.NDArray[np.bool_]) -> float:
 
 
 def log_statistic(
-    bank: Bank, views: Views, orders: IntArray, sides: Sequence[Sides] = ()
+    bank: Bank, views: Views, orders: IntArray, sticky: FloatArray | float = 0.0
 ) -> FloatArray:
-    """Return the log of the mean Bayes factor for each order of the cycles, shape (orders,)."""
+    """Return the log of the mean Bayes factor for each order of the cycles, shape (orders,).
+
+    ``sticky`` is evidence that comes from outside the bank.
+    """
     n, v = views.columns.shape
     shuffled = np.moveaxis(views.columns[orders], 0, 2).reshape(n, -1)
     if bank.basis.shape[1] > 1:
         shuffled = shuffled - bank.basis @ (bank.basis.T @ shuffled)
     log_bf = log_bayes(bank, shuffled).reshape(-1, v, len(orders))
-    evidence = bank.test_weights @ joint_evidence(log_bf, views)
-    if sides:
-        sticky = [side.stickiness(orders) for side in sides]
-        evidence = evidence + _SIDES_SHARE * np.mean(sticky, axis=0)
-    return np.asarray(np.log(evidence))
+    return np.asarray(np.log(bank.test_weights @ joint_evidence(log_bf, views) + sticky))

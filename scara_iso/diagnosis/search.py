@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -43,13 +44,15 @@ _ADJACENT = 2.5
 class Problem:
     """A residual and every hypothesis about it; ``directions`` as in `views_of`.
 
-    ``effects`` are those that the members belong to, by name.
+    ``effects`` are those that the members belong to, by name; ``sigma`` (axes,) is the scatter of
+    the readings where it is known beforehand, else 0.
     """
 
     residual: Residual
     members: tuple[Member, ...]
     directions: Mapping[str, FloatArray] = field(default_factory=dict)
     effects: Mapping[str, Effect] = field(default_factory=dict)
+    sigma: FloatArray | None = None
 
     @property
     def rows(self) -> IntArray:
@@ -63,6 +66,7 @@ def problem_of(
     *,
     directions: Mapping[str, Mapping[str, float]],
     effects: tuple[Effect, ...],
+    sigma: Mapping[str, float] | None = None,
 ) -> Problem:
     """Return the problem that ``predicted`` leaves of one pose's run; see `diagnose`."""
     if len(list(run.rows_by_pose())) > 1:
@@ -76,7 +80,11 @@ def problem_of(
     members = members_of(effects, residual.conditions)
     if all(_neighbours(residual)):
         members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
-    return Problem(residual, members, usable, {effect.name: effect for effect in effects})
+    wrong = [value for value in (sigma or {}).values() if not 0 < value < math.inf]
+    if wrong:
+        raise DataError(f"a known scatter of {wrong[0]:g}", remedy="state a positive, finite one")
+    known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
+    return Problem(residual, members, usable, {effect.name: effect for effect in effects}, known)
 
 
 def _neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
@@ -136,7 +144,9 @@ def look(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Look:
     basis = fitted_basis(terms, rows)
     spread = any(isinstance(term.form, Spread) for term in terms)
     members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
-    return Look(rows, basis, views_of(values, basis, problem.directions), values, members)
+    return Look(
+        rows, basis, views_of(values, basis, problem.directions, problem.sigma), values, members
+    )
 
 
 def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:
