@@ -1,7 +1,7 @@
 """Undeclared effects made by other equations: what the diagnosis says of them, over many seeds.
 
-``OPENBLAS_NUM_THREADS=1 python -m benchmarks.undeclared`` prints the tables of
-docs/diagnosis-undeclared.md; with ``--write`` it puts them there.
+``python -m benchmarks.undeclared`` prints the tables of docs/diagnosis-undeclared.md, with
+``--write`` it puts them there. OPENBLAS_NUM_THREADS=1 in the environment saves most of its time.
 """
 
 from __future__ import annotations

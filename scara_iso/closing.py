@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from scara_iso.model import DeclaredEffect, Model, declare, predict, read_model
 from scara_iso.model.parts import Value
 from scara_iso.model.predict import is_chance
 from scara_iso.run import Run
-from scara_iso.tables import read_table
+from scara_iso.tables import Source, read_table
 
 _PLANE = ("X", "Y")
 
@@ -64,7 +64,7 @@ class Reading:
     decimal: str | None = None
     sheet: str | None = None
 
-    def read(self, table: str) -> Run:
+    def read(self, table: Source) -> Run:
         """Return the run of a table; errors as in `read_table`."""
         return read_table(
             table,
@@ -119,11 +119,23 @@ def close_the_loop(
         directions={} if model is None else directions_of(model),
         sigma={name: sigma for name, axis in used.axes.items() if sigma and axis.unit == "mm"},
     )
-    unknown = [] if model is None else [axis for axis in run.axes if axis not in model.indicators]
-    note = f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
-    if model is not None:
-        found = replace(found, reversals=diagnose_run_reversals(used, model, seed=seed))
-    return replace(found, notes=(*found.notes, note)) if unknown else found
+    if model is None:
+        return found
+    return replace(
+        found,
+        notes=(*found.notes, *_doubts(model, run)),
+        reversals=diagnose_run_reversals(used, model, seed=seed),
+    )
+
+
+def _doubts(model: Model, run: Run) -> Iterator[str]:
+    """Yield what speaks against the model being that of the run's robot."""
+    unknown = [axis for axis in run.axes if axis not in model.indicators]
+    if unknown:
+        yield f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
+    robot = run.metadata.get("robot", "")
+    if model.robot and robot and model.robot.casefold() != robot.casefold():
+        yield f"the model is that of {model.robot}, the table is of {robot}: is it the right one?"
 
 
 def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
@@ -148,6 +160,14 @@ def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
             where=run.origin.source,
             remedy="take the model of this robot, or leave --model out",
         )
+    for name, axis in run.axes.items():
+        if name in model.indicators and model.indicators[name].dimension is not axis.dimension:
+            raise DataError(
+                f"{name} is in {axis.unit}, and in {model.indicators[name].dimension.value} in the "
+                "model",
+                where=run.origin.source,
+                remedy=f"state the unit of [indicator.{name}], or take the model of this robot",
+            )
     expected = predict(model, Conditions(run.cycle, run.covariates))
     return {name: a.readings for name, a in expected.axes.items() if name in run.axes}
 

@@ -10,6 +10,7 @@ from scara_iso.cli import main
 from scara_iso.closing import CyclesWanted, close_the_loop, directions_of
 from scara_iso.errors import DataError, UsageError
 from scara_iso.model import read_model
+from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 
 ROOT = Path(__file__).parents[1]
@@ -191,6 +192,43 @@ def test_a_model_of_another_robot_is_said(tmp_path, rng):
         close_the_loop(run, read_model(path), CyclesWanted(), seed=1)
 
 
+def test_a_model_in_another_unit_is_refused(tmp_path, rng):
+    path = tmp_path / "other.toml"
+    path.write_text("[indicator.theta]\n[indicator.X]\n", encoding="utf-8")
+    angle = Axis("theta", rng.normal(0, 0.01, 31), Dimension.ANGLE)
+    with pytest.raises(DataError, match="theta is in deg, and in mm in the model"):
+        close_the_loop(
+            Run(np.arange(1, 32), {"theta": angle}), read_model(path), CyclesWanted(), seed=1
+        )
+
+
+def test_a_model_of_another_name_is_doubted(call, tmp_path):
+    other = tmp_path / "other.toml"
+    text = MODEL.read_text(encoding="utf-8")
+    other.write_text(text.replace('name = "FUM SCARA"', 'name = "Cobra"'), encoding="utf-8")
+    doubt = "the model is that of Cobra, the table is of FUM SCARA: is it the right one?"
+    assert doubt in diagnosed(call, TABLE_1, "--model", other)["notes"]
+    assert not any("right one" in n for n in diagnosed(call, TABLE_1, "--model", MODEL)["notes"])
+
+
+def test_a_column_that_the_model_needs_is_named(call, tmp_path):
+    model = tmp_path / "warm.toml"
+    effect = "[[effect]]\nname='temperature'\ncolumn='temperature_C'\nsize={X=0.001}\n"
+    model.write_text(f"[indicator.X]\n{effect}", encoding="utf-8")
+    code, out, err = call("diagnose", TABLE_1, "--model", model)
+    assert (code, out) == (2, "")
+    assert "needs the column temperature_C" in err
+
+
+def test_a_table_that_cannot_be_diagnosed_is_named(call, tmp_path):
+    path = tmp_path / "short.csv"
+    rows = "".join(f"{k},{0.5 + 0.001 * (k % 3):.3f}\n" for k in range(1, 12))
+    path.write_text(f"# unit: mm\ncycle,X\n{rows}", encoding="utf-8")
+    code, out, err = call("diagnose", path, "--cycles", "11")
+    assert (code, out) == (65, "")
+    assert "short.csv: 10 usable cycles cannot tell structure from scatter" in err
+
+
 @pytest.mark.parametrize(
     ("argv", "code"),
     [
@@ -226,11 +264,13 @@ def test_a_model_is_saved_over_itself_whole_or_not_at_all(call, tmp_path, monkey
     link = tmp_path / "link.toml"
     link.symlink_to(own)
     argv = (table, "--model", link, "--save-model", link)
+    before = own.stat().st_ino
     found = diagnosed(call, *argv)
     assert f"{link} declares warm_up: the next table is expected to show it" in found["notes"]
     assert own.read_text(encoding="utf-8").startswith(MODEL.read_text(encoding="utf-8").rstrip())
     assert [effect.name for effect in read_model(own).effects] == ["warm_up"]
     assert link.is_symlink()
+    assert own.stat().st_ino != before  # another file in its place, not written over
     assert own.stat().st_mode & 0o777 == 0o640
     kept = own.read_bytes()
 

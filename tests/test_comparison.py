@@ -161,8 +161,9 @@ def test_a_shift_of_the_indicator_changes_no_spread(rng):
 
 def test_a_dial_that_never_moves_hides_up_to_its_division(rng):
     stuck = analysis({"X": np.full(30, 0.5)}, resolution=0.01)
-    found = pair(analysis({"X": 0.2 * rng.standard_normal(30)}, resolution=0.01), stuck)
+    found = pair(analysis({"X": 0.5 + 0.2 * rng.standard_normal(30)}, resolution=0.01), stuck)
     assert found.spreads[0].verdict is Verdict.LESS  # no division hides RP of half a millimetre
+    assert headline(found) == "nothing is compared: one of the dials stood still"
     both = pair(stuck, stuck).spreads[0]
     assert (both.verdict, both.ratio, both.ratio_interval) == (Verdict.NOT_SHOWN, None, (0, None))
     silent = analysis({"X": np.full(30, 0.5)}, resolution=None)

@@ -282,6 +282,44 @@ def test_a_real_probe_drifts_while_its_bed_heats(window):
     assert found.error_after.held_out_rms["Z"] < found.error_before.held_out_rms["Z"]
 
 
+def test_two_axes_of_one_large_effect_are_no_copies(rng):
+    """A reversal of two hundred scatters: the axes correlate at 0.9999 and more, and differ."""
+    side = rng.choice([-1.0, 1.0], N)
+    columns = {"X": -120 * side + rng.normal(size=N), "Y": 160 * side + rng.normal(size=N)}
+    arm = {"joint 1": {"X": -0.6, "Y": 0.8}, "joint 2": {"X": -1.0, "Y": 0.0}}
+    found = diagnose(make_run(columns, covariates={"approach": side}), directions=arm)
+    assert not any("exact function" in note for note in found.notes)
+    assert found.effects[0].axes == ("X", "Y")
+    assert found.effects[0].joint == "joint 1"
+
+
+def test_a_movement_along_two_directions_at_once_names_none():
+    rng = np.random.default_rng(1)
+    run = make_run({"X": 6.0 * (J >= 13) + rng.normal(size=N), "Z": rng.normal(size=N)})
+    arm = {"joint 1": {"X": -0.6, "Y": 0.8}, "joint 2": {"X": -1.0, "Y": 0.0}}
+    found = diagnose(run, directions=arm).effects[0]
+    assert max(found.angles.values()) < 1
+    assert found.joint is None
+
+
+def test_a_second_run_may_stand_still(rng):
+    first = make_run({"X": COURSES["step"] + rng.normal(size=N)})
+    still = Run(CYCLE, {"X": Axis("X", np.full(N, 0.3), resolution=0.001)})
+    found = diagnose(first, held_out=still)
+    assert found.error_before.held_out_rms["X"] == pytest.approx(0.0, abs=1e-12)
+    assert found.error_after.held_out_rms["X"] > 0.005
+
+
+def test_two_divisions_do_not_tell_a_size(rng):
+    shows = np.where(J < 14, 0.02, 0.01)
+    shows[[20, 25]] = 0.02
+    coarse = Run(CYCLE, {"X": Axis("X", shows, resolution=0.01)})
+    assert any("only two neighbouring divisions in X" in line
+               for line in diagnose(coarse).effects[0].unidentified)  # fmt: skip
+    fine = diagnose(make_run({"X": COURSES["step"] + rng.normal(size=N)}))
+    assert not any("neighbouring" in line for line in fine.effects[0].unidentified)
+
+
 def test_too_few_cycles_are_refused():
     run = Run(np.arange(11), {"X": Axis("X", np.arange(11.0))})
     with pytest.raises(DataError, match="11 usable cycles"):

@@ -1,144 +1,307 @@
-"""One contract meets every effect; then each one's own physics."""
+"""One contract for every file of the catalogue and of third parties, met without being told.
+
+The known effects are then held against their formulas and limits.
+"""
+
+import math
+import sys
 
 import numpy as np
 import pytest
 
+from scara_iso import effects
 from scara_iso.effects import (
     Conditions,
+    Direction,
     Effect,
+    GearEffect,
     Sweep,
     find_effects,
     find_gear_effects,
 )
+from scara_iso.model import predict, read_model
 
-EFFECTS = {effect.name: effect for effect in find_effects()}
-GEAR = {effect.name: effect for effect in find_gear_effects()}
-
-# Values by parameter name, for any effect; one that has others fails here until it is listed.
-VALUES = {
-    "size": 2.0, "at_cycle": 12, "tau": 5.0, "period": 6.0, "phase": 0.3, "switching": 0.2,
-    "ratio": 2.0, "scatter": 1.0, "division": 0.5, "full_at": 0.8,
-    "N": 50.0, "factor": 1.5, "held": 0.3, "compliance": 1e-4,
+ON_READINGS = {
+    "linear_drift", "warm_up", "step", "periodic", "contact_side", "lost_motion", "temperature",
+    "covariate", "compliance", "random_walk", "outlier", "resolution", "scatter_change",
+    "coast_in_gap",
 }  # fmt: skip
+ON_THE_GEAR = {"reflected_inertia", "friction_hold", "wind_up", "held_motor", "gap"}
+CHANCE = {"contact_side", "random_walk", "resolution", "scatter_change"}
+
+J = np.arange(1, 31)
+APPROACH = np.resize([1.0, 1.0, -1.0], 30)
+TEMPERATURE = 20 + np.sqrt(J)
+PAYLOAD = np.resize([0.0, 1.0, 2.5], 30)
+SPEED = np.resize([10.0, 50.0, 100.0], 30)
+HUMIDITY = np.resize([40.0, 45.0, 43.0, 41.0], 30)
+RECORDED = Conditions(
+    J,
+    {"approach": APPROACH, "temperature_C": TEMPERATURE, "payload_kg": PAYLOAD, "speed": SPEED,
+     "humidity": HUMIDITY},
+)  # fmt: skip
+
+# Each formula once more, in the words of its source and not of its module.
+FORMULAS = {
+    "linear_drift": ({"size": 0.1}, 0.1 * (J - 1)),
+    "warm_up": ({"size": 2.0, "tau": 4.0}, [2.0 * (1 - math.exp(-(j - 1) / 4.0)) for j in J]),
+    "step": ({"size": 2.0, "at_cycle": 9.0}, [0.0] * 8 + [2.0] * 22),
+    "periodic": (
+        {"size": 2.0, "period": 7.0, "phase": 0.4},
+        [2.0 * math.sin(2 * math.pi * (j - 1) / 7.0 + 0.4) for j in J],
+    ),
+    "contact_side": ({"size": 2.0, "switching": 1.0}, [2.0, 0.0] * 15),
+    "lost_motion": ({"size": 2.0}, 2.0 * APPROACH),
+    "temperature": ({"size": 2.0}, 2.0 * (TEMPERATURE - sum(TEMPERATURE) / 30)),
+    "covariate": ({"size": 2.0}, 2.0 * (HUMIDITY - sum(HUMIDITY) / 30)),
+    "compliance": ({"size": 2.0}, 2.0 * (PAYLOAD - sum(PAYLOAD) / 30)),
+    "outlier": ({"size": 2.0, "at_cycle": 9.0}, [0.0] * 8 + [2.0] + [0.0] * 21),
+    "coast_in_gap": ({"size": 2.0, "full_at": 60.0}, np.resize([2 / 36, 2 * 25 / 36, 2.0], 30)),
+}
+GEAR = Sweep(
+    I_m=np.array([2.65e-4, 1e-3]), I_L=np.array([4.749, 2.0]), gap=np.array([3.5e-3, 1e-3]),
+    torque=np.array([10.0, -20.0]),
+)  # fmt: skip
+EQ_16 = -GEAR.gap / (1 + GEAR.I_L / GEAR.I_m)
+GEAR_FORMULAS = {
+    "reflected_inertia": ({"N": 50.0}, -GEAR.gap / (1 + GEAR.I_L / (2500 * GEAR.I_m))),
+    "friction_hold": ({"held": 0.25}, 0.75 * EQ_16),
+    "wind_up": ({"compliance": 1e-5}, EQ_16 * (GEAR.gap + np.array([2e-4, 4e-4])) / GEAR.gap),
+    "held_motor": ({}, -GEAR.gap),
+    "gap": ({"factor": 1.5}, 1.5 * EQ_16),
+}
+
+BY_NAME = {effect.name: effect for effect in [*find_effects(), *find_gear_effects()]}
+
+every = pytest.mark.parametrize(
+    "effect", [*find_effects(), *find_gear_effects()], ids=lambda e: e.name
+)
+on_readings = pytest.mark.parametrize("effect", find_effects(), ids=lambda e: e.name)
+on_the_gear = pytest.mark.parametrize("effect", find_gear_effects(), ids=lambda e: e.name)
 
 
-@pytest.fixture
-def conditions(rng):
-    n = 30
-    return Conditions(
-        np.arange(2, n + 2),
-        {
-            "time_s": np.arange(n) * 7.0,
-            "approach": np.tile([1.0, -1.0], n // 2),
-            "payload_kg": rng.choice([1.0, 2.0, 3.0], n),
-            "temperature_C": 20 + rng.random(n),
-            "speed": rng.uniform(0.1, 1.0, n),
-            "humidity": rng.random(n),
-        },
-    )
+def values_of(effect):
+    """Some value of every parameter, within its limits."""
+    return {p.name: value_of(p) for p in effect.parameters if p.name != "column"}
 
 
-@pytest.fixture
-def sweep():
-    return Sweep(
-        I_m=np.full(4, 2.65e-4),
-        I_L=np.array([1.0, 2.0, 4.0, 8.0]),
-        gap=np.full(4, 3.49e-3),
-        torque=np.array([1.0, 3.0, 2.0, 5.0]),
-    )
+def value_of(parameter):
+    if parameter.name == "at_cycle":
+        return 9.0
+    lowest = max(parameter.above, -1.0)
+    return lowest + 0.4 * min(parameter.up_to - lowest, 4.0)
 
 
-def test_the_catalogue_holds_every_name_that_the_interface_promises():
-    promised = {
-        "linear_drift", "warm_up", "step", "periodic", "contact_side", "lost_motion",
-        "temperature", "compliance", "random_walk", "outlier", "resolution", "scatter_change",
-        "coast_in_gap",
-    }  # fmt: skip
-    assert promised <= EFFECTS.keys()
-    assert {"reflected_inertia", "friction_hold", "wind_up", "held_motor"} <= GEAR.keys()
+def rng():
+    return np.random.default_rng(5)
 
 
-@pytest.mark.parametrize("effect", [*EFFECTS.values(), *GEAR.values()], ids=lambda e: e.name)
-def test_every_effect_says_what_it_is(effect):
+def test_the_catalogue_is_whole():
+    assert {e.name for e in find_effects()} >= ON_READINGS
+    assert {e.name for e in find_gear_effects()} >= ON_THE_GEAR
+
+
+@every
+def test_it_says_what_it_is(effect):
     assert effect.name.isidentifier()
+    names = [p.name for p in effect.parameters]
+    assert len(set(names)) == len(names)
+    for p in effect.parameters:
+        assert p.name.isidentifier()
+        assert p.symbol
+        assert p.meaning
+        assert p.above < p.up_to
     assert effect.name == effect.name.lower()
-    assert len(effect.cause) > 20
-    assert len(effect.confirm_by) > 20
-    assert all(p.name and p.symbol and p.meaning for p in effect.parameters)
+    assert len(effect.cause.split()) > 3
+    assert len(effect.confirm_by.split()) > 3
 
 
-@pytest.mark.parametrize("effect", EFFECTS.values(), ids=lambda e: e.name)
-def test_every_effect_gives_one_finite_value_a_cycle(effect, conditions):
-    values = {p.name: VALUES[p.name] for p in effect.parameters if p.name != "column"}
-    series = effect.series(conditions, values, np.random.default_rng(3))
-    assert series.shape == (len(conditions),)
-    assert np.all(np.isfinite(series))
-    again = effect.series(conditions, values, np.random.default_rng(3))
-    np.testing.assert_array_equal(series, again)
-    assert np.ptp(series) > 0
+def test_directions_are_those_of_the_physics():
+    along = {"contact_side": Direction.JOINT, "lost_motion": Direction.JOINT,
+             "coast_in_gap": Direction.JOINT, "temperature": Direction.ARM}  # fmt: skip
+    for name in ON_READINGS:
+        assert BY_NAME[name].direction is along.get(name, Direction.FREE)
 
 
-@pytest.mark.parametrize("effect", EFFECTS.values(), ids=lambda e: e.name)
-def test_every_shape_has_a_row_for_each_cycle(effect: Effect, conditions):
-    names = {p.name for p in effect.parameters}
-    for shape in effect.shapes(conditions):
-        assert len(shape.columns) == len(conditions)
+@on_readings
+def test_its_course_is_pure_finite_and_in_proportion_to_its_size(effect):
+    before = {name: values.copy() for name, values in RECORDED.covariates.items()}
+    values = values_of(effect)
+    course = effect.series(RECORDED, values, rng())
+    assert course.shape == (30,)
+    assert np.all(np.isfinite(course))
+    assert np.array_equal(course, effect.series(RECORDED, values, rng()))
+    assert all(np.array_equal(RECORDED.covariates[name], v) for name, v in before.items())
+    sizes = {p.name: 2.0 for p in effect.parameters if p.unit.startswith("reading")}
+    unit = effect.series(RECORDED, values | dict.fromkeys(sizes, 1.0), rng())
+    assert effect.series(RECORDED, values | sizes, rng()) == pytest.approx(2 * unit)
+
+
+@pytest.mark.parametrize("name", sorted(ON_READINGS))
+def test_only_effects_of_chance_draw(name):
+    one, other = (
+        BY_NAME[name].series(RECORDED, values_of(BY_NAME[name]), np.random.default_rng(seed))
+        for seed in (1, 2)
+    )
+    assert np.array_equal(one, other) == (name not in CHANCE)
+
+
+@pytest.mark.parametrize(
+    "name", sorted(ON_READINGS - {"random_walk", "resolution", "scatter_change"})
+)
+def test_its_course_is_that_of_its_formula(name):
+    values, formula = FORMULAS[name]
+    assert BY_NAME[name].series(RECORDED, values, rng()) == pytest.approx(
+        np.asarray(formula), abs=1e-12
+    )
+
+
+@on_readings
+def test_every_shape_of_the_search_is_a_course(effect):
+    for shape in effect.shapes(RECORDED):
+        coefficients = np.arange(1.0, shape.columns.shape[1] + 1)
+        found = shape.columns @ coefficients
+        named = {k: v for k, v in shape.parameters.items() if k != "column"}
+        values = named | effect.sizes(coefficients)
+        assert set(values) | set(shape.parameters) == {p.name for p in effect.parameters}
+        column = shape.parameters.get("column")
+        seen = {column: RECORDED.covariates[column]} if column else RECORDED.covariates
+        course = effect.series(Conditions(J, seen), values, rng())
+        assert found - found.mean() == pytest.approx(course - course.mean(), abs=1e-9)
+        for p in effect.parameters:
+            if p.name in named:
+                assert p.above < named[p.name] <= p.up_to
+
+
+@on_readings
+def test_what_is_searched_has_a_row_for_each_cycle(effect):
+    for shape in effect.shapes(RECORDED):
+        assert len(shape.columns) == len(RECORDED)
         assert np.all(np.isfinite(shape.columns))
         assert shape.weight > 0
-        assert set(shape.parameters) <= names
-        assert set(effect.sizes(np.ones(shape.columns.shape[1]))) <= names
-    for process in effect.processes(conditions):
+    for process in effect.processes(RECORDED):
+        assert process.covariance.shape == (30, 30)
         assert np.linalg.eigvalsh(process.covariance).min() > -1e-9
+    for spread in effect.spreads(RECORDED):
+        assert spread.at_cycle in J
+        assert spread.ratio > 0
+    for chain in effect.chains:
+        assert 0 < chain.leave_lower <= 1
+        assert 0 < chain.leave_upper <= 1
 
 
-@pytest.mark.parametrize("effect", EFFECTS.values(), ids=lambda e: e.name)
-def test_a_series_lies_in_the_span_of_its_own_shapes(effect: Effect, conditions):
-    for shape in effect.shapes(conditions)[:5]:
-        size = {"size": 2.0, "phase": 0.3} | {
-            k: v for k, v in shape.parameters.items() if k != "column"
-        }
-        if effect.chains:  # a course drawn at random; its shapes hold one order of it only
-            continue
-        if shape.parameters.get("column", "humidity") not in ("humidity", "temperature_C"):
-            continue
-        series = effect.series(conditions, size, np.random.default_rng(0))
-        design = np.column_stack([np.ones(len(series)), shape.columns])
-        left = series - design @ np.linalg.lstsq(design, series, rcond=None)[0]
-        assert np.abs(left).max() < 1e-9
+@pytest.mark.parametrize("name", sorted(ON_READINGS))
+def test_without_its_column_it_searches_nothing(name):
+    effect = BY_NAME[name]
+    through = {"lost_motion", "temperature", "covariate", "compliance", "coast_in_gap"}
+    searched = effect.shapes(Conditions(J)) or effect.processes(Conditions(J))
+    searched = searched or effect.chains or effect.spreads(Conditions(J))
+    assert bool(searched) == (effect.name not in through | {"resolution"})
 
 
-def test_effects_of_covariates_that_were_not_recorded_are_not_searched():
-    bare = Conditions(np.arange(2, 32))
-    for name in ("lost_motion", "compliance", "temperature", "covariate", "coast_in_gap"):
-        assert EFFECTS[name].shapes(bare) == ()
+def test_contact_sides_are_two_levels_that_switch_as_often_as_stated():
+    effect = BY_NAME["contact_side"]
+    many = Conditions(np.arange(20_001))
+    course = effect.series(many, {"size": 3.0, "switching": 0.2}, rng())
+    assert set(course.tolist()) == {0.0, 3.0}
+    assert np.mean(np.diff(course) != 0) == pytest.approx(0.2, abs=0.01)
+
+
+def test_chance_has_the_size_that_is_stated():
+    many = Conditions(np.arange(1, 20_001))
+    walk = BY_NAME["random_walk"].series(many, {"size": 3.0}, rng())
+    assert np.std(np.diff(walk)) == pytest.approx(3.0, rel=0.03)
+    rounding = BY_NAME["resolution"].series(many, {"division": 3.0}, rng())
+    assert np.std(rounding) == pytest.approx(3.0 / math.sqrt(12), rel=0.03)
+    wider = BY_NAME["scatter_change"].series(
+        many, {"at_cycle": 10_001.0, "ratio": 3.0, "scatter": 0.5}, rng()
+    )
+    assert not np.any(wider[:10_000])
+    assert np.hypot(np.std(wider[10_000:]), 0.5) == pytest.approx(1.5, rel=0.03)
 
 
 def test_time_is_in_cycles_whatever_the_clock():
-    by_number = Conditions(np.arange(2, 32))
-    by_clock = Conditions(np.arange(2, 32), {"time_s": 100 + 12.5 * np.arange(30)})
-    np.testing.assert_allclose(by_number.time, by_clock.time)
+    steady = Conditions(J, {"time_s": 100 + 12.5 * J})
+    np.testing.assert_allclose(Conditions(J).time, steady.time)
 
 
-@pytest.mark.parametrize("effect", GEAR.values(), ids=lambda e: e.name)
-def test_every_gear_effect_predicts_a_deviation_within_its_gap(effect, sweep):
-    for values in effect.candidates(sweep):
+def test_time_in_seconds_takes_the_place_of_cycles():
+    clock = Conditions(J, {"time_s": np.where(J > 10, 60.0 * J + 600, 60.0 * J)})
+    course = BY_NAME["warm_up"].series(clock, {"size": 1.0, "tau": 4.0}, rng())
+    assert course[10] == pytest.approx(1 - math.exp(-20 / 4.0))
+
+
+@pytest.mark.parametrize("name", ["speed_mm_s", "approach_angle", "payload_g", "humidity"])
+def test_whatever_else_was_recorded_is_a_covariate(name):
+    (shape,) = BY_NAME["covariate"].shapes(
+        Conditions(J, {name: HUMIDITY, "time_s": J * 1.0, "speed": SPEED})
+    )
+    assert shape.parameters["column"] == name
+
+
+@on_the_gear
+def test_a_gear_effect_changes_eq_16(effect):
+    assert effect.deviation(GEAR, values_of(effect)).shape == (2,)
+    for values in effect.candidates(GEAR):
         assert set(values) == {p.name for p in effect.parameters}
-    values = {p.name: VALUES[p.name] for p in effect.parameters}
-    deviation = effect.deviation(sweep, values)
-    assert deviation.shape == sweep.gap.shape
-    assert np.all(deviation <= 0)
+        assert all(p.above < values[p.name] <= p.up_to for p in effect.parameters)
+        deviation = effect.deviation(GEAR, values)
+        assert deviation.shape == (2,)
+        assert np.all(np.isfinite(deviation))
+        assert np.all(deviation <= 0)
+
+
+@pytest.mark.parametrize("name", sorted(ON_THE_GEAR))
+def test_a_gear_effect_is_its_formula(name):
+    values, formula = GEAR_FORMULAS[name]
+    assert BY_NAME[name].deviation(GEAR, values) == pytest.approx(formula, rel=1e-12)
 
 
 def test_reflected_inertia_is_the_published_figure_seen_through_the_gearbox():
     paper = Sweep(np.array([2.65e-4]), np.array([4.749]), np.array([3.490659e-3]))
-    deviation = GEAR["reflected_inertia"].deviation(paper, {"N": 50})
+    deviation = BY_NAME["reflected_inertia"].deviation(paper, {"N": 50})
     assert deviation[0] == pytest.approx(-4.27342e-4, rel=1e-5)
 
 
-def test_gear_effects_reach_their_limits(sweep):
-    np.testing.assert_allclose(GEAR["held_motor"].deviation(sweep, {}), -sweep.gap)
-    far = GEAR["reflected_inertia"].deviation(sweep, {"N": 1e6})
-    np.testing.assert_allclose(far, -sweep.gap, rtol=1e-6)
-    assert not np.any(GEAR["friction_hold"].deviation(sweep, {"held": 1.0}))
-    free = GEAR["gap"].deviation(sweep, {"factor": 1.0})
-    np.testing.assert_allclose(free, GEAR["wind_up"].deviation(sweep, {"compliance": 0.0}))
+def test_gear_effects_reach_their_limits():
+    far = BY_NAME["reflected_inertia"].deviation(GEAR, {"N": 1e6})
+    np.testing.assert_allclose(far, -GEAR.gap, rtol=1e-6)
+    assert not np.any(BY_NAME["friction_hold"].deviation(GEAR, {"held": 1.0}))
+    free = BY_NAME["gap"].deviation(GEAR, {"factor": 1.0})
+    np.testing.assert_allclose(free, BY_NAME["wind_up"].deviation(GEAR, {"compliance": 0.0}))
+
+
+THIRD_PARTY = """
+from scara_iso.effects import Effect, Parameter
+
+EFFECT = Effect(
+    name="moon_phase",
+    parameters=(Parameter("size", "m", "reading", "pull"),),
+    cause="the moon pulls at the robot",
+    confirm_by="measure again after two weeks",
+    series=lambda conditions, values, rng: values["size"] * conditions.elapsed**2,
+)
+"""
+
+
+def test_an_effect_of_a_third_party_is_met_by_all(tmp_path, monkeypatch):
+    (tmp_path / "lunar.py").write_text(THIRD_PARTY, encoding="utf-8")
+    declared = tmp_path / "lunar-1.0.dist-info"
+    declared.mkdir()
+    (declared / "METADATA").write_text("Metadata-Version: 2.1\nName: lunar\nVersion: 1.0\n")
+    (declared / "entry_points.txt").write_text("[scara_iso.effects]\nmoon = lunar\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    effects._catalogue.cache_clear()
+    try:
+        found = next(e for e in find_effects() if e.name == "moon_phase")
+        test_it_says_what_it_is(found)
+        test_its_course_is_pure_finite_and_in_proportion_to_its_size(found)
+        model = tmp_path / "m.toml"
+        model.write_text("[indicator.X]\n[[effect]]\nname='moon_phase'\nsize={X=0.5}\n")
+        readings = predict(read_model(model), Conditions(J)).axes["X"].readings
+        assert readings == pytest.approx(0.5 * (J - 1.0) ** 2)
+    finally:
+        effects._catalogue.cache_clear()
+        sys.modules.pop("lunar", None)
+    assert isinstance(found, Effect)
+    assert not isinstance(found, GearEffect)

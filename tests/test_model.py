@@ -283,7 +283,7 @@ def test_an_effect_on_an_indicator_that_is_not_there(fum):
 
 def test_an_effect_that_lacks_its_column(fum):
     effect = parse_effect("compliance:size=1", fum)
-    with pytest.raises(UsageError, match="needs a column"):
+    with pytest.raises(UsageError, match="needs the column payload_kg"):
         simulate(fum, CYCLES, rng=np.random.default_rng(1), undeclared=[effect])
 
 

@@ -210,6 +210,16 @@ def test_nothing_is_overwritten_and_resume_goes_on(run, tmp_path):
     assert len(read_table(tmp_path / "a.csv")) == 5
 
 
+def test_a_table_for_excel_stays_one_on_resume_and_rebuild(run, tmp_path):
+    assert run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--excel-locale", "de")[0] == 0
+    assert run("record", "--resume", "a.csv", "--cycles", "5")[0] == 0
+    text = (tmp_path / "a.csv").read_text(encoding="utf-8")
+    assert text.startswith("\ufeff# unit: mm\n")
+    assert "\ncycle;X;time_s\n" in text
+    assert len(read_table(tmp_path / "a.csv")) == 5
+    assert run("record", "--rebuild", "a.raw.jsonl")[0] == 0
+
+
 def test_another_port_on_resume_is_recorded(run, tmp_path):
     run("record", "a.csv", *X, *TIMER, "--cycles", "3")
     other = ["--gauge", "X=opto-rs232@sim:?pace=0&seed=5"]

@@ -5,8 +5,10 @@ import io
 import numpy as np
 import pytest
 
-from scara_iso.render.terminal import open_console, printable, show, sparkline
+from scara_iso.render.strips import sparkline
+from scara_iso.render.terminal import open_console, show
 from scara_iso.report.blocks import Notice, Section, Strip, Table, Text
+from scara_iso.report.words import printable
 
 HOSTILE = "[bold red]x[/] \x1b[31mred \x07 \u202egnp.exe \u2028 :smile: [link=http://e]e[/link]"
 

@@ -23,10 +23,11 @@ CANNOT_WRITE = 74
 _MOST_FAULTS = 50
 _ANYWHERE = ("--debug", "--no-color")
 
-_COMMANDS = {
+COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
-        "record", "analyze", "compare", "backlash", "diagnose", "simulate", "plan", "ports", "demo",
+        "record", "analyze", "report", "compare", "backlash", "diagnose", "simulate", "plan",
+        "ports", "demo", "explain",
     )
 }  # fmt: skip
 
@@ -46,8 +47,8 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
     )
     app.callback()(_program)
     called = _command(arguments)
-    for name in [called] if called else _COMMANDS:
-        module = import_module(_COMMANDS[name])
+    for name in [called] if called else COMMANDS:
+        module = import_module(COMMANDS[name])
         app.command(name)(getattr(module, f"{name}_command"))
     return app
 
@@ -79,6 +80,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     # A second thread of the linear algebra gains nothing on thirty readings and costs three times.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = _general_first(sys.argv[1:] if argv is None else argv)
+    settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
     try:
         if sys.stdout is None:
@@ -116,7 +118,7 @@ def _mend_streams(*, reopen: bool) -> None:
 def _command(arguments: Sequence[str]) -> str:
     """Return the name of the command that the arguments call, empty where they call none."""
     first = next((word for word in arguments if not word.startswith("-")), "")
-    return first if first in _COMMANDS else ""
+    return first if first in COMMANDS else ""
 
 
 def _general_first(arguments: Sequence[str]) -> list[str]:
@@ -127,7 +129,7 @@ def _general_first(arguments: Sequence[str]) -> list[str]:
 
 
 def _tell(error: Exception) -> int:
-    from scara_iso.render.terminal import printable
+    from scara_iso.report.words import printable
 
     if settings.debug:
         traceback.print_exception(error)

@@ -37,19 +37,20 @@ FirstDiscarded = Annotated[
 CyclesRun = Annotated[
     int | None, typer.Option("--cycles", help="Cycles run, the first counted, if not 31.", min=2)
 ]
+Limits = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="[FIGURE=]MM",
+        help="Exit with 1 where RP is larger: 0.02 for every length, XY=0.02 for one figure. "
+        "May be repeated.",
+    ),
+]
 
 
 def analyze_command(
     table: Table,
     *,
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="[FIGURE=]MM",
-            help="Exit with 1 where RP is larger: 0.02 for every length, XY=0.02 for one figure. "
-            "May be repeated.",
-        ),
-    ] = None,
+    limit: Limits = None,
     definitions: Annotated[
         bool, typer.Option("--definitions", help="Also half range, 2 s, 3 s and ISO 230-2.")
     ] = False,
@@ -72,10 +73,10 @@ def analyze_command(
         run,
         first_cycle_discarded=first_cycle_discarded,
         cycles=cycles,
-        limits=_parse_limits(limit or ()),
+        limits=parse_limits(limit or ()),
         other_definitions=definitions,
     )
-    analysis = _compared_with_its_manifest(analysis, table)
+    analysis = compared_with_its_manifest(analysis, table)
     _write(analysis, as_json=json)
     if not all(check.inside for check in analysis.limits):
         raise typer.Exit(OUTSIDE_A_LIMIT)
@@ -92,7 +93,7 @@ def _write(analysis: Analysis, *, as_json: bool) -> None:
         write_report(analysis_report(analysis))
 
 
-def _compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:
+def compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:
     """Return the analysis with a finding for each file that changed since it was recorded."""
     path = Path(table)
     if table == "-" or not path.with_suffix(".manifest.json").exists():
@@ -104,7 +105,8 @@ def _compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:
     return replace(analysis, findings=(*analysis.findings, *changed))
 
 
-def _parse_limits(texts: Sequence[str]) -> dict[str, float]:
+def parse_limits(texts: Sequence[str]) -> dict[str, float]:
+    """Return limits by figure; `UsageError` for one that is no length or is given twice."""
     from scara_iso.quantities import parse_number
 
     limits: dict[str, float] = {}

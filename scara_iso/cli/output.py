@@ -5,13 +5,29 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from scara_iso.errors import CannotCreateError
+import typer
+
+from scara_iso.errors import CannotCreateError, WriteError
 
 if TYPE_CHECKING:
     from scara_iso.report.blocks import Report
+
+
+class ExcelName(StrEnum):
+    """Language of the Excel that is to open a table."""
+
+    DE = "de"
+    EN = "en"
+
+
+ExcelLocale = Annotated[
+    ExcelName | None,
+    typer.Option(help="Spell the table for a German or an English Excel: de is ; and decimal ,"),
+]
 
 
 @dataclass(slots=True)
@@ -20,6 +36,7 @@ class Settings:
 
     debug: bool = False
     no_color: bool = False
+    arguments: tuple[str, ...] = ()
 
 
 settings = Settings()
@@ -43,12 +60,22 @@ def write_text(text: str, path: Path | None) -> None:
     """Write ``text`` to a file, or to standard output where there is none."""
     if path is None:
         sys.stdout.write(text)
-        return
+    else:
+        write_bytes(text.encode("utf-8", "backslashreplace"), path)
+
+
+def write_bytes(content: bytes, path: Path) -> None:
+    """Write a file; `CannotCreateError` where it cannot be, `WriteError` where that fails."""
     if path.with_suffix(".raw.jsonl").exists():
         raise CannotCreateError(
             "holds a recording", where=str(path), remedy="name another file, or remove it yourself"
         )
     try:
-        path.write_text(text, encoding="utf-8", newline="")
+        file = path.open("wb")
     except OSError as error:
         raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(path)) from error
+    try:
+        with file:
+            file.write(content)
+    except OSError as error:
+        raise WriteError(f"cannot be written: {error.strerror}", where=str(path)) from error

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from scara_iso.cli.analyze import AsJson
-from scara_iso.cli.output import write_json, write_report, write_text
+from scara_iso.cli.output import ExcelLocale, write_json, write_report, write_text
 from scara_iso.cli.simulate import ModelFile
 from scara_iso.errors import UsageError
 
@@ -70,6 +70,7 @@ def plan_command(
     dwell: Dwell = 2.0,
     picture: Picture = None,
     output: Output = None,
+    excel_locale: ExcelLocale = None,
     json: AsJson = False,
 ) -> None:
     """Plan the test: largest cube in the workspace, diagonal plane, P1 to P5 with joint angles.
@@ -81,6 +82,7 @@ def plan_command(
     from scara_iso.plan import Conditions, Plane, Solid, make_plan
     from scara_iso.render.json import plan_json
     from scara_iso.report.plan import plan_report, visits_csv
+    from scara_iso.tables import find_locale
 
     described = read_model(model)
     if described.arm is None:
@@ -100,7 +102,7 @@ def plan_command(
 
         plot_plan(plan, described.arm, picture)
     if output is not None:
-        write_text(visits_csv(plan), output)
+        write_text(visits_csv(plan, find_locale(excel_locale)), output)
     if json:
         write_json(plan_json(plan))
     else:

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from scara_iso.cli.output import ExcelLocale
+
 _Table = Annotated[
     Path | None, typer.Argument(metavar="OUT.csv", help="Table to write.", show_default=False)
 ]
@@ -74,6 +76,7 @@ def record_command(
     meta_file: _MetaFile = None,
     resume: _Resume = False,
     rebuild: _Rebuild = None,
+    excel_locale: ExcelLocale = None,
     json: _Json = False,
 ) -> None:
     """Record indicators into a table for analyze; every stored reading is safe on the disk.
@@ -86,12 +89,12 @@ def record_command(
     from scara_iso.cli.recording import Options, rebuild_table, record_table
 
     if rebuild is not None:
-        rebuild_table(rebuild, table, json=json)
+        rebuild_table(rebuild, table, excel_locale=excel_locale, json=json)
         return
     record_table(
         Options(
             table=table, gauges=tuple(gauge or ()), trigger=trigger, cycles=cycles,
             stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()), meta_file=meta_file,
-            resume=resume, json=json,
+            resume=resume, excel_locale=excel_locale, json=json,
         )
     )  # fmt: skip

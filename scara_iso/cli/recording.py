@@ -64,6 +64,7 @@ class Options:
     meta: tuple[str, ...]
     meta_file: Path | None
     resume: bool
+    excel_locale: str | None
     json: bool
 
 
@@ -93,7 +94,7 @@ def record_table(options: Options) -> None:
         refuse_existing(options.table)
         if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
             metadata = metadata or _ask_metadata()
-    job = Job(options.table, specs, plan, metadata, options.resume)
+    job = Job(options.table, specs, plan, metadata, options.resume, options.excel_locale)
     _run(job, earlier, on_terminal=on_terminal)
 
 
@@ -151,9 +152,9 @@ def _ask_metadata() -> dict[str, str]:
     return check_metadata({key: answer for key, answer in answers.items() if answer})
 
 
-def rebuild_table(raw: Path, table: Path | None, *, json: bool) -> None:
+def rebuild_table(raw: Path, table: Path | None, *, excel_locale: str | None, json: bool) -> None:
     """Make the table of a raw file and say so."""
-    written, history = rebuild(raw, table, disk=SystemDisk())
+    written, history = rebuild(raw, table, disk=SystemDisk(), excel_locale=excel_locale)
     _tell_damage(history)
     rows, planned = len(history.run()), int(history.header["cycles"])
     if json or not sys.stdout.isatty():

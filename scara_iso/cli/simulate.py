@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso.cli.analyze import AsJson
-from scara_iso.cli.output import write_json, write_text
+from scara_iso.cli.output import ExcelLocale, write_json, write_text
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -64,6 +64,7 @@ def simulate_command(
     payload: Payload = None,
     drivetrain: DriveTrainWanted = False,
     output: Output = None,
+    excel_locale: ExcelLocale = None,
     json: AsJson = False,
 ) -> None:
     """Write readings of a model with scatter, effects and rounding, as a table.
@@ -76,7 +77,7 @@ def simulate_command(
     from scara_iso.model import read_model, simulate
     from scara_iso.model.spec import parse_effect
     from scara_iso.render.json import run_json
-    from scara_iso.tables import write_table
+    from scara_iso.tables import find_locale, write_table
 
     rng = np.random.default_rng(seed)
     described = read_model(model)
@@ -94,7 +95,7 @@ def simulate_command(
         displacement=displacement,
     )
     if output is not None or not json:
-        write_text(write_table(run), output)
+        write_text(write_table(run, find_locale(excel_locale)), output)
     if json:
         write_json(run_json(run, seed=seed))
 

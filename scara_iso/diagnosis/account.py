@@ -18,6 +18,8 @@ from scara_iso.quantities import rounding_uncertainty
 from scara_iso.repeatability import repeatability
 from scara_iso.run import FloatArray
 
+_TWO_DIVISIONS = 1.5
+"""Readings within fewer divisions than this are one division and its neighbour."""
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 
 
@@ -81,7 +83,7 @@ def _found(
         rivals=rivals_of(stage.choice),
         cause=effect.cause,
         confirm_by=effect.confirm_by,
-        unidentified=_unidentified(stage.choice, term),
+        unidentified=_unidentified(stage.choice, term, residual),
     )
 
 
@@ -139,11 +141,18 @@ def _by_axis(errors: FloatArray | None, residual: Residual, term: Term) -> dict[
     return {"size": {residual.axes[a]: float(errors[a]) for a in moved}}
 
 
-def _unidentified(choice: Choice, term: Term) -> tuple[str, ...]:
+def _unidentified(choice: Choice, term: Term, residual: Residual) -> tuple[str, ...]:
     """Return which parameters the data leave open, and what would settle them."""
     lines = []
     if term.effect == "warm_up" and "linear_drift" in choice.rivals:
         lines.append("tau: the run is too short to tell a warm-up from a drift; run longer")
     if UNKNOWN in choice.rivals:
         lines.append("the course may have a form that the catalogue does not hold; repeat the run")
+    two = np.ptp(residual.values, axis=0) < _TWO_DIVISIONS * residual.division
+    coarse = [residual.axes[a] for a in np.flatnonzero(two & term.moves)]
+    if coarse:
+        lines.append(
+            f"size: only two neighbouring divisions in {', '.join(coarse)}; what moved may be less "
+            "than one of them, and a slow drift looks like a step: use a finer indicator"
+        )
     return tuple(lines)

@@ -27,14 +27,18 @@ def match(
     """Return how the ``movement`` of the axes (axes,) fits the candidate ``directions``.
 
     ``uncertainty`` (axes,) are standard errors. The nearest direction is named if the movement
-    lies along it within its uncertainty and within 15 degrees; with one axis nothing can be told.
+    lies along it within its uncertainty and within 15 degrees, and along no other; with one axis
+    nothing can be told.
     """
     if len(movement) < 2 or not directions or not np.any(movement):
         return Match(None, {})
     angles = {name: _angle(movement, along) for name, along in directions.items()}
-    nearest = min(angles, key=angles.__getitem__)
-    fits = angles[nearest] <= _FARTHEST and _agrees(movement, uncertainty, directions[nearest])
-    return Match(nearest if fits else None, angles)
+    fitting = [
+        name
+        for name, along in directions.items()
+        if angles[name] <= _FARTHEST and _agrees(movement, uncertainty, along)
+    ]
+    return Match(fitting[0] if len(fitting) == 1 else None, angles)
 
 
 def _angle(movement: FloatArray, along: FloatArray) -> float:

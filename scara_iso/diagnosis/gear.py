@@ -13,6 +13,7 @@ from scara_iso.diagnosis.gear_chance import (
     misfits,
     p_value,
     second_p_value,
+    wanders,
 )
 from scara_iso.diagnosis.gear_fit import (
     Family,
@@ -106,15 +107,16 @@ def diagnose_reversals(
     """
     singles = single_families(data, find_gear_effects() if effects is None else effects)
     before = data.predict()
-    chance = p_value(data, before, [*singles, *unknown_families(data)], np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    chance = p_value(data, before, [*singles, *unknown_families(data)], rng)
     chance = min(1.0, sides * chance)
     nothing = _result(data, Verdict.NOTHING, chance, (), None)
     if chance > LEVEL:
-        return replace(nothing, notes=_notes(data, ()))
+        return replace(nothing, notes=_notes(data, _hidden(data, nothing)))
     families, fits = _chosen(data, singles)
     best, ranked = fits[0], _probabilities(fits)
     unknown = any(term.effect.name == UNKNOWN for term in best.family)
-    if unknown or misfits(data, best):
+    if unknown or misfits(data, best) or wanders(data, best, rng):
         near = tuple(r for r in ranked if UNKNOWN not in r.effect)[:3]
         return replace(
             nothing, verdict=Verdict.UNEXPLAINED, candidates=near, notes=_notes(data, ())
@@ -212,6 +214,18 @@ def _settled_by(best: Fitted, others: Sequence[Fitted], ranked: Sequence[Rival])
             ways = ways or [term.effect.confirm_by for term in best.family]
             lines.append(f"{ranked[0].effect} or {rival.effect}: {'; '.join(dict.fromkeys(ways))}")
     return lines
+
+
+def _hidden(data: Reversals, nothing: GearDiagnosis) -> list[str]:
+    """Return a line where a scatter that is not known may hide what eq. 16 lacks."""
+    size = float(np.sqrt((nothing.predicted_before**2).mean()))
+    if data.uncertainty is not None or nothing.rms_before < size:
+        return []
+    times = nothing.rms_before / size
+    line = (
+        f"eq. 16 leaves {times:.2g} times its own prediction, too unevenly to be told from scatter"
+    )
+    return [f"{line}: give u_rad, or measure each reversal several times"]
 
 
 def _notes(data: Reversals, settled: Sequence[str]) -> tuple[str, ...]:

@@ -11,6 +11,8 @@ from scara_iso.run import FloatArray
 
 LEVEL, SECOND_LEVEL, MISFIT_LEVEL = 0.05, 0.01, 0.01
 _SIMULATIONS = 499
+_EXACT = 1e-4
+"""A fit this close, as a share of the largest deviation, leaves only digits and grid."""
 _LIKELY = 0.1
 """Ways in which the scatter may grow are tried if so likely, relative to the likeliest."""
 
@@ -75,4 +77,25 @@ def misfits(data: Reversals, fit: Fitted) -> bool:
     if data.uncertainty is None or left < 1:
         return False
     chance = f.sf(-2 * fit.log_best / left, left, min(data.degrees, 1e6))
+    return bool(chance < MISFIT_LEVEL)
+
+
+def wanders(data: Reversals, fit: Fitted, rng: np.random.Generator) -> bool:
+    """Return whether what a fit leaves follows the inertia, where the scatter is not known.
+
+    Neighbours in the order of I_L differ less than they do when shuffled (von Neumann 1941).
+    """
+    if data.uncertainty is not None:
+        return False
+    predicted = data.predict(fit.changes)[0]
+    scatters, likely = data.scatters(predicted)
+    left = data.measured[data.rows] - predicted
+    if np.abs(left).max() < _EXACT * np.abs(predicted).max():
+        return False
+    left = left / scatters[int(np.argmax(likely))]
+    (sweep,) = data.sweeps.values()
+    left = left[np.argsort(sweep.I_L[data.rows], kind="stable")]
+    shuffled = rng.permuted(np.tile(left, (_SIMULATIONS, 1)), axis=1)
+    steps = (np.diff(np.vstack([left, shuffled]), axis=1) ** 2).sum(axis=1)
+    chance = (1 + (steps[1:] <= steps[0]).sum()) / (1 + _SIMULATIONS)
     return bool(chance < MISFIT_LEVEL)

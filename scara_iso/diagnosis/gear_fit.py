@@ -21,9 +21,9 @@ _POWERS = (0.0, 0.5, 1.0)
 _RELATIVE_FLOOR = 1e-6
 """A reversal is not known better than this share of the largest one."""
 _SMALLEST = 1e-3
-_BREADTHS = (1000.0, 200.0, 50.0, 9.0)
+_BREADTHS = (1000.0, 200.0, 50.0, 20.0, 9.0)
 """Log likelihoods below the best within which each finer grid lies."""
-_POINTS = {0: 1, 1: 401, 2: 81}
+_POINTS = {0: 1, 1: 401, 2: 41}
 """Points of a grid along each of its coordinates, by the number of these."""
 _COARSE = {0: 1, 1: 101, 2: 15}
 """The same where the whole range is tried."""

@@ -112,6 +112,7 @@ def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> R
     if missing:
         raise DataError(
             f"the second table lacks {', '.join(missing)}",
+            where=run.origin.source,
             remedy="hold out a run of the same axes",
         )
     model = predicted or {}

@@ -18,6 +18,7 @@ Prediction = Mapping[str, npt.ArrayLike]
 FEWEST_CYCLES, MOST_CYCLES = 12, 500
 _SAME = 0.9999
 """Correlation from which two columns count as copies of each other."""
+_EXACT = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -49,21 +50,30 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
     if len(run) < FEWEST_CYCLES:
         raise DataError(
             f"{len(run)} usable cycles cannot tell structure from scatter",
+            where=run.origin.source,
             remedy=f"measure at least {FEWEST_CYCLES} cycles, better 30",
         )
     if len(run) > MOST_CYCLES:
         raise DataError(
             f"{len(run)} cycles are more than a diagnosis compares in one piece",
+            where=run.origin.source,
             remedy=f"diagnose blocks of at most {MOST_CYCLES} cycles",
         )
     model = _checked(run, predicted or {})
     values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}
-    kept, notes = _moving(values)
+    division = {name: axis.resolution or 0.0 for name, axis in run.axes.items()}
+    kept, notes = _moving(values, division)
+    if not kept:
+        raise DataError(
+            "no axis moves: every reading is the same",
+            where=run.origin.source,
+            remedy="check the indicators, or use one with a finer resolution",
+        )
     covariates, more = _informative(run)
     return Residual(
         axes=kept,
         values=np.stack([values[name] for name in kept], axis=1),
-        division=np.array([run.axes[name].resolution or 0.0 for name in kept]),
+        division=np.array([division[name] for name in kept]),
         conditions=Conditions(run.cycle, covariates),
         notes=(*notes, *more),
     )
@@ -74,6 +84,7 @@ def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:
     if unknown:
         raise DataError(
             f"the model predicts {', '.join(unknown)}, which the table does not hold",
+            where=run.origin.source,
             remedy="use the model of this robot and this set of indicators",
         )
     model = {name: np.asarray(values, dtype=np.float64) for name, values in predicted.items()}
@@ -83,22 +94,19 @@ def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:
     return model
 
 
-def _moving(values: Mapping[str, FloatArray]) -> tuple[tuple[str, ...], list[str]]:
+def _moving(
+    values: Mapping[str, FloatArray], division: Mapping[str, float]
+) -> tuple[tuple[str, ...], list[str]]:
     kept: list[str] = []
     notes: list[str] = []
     for name, series in values.items():
-        copied = [other for other in kept if _same(series, values[other])]
+        copied = [k for k in kept if _copies(series, values[k], division[name])]
         if np.ptp(series) == 0:
             notes.append(f"{name} never moves: a stuck channel, or scatter below one division")
         elif copied:
             notes.append(f"{name} is an exact function of {copied[0]} and adds nothing to it")
         else:
             kept.append(name)
-    if not kept:
-        raise DataError(
-            "no axis moves: every reading is the same",
-            remedy="check the indicators, or use one with a finer resolution",
-        )
     return tuple(kept), notes
 
 
@@ -124,3 +132,15 @@ def _same(a: FloatArray, b: FloatArray) -> bool:
     a, b = a - a.mean(), b - b.mean()
     product = float(np.linalg.norm(a) * np.linalg.norm(b))
     return product > 0 and abs(float(a @ b)) > _SAME * product
+
+
+def _copies(a: FloatArray, b: FloatArray, division: float) -> bool:
+    """Whether ``a`` is a linear function of ``b`` but for its rounding.
+
+    Two axes that a large effect moves together correlate as much, and differ by their scatter.
+    """
+    if not _same(a, b):
+        return False
+    a, b = a - a.mean(), b - b.mean()
+    left = a - b * float(a @ b) / float(b @ b)
+    return float(np.abs(left).max()) <= max(division, _EXACT * float(np.ptp(a)))

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.diagnosis.gear import GearDiagnosis, diagnose_reversals
 from scara_iso.diagnosis.gear_fit import Reversals
@@ -17,6 +18,7 @@ from scara_iso.quantities import Dimension, rounding_uncertainty
 from scara_iso.run import FloatArray, Run
 
 _PLANE = ("X", "Y")
+_LISTED = 5
 _COARSE = 0.5
 """Scatter under this share of a division leaves the rounding of a mean unaveraged."""
 
@@ -61,47 +63,73 @@ def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals
     names = [name for name in names if run.axes[name].dimension is Dimension.LENGTH]
     if not {"approach", "payload_kg"} <= run.covariates.keys() or not names:
         return None
-    found, degrees = _reversals(run, model, names)
+    found, scatter = _reversals(run, model, names)
     left_out = sorted(set(run.covariates["payload_kg"].tolist()) - {r.payload_kg for r in found})
-    notes = [f"payload {p:g} kg was approached from one side only: left out" for p in left_out]
+    listed = ", ".join(f"{p:g}" for p in left_out[:_LISTED]) + ", .." * (len(left_out) > _LISTED)
+    notes = [f"payload {listed} kg: approached from one side only, left out"] if left_out else []
     missing = tuple(_missing(model, len({r.payload_kg for r in found})))
-    if not found or degrees < 1:
+    if not found or scatter.degrees < 1:
         notes.append("no scatter can be told: approach each payload several times from both sides")
-    if missing or not found or degrees < 1:
+    if missing or not found or scatter.degrees < 1:
         return RunReversals(found, None, missing, notes=tuple(notes))
-    return _compared(found, degrees, model, notes, seed=seed)
+    return _compared(found, scatter, model, notes, seed=seed)
 
 
-def _reversals(run: Run, model: Model, names: Sequence[str]) -> tuple[tuple[Reversal, ...], int]:
-    """Return the reversals that both approaches show, and the degrees of freedom of the scatter."""
-    expected = predict(model, Conditions(run.cycle, run.covariates), reversal=False)
+@dataclass(frozen=True, eq=False, slots=True)
+class _Scatter:
+    """Scatter of the readings about the mean of their payload and approach."""
+
+    covariance: FloatArray
+    """Of the axes, (a, a); not below the rounding."""
+    kept: FloatArray
+    """Variance of a mean that averaging does not lower, (a,): rounding without enough scatter."""
+    degrees: int
+
+    def of_half_width(self, direction: FloatArray, counts: tuple[int, int]) -> float:
+        """Return the standard uncertainty along a unit vector (a,), by the cycles of each side."""
+        each, kept = direction @ self.covariance @ direction, direction**2 @ self.kept
+        return float(np.sqrt(sum(each / n + kept for n in counts)) / 2)
+
+
+def _reversals(
+    run: Run, model: Model, names: Sequence[str]
+) -> tuple[tuple[Reversal, ...], _Scatter]:
+    """Return the reversals that both approaches show, by axis and then payload, and the scatter."""
+    expected = predict(model, Conditions(run.cycle, run.covariates), reversal=False).axes
+    known = [expected[name].readings if name in expected else 0.0 for name in names]
+    left = np.stack([run.axes[n].readings - k for n, k in zip(names, known, strict=True)])
     payload, side = run.covariates["payload_kg"], np.sign(run.covariates["approach"])
-    pairs = [(p, (payload == p) & (side > 0), (payload == p) & (side < 0))
-             for p in np.unique(payload)]  # fmt: skip
-    pairs = [(p, plus, minus) for p, plus, minus in pairs if plus.any() and minus.any()]
-    parts = [part for _, plus, minus in pairs for part in (plus, minus)]
-    degrees = sum(int(part.sum()) for part in parts) - len(parts)
-    found = []
-    for name in names:
-        readings = run.axes[name].readings
-        known = expected.axes.get(name)
-        left = readings if known is None else readings - known.readings
-        within = [left[part] - left[part].mean() for part in parts]
-        scatter = float(np.sqrt(sum((w**2).sum() for w in within) / max(degrees, 1)))
-        for p, plus, minus in pairs:
-            counts = int(plus.sum()), int(minus.sum())
-            half = float(left[plus].mean() - left[minus].mean()) / 2
-            u = _uncertainty(scatter, run.axes[name].resolution, counts)
-            found.append(Reversal(name, float(p), counts, half, u))
-    return tuple(found), degrees
+    both = [(p, (payload == p) & (side > 0), (payload == p) & (side < 0))
+            for p in np.unique(payload)]  # fmt: skip
+    both = [(p, plus, minus) for p, plus, minus in both if plus.any() and minus.any()]
+    scatter = _scatter(run, names, left, [part for _, *parts in both for part in parts])
+    found = [
+        Reversal(
+            axis=name,
+            payload_kg=float(p),
+            cycles=(counts := (int(plus.sum()), int(minus.sum()))),
+            half_width_mm=float(row[plus].mean() - row[minus].mean()) / 2,
+            uncertainty_mm=scatter.of_half_width(direction, counts),
+        )
+        for name, row, direction in zip(names, left, np.eye(len(names)), strict=True)
+        for p, plus, minus in both
+    ]
+    return tuple(found), scatter
 
 
-def _uncertainty(scatter: float, resolution: float | None, counts: tuple[int, int]) -> float:
-    """Return the standard uncertainty of half the difference of two means of rounded readings."""
-    rounding = 0.0 if resolution is None else rounding_uncertainty(resolution)
-    kept = rounding if resolution is not None and scatter < _COARSE * resolution else 0.0
-    scatter = max(scatter, rounding)
-    return float(np.sqrt(sum(scatter**2 / n + kept**2 for n in counts)) / 2)
+def _scatter(
+    run: Run, names: Sequence[str], left: FloatArray, parts: Sequence[npt.NDArray[np.bool_]]
+) -> _Scatter:
+    within = [left[:, part] - left[:, part].mean(axis=1, keepdims=True) for part in parts]
+    degrees = sum(part.shape[1] - 1 for part in within)
+    covariance = np.zeros((len(names), len(names)))
+    covariance += sum(part @ part.T for part in within) / max(degrees, 1)
+    divisions = np.array([run.axes[name].resolution or 0.0 for name in names])
+    rounding = rounding_uncertainty(1.0) ** 2 * divisions**2
+    variance = covariance.diagonal().copy()
+    kept = np.where(np.sqrt(variance) < _COARSE * divisions, rounding, 0.0)
+    covariance += np.diag(np.maximum(rounding - variance, 0.0))
+    return _Scatter(covariance, kept, degrees)
 
 
 def _missing(model: Model, payloads: int) -> Iterator[str]:
@@ -117,9 +145,10 @@ def _missing(model: Model, payloads: int) -> Iterator[str]:
 
 
 def _compared(
-    found: tuple[Reversal, ...], degrees: int, model: Model, notes: list[str], *, seed: int
+    found: tuple[Reversal, ...], scatter: _Scatter, model: Model, notes: list[str], *, seed: int
 ) -> RunReversals:
-    data = _data(found, degrees, model)
+    turned = np.linalg.eigh(scatter.covariance)[1].T
+    data = _data(found, scatter, turned, model)
     before = data.predict()
     mirrored = float(data.measured @ before) < 0
     sign = -1.0 if mirrored else 1.0
@@ -137,7 +166,9 @@ def _compared(
     ]
     compared = tuple(
         replace(one, predicted_before_mm=float(b), predicted_after_mm=float(a))
-        for one, b, a in zip(found, before, _signed(sign, gear), strict=True)
+        for one, b, a in zip(
+            found, _by_axis(before, turned), _by_axis(_signed(sign, gear), turned), strict=True
+        )
     )
     return RunReversals(compared, gear, (), mirrored, (*notes, *gear.notes))
 
@@ -147,17 +178,31 @@ def _signed(sign: float, gear: GearDiagnosis) -> FloatArray:
     return np.asarray(sign * after if gear.verdict is Verdict.EXPLAINED else after)
 
 
-def _data(found: tuple[Reversal, ...], degrees: int, model: Model) -> Reversals:
+def _by_axis(values: FloatArray, turned: FloatArray) -> FloatArray:
+    """Return values by direction and payload as values by axis and payload."""
+    return np.asarray((turned.T @ values.reshape(len(turned), -1)).ravel())
+
+
+def _data(
+    found: tuple[Reversal, ...], scatter: _Scatter, turned: FloatArray, model: Model
+) -> Reversals:
+    """Return the reversals along directions (a, a) in which the scatter is not correlated.
+
+    A dial's scatter that comes from a joint is common to X and Y.
+    """
+    names = list(dict.fromkeys(one.axis for one in found))
+    halves = np.array([one.half_width_mm for one in found]).reshape(len(names), -1)
     payload = np.array([one.payload_kg for one in found])
-    levers = {joint: lever_mm(model, joint) for joint in model.gearboxes}
+    counts = [one.cycles for one in found[: halves.shape[1]]]
+    levers = {
+        joint: turned @ [lever_mm(model, joint)[name] / 2 for name in names]
+        for joint in model.gearboxes
+    }
     return Reversals(
-        measured=np.array([one.half_width_mm for one in found]),
+        measured=(turned @ halves).ravel(),
         sweeps={joint: sweep_of(model, joint, payload) for joint in levers},
-        levers={
-            joint: np.array([lever[one.axis] / 2 for one in found])
-            for joint, lever in levers.items()
-        },
+        levers={joint: np.repeat(lever, halves.shape[1]) for joint, lever in levers.items()},
         group=np.unique(payload, return_inverse=True)[1].astype(np.int64),
-        uncertainty=np.array([one.uncertainty_mm for one in found]),
-        degrees=degrees,
+        uncertainty=np.array([scatter.of_half_width(d, n) for d in turned for n in counts]),
+        degrees=scatter.degrees,
     )

@@ -113,7 +113,9 @@ def _load(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(_text(path))
     except tomllib.TOMLDecodeError as error:
-        raise DataError(f"no TOML: {error}", where=str(path)) from error
+        raise DataError(
+            f"no TOML: {error}", where=str(path), remedy="name a model such as fum_scara.toml"
+        ) from error
     except RecursionError as error:
         raise DataError("nested deeper than any model", where=str(path)) from error
 

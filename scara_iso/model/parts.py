@@ -27,9 +27,9 @@ class Gearbox:
     payload_kg: float | None = None
     """Payload that ``IL`` includes [kg]; the reversal then follows a ``payload_kg`` column."""
 
-    def backlash(self) -> Backlash:
-        """Return the two-inertia model of this gear, eq. 16."""
-        return backlash(Im=self.Im, IL=self.IL, arcmin=self.arcmin, ratio=self.ratio)
+    def backlash(self, arm: float | None = None) -> Backlash:
+        """Return the two-inertia model of this gear, eq. 16; ``arm``: joint to tool [m]."""
+        return backlash(Im=self.Im, IL=self.IL, arcmin=self.arcmin, arm=arm, ratio=self.ratio)
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,9 +86,10 @@ def course(
     try:
         return effect.series(_of_column(procedure, declared), values, chance)
     except (KeyError, StopIteration) as error:
+        column = declared.parameters.get("column") or next(iter(error.args), "that it acts through")
         raise UsageError(
-            f"effect {declared.name} needs a column that the test does not have",
-            remedy="record or simulate the column that it acts through",
+            f"effect {declared.name} needs the column {column}, which the test does not have",
+            remedy="record it, simulate it, or take the effect out of the model",
         ) from error
 
 

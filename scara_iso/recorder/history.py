@@ -235,7 +235,9 @@ def _merged(first: Record, later: Record) -> Record:
             known["identity"] += _THEN + gauge["identity"]
         known["simulated"] |= gauge["simulated"]
     metadata = first["metadata"] | later["metadata"]
-    return {**first, "cycles": later["cycles"], "metadata": metadata, "gauges": gauges}
+    locale = later.get("excel_locale") or first.get("excel_locale")
+    same = {**first, "cycles": later["cycles"], "excel_locale": locale}
+    return {**same, "metadata": metadata, "gauges": gauges}
 
 
 def _indicator(gauge: Record) -> str:

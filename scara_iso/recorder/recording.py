@@ -30,13 +30,17 @@ from scara_iso.recorder.spec import GaugeSpec
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What to record into ``table``; ``resume`` goes on with what is there."""
+    """What to record into ``table``; ``resume`` goes on with what is there.
+
+    ``excel_locale`` spells the table for a spreadsheet; None goes on as before.
+    """
 
     table: Path
     gauges: tuple[GaugeSpec, ...]
     plan: Plan
     metadata: Mapping[str, str] = field(default_factory=dict)
     resume: bool = False
+    excel_locale: str | None = None
 
 
 def record(
@@ -88,7 +92,9 @@ def _begin(job: Job, ports: Sequence[Port], earlier: History, journal: Journal) 
     return gauges
 
 
-def rebuild(raw: Path, table: Path | None, *, disk: Disk) -> tuple[Path, History]:
+def rebuild(
+    raw: Path, table: Path | None, *, disk: Disk, excel_locale: str | None = None
+) -> tuple[Path, History]:
     """Write the table that a raw file holds, by default beside it; return both.
 
     Raises `NoInputError`, `DataError`, or `CannotCreateError` where another table is there.
@@ -99,7 +105,7 @@ def rebuild(raw: Path, table: Path | None, *, disk: Disk) -> tuple[Path, History
             raise UsageError(f"{raw.name} is not called NAME.raw.jsonl", remedy="name OUT.csv too")
         table = raw.with_name(f"{stem}.csv")
     history = read_history(raw)
-    text = _table_bytes(history)
+    text = _table_bytes(history, excel_locale)
     if table.exists() and table.read_bytes() != text:
         raise CannotCreateError(
             "is there and says something else", where=str(table), remedy="name another OUT.csv"
@@ -198,7 +204,7 @@ def _write_header(job: Job, gauges: Sequence[Gauge], journal: Journal) -> None:
     }
     journal.append(
         "session", schema=SCHEMA, cycles=job.plan.cycles, trigger=str(job.plan.trigger),
-        gauges=stated, metadata=dict(job.metadata),
+        gauges=stated, metadata=dict(job.metadata), excel_locale=job.excel_locale,
     )  # fmt: skip
     journal.sync()
 
@@ -233,11 +239,13 @@ def _finish(
     return None
 
 
-def _table_bytes(history: History) -> bytes:
-    from scara_iso.tables import write_table  # noqa: PLC0415 - only once, at the end
+def _table_bytes(history: History, excel_locale: str | None = None) -> bytes:
+    from scara_iso.tables import find_locale, write_table  # noqa: PLC0415 - only once, at the end
 
+    run = history.run()
+    locale = find_locale(excel_locale or history.header.get("excel_locale"))
     # A file name or option need not be valid text; the readings must not be lost for that.
-    return write_table(history.run()).encode("utf-8", "backslashreplace")
+    return write_table(run, locale).encode("utf-8", "backslashreplace")
 
 
 def _write(disk: Disk, path: Path, data: bytes) -> None:

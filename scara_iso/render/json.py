@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import Rival
     from scara_iso.diagnosis.gear import GearDiagnosis
     from scara_iso.plan import Plan
+    from scara_iso.report.explain import Page
     from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
     from scara_iso.run import Run
     from scara_iso.two_inertia import Backlash, Crossing
@@ -219,6 +220,26 @@ def plan_json(plan: Plan) -> Json:
         "stroke_limits": plan.stroke_limits,
         "cycles": {"run": plan.conditions.cycles, "used": plan.conditions.used},
         "visits": [dict(row) for row in plan.rows()],
+    }
+
+
+def explain_json(pages: Iterable[Page]) -> Json:
+    """Return the object of ``explain --json``, schema ``scara-iso/explain/1``."""
+    return {
+        "schema": "scara-iso/explain/1",
+        "pages": [
+            {
+                "code": page.code,
+                "kind": page.kind,
+                "title": page.title,
+                "text": list(page.text),
+                "parameters": [
+                    {"name": name, "unit": unit, "meaning": meaning}
+                    for name, unit, meaning in page.parameters
+                ],
+            }
+            for page in pages
+        ],
     }
 
 

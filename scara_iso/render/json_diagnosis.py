@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 
-from scara_iso.diagnosis import Diagnosis, Found, RunReversals
+from scara_iso.diagnosis import Diagnosis, Found, RunReversals, Series
 from scara_iso.diagnosis.design import Design, Plan, Smallest
 from scara_iso.render.json import Json, gear_json, rivals_json
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> Json:
     """Return the object of ``diagnose --json``, schema ``scara-iso/diagnose/1``."""
-    RP, series = diagnosis.repeatability, diagnosis.series
+    RP = diagnosis.repeatability
     return {
         "schema": "scara-iso/diagnose/1",
         "unit": "mm",
@@ -41,22 +41,27 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
             }
             for axis, part in diagnosis.shares.items()
         },
-        "series": {
-            "cycle": series.cycle.tolist(),
-            **{
-                name: {axis: values.tolist() for axis, values in course.items()}
-                for name, course in (
-                    ("measured", series.measured),
-                    ("predicted_before", series.predicted_before),
-                    ("predicted_after", series.predicted_after),
-                )
-            },
-        },
+        "series": _series(diagnosis.series),
         "flags": [
             {"axis": f.axis, "cycle": f.cycle, "p_value": f.p_value} for f in diagnosis.flags
         ],
         "notes": list(diagnosis.notes),
         **({} if diagnosis.reversals is None else {"gear": _gear(diagnosis.reversals)}),
+    }
+
+
+def _series(series: Series) -> Json:
+    courses = {
+        "measured": series.measured,
+        "predicted_before": series.predicted_before,
+        "predicted_after": series.predicted_after,
+    }
+    return {
+        "cycle": series.cycle.tolist(),
+        **{
+            name: {axis: values.tolist() for axis, values in course.items()}
+            for name, course in courses.items()
+        },
     }
 
 

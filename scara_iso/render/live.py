@@ -11,8 +11,10 @@ from rich.live import Live
 from rich.padding import Padding
 from rich.text import Text
 
-from scara_iso.render.terminal import encodes, printable, sparkline
+from scara_iso.render.strips import sparkline
+from scara_iso.render.terminal import encodes
 from scara_iso.report.digits import decimals
+from scara_iso.report.words import printable
 
 _BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
 _TONES = {"good": "bold green", "bad": "bold red", "quiet": "dim", "plain": ""}

@@ -117,7 +117,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
     rows = figure.subplots(len(heights), 3, squeeze=False, height_ratios=heights)
     for row, pair in zip(rows, comparison.pairs, strict=False):
         _draw_readings(row[0], pair)
-        ratios = [(one.ratio or 1.0, one.ratio_interval or (1.0, 1.0)) for one in pair.spreads]
+        ratios = [(one.ratio or None, one.ratio_interval or (None, None)) for one in pair.spreads]
         row[1].set_xscale("log")
         _draw_intervals(row[1], pair.spreads, ratios, none=1.0)
         row[1].set(xlabel="RP after / before", title="Repeatability: ratio with 95 % interval")
@@ -157,7 +157,7 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
 def _draw_intervals(
     axes: Axes,
     contrasts: Sequence[Contrast],
-    found: Sequence[tuple[float, tuple[float | None, float | None]]],
+    found: Sequence[tuple[float | None, tuple[float | None, float | None]]],
     *,
     none: float,
 ) -> None:
@@ -173,7 +173,8 @@ def _draw_intervals(
         axes.plot(places, [k, k], color=colour, lw=2)
         for place, b, arrow in zip(places, bounded, "<>", strict=True):
             axes.plot(place, k, "|" if b else arrow, color=colour, ms=7)
-        axes.plot(middle, k, "o", color=colour, mfc=colour if shown else "white", ms=6)
+        if middle is not None:
+            axes.plot(middle, k, "o", color=colour, mfc=colour if shown else "white", ms=6)
     axes.set_yticks(range(len(contrasts)), [_figure_name(one) for one in contrasts])
     axes.invert_yaxis()
 

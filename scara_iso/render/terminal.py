@@ -6,18 +6,17 @@ too wide for the terminal is printed row by row, one figure a line.
 
 from __future__ import annotations
 
-import unicodedata
 from typing import TextIO
 
-import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table as RichTable
 from rich.text import Text as RichText
 
-from scara_iso.report.blocks import Block, Notice, Report, Strip, Table, Text
-from scara_iso.run import FloatArray
+from scara_iso.render.strips import LEVELS, sparkline
+from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
+from scara_iso.report.words import printable
 
 _STYLES = {
     "plain": "",
@@ -28,8 +27,7 @@ _STYLES = {
     "bad": "bold red",
 }
 _MARKS = {"error": ("x", "bold red"), "warning": ("!", "yellow"), "info": ("-", "dim")}
-_BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
-_HIDDEN = {"Cc", "Cf", "Co", "Cs", "Zl", "Zp"}
+_BLOCKS, _DIGITS = LEVELS, "0123456789"
 _INDENT = 2
 _ENDLESS = 10_000
 
@@ -57,16 +55,6 @@ def show(report: Report, console: Console) -> None:
         console.print()
 
 
-def printable(text: str) -> str:
-    """Return ``text`` with control and formatting characters made visible."""
-    if text.isascii() and text.isprintable():
-        return text
-    return "".join(
-        c.encode("unicode_escape").decode() if unicodedata.category(c) in _HIDDEN else c
-        for c in text
-    )
-
-
 def _show_block(block: Block, console: Console, label_width: int) -> None:
     match block:
         case Text():
@@ -77,6 +65,8 @@ def _show_block(block: Block, console: Console, label_width: int) -> None:
             _print_indented(_strip(block, console, label_width), console)
         case Notice():
             _print_indented(_notice(block), console)
+        case Figure():
+            _print_indented(RichText(printable(f"{block.title}: {block.caption}"), "dim"), console)
 
 
 def _show_table(table: Table, console: Console) -> None:
@@ -122,21 +112,6 @@ def _strip(strip: Strip, console: Console, label_width: int) -> RichText:
         caption = f"\n{' ' * label_width}{caption}"
     line.append(caption, "dim")
     return line
-
-
-def sparkline(readings: FloatArray, levels: str, width: int) -> str:
-    """Return readings drawn one character each, lowest to highest level.
-
-    ``readings`` of shape (n,); more than ``width`` of them are averaged in equal groups.
-    """
-    if len(readings) > width:
-        edges = np.linspace(0, len(readings), width + 1).astype(int)
-        readings = np.add.reduceat(readings, edges[:-1]) / np.diff(edges)
-    low, high = float(readings.min()), float(readings.max())
-    if high == low:
-        return levels[len(levels) // 2] * len(readings)
-    place = (readings - low) / (high - low) * (len(levels) - 1)
-    return "".join(levels[k] for k in np.rint(place).astype(int))
 
 
 def encodes(console: Console, text: str) -> bool:

@@ -24,20 +24,24 @@ _GRAVITY = {"error": 0, "warning": 1, "info": 2}
 
 def analysis_report(analysis: Analysis) -> Report:
     """Return what is said of an analysis."""
-    sections = [Section("", (*_origin(analysis), *_verdict(analysis)))]
+    sections = [Section("", (*_origin(analysis), *verdict(analysis)))]
     for pose in analysis.poses[:_MOST_POSES]:
         name = "" if pose.label is None else f"pose {pose.label}: "
-        sections.append(Section(f"{name}repeatability", tuple(_figures(pose))))
+        sections.append(Section(f"{name}repeatability", tuple(pose_figures(pose))))
         sections.append(Section(f"{name}readings over the cycles", tuple(_strips(pose))))
     hidden = len(analysis.poses) - _MOST_POSES
     if hidden > 0:
         sections.append(
             Section("", (Text(f"{hidden} more poses; --json gives them all", "quiet"),))
         )
+    return (*sections, *limits(analysis), *findings(analysis))
+
+
+def limits(analysis: Analysis) -> Iterator[Section]:
+    """Yield the figures against their limits, where the user gave any."""
     if analysis.limits:
         shown = analysis.limits[:_MOST_LIMITS]
-        sections.append(Section("limits", (_limits_table(shown), *_more(analysis.limits, shown))))
-    return (*sections, *_findings(analysis))
+        yield Section("limits", (_limits_table(shown), *_more(analysis.limits, shown)))
 
 
 def _origin(analysis: Analysis) -> Iterator[Block]:
@@ -52,7 +56,8 @@ def _origin(analysis: Analysis) -> Iterator[Block]:
         yield Text(f"and {len(origin.notes) - _MOST_NOTES} more such notes", "quiet")
 
 
-def _verdict(analysis: Analysis) -> Iterator[Block]:
+def verdict(analysis: Analysis) -> Iterator[Block]:
+    """Yield the figure that the test is about, warnings, and whether limits are kept."""
     if len(analysis.poses) == 1:
         yield Text(_headline(analysis.poses[0]), "strong")
     else:
@@ -137,7 +142,8 @@ def _limits_table(checks: Sequence[LimitCheck]) -> Table:
     return Table(("limit of", "RP", "limit", "guard band", "verdict"), tuple(rows), note)
 
 
-def _figures(pose: PoseResult) -> Iterator[Block]:
+def pose_figures(pose: PoseResult) -> Iterator[Block]:
+    """Yield the tables of a pose: RP of axes, plane and space, accuracy, other words."""
     for unit in ("mm", "deg"):
         axes = [axis for axis in pose.axes.values() if axis.unit == unit]
         if axes:
@@ -232,7 +238,8 @@ def _strips(pose: PoseResult) -> Iterator[Block]:
         yield Strip(axis.name, pose.cycle, axis.readings, caption)
 
 
-def _findings(analysis: Analysis) -> Iterator[Section]:
+def findings(analysis: Analysis) -> Iterator[Section]:
+    """Yield the deviations from the standard, and what else was found."""
     if analysis.deviations:
         rows = sorted({(finding.rule, _said(finding)) for finding in analysis.deviations})
         shown = rows[:_MOST_NOTICES]
@@ -242,7 +249,8 @@ def _findings(analysis: Analysis) -> Iterator[Section]:
     others.sort(key=lambda finding: _GRAVITY[finding.severity])
     notices = [_notice(finding) for finding in others[:_MOST_NOTICES]]
     if notices:
-        yield Section("findings", (*notices, *_more(others, notices)))
+        how = Text("scara-iso explain CODE says more of each", "quiet")
+        yield Section("findings", (*notices, *_more(others, notices), how))
 
 
 def _more(all_of_them: Sequence[object], shown: Sequence[object]) -> Iterator[Block]:

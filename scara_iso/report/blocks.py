@@ -19,11 +19,15 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns of text; the first is aligned to the left, the others to the right."""
+    """Columns of text; the first is aligned to the left, the others to the right.
+
+    ``verbatim`` cells are text that somebody stated: a serial number 0123 is no number.
+    """
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
+    verbatim: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,7 +50,52 @@ class Notice:
     text: str
 
 
-Block = Text | Table | Strip | Notice
+@dataclass(frozen=True, eq=False, slots=True)
+class Course:
+    """Readings of one axis over the cycles, in ``unit``, with their mean and the dial's step."""
+
+    axis: str
+    unit: str
+    cycle: IntArray
+    readings: FloatArray
+    mean: float
+    resolution: float | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Plane:
+    """Attained places in the XY plane about their barycentre, with the circle of radius RP [mm].
+
+    ``positions`` of shape (2, n), ``barycentre`` of shape (2,).
+    """
+
+    positions: FloatArray
+    barycentre: FloatArray
+    RP: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prediction:
+    """Readings of one axis and what the model says of them, before and after the diagnosis."""
+
+    axis: str
+    unit: str
+    cycle: IntArray
+    measured: FloatArray
+    before: FloatArray
+    after: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Figure:
+    """The data of a picture, and in words what is to be seen in it."""
+
+    data: Course | Plane | Prediction
+    title: str
+    caption: str
+
+
+Block = Text | Table | Strip | Notice | Figure
 
 
 @dataclass(frozen=True, slots=True)

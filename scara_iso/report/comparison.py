@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from scara_iso.comparison import Comparison, Contrast, Pair, Verdict
 from scara_iso.comparison.decision import MOST_CYCLES
+from scara_iso.comparison.matching import poses_in_common
 from scara_iso.comparison.result import Ends
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
 from scara_iso.report.digits import decimals
@@ -40,16 +41,23 @@ def comparison_report(comparison: Comparison) -> Report:
 
 
 def headline(pair: Pair) -> str:
-    """Return what a pair shows, in a sentence or three."""
+    """Return what a pair shows, in a sentence or three; a dial that stood still shows nothing."""
+    every = (*pair.spreads, *pair.means)
+    if not any(map(_live, every)):
+        return "nothing is compared: one of the dials stood still"
     said = []
     for what, contrasts in (("repeatability", pair.spreads), ("mean", pair.means)):
-        changed = [_changed(one) for one in contrasts if one.verdict in _CHANGED]
+        changed = [_changed(one) for one in contrasts if one.verdict in _CHANGED and _live(one)]
         if len(changed) > _MOST_NAMED:
             changed[_MOST_NAMED:] = [f"and {len(changed) - _MOST_NAMED} more"]
         said += [f"{what}: {', '.join(changed)}"] if changed else []
-    nothing = f"no difference that {_cycles(pair)} can show"
-    all_changed = all(one.verdict in _CHANGED for one in (*pair.spreads, *pair.means))
-    return "; ".join(said if all_changed else [*said, f"else {nothing}" if said else nothing])
+    if any(one.verdict not in _CHANGED for one in every if _live(one)):
+        said += [f"{'else ' if said else ''}no difference that {_cycles(pair)} can show"]
+    return "; ".join(said)
+
+
+def _live(one: Contrast) -> bool:
+    return not {"no-scatter", "stuck-channel"} & set(one.doubts)
 
 
 def _changed(one: Contrast) -> str:
@@ -81,17 +89,25 @@ def _pair(pair: Pair) -> Iterator[Section]:
 
 
 def _caution(pair: Pair) -> Iterator[Block]:
-    drifting = [one.figure for one in (*pair.spreads, *pair.means) if "trend" in one.doubts]
+    every = (*pair.spreads, *pair.means)
+    still = _names(one for one in every if not _live(one))
+    if still:
+        said = f"{still}: readings stand still in one of the runs. That is no repair: was the dial"
+        yield Text(f"{said} touched, or too coarse?", "warn")
+    drifting = _names(one for one in every if "trend" in one.doubts)
     if drifting:
-        names = ", ".join(dict.fromkeys(drifting))
         yield Text(
-            f"{names}: readings drift in one of the runs. The test deals cycles between the runs "
-            "as if their order did not count: diagnose the drift first.",
+            f"{drifting}: readings drift in one of the runs. The test deals cycles between the "
+            "runs as if their order did not count: diagnose the drift first.",
             "warn",
         )
-    if any(one.verdict is Verdict.DIAL for one in (*pair.spreads, *pair.means)):
+    if any(one.verdict is Verdict.DIAL for one in every):
         said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
         yield Text(said, "warn")
+
+
+def _names(contrasts: Iterable[Contrast]) -> str:
+    return ", ".join(dict.fromkeys(one.figure for one in contrasts))
 
 
 def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
@@ -201,13 +217,15 @@ def _least(one: Contrast, places: int) -> str:
 
 
 def _strips(pair: Pair) -> Iterator[Block]:
-    names = dict.fromkeys(one.figure for one in pair.means)
-    for name in names:
-        for analysis, when in ((pair.before, "before"), (pair.after, "after")):
-            pose = analysis.poses[0]
+    poses = poses_in_common(pair.before, pair.after)[0]
+    for name in dict.fromkeys(one.figure for one in pair.means):
+        for pose, when in zip(poses, ("before", "after"), strict=True):
             axis = pose.axes[name]
             caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
             yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
+    others = len({one.pose for one in pair.means}) - 1
+    if others:
+        yield Text(f"the first pose; --plot draws {others} more", "quiet")
 
 
 def _method(comparison: Comparison) -> str:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator
 
 from scara_iso.plan import Plan
 from scara_iso.report.blocks import Block, Report, Section, Table, Text
+from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
 
 def plan_report(plan: Plan, robot: str) -> Report:
@@ -20,16 +19,11 @@ def plan_report(plan: Plan, robot: str) -> Report:
     )
 
 
-def visits_csv(plan: Plan) -> str:
+def visits_csv(plan: Plan, locale: SheetLocale = PLAIN) -> str:
     """Return one cycle's visits as CSV, one row each in their order."""
     rows = plan.rows()
-    text = io.StringIO()
-    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(
-        {key: round(v, 6) if isinstance(v, float) else v for key, v in row.items()} for row in rows
-    )
-    return text.getvalue()
+    cells = [[round(v, 6) if isinstance(v, float) else v for v in row.values()] for row in rows]
+    return locale.bom + write_rows([list(rows[0]), *cells], locale)
 
 
 def _verdict(plan: Plan, robot: str) -> Iterator[Block]:

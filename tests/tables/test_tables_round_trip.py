@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scara_iso.errors import DataError
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
-from scara_iso.tables import read_table, write_table
+from scara_iso.tables import find_locale, read_table, write_table
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "fum_scara_table1.csv"
 finite = st.floats(-1e9, 1e9)
@@ -71,9 +71,9 @@ def test_a_comma_does_not_cut_a_metadata_line(metadata):
 
 
 @settings(max_examples=100, deadline=None)
-@given(runs())
-def test_written_and_read_is_the_same_run(run):
-    text = write_table(run)
+@given(runs(), st.sampled_from([None, "de", "en"]).map(find_locale))
+def test_written_and_read_is_the_same_run(run, locale):
+    text = write_table(run, locale)
     back = read_table(text.encode())
     assert back.cycle.tolist() == run.cycle.tolist()
     assert list(back.axes) == list(run.axes)
@@ -89,7 +89,7 @@ def test_written_and_read_is_the_same_run(run):
         n: v.tolist() for n, v in run.covariates.items()
     }
     assert dict(back.metadata) == dict(run.metadata)
-    assert write_table(back) == text
+    assert write_table(back, locale) == text
 
 
 @settings(max_examples=60, deadline=None)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ class Window:
     following: Run
 
 
+@cache
 def windows():
     """Return every window of both probes in the order of time, the phase being its own."""
     with _TOUCHES.open(encoding="utf-8") as file:

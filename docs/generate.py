@@ -1,0 +1,102 @@
+"""Write docs/reference/ from the code: ``python docs/generate.py``. A test holds it up to date."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from scara_iso.cli import COMMANDS
+from scara_iso.indicators import find_dialects
+from scara_iso.report.explain import Page, pages
+
+DOCS = Path(__file__).parent
+MADE = "Made by `python docs/generate.py` from the code; do not edit."
+
+
+def reference() -> dict[str, str]:
+    """Return the text of every page by its file name."""
+    effects = [page for page in pages().values() if page.kind != "finding"]
+    findings = [page for page in pages().values() if page.kind == "finding"]
+    made = {
+        "commands.md": ("Commands", _commands()),
+        "findings.md": ("Findings", _pages(findings)),
+        "effects.md": ("Effects", _pages(effects)),
+        "dialects.md": ("Dialects of indicators", _dialects()),
+        "schemas.md": ("JSON schemas", _schemas()),
+    }
+    return {
+        name: "\n\n".join([f"# {title}", MADE, *blocks]) + "\n"
+        for name, (title, blocks) in made.items()
+    }
+
+
+def _commands() -> Iterator[str]:
+    for command in ("", *COMMANDS):
+        call = ["-c", "import sys; from scara_iso.cli import main; sys.exit(main())"]
+        environment = {
+            **os.environ,
+            "COLUMNS": "100",
+            "PYTHONPATH": str(DOCS.parent),
+            "PYTHONUTF8": "1",
+        }
+        words = [command] if command else []
+        done = subprocess.run(  # noqa: S603 - this program
+            [sys.executable, *call, *words, "--help"],
+            capture_output=True, check=True, env=environment, encoding="utf-8",
+        )  # fmt: skip
+        text = "\n".join(line.rstrip() for line in done.stdout.strip().splitlines())
+        yield f"## `scara-iso{' ' if command else ''}{command}`"
+        yield f"```text\n{text}\n```"
+
+
+def _pages(found: Iterable[Page]) -> Iterator[str]:
+    yield "The same pages are shown by `scara-iso explain CODE`."
+    for page in found:
+        yield f"## `{page.code}`"
+        yield f"{page.title}."
+        yield from page.text
+        if page.parameters:
+            yield _table(("parameter", "unit", "meaning"), page.parameters)
+        if page.kind != "finding":
+            yield f"An {page.kind}."
+
+
+def _dialects() -> Iterator[str]:
+    yield "How to connect each of them: [indicators.md](../indicators.md)."
+    for key, dialect in find_dialects().items():
+        yield f"## `{key}`"
+        stated = "states its unit" if dialect.sends_unit else "does not state its unit"
+        yield (
+            f"{dialect.instruments}. Line {dialect.line}; a frame {stated}. Confidence: "
+            f"{dialect.confidence}."
+        )
+        yield f"Source: {dialect.source}."
+        if dialect.unverified:
+            yield "Not verified:"
+            yield "\n".join(f"* {one}" for one in dialect.unverified)
+
+
+def _schemas() -> Iterator[str]:
+    yield (
+        "JSON Schema, draft 2020-12; every object is closed, so that a drift is seen. What the "
+        "keys mean: [json.md](../json.md)."
+    )
+    schemas = sorted((DOCS / "schemas").glob("*.json"))
+    titles = [json.loads(path.read_text(encoding="utf-8"))["title"] for path in schemas]
+    links = [f"[{path.stem}](../schemas/{path.name})" for path in schemas]
+    yield _table(("schema", "written by"), zip(links, titles, strict=True))
+
+
+def _table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [header, ("---",) * len(header), *rows]
+    return "\n".join(f"| {' | '.join(c.replace('|', chr(92) + '|') for c in r)} |" for r in lines)
+
+
+if __name__ == "__main__":
+    (DOCS / "reference").mkdir(exist_ok=True)
+    for name, text in reference().items():
+        (DOCS / "reference" / name).write_text(text, encoding="utf-8", newline="")

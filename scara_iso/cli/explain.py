@@ -1,0 +1,32 @@
+"""``scara-iso explain``: what a finding or an effect means."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from scara_iso.cli.analyze import AsJson
+from scara_iso.cli.output import write_json, write_report
+
+Code = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="CODE", help="A finding or an effect; none lists all.", show_default=False
+    ),
+]
+
+
+def explain_command(code: Code = None, *, json: AsJson = False) -> None:
+    """Say what a finding of analyze or an effect of diagnose means, and what to do.
+
+    Example: scara-iso explain coarse-resolution
+    """
+    from scara_iso.render.json import explain_json
+    from scara_iso.report.explain import find_page, list_report, page_report, pages
+
+    wanted = list(pages().values()) if code is None else [find_page(code)]
+    if json:
+        write_json(explain_json(wanted))
+    else:
+        write_report(list_report(wanted) if code is None else page_report(wanted[0]))

@@ -1,0 +1,44 @@
+"""A whole test as one JSON object: schema ``scara-iso/report/1`` of docs/json.md."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from scara_iso.render.json import Json, analysis_json, backlash_json
+from scara_iso.render.json_diagnosis import diagnosis_json
+from scara_iso.report.diagnosis import Failure
+from scara_iso.report.document import Dossier
+from scara_iso.report.head import head
+
+
+def report_json(dossier: Dossier) -> Json:
+    """Return the object of ``report --json``; its parts are those of the other commands."""
+    analysis, made = dossier.analysis, dossier.provenance
+    run = analysis.run
+    return {
+        "schema": "scara-iso/report/1",
+        "head": [
+            {"field": field, "stated": text} for field, text in head(run, analysis.cycles).rows
+        ],
+        "analysis": analysis_json(analysis),
+        "diagnoses": [
+            {"pose": pose, "error": found.message}
+            if isinstance(found, Failure)
+            else {"pose": pose, **diagnosis_json(found)}
+            for pose, found in dossier.diagnoses.items()
+        ],
+        "backlash": [
+            {"joint": joint, **backlash_json(gearbox.backlash(arm))}
+            for joint, (gearbox, arm) in dossier.gearboxes.items()
+        ],
+        "readings": {
+            "line": None if run.lines is None else run.lines.tolist(),
+            "cycle": run.cycle.tolist(),
+            "pose": None if run.pose is None else run.pose.tolist(),
+            "axes": {name: axis.readings.tolist() for name, axis in run.axes.items()},
+            "covariates": {name: values.tolist() for name, values in run.covariates.items()},
+        },
+        "files": [asdict(file) for file in made.files],
+        "version": made.version,
+        "command": made.command,
+    }

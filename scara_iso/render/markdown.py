@@ -1,0 +1,58 @@
+"""A report as Markdown: readable as it stands, pictures as lines of blocks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from scara_iso.render.strips import LEVELS, sparkline
+from scara_iso.report.blocks import Block, Course, Figure, Notice, Report, Strip, Table, Text
+from scara_iso.report.words import printable
+
+_WIDTH = 60
+_SPECIAL = re.compile(r"([\\`*_\[\]|~#!])")
+_BULLET = re.compile(r"^(\s*)([-+>]|\d+[.)])(?=\s)")
+
+
+def to_markdown(report: Report, title: str) -> str:
+    """Return a report as Markdown; no text of a file is markup in it."""
+    parts = [f"# {_text(title)}"]
+    for section in report:
+        parts += [f"## {_text(section.heading)}"] if section.heading else []
+        parts += [said for block in section.blocks for said in _block(block)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _block(block: Block) -> Iterator[str]:
+    match block:
+        case Text():
+            yield f"**{_text(block.text)}**" if block.tone == "strong" else _text(block.text)
+        case Table():
+            yield _table(block)
+            if block.note:
+                yield _text(block.note)
+        case Notice():
+            subject = f"**{_text(block.subject)}**: " if block.subject else ""
+            yield f"{block.severity}: {subject}{_text(block.text)} ({_text(block.code)})"
+        case Strip():
+            drawn = sparkline(block.readings, LEVELS, _WIDTH)
+            yield f"{_text(block.label)} `{drawn}` {_text(block.caption)}"
+        case Figure():
+            drawn = ""
+            if isinstance(block.data, Course):
+                drawn = f" `{sparkline(block.data.readings, LEVELS, _WIDTH)}`"
+            yield f"**{_text(block.title)}**{drawn} {_text(block.caption)}"
+
+
+def _table(table: Table) -> str:
+    rule = ["---", *["---" if table.verbatim else "--:"] * (len(table.header) - 1)]
+    rows = [[_text(cell) for cell in row] for row in (table.header, *table.rows)]
+    rows.insert(1, rule)
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def _text(text: str) -> str:
+    """Return text in which nothing is markup, HTML or a link."""
+    safe = printable(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    safe = _BULLET.sub(r"\1\\\2", _SPECIAL.sub(r"\\\1", safe))
+    return safe.replace("://", ":&#47;/").replace("www.", "www&#46;").replace("@", "&#64;")

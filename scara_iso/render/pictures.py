@@ -1,0 +1,109 @@
+"""The pictures of a report: inline SVG in one style, to be told apart without colour."""
+
+from __future__ import annotations
+
+import io
+import re
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scara_iso.render.plots import AREA, ARM, EDGE, PLANE, SOLID
+from scara_iso.report.blocks import Course, Figure, Plane, Prediction
+from scara_iso.report.words import printable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_STYLE: dict[str, Any] = {
+    "font.size": 8.5, "axes.spines.top": False, "axes.spines.right": False,
+    "axes.edgecolor": EDGE, "axes.grid": True, "grid.color": "#e3e8ed", "grid.linewidth": 0.6,
+    "axes.axisbelow": True, "xtick.color": ARM, "ytick.color": ARM, "axes.labelcolor": ARM,
+    "axes.formatter.useoffset": False, "svg.fonttype": "none", "path.simplify": False,
+}  # fmt: skip
+_OWN_STYLE = re.compile(r"<metadata>.*?</metadata>|<defs>\s*<style.*?</defs>", re.DOTALL)
+_NAMES = re.compile(
+    r' id="(?:figure|axes|patch|line2d|text|xtick|ytick|matplotlib|legend|Path)[^"]*"'
+)
+
+
+def picture(figure: Figure, number: int) -> str:
+    """Return a figure of a report as inline SVG, with its words for those who cannot see it.
+
+    ``number`` makes the picture's identifiers its own within a page.
+    """
+    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
+    from matplotlib.figure import Figure as Drawing  # noqa: PLC0415 - likewise
+
+    size = (4.4, 4.0) if isinstance(figure.data, Plane) else (4.4, 2.3)
+    style: dict[Any, Any] = {**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}
+    with mpl.rc_context(style):
+        drawing = Drawing(figsize=size)
+        match figure.data:
+            case Course() as data:
+                _draw_course(drawing.add_axes((0.18, 0.20, 0.80, 0.76)), data)
+            case Plane() as data:
+                _draw_plane(drawing.add_axes((0.18, 0.12, 0.80, 0.85)), data)
+            case Prediction() as data:
+                _draw_prediction(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), data)
+        file = io.StringIO()
+        drawing.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    return _inline(file.getvalue(), figure)
+
+
+def _draw_course(axes: Axes, data: Course) -> None:
+    if data.resolution is not None:
+        half = data.resolution / 2
+        axes.axhspan(data.mean - half, data.mean + half, color=AREA, lw=0)
+    axes.axhline(data.mean, color=SOLID, lw=1.2, ls=(0, (5, 3)))
+    axes.plot(data.cycle, data.readings, "o-", color=ARM, lw=0.6, ms=3.2)
+    axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
+
+
+def _draw_plane(axes: Axes, data: Plane) -> None:
+    turn = np.linspace(0, 2 * np.pi, 121)
+    places, counts = np.unique(data.positions.round(9), axis=1, return_counts=True)
+    x, y = data.barycentre
+    axes.plot(x + data.RP * np.cos(turn), y + data.RP * np.sin(turn), color=SOLID, lw=1.2)
+    axes.scatter(
+        places[0], places[1], s=22 * counts, facecolor=PLANE, edgecolor=ARM, lw=0.7, alpha=0.75
+    )
+    axes.plot(x, y, "+", color=SOLID, ms=11, mew=1.6)
+    reach = 1.1 * max(data.RP, float(np.abs(data.positions - data.barycentre[:, None]).max()))
+    if reach > 0:
+        axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
+    axes.set(xlabel="X [mm]", ylabel="Y [mm]", aspect="equal")
+    axes.locator_params(nbins=5)
+
+
+def _draw_prediction(axes: Axes, data: Prediction) -> None:
+    axes.plot(data.cycle, data.measured, "o", color=ARM, ms=3.2, label="measured")
+    axes.plot(data.cycle, data.before, color=SOLID, lw=1.3, ls=(0, (5, 3)), label="before")
+    axes.plot(data.cycle, data.after, color=PLANE, lw=2, label="after")
+    axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=3, frameon=False)
+
+
+def _inline(svg: str, figure: Figure) -> str:
+    """Return an SVG as part of a page: attributes for styles, its own title, no names in it."""
+    body = svg[svg.index("<svg") :]
+    body = _OWN_STYLE.sub("", body)
+    body = _NAMES.sub("", body)
+    body = re.sub(r' style="([^"]*)"', lambda found: _attributes(found[1]), body)
+    _, view, rest = re.split(r'(viewBox="[^"]*")[^>]*>', body, maxsplit=1)
+    title, caption = (escape(printable(text)) for text in (figure.title, figure.caption))
+    words = f"<title>{title}</title><desc>{caption}</desc>"
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+        f'role="img" {view} stroke-linejoin="round" stroke-linecap="butt">{words}{rest}'
+    )
+
+
+def _attributes(style: str) -> str:
+    """Return a style as presentation attributes, which need no leave of a page's policy."""
+    parts = (part.partition(":") for part in style.split(";") if part.strip())
+    pairs = {name.strip(): value.strip() for name, _, value in parts}
+    if "font-family" in pairs:
+        pairs["font-family"] = "'DejaVu Sans', Verdana, Arial, sans-serif"
+    return "".join(f' {name}="{value}"' for name, value in pairs.items())

@@ -1,0 +1,108 @@
+"""A report as a workbook: numbers are numbers, and no text is a formula."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from datetime import datetime
+from typing import TYPE_CHECKING
+
+from scara_iso.quantities import parse_number
+from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
+from scara_iso.report.words import printable
+
+if TYPE_CHECKING:
+    from openpyxl.cell.cell import Cell, MergedCell
+    from openpyxl.worksheet.worksheet import Worksheet
+
+_LONGEST = 32_767  # characters of a cell, Excel's specification
+_EPOCH = datetime(1980, 1, 1)  # noqa: DTZ001 - the earliest time that a ZIP file can hold
+_MODIFIED = re.compile(rb"(<dcterms:modified[^>]*>)[^<]*")
+_WIDTHS = (24, 16)
+_SHEET = "Report"
+_READINGS = "Raw data"
+
+
+def to_workbook(report: Report, title: str) -> bytes:
+    """Return a report as the bytes of an .xlsx file, the raw data on sheets of their own."""
+    from openpyxl import Workbook  # noqa: PLC0415 - for workbooks only
+
+    book = Workbook()
+    book.remove(book.worksheets[0])
+    sheets = {name: book.create_sheet(name) for name in (_SHEET, _READINGS)}
+    _append(sheets[_SHEET], (title,), bold=True)
+    for section in report:
+        sheet = sheets[_READINGS if section.heading.startswith(_READINGS) else _SHEET]
+        if section.heading:
+            _append(sheet, ())
+            _append(sheet, (section.heading,), bold=True)
+        for block in section.blocks:
+            _write(sheet, block)
+    for sheet in sheets.values():
+        for k in range(1, 13):
+            sheet.column_dimensions[chr(64 + k)].width = _WIDTHS[min(k - 1, 1)]
+    book.properties.created = book.properties.modified = _EPOCH
+    book.properties.creator = "scara-iso"
+    file = io.BytesIO()
+    book.save(file)
+    return _without_times(file.getvalue())
+
+
+def _write(sheet: Worksheet, block: Block) -> None:
+    match block:
+        case Text():
+            _append(sheet, (block.text,), verbatim=True)
+        case Table():
+            _append(sheet, block.header, bold=True, verbatim=True)
+            for row in block.rows:
+                _append(sheet, row, verbatim=block.verbatim)
+            if block.note:
+                _append(sheet, (block.note,), verbatim=True)
+        case Notice():
+            row = (block.severity, block.code, block.subject, block.text)
+            _append(sheet, row, verbatim=True)
+        case Strip():
+            _append(sheet, (block.label, block.caption), verbatim=True)
+        case Figure():
+            _append(sheet, (block.title, block.caption), verbatim=True)
+
+
+def _append(
+    sheet: Worksheet, row: tuple[str, ...], *, bold: bool = False, verbatim: bool = False
+) -> None:
+    from openpyxl.styles import Font  # noqa: PLC0415 - for workbooks only
+
+    line = sheet.max_row + 1 if sheet.max_row > 1 or sheet.cell(1, 1).value is not None else 1
+    if not row:
+        sheet.cell(line, 1, " ")
+    for k, text in enumerate(row, start=1):
+        cell = sheet.cell(line, k)
+        _fill(cell, text, verbatim=verbatim)
+        if bold:
+            cell.font = Font(bold=True)
+
+
+def _fill(cell: Cell | MergedCell, text: str, *, verbatim: bool) -> None:
+    number = None if verbatim else parse_number(text)
+    if number is not None:
+        cell.value = number
+        places = len(text.partition(".")[2])
+        cell.number_format = f"0.{'0' * places}" if places else "0"
+        return
+    cell.value = printable(text)[:_LONGEST]
+    cell.data_type = "s"  # whatever it begins with: not a formula
+
+
+def _without_times(data: bytes) -> bytes:
+    """Return a ZIP file with the same members and none of the moments at which they were made."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(file, "w") as new:
+        for name in old.namelist():
+            member = zipfile.ZipInfo(name)  # of 1980
+            member.compress_type = zipfile.ZIP_DEFLATED
+            content = old.read(name)
+            if name == "docProps/core.xml":
+                content = _MODIFIED.sub(rb"\g<1>1980-01-01T00:00:00Z", content)
+            new.writestr(member, content)
+    return file.getvalue()

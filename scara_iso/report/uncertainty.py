@@ -1,0 +1,54 @@
+"""The uncertainty budget: what a reading is uncertain by, and what nobody stated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.quantities import rounding_uncertainty
+from scara_iso.report.blocks import Block, Table, Text
+from scara_iso.report.digits import decimals
+from scara_iso.report.head import NOT_STATED
+from scara_iso.results import Analysis
+from scara_iso.run import Axis
+
+_OPEN = (
+    "Not in the budget, because no reading tells it: the angle between the indicator and its axis "
+    "(cosine error), the shape and wear of its tip, the stiffness of its stand, the temperature of "
+    "robot and stand. They add to what is combined here."
+)
+_NO_CALIBRATION = (
+    "Where the calibration is not stated, the combined uncertainty holds the resolution alone: "
+    "the indicator's own errors are left out of it, and it is too small."
+)
+_WHAT_IT_IS = (
+    "The indicator makes single readings uncertain; how far RP itself could differ if the test "
+    "were repeated is its 95 % interval."
+)
+
+
+def uncertainty_budget(analysis: Analysis) -> Iterator[Block]:
+    """Yield a line for each axis, the same at every pose, and what is left open."""
+    combined = analysis.poses[0].axes
+    rows = [_line(axis, combined[name].uncertainty) for name, axis in analysis.run.axes.items()]
+    yield Table(
+        ("axis", "resolution a", "u of it: a / √12", "u of the calibration", "combined u",
+         "expanded U = 2 u", "in"),
+        tuple(rows),
+        "rounding to a division is a rectangular distribution (GUM F.2.2.1); the calibration's is "
+        "the standard uncertainty in the line indicator_uncertainty; both combined as independent "
+        "(GUM 5.1.2)",
+    )  # fmt: skip
+    if any(axis.uncertainty is None for axis in analysis.run.axes.values()):
+        yield Text(_NO_CALIBRATION)
+    yield Text(_WHAT_IT_IS)
+    yield Text(_OPEN)
+
+
+def _line(axis: Axis, combined: float | None) -> tuple[str, ...]:
+    rounding = None if axis.resolution is None else rounding_uncertainty(axis.resolution)
+    expanded = None if combined is None else 2 * combined
+    found = (rounding, axis.uncertainty, combined, expanded)
+    places = decimals([u for u in found if u is not None])
+    stated = NOT_STATED if axis.resolution is None else f"{axis.resolution:g}"
+    said = [NOT_STATED if u is None else f"{u:.{places}f}" for u in found]
+    return (axis.name, stated, *said, axis.unit)

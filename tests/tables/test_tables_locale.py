@@ -1,0 +1,117 @@
+"""`--excel-locale`: what a German and an English spreadsheet make of every table."""
+
+import csv
+import io
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+
+from scara_iso.cli import main
+from scara_iso.run import Axis, Run
+from scara_iso.tables import find_locale, read_table, write_rows, write_table
+from tests.hostile import FORMULAS, TEXTS
+
+OFFICE = shutil.which("soffice") or shutil.which("libreoffice")
+READINGS = [-1.234, 0.5, -0.001, 12.0]
+LANGUAGES = {"de": (ord(";"), 1031), "en": (ord(","), 1033)}
+
+
+def run_of(**metadata):
+    axis = Axis("X", np.array(READINGS), resolution=0.001)
+    return Run(np.arange(1, 5), {"X": axis}, metadata=metadata)
+
+
+def test_the_german_table_to_the_letter():
+    assert write_table(run_of(robot="a; b"), find_locale("de")) == (
+        "\ufeff# unit: mm\n# resolution: 0.001\n# robot: a; b\n"
+        "cycle;X\n1;-1,234\n2;0,500\n3;-0,001\n4;12,000\n"
+    )
+
+
+def test_numbers_that_could_all_group_thousands_end_in_a_zero():
+    run = Run(np.array([1]), {"X": Axis("X", np.array([1.234]), resolution=0.001)})
+    text = write_table(run, find_locale("de"))
+    assert text.endswith("1;1,2340\n")
+    assert read_table(text.encode()).axes["X"].readings.tolist() == [1.234]
+
+
+@pytest.mark.parametrize(("name", "sep", "decimal"), [("de", ";", ","), ("en", ",", ".")])
+def test_an_independent_reader_finds_the_same_numbers(name, sep, decimal):
+    text = write_table(run_of(robot="=1+1"), find_locale(name))
+    assert text.encode().startswith(b"\xef\xbb\xbf")
+    frame = pd.read_csv(
+        io.BytesIO(text.encode()), sep=sep, decimal=decimal, comment="#", encoding="utf-8-sig"
+    )
+    assert frame["X"].tolist() == READINGS
+
+
+@pytest.mark.parametrize("name", [None, "de", "en"])
+def test_hostile_rows_stay_text_and_numbers_stay_numbers(name):
+    locale = find_locale(name)
+    text = write_rows([(t, -0.5, 3, None, float("nan")) for t in TEXTS], locale)
+    frame = pd.read_csv(
+        io.BytesIO(text.encode(errors="replace")), sep=locale.delimiter,
+        decimal=locale.decimal, header=None, keep_default_na=False,
+    )  # fmt: skip
+    assert len(frame) == len(TEXTS)
+    assert set(frame[1]) == {-0.5}
+    assert not any(cell.lstrip().startswith(("=", "+", "-", "@")) for cell in frame[0])
+
+
+@pytest.mark.parametrize("name", [None, "de", "en"])
+@pytest.mark.parametrize("hostile", TEXTS)
+def test_a_hostile_head_harms_no_reading(name, hostile):
+    locale = find_locale(name)
+    data = write_table(run_of(robot=hostile), locale).encode("utf-8", "backslashreplace")
+    assert read_table(data).axes["X"].readings.tolist() == READINGS
+
+
+@pytest.mark.parametrize("command", ["simulate", "plan"])
+def test_commands_write_it(command, tmp_path):
+    out = tmp_path / "out.csv"
+    options = ["-o", str(out), "--excel-locale", "de"]
+    assert main([command, "examples/fum_scara.toml", *options]) == 0
+    frame = pd.read_csv(out, sep=";", decimal=",", comment="#", encoding="utf-8-sig")
+    assert len(frame.select_dtypes("number").columns) >= 4
+
+
+def test_a_report_for_a_german_excel(tmp_path):
+    source, out = tmp_path / "in.csv", tmp_path / "out.csv"
+    stated = "# serial_number: 12.10\n# operator: =1+1\n"
+    source.write_text(stated + Path("examples/scatter.csv").read_text(encoding="utf-8"))
+    assert main(["report", str(source), "-o", str(out), "--excel-locale", "de"]) == 0
+    text = out.read_text(encoding="utf-8")
+    assert text.startswith("\ufeff")
+    cells = [cell for row in csv.reader(text[1:].splitlines(), delimiter=";") for cell in row]
+    assert {"0,10", "12.10", "'=1+1"} <= set(cells)
+    assert not {"0.10", "12,10"} & set(cells)
+
+
+def converted(name, rows, folder):
+    """Return the cells that LibreOffice finds in a CSV, opened as one of that language."""
+    source = folder / "in.csv"
+    source.write_text(rows, encoding="utf-8", errors="backslashreplace", newline="")
+    delimiter, language = LANGUAGES[name]
+    # Token 8 is the language; 10 detects numbers and dates as a double click on the file does.
+    options = f"CSV:{delimiter},34,76,1,,{language},false,true"
+    subprocess.run(
+        [OFFICE, f"-env:UserInstallation=file://{folder}/profile", "--headless", "--convert-to",
+         "xlsx", f"--infilter={options}", "--outdir", str(folder), str(source)],
+        check=True, capture_output=True, timeout=120,
+    )  # fmt: skip
+    return list(openpyxl.load_workbook(folder / "in.xlsx").active.iter_rows())
+
+
+@pytest.mark.skipif(OFFICE is None, reason="LibreOffice is not installed")
+@pytest.mark.parametrize("name", ["de", "en"])
+def test_libreoffice_finds_numbers_and_no_formula(name, tmp_path):
+    stated = {f"key_{k}": text for k, text in enumerate(FORMULAS)}
+    text = write_table(run_of(**stated), find_locale(name))
+    rows = converted(name, text, tmp_path)
+    assert [row[1].value for row in rows[-4:]] == READINGS
+    assert not [c.value for row in rows for c in row if c.data_type == "f"]

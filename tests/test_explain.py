@@ -1,0 +1,50 @@
+"""`scara-iso explain`: every finding and effect has its page."""
+
+import json
+
+import pytest
+
+from scara_iso.cli import main
+from scara_iso.effects import find_effects, find_gear_effects
+from scara_iso.report.explain import pages
+from tests.hostile import TEXTS
+
+
+def test_every_effect_and_finding_has_a_page():
+    found = pages()
+    assert {e.name for e in (*find_effects(), *find_gear_effects())} <= set(found)
+    assert {"trend", "coarse-resolution", "not-stated"} <= set(found)
+    assert all(page.title and page.text for page in found.values())
+
+
+@pytest.mark.parametrize("code", ["trend", "warm_up", "warm-up", "REFLECTED_INERTIA"])
+def test_a_page(code, capsys):
+    assert main(["explain", code]) == 0
+    assert code.lower().replace("-", "_") in capsys.readouterr().out
+
+
+def test_without_a_code_all_are_listed(capsys):
+    assert main(["explain"]) == 0
+    out = capsys.readouterr().out
+    assert all(f"{code}: " in out for code in pages())
+    assert main(["explain", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [page["code"] for page in document["pages"]] == list(pages())
+
+
+def test_an_unknown_code_names_the_nearest(capsys):
+    assert main(["explain", "course-resolution"]) == 2
+    assert "did you mean coarse-resolution" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("code", [t for t in TEXTS if not t.startswith("-") and "\0" not in t])
+def test_a_hostile_code_does_no_harm(code, capsys):
+    assert main(["explain", code]) == 2
+    err = capsys.readouterr().err
+    assert len(err) < 1000
+    assert not {"\x1b", "\u202e", "\x9b", "\r"} & set(err)
+
+
+def test_the_findings_say_how_to_read_more(capsys):
+    assert main(["analyze", "examples/fum_scara_table1.csv"]) == 0
+    assert "scara-iso explain CODE" in capsys.readouterr().out

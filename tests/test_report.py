@@ -1,0 +1,316 @@
+"""The report of a test: what it says, in every form, and that text of a file stays text."""
+
+import csv
+import io
+import json
+import math
+import re
+import shutil
+import statistics
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+import openpyxl
+import pytest
+from hostile import TEXTS
+
+from scara_iso import analyze, read_table
+from scara_iso.cli import main
+from scara_iso.closing import CyclesWanted, close_the_loop
+from scara_iso.render.csv import to_csv
+from scara_iso.render.html import to_html
+from scara_iso.render.markdown import to_markdown
+from scara_iso.render.workbook import to_workbook
+from scara_iso.report.blocks import Course, Figure, Plane, Prediction, Table
+from scara_iso.report.document import Dossier, InputFile, Provenance, document
+from scara_iso.report.head import FIELDS, NOT_STATED, head
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+TABLE_1, WARM_UP = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "warm_up.csv"
+MODEL = EXAMPLES / "fum_scara.toml"
+MADE = Provenance((InputFile("table", "run.csv", "00"),), "0", "scara-iso report run.csv")
+KINDS = ("html", "md", "csv", "xlsx", "json")
+HOSTILE = {
+    "robot": "<script>alert(1)</script>",
+    "laboratory": "=cmd|' /C calc'!A0",
+    "customer": "[red]bold[/red]",
+    "serial_number": "javascript:alert(1)",
+    "operator": "</style><style>*{display:none}</style>",
+    "temperature": "\u202eevil\u2066",
+    "indicator": "@SUM(1)",
+    "calibration_date": "+1+1",
+    "payload": "-2+3",
+    "report_number": "00123",
+    "note": "<img src=x onerror=alert(1)> {{7*7}} ![x](http://e/x) `a` |b|",
+}
+
+
+@pytest.fixture
+def hostile(tmp_path):
+    """Return a table whose every field and whose name wants to be something else than text."""
+    rows = [r for r in WARM_UP.read_text().splitlines() if not r.startswith("# robot")]
+    head_lines = [f"# {key}: {value}" for key, value in HOSTILE.items()]
+    path = tmp_path / "=<b onclick=x>[red].csv"
+    path.write_text("\n".join([*head_lines, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def five_poses(tmp_path, rng):
+    """Return a table of five poses."""
+    path = tmp_path / "five.csv"
+    lines = ["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y"]
+    for pose in range(1, 6):
+        readings = rng.normal(0, 0.005, (31, 2)).round(3)
+        lines += [f"P{pose},{k},{x},{y}" for k, (x, y) in enumerate(readings, start=1)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def section(report, heading):
+    return next(s for s in report if s.heading == heading)
+
+
+def rows_of(report, heading):
+    table = next(b for b in section(report, heading).blocks if isinstance(b, Table))
+    return {row[0]: dict(zip(table.header, row, strict=True)) for row in table.rows}
+
+
+def make(tmp_path, monkeypatch, table, *options):
+    """Return the bytes of the report in each form, made from the same folder."""
+    monkeypatch.chdir(tmp_path)
+    found = {}
+    for kind in KINDS:
+        assert main(["report", str(table), *options, "-o", f"out.{kind}"]) == 0
+        found[kind] = Path(f"out.{kind}").read_bytes()
+    return found
+
+
+def test_every_intermediate_value_leads_from_the_readings_to_the_figure():
+    analysis = analyze(read_table(TABLE_1))
+    report = document(Dossier(analysis, MADE))
+    readings = rows_of(report, "Raw data")
+    used = [float(row["X [mm]"]) for row in readings.values() if row["counts"] == "yes"]
+    found = {k: float(v) for k, v in rows_of(report, "Intermediate values")["X"].items()
+             if k not in ("figure", "unit")}  # fmt: skip
+    mean = sum(used) / len(used)
+    distances = [abs(x - mean) for x in used]
+    l_bar = statistics.fmean(distances)
+    expected = {
+        "n": len(used),
+        "sum": sum(used),
+        "mean": mean,
+        "sum of l_j": sum(distances),
+        "l_bar": l_bar,
+        "sum of (l_j - l_bar)²": sum((d - l_bar) ** 2 for d in distances),
+        "S_l": statistics.stdev(distances),
+        "RP = l_bar + 3 S_l": l_bar + 3 * statistics.stdev(distances),
+    }
+    assert found == pytest.approx(expected, abs=1e-6)
+    assert found["RP = l_bar + 3 S_l"] == pytest.approx(analysis.poses[0].axes["X"].RP, abs=1e-6)
+
+
+def test_the_distance_of_each_cycle_gives_the_radial_figure():
+    analysis = analyze(read_table(TABLE_1))
+    by_cycle = rows_of(document(Dossier(analysis, MADE)), "Deviations of each cycle")
+    distances = [float(row["l_j XY [mm]"]) for row in by_cycle.values()]
+    RP = statistics.fmean(distances) + 3 * statistics.stdev(distances)
+    assert pytest.approx(analysis.poses[0].XY.RP, abs=1e-5) == RP
+    one = next(iter(by_cycle.values()))
+    sides = (float(one["X - mean [mm]"]), float(one["Y - mean [mm]"]))
+    assert float(one["l_j XY [mm]"]) == pytest.approx(math.hypot(*sides), abs=2e-6)
+
+
+def test_what_nobody_stated_is_said_to_be_not_stated():
+    run = read_table(TABLE_1)
+    stated = dict(head(run, analyze(run).cycles).rows)
+    assert stated["item"] == "FUM SCARA"
+    assert stated["laboratory"] == stated["calibration date"] == NOT_STATED
+    assert set(FIELDS) <= set(stated)
+    assert "9283:1998" in stated["method"]
+
+
+def test_every_key_of_the_head_reaches_its_field(tmp_path):
+    for field, keys in FIELDS.items():
+        for key in keys:
+            path = tmp_path / "run.csv"
+            path.write_text(f"# {key}: something\n" + WARM_UP.read_text().replace("# robot", "# x"))
+            run = read_table(path)
+            assert "something" in dict(head(run, analyze(run).cycles).rows)[field], key
+
+
+def test_the_budget_combines_resolution_and_certificate(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("# indicator_uncertainty_X: 0.004\n" + WARM_UP.read_text())
+    budget = rows_of(document(Dossier(analyze(read_table(path)), MADE)), "Uncertainty budget")
+    rounding = 0.01 / math.sqrt(12)
+    assert float(budget["X"]["combined u"]) == pytest.approx(math.hypot(rounding, 0.004), abs=1e-5)
+    assert float(budget["X"]["expanded U = 2 u"]) == pytest.approx(
+        2 * math.hypot(rounding, 0.004), abs=2e-5
+    )
+    assert budget["Y"]["u of the calibration"] == NOT_STATED
+
+
+def test_the_raw_data_are_the_lines_of_the_table():
+    report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
+    lines = WARM_UP.read_text().splitlines()
+    for line, row in rows_of(report, "Raw data").items():
+        said = [row[name] for name in ("cycle", "X [mm]", "Y [mm]", "Z [mm]", "theta [mm]")]
+        assert ",".join(said) == lines[int(line) - 1]
+
+
+def test_pictures_hold_the_readings_that_count(tmp_path, monkeypatch):
+    analysis = analyze(read_table(WARM_UP))
+    drawn = [b.data for b in section(document(Dossier(analysis, MADE)), "Readings").blocks
+             if isinstance(b, Figure)]  # fmt: skip
+    assert [d.axis for d in drawn if isinstance(d, Course)] == ["X", "Y", "Z", "theta"]
+    assert all(len(d.readings) == 30 for d in drawn if isinstance(d, Course))
+    plane = next(d for d in drawn if isinstance(d, Plane))
+    assert plane.barycentre.tolist() == pytest.approx(plane.positions.mean(axis=1).tolist())
+    assert pytest.approx(analysis.poses[0].XY.RP) == plane.RP
+
+
+def test_the_diagnosis_is_shown_before_and_after_where_it_changed_something():
+    run = read_table(WARM_UP)
+    found = close_the_loop(run, None, CyclesWanted(), seed=9283)
+    report = document(Dossier(analyze(run), MADE, diagnoses={None: found}))
+    drawn = [b.data for b in section(report, "Diagnosis").blocks if isinstance(b, Figure)]
+    assert {d.axis for d in drawn if isinstance(d, Prediction)} == {"X", "Y"}
+    assert section(report, "Diagnosis: warm up")
+
+
+def test_the_same_input_gives_the_same_bytes(tmp_path, monkeypatch):
+    options = ("--model", str(MODEL))
+    first = make(tmp_path, monkeypatch, WARM_UP, *options)
+    assert make(tmp_path, monkeypatch, WARM_UP, *options) == first
+    assert b"Backlash of joint 1" in first["html"]
+    assert rb"fum\_scara.toml" in first["md"]
+
+
+def test_text_of_a_file_stays_text_in_every_form(tmp_path, monkeypatch, hostile):
+    found = make(tmp_path, monkeypatch, hostile)
+    page = found["html"].decode()
+    assert "<script" not in page
+    assert page.count("<style") == page.count("</style>") == 1
+    assert "<img" not in page
+    assert "<b onclick" not in page
+    assert "{{7*7}}" in page
+    assert "\u202e" not in page
+    markdown = found["md"].decode()
+    assert not re.search(r"<(script|img|b|style)\b", markdown)
+    assert not re.search(r"(?<!\\)\]\(|https?://", markdown)
+    cells = [cell for row in csv.reader(io.StringIO(found["csv"].decode())) for cell in row]
+    assert not [c for c in cells if c[:1] in "=@|%" and c]
+    assert not [c for c in cells if c[:1] in "+-" and c and not re.fullmatch(r"[+-][\d.]+", c)]
+    assert json.loads(found["json"])["analysis"]["metadata"]["robot"] == HOSTILE["robot"]
+    book = openpyxl.load_workbook(io.BytesIO(found["xlsx"]))
+    kinds = {cell.data_type for sheet in book for row in sheet for cell in row}
+    assert kinds <= {"s", "n", "inlineStr"}
+
+
+def test_every_hostile_text_is_shown_and_nothing_else():
+    run = read_table(WARM_UP)
+    run = replace(run, metadata={f"key {k}": text for k, text in enumerate(TEXTS)})
+    report = document(Dossier(analyze(run), MADE))
+    page = to_html(report, TEXTS[0])
+    outside = re.sub(r"<svg.*?</svg>", "", page, flags=re.DOTALL)
+    known = {
+        "html", "head", "meta", "title", "style", "body", "main", "h1", "h2", "section", "p",
+        "div", "table", "thead", "tbody", "tr", "th", "td", "b", "code", "figure", "figcaption",
+    }  # fmt: skip
+    assert set(re.findall(r"<(\w+)", outside)) <= known
+    assert not [c for c in page if ord(c) < 32 and c != "\n"]
+    page.encode()
+    to_markdown(report, "").encode()
+    for cell in (c for row in csv.reader(io.StringIO(to_csv(report, ""))) for c in row):
+        assert cell.strip()[:1] not in ("=", "@")
+    book = openpyxl.load_workbook(io.BytesIO(to_workbook(report, TEXTS[0])))
+    assert {c.data_type for sheet in book for row in sheet for c in row} <= {"s", "n", "inlineStr"}
+
+
+def test_a_german_excel_gets_its_marks(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", str(WARM_UP), "-o", "out.csv", "--excel-locale", "de"]) == 0
+    text = Path("out.csv").read_bytes().decode("utf-8-sig")
+    assert Path("out.csv").read_bytes().startswith(b"\xef\xbb\xbf")
+    assert "7;2;0,11;0,81;0,36;0,480;yes" in text.splitlines()
+
+
+def test_numbers_of_the_workbook_are_numbers_and_a_serial_number_is_none(
+    tmp_path, monkeypatch, hostile
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", str(hostile), "-o", "out.xlsx"]) == 0
+    book = openpyxl.load_workbook("out.xlsx")
+    rows = list(book["Raw data"].iter_rows(values_only=True))
+    body = [row for row in rows if isinstance(row[0], int)]
+    assert len(body) == 31
+    assert all(isinstance(value, int | float) for row in body for value in row[:6])
+    cells = [cell.value for row in book["Report"] for cell in row]
+    assert "00123" in cells
+
+
+def test_several_poses_are_reported_each(five_poses, tmp_path, monkeypatch):
+    found = make(tmp_path, monkeypatch, five_poses)
+    page = found["html"].decode()
+    for pose in range(1, 6):
+        assert f"Repeatability at pose P{pose}" in page
+    assert page.count("<svg") >= 5 * 3
+    names = re.findall(r' id="([^"]+)"', page)
+    assert len(names) == len(set(names))
+    document_ = json.loads(found["json"])
+    assert [d["pose"] for d in document_["diagnoses"]] == [f"P{k}" for k in range(1, 6)]
+
+
+def test_one_pose_of_several_may_be_named(five_poses, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", str(five_poses), "--pose", "P3", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert len(found["analysis"]["poses"]) == 1
+    assert set(found["readings"]["cycle"]) == set(range(1, 32))
+    assert main(["report", str(five_poses), "--pose", "P9", "--json"]) == 2
+
+
+def test_the_hash_is_that_of_the_table(tmp_path, monkeypatch, capsys):
+    assert main(["report", str(WARM_UP), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["files"][0]["sha256"] == sha256(WARM_UP.read_bytes()).hexdigest()
+    assert found["command"] == f"scara-iso report {WARM_UP} --json"
+
+
+def test_a_report_is_not_written_over_what_it_is_made_of(tmp_path, capsys):
+    table = tmp_path / "run.csv"
+    shutil.copy(WARM_UP, table)
+    assert main(["report", str(table), "-o", str(table)]) == 73
+    assert table.read_bytes() == WARM_UP.read_bytes()
+    assert "made of" in capsys.readouterr().err
+
+
+def test_another_ending_names_the_known_ones(tmp_path, capsys):
+    assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.docx")]) == 2
+    said = capsys.readouterr().err
+    assert ".html, .md, .xlsx, .json, .csv" in said
+    assert main(["report", str(WARM_UP), "-o", str(tmp_path / "no" / "out.md")]) == 73
+
+
+def test_outside_a_limit_the_report_is_written_and_the_exit_code_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", str(WARM_UP), "--limit", "XY=0.02", "-o", "out.md"]) == 1
+    assert "OUTSIDE" in Path("out.md").read_text()
+
+
+def test_without_a_name_the_report_stands_beside_where_it_is_called(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", str(WARM_UP)]) == 0
+    assert Path("warm_up.html").exists()
+    assert capsys.readouterr().out == "warm_up.html is written\n"
+
+
+def test_too_few_cycles_for_a_diagnosis_are_said(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    short = tmp_path / "short.csv"
+    rows = WARM_UP.read_text().splitlines()
+    short.write_text("\n".join(rows[:9]) + "\n")
+    assert main(["report", str(short), "--cycles", "4", "-o", "out.md"]) == 0
+    assert "Deviations from ISO 9283" in Path("out.md").read_text()
