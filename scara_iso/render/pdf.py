@@ -18,6 +18,7 @@ _BODY, _SMALL, _TINY = 9, 7.5, 6.5
 _WIDTH = 90  # of a picture [mm]: two stand beside each other
 _LINE = 4.6  # [mm]
 _ROW, _SHORT = 4.6, 12  # height of a row [mm]; rows of a table that no page divides
+_LONGEST = 1500  # characters of a cell
 _NARROW = 8  # columns of a table, from which on its letters are smaller
 
 
@@ -37,9 +38,12 @@ def to_pdf(report: Report, title: str) -> bytes:
                 _figures(pdf, pending)
                 _block(pdf, block)
         _figures(pdf, pending)
+    from fpdf.fonts import TTFFont  # noqa: PLC0415 - an extra
+
     content = bytes(pdf.output())
     for font in pdf.fonts.values():
-        font.ttfont.close()  # type: ignore[union-attr] - both are TrueType
+        if isinstance(font, TTFFont):
+            font.ttfont.close()
     return content
 
 
@@ -126,7 +130,12 @@ def _table(pdf: FPDF, table: Table) -> None:
         for row in (table.header, *table.rows):
             line = grid.row()
             for cell in row:
-                line.cell(printable(cell))
+                line.cell(_bounded(printable(cell)))
+
+
+def _bounded(text: str) -> str:
+    """Return text that a page can hold: a row of a table is never divided."""
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ... (shortened)"
 
 
 def _figures(pdf: FPDF, figures: list[Figure]) -> None:
