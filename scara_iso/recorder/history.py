@@ -197,6 +197,8 @@ class History:
         )
 
     def _metadata(self, rows: int) -> Iterator[tuple[str, str]]:
+        if self.header.get("wall"):
+            yield "recorded", f"{str(self.header['wall'])[:19]}Z"
         yield from ((str(k), str(v)) for k, v in self.header["metadata"].items())
         yield "first_cycle_discarded", "false"
         gauges = self.header["gauges"]
