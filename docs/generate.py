@@ -83,7 +83,8 @@ def _dialects() -> Iterator[str]:
 def _schemas() -> Iterator[str]:
     yield (
         "JSON Schema, draft 2020-12; every object is closed, so that a drift is seen. What the "
-        "keys mean: [json.md](../json.md)."
+        "keys mean: [json.md](../json.md). A reference such as `analyze.json#/$defs/pose` leads to "
+        "the file beside."
     )
     schemas = sorted((DOCS / "schemas").glob("*.json"))
     titles = [json.loads(path.read_text(encoding="utf-8"))["title"] for path in schemas]

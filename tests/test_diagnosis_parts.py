@@ -12,7 +12,6 @@ from scara_iso.diagnosis.choice import hidden_sides
 from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
 from scara_iso.diagnosis.evidence import KNOWN_FROM, Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.gear import diagnose_sweep
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.levels import Sides, _at_most_one_change, sides_of, two_levels
 from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
@@ -31,6 +30,7 @@ from scara_iso.effects import (
     find_gear_effects,
 )
 from scara_iso.errors import DataError
+from scara_iso.gears import diagnose_sweep
 
 N = 20
 CONDITIONS = Conditions(np.arange(2, N + 2))

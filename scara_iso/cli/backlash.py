@@ -11,7 +11,7 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis.gear import GearDiagnosis
+    from scara_iso.gears import GearDiagnosis
     from scara_iso.results import PoseResult
 
 
@@ -62,8 +62,7 @@ def _closed(sweep: str) -> GearDiagnosis:
     """Return what eq. 16 leaves of a measured sweep, and which effect on the gear it is."""
     from dataclasses import replace
 
-    from scara_iso.diagnosis.gear import diagnose_sweep
-    from scara_iso.sweeps import read_sweep
+    from scara_iso.gears import diagnose_sweep, read_sweep
 
     found = read_sweep(sweep)
     closed = diagnose_sweep(found.sweep, found.deviation, uncertainty=found.uncertainty)
