@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import write_json, write_report, write_text
 from scara_iso.errors import UsageError
+
+if TYPE_CHECKING:
+    from scara_iso.plan import Plan
 
 
 class SolidName(StrEnum):
@@ -79,8 +82,7 @@ def plan_command(
     from scara_iso.arm import Elbow
     from scara_iso.model import read_model
     from scara_iso.plan import Conditions, Plane, Solid, make_plan
-    from scara_iso.render.json import plan_json
-    from scara_iso.report.plan import plan_report, visits_csv
+    from scara_iso.report.plan import visits_csv
     from scara_iso.tables import find_locale
 
     described = read_model(model)
@@ -102,7 +104,14 @@ def plan_command(
         plot_plan(plan, described.arm, picture)
     if output is not None:
         write_text(visits_csv(plan, find_locale(excel_locale)), output)
-    if json:
+    _write(plan, described.robot, as_json=json)
+
+
+def _write(plan: Plan, robot: str, *, as_json: bool) -> None:
+    from scara_iso.render.json import plan_json
+    from scara_iso.report.plan import plan_report
+
+    if as_json:
         write_json(plan_json(plan))
     else:
-        write_report(plan_report(plan, described.robot))
+        write_report(plan_report(plan, robot))
