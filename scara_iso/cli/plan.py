@@ -13,6 +13,7 @@ from scara_iso.cli.output import write_json, write_report, write_text
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
+    from scara_iso.arm import Arm
     from scara_iso.plan import Plan
 
 
@@ -88,23 +89,28 @@ def plan_command(
     described = read_model(model)
     if described.arm is None:
         raise UsageError(f"{model} holds no arm", remedy="give link lengths and limits in [robot]")
+    conditions = Conditions(
+        cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
+    )
     plan = make_plan(
         described.arm,
         solid=Solid(solid.value),
         plane=Plane(plane.value),
         elbow=None if elbow is None else Elbow(elbow.value),
         m_over_diagonal=m,
-        conditions=Conditions(
-            cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
-        ),
+        conditions=conditions,
     )
     if picture is not None:
-        from scara_iso.render.plots import plot_plan
-
-        plot_plan(plan, described.arm, picture)
+        _draw(plan, described.arm, picture)
     if output is not None:
         write_text(visits_csv(plan, find_locale(excel_locale)), output)
     _write(plan, described.robot, as_json=json)
+
+
+def _draw(plan: Plan, arm: Arm, picture: Path) -> None:
+    from scara_iso.render.plots import plot_plan
+
+    plot_plan(plan, arm, picture)
 
 
 def _write(plan: Plan, robot: str, *, as_json: bool) -> None:
