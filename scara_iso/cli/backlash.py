@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson, FirstDiscarded
+from scara_iso.cli.options import AsJson, FirstDiscarded
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import (
+from scara_iso.cli.options import (
     AsJson,
     CyclesRun,
     DecimalMark,

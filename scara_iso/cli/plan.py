@@ -8,9 +8,8 @@ from typing import Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson
-from scara_iso.cli.output import ExcelLocale, write_json, write_report, write_text
-from scara_iso.cli.simulate import ModelFile
+from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
+from scara_iso.cli.output import write_json, write_report, write_text
 from scara_iso.errors import UsageError
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson
-from scara_iso.cli.output import ExcelLocale, write_json, write_text
+from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
+from scara_iso.cli.output import write_json, write_text
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from scara_iso.model import Model
     from scara_iso.run import FloatArray
-
-ModelFile = Annotated[str, typer.Argument(metavar="MODEL", help="A model file, .toml.")]
 
 
 class Side(StrEnum):
