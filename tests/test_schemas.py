@@ -222,3 +222,11 @@ def test_a_schema_names_nothing_that_no_output_has(documents, name):
         if all(reduced.is_valid(document) for document in documents[name]):
             idle.append("/".join(map(str, path)))
     assert idle == []
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_the_page_names_every_key(name):
+    page = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+    said = set(re.findall(r"\w+", page))
+    assert name == "record" or f"`scara-iso/{name}/1`" in page
+    assert {path[-1] for path in properties(SCHEMAS[name])} <= said

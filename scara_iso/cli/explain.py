@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson
+from scara_iso.cli.options import AsJson
 from scara_iso.cli.output import write_json, write_report
 
 
