@@ -1,4 +1,4 @@
-"""Write docs/reference/ from the code: ``python docs/generate.py``. A test holds it up to date."""
+"""Write docs/reference/ and the picture of the floors from the code; a test holds them to it."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from scara_iso.indicators import Dialect, find_dialects
 from scara_iso.report.explain import Page, pages
 
 DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
+from floors import floors, picture, purpose  # noqa: E402 - a neighbour of this script
+
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
 
@@ -27,6 +30,7 @@ def reference() -> dict[str, str]:
         "effects.md": ("Effects", _pages(effects)),
         "dialects.md": ("Dialects of indicators", _dialects()),
         "schemas.md": ("JSON schemas", _schemas()),
+        "modules.md": ("Modules", _modules()),
     }
     return {
         name: "\n\n".join([f"# {title}", MADE, *blocks]) + "\n"
@@ -94,6 +98,12 @@ def _bytes(data: bytes) -> str:
     return f"`{data.decode('latin-1').encode('unicode_escape').decode('ascii')}`"
 
 
+def _modules() -> Iterator[str]:
+    yield "A module imports only from the floors below it: [architecture](../architecture.md)."
+    rows = [(f"`{name}`", purpose(name)) for floor in floors() for name in floor]
+    yield _table(("module", "purpose"), rows)
+
+
 def _schemas() -> Iterator[str]:
     yield (
         "JSON Schema, draft 2020-12; every object is closed, so that a drift is seen. What the "
@@ -115,3 +125,4 @@ if __name__ == "__main__":
     (DOCS / "reference").mkdir(exist_ok=True)
     for name, text in reference().items():
         (DOCS / "reference" / name).write_text(text, encoding="utf-8", newline="")
+    (DOCS / "figures" / "floors.svg").write_text(picture(), encoding="utf-8", newline="")

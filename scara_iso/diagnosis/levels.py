@@ -170,12 +170,11 @@ def _at_most_one_change(
 
     Weighted by the courses' probabilities under the chains p, q (chains,); their sum is (chains,).
     """
-    below, above = (np.log(np.maximum(side, _TINY)) for side in (lower, upper))
-    courses = np.stack([_changed_once(below, above), _changed_once(above, below)])
-    peak = courses.max(axis=(0, 1))
-    odds = np.stack([_odds_of_one(p, q, len(lower)), _odds_of_one(q, p, len(lower))], axis=1)
-    summed = np.tensordot(odds, np.exp(courses - peak), axes=([1, 2], [0, 1]))
-    return np.log(np.maximum(summed, _TINY)) + peak, odds.sum(axis=(1, 2))
+    n = len(lower)
+    odds = np.stack([_odds_of_one(p, q, n), _odds_of_one(q, p, n)], axis=1)
+    courses = np.stack([_changed_once(lower, upper), _changed_once(upper, lower)])
+    summed = np.tensordot(odds, courses, axes=([1, 2], [0, 1]))
+    return np.log(np.maximum(summed, _TINY)), odds.sum(axis=(1, 2))
 
 
 def _odds_of_one(leave: FloatArray, back: FloatArray, n: int) -> FloatArray:
@@ -190,11 +189,15 @@ def _odds_of_one(leave: FloatArray, back: FloatArray, n: int) -> FloatArray:
 
 
 def _changed_once(first: FloatArray, then: FloatArray) -> FloatArray:
-    """Return the log likelihood of ``first`` for k cycles and ``then`` afterwards, k = 1 .. n."""
-    before = np.cumsum(first, axis=0)
-    after = np.cumsum(then[::-1], axis=0)[::-1]
-    before[:-1] += after[1:]
-    return before
+    """Return the likelihood of ``first`` for k cycles and ``then`` afterwards, k = 1 .. n.
+
+    One that vanishes is no loss: some course has at every cycle the larger likelihood, which is 1.
+    """
+    before, after = np.array(first), np.ones_like(then)
+    for j in range(1, len(first)):
+        before[j] *= before[j - 1]
+        after[-1 - j] = after[-j] * then[-j]
+    return np.asarray(before * after)
 
 
 def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatArray:
