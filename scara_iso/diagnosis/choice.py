@@ -16,7 +16,7 @@ from scara_iso.run import FloatArray, IntArray
 _RIVAL = 0.1
 """Share of the best effect's probability from which another one is its rival."""
 
-_AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
+AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
 """Factors on the variances beside the scatter, and their prior: most effects are near it, some
 dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
 
@@ -56,7 +56,7 @@ def choose(bank: Bank, views: Views, sides: Sequence[Hypothesis] = ()) -> Choice
     ``sides`` are what `hidden_sides` found in the same residual; without them effects with hidden
     chains are judged by their shapes alone.
     """
-    found = [h for factor, share in _AMPLITUDES for h in _judged(bank, views, factor, share)]
+    found = [h for factor, share in AMPLITUDES for h in _judged(bank, views, factor, share)]
     total: dict[str, float] = {}
     strongest: dict[str, Hypothesis] = {}
     for hypothesis in (*found, *sides):

@@ -14,6 +14,7 @@ from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
 from scara_iso.diagnosis.evidence import Views, log_bayes, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, term_of
 from scara_iso.diagnosis.levels import Sides, sides_of
+from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
 from scara_iso.diagnosis.permutation import OrderTest, order_test
 from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
@@ -267,7 +268,9 @@ def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
     sides = hidden_sides(
         chains, now.views, now.basis, division=division, rows=now.rows, n=len(residual)
     )
-    return choose(now.bank(residual.conditions.cycle, named), now.views, sides)
+    cycle = residual.conditions.cycle
+    bank = now.bank(cycle, named)
+    return choose(bank, now.views, [*sides, *pairs(bank, now.views, cycle, now.rows)])
 
 
 def _outlier(problem: Problem, free: OrderFreeTest) -> Choice:
