@@ -48,7 +48,12 @@ Pose = Annotated[str | None, typer.Option(help="Which pose, where the table has 
 Design = Annotated[
     bool, typer.Option("--design", help="What a planned test will tell; needs no readings.")
 ]
-Sigma = Annotated[float | None, typer.Option(help="Scatter of the planned test [mm], else 0.005.")]
+Sigma = Annotated[
+    float | None,
+    typer.Option(
+        help="Scatter of the readings where nothing acts [mm]: known, or planned (else 0.005)."
+    ),
+]
 Columns = Annotated[
     str | None, typer.Option(help="Columns of the planned test: approach,temperature_C.")
 ]
@@ -83,7 +88,9 @@ def diagnose_command(
 
     reading = Reading(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
-    single = {"--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
+    single = {
+        "--hold-out": hold_out, "--save-model": save_model, "--plot": plot, "--sigma": sigma
+    }  # fmt: skip
     asked = [option for option, value in single.items() if value is not None]
     if design:
         from scara_iso.cli.diagnose_design import show_design
@@ -102,7 +109,7 @@ def diagnose_command(
 
         diagnose_many(tables, model, reading, wanted, seed=seed, as_json=json)
     else:
-        files = _Files(tables[0], model, hold_out, save_model, plot)
+        files = _Files(tables[0], model, hold_out, save_model, plot, sigma)
         _diagnose_table(files, reading, wanted, seed=seed, as_json=json)
 
 
@@ -115,11 +122,12 @@ class _Files:
     hold_out: str | None
     save_model: Path | None
     plot: Path | None
+    sigma: float | None
 
     @property
     def alone(self) -> bool:
         """Whether nothing but a table is named."""
-        return not any((self.model, self.hold_out, self.save_model, self.plot))
+        return not any((self.model, self.hold_out, self.save_model, self.plot, self.sigma))
 
 
 def _diagnose_table(
@@ -140,6 +148,7 @@ def _diagnose_table(
         wanted,
         hold_out=None if files.hold_out is None else reading.read(files.hold_out),
         seed=seed,
+        sigma=files.sigma,
     )
     if files.plot is not None:
         from scara_iso.render.plots import plot_diagnosis
