@@ -232,7 +232,7 @@ def test_courses_with_one_change_or_none_are_summed_as_by_hand(rng):
     settled = (sides[:, 1:] != sides[:, :-1]).sum(axis=1) < 2
     expected = prior * likelihood[sides, np.arange(8)].prod(axis=1)
     log_sum, odds = _at_most_one_change(
-        likelihood[0][:, None], likelihood[1][:, None], np.array([0.2]), np.array([0.3])
+        *np.log(likelihood)[:, :, None], np.array([0.2]), np.array([0.3])
     )
     assert np.exp(log_sum).item() == pytest.approx(expected[settled].sum())
     assert odds.item() == pytest.approx(prior[settled].sum())

@@ -36,13 +36,20 @@ class TwoLevels:
 
     The chain changes sides twice at least: a course with one change is a step, with none scatter.
 
-    ``share_upper`` (n,) is the probability of the upper level in each cycle, ``switching`` the
-    posterior mean probability that the side changes from one cycle to the next.
+    ``switching`` is the posterior mean probability that the side changes from one cycle to the
+    next; ``lower``, ``upper`` (n,) and ``leave`` (2,) are those of the likeliest levels and chain.
     """
 
     log_bf: FloatArray
-    share_upper: FloatArray
     switching: float
+    lower: FloatArray
+    upper: FloatArray
+    leave: FloatArray
+
+    @property
+    def share_upper(self) -> FloatArray:
+        """Probability of the upper level in each cycle given all of them, shape (n,)."""
+        return _smoothed(self.lower, self.upper, self.leave)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -107,10 +114,11 @@ def two_levels(
     """
     seen = y[np.isfinite(y)]
     grid = _grid(seen, division, known)
-    lower, upper, scale = _emissions(y, grid)
+    log_lower, log_upper, scale = _emissions(y, grid)
+    lower, upper = np.exp(log_lower), np.exp(log_upper)
     leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
     log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
-    settled, odds = _at_most_one_change(lower, upper, *leave.T)
+    settled, odds = _at_most_one_change(log_lower, log_upper, *leave.T)
     changing = np.maximum(-np.expm1(np.minimum(settled - log_scale, 0.0)), _TINY)
     restless = log_scale + np.log(changing) - np.log1p(-odds)[:, np.newaxis]
     log_weight = restless + scale + grid.log_prior
@@ -119,9 +127,9 @@ def two_levels(
     by_chain = weight.sum(axis=1)
     log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen, known)
     c, cell = np.unravel_index(np.argmax(weight), weight.shape)
-    share = _smoothed(lower[:, cell], upper[:, cell], leave[c])
     switching = 2 * leave.prod(axis=1) / leave.sum(axis=1)
-    return TwoLevels(log_bf, share, float(switching @ by_chain / by_chain.sum()))
+    mean_switching = float(switching @ by_chain / by_chain.sum())
+    return TwoLevels(log_bf, mean_switching, lower[:, cell], upper[:, cell], leave[c])
 
 
 def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
@@ -139,7 +147,7 @@ def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
 
 
 def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return likelihoods of either level, (n, cells), and the log of their scale."""
+    """Return log likelihoods of either level, (n, cells), and the log of their scale (cells,)."""
     unseen = ~np.isfinite(y)
     reading = np.where(unseen, 0.0, y)[:, np.newaxis]
     log_lower = -0.5 * ((reading - grid.lower) / grid.scatter) ** 2
@@ -147,33 +155,37 @@ def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, Floa
     log_lower[unseen] = log_upper[unseen] = 0.0
     peak = np.maximum(log_lower, log_upper)
     scale = peak.sum(axis=0) - (~unseen).sum() * np.log(grid.scatter * np.sqrt(2 * np.pi))
-    return np.exp(log_lower - peak), np.exp(log_upper - peak), scale
+    return log_lower - peak, log_upper - peak, scale
 
 
 def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
     """Return the log likelihood of the readings for chains (chains, 1), shape (chains, cells)."""
-    share = p / (p + q)
-    log_scale, scale = 0.0, 1.0
+    ahead = np.repeat(p / (p + q), lower.shape[1], axis=1)
+    both, log_scale = np.ones_like(ahead), np.zeros_like(ahead)
     for j, rise in enumerate(upper - lower):
-        total = lower[j] + share * rise
-        scale = scale * total
+        both *= lower[j]
+        both += ahead * rise
         if j % _BEFORE_UNDERFLOW == 0:
-            log_scale, scale = log_scale + np.log(scale + _TINY), 1.0
-        share = p + (1 - p - q) * (share * upper[j] / total)
-    return np.asarray(log_scale + np.log(scale + _TINY))
+            log_scale += np.log(both + _TINY)
+            ahead /= both
+            both[:] = 1.0
+        ahead *= upper[j]
+        ahead *= 1 - p - q
+        ahead += p * both
+    return np.asarray(log_scale + np.log(both + _TINY))
 
 
 def _at_most_one_change(
-    lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray
+    log_lower: FloatArray, log_upper: FloatArray, p: FloatArray, q: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the log likelihood (chains, cells) of every course with one change or none.
 
     Weighted by the courses' probabilities under the chains p, q (chains,); their sum is (chains,).
     """
-    below, above = (np.log(np.maximum(side, _TINY)) for side in (lower, upper))
-    courses = np.stack([_changed_once(below, above), _changed_once(above, below)])
+    gained = np.cumsum(log_lower - log_upper, axis=0)  # by k cycles on the lower level first
+    courses = np.stack([log_upper.sum(axis=0) + gained, log_lower.sum(axis=0) - gained])
     peak = courses.max(axis=(0, 1))
-    odds = np.stack([_odds_of_one(p, q, len(lower)), _odds_of_one(q, p, len(lower))], axis=1)
+    odds = np.stack([_odds_of_one(p, q, len(gained)), _odds_of_one(q, p, len(gained))], axis=1)
     summed = np.tensordot(odds, np.exp(courses - peak), axes=([1, 2], [0, 1]))
     return np.log(np.maximum(summed, _TINY)) + peak, odds.sum(axis=(1, 2))
 
@@ -187,14 +199,6 @@ def _odds_of_one(leave: FloatArray, back: FloatArray, n: int) -> FloatArray:
     leave, back = leave[:, np.newaxis], back[:, np.newaxis]
     stays = back / (leave + back) * (1 - leave) ** (k - 1)
     return np.asarray(stays * np.where(k < n, leave * (1 - back) ** np.maximum(n - 1 - k, 0), 1.0))
-
-
-def _changed_once(first: FloatArray, then: FloatArray) -> FloatArray:
-    """Return the log likelihood of ``first`` for k cycles and ``then`` afterwards, k = 1 .. n."""
-    before = np.cumsum(first, axis=0)
-    after = np.cumsum(then[::-1], axis=0)[::-1]
-    before[:-1] += after[1:]
-    return before
 
 
 def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatArray:
