@@ -17,11 +17,14 @@ from scara_iso.effects import Chain
 from scara_iso.run import FloatArray, IntArray
 
 _LEVELS = 14
+_PAIRS = np.triu_indices(_LEVELS, 1)
 _SCATTERS = np.geomspace(0.12, 1.05, 10)
 """Scatters tried, over the standard deviation of the readings."""
 
 _BEFORE_UNDERFLOW = 8
 _TINY = 1e-300
+_NEGLIGIBLE = 40.0
+"""Log of how much less likely than the likeliest a cell is that cannot change a digit."""
 
 _SPLIT_SCALE = 4.0
 """Half-normal prior of the distance of the levels, in scatters; below 1 they are one level."""
@@ -114,14 +117,14 @@ def two_levels(
     """
     seen = y[np.isfinite(y)]
     grid = _grid(seen, division, known)
-    log_lower, log_upper, scale = _emissions(y, grid)
+    log_lower, log_upper, most = _emissions(y, grid)
     lower, upper = np.exp(log_lower), np.exp(log_upper)
     leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
     log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
     settled, odds = _at_most_one_change(log_lower, log_upper, *leave.T)
     changing = np.maximum(-np.expm1(np.minimum(settled - log_scale, 0.0)), _TINY)
     restless = log_scale + np.log(changing) - np.log1p(-odds)[:, np.newaxis]
-    log_weight = restless + scale + grid.log_prior
+    log_weight = restless + most
     peak = log_weight.max()
     weight = np.exp(log_weight - peak)
     by_chain = weight.sum(axis=1)
@@ -135,7 +138,7 @@ def two_levels(
 def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     levels = np.linspace(seen.min(), seen.max(), _LEVELS)
     scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, division / np.sqrt(12))
-    a, b = np.triu_indices(_LEVELS, 1)
+    a, b = _PAIRS
     distance = (levels[b] - levels[a])[:, np.newaxis] / scatter
     density = np.log(2 / (_SPLIT_SCALE * np.sqrt(2 * np.pi))) - (distance / _SPLIT_SCALE) ** 2 / 2
     cell = 2 * np.log(levels[1] - levels[0]) + np.log(np.log(_SCATTERS[1] / _SCATTERS[0]))
@@ -147,7 +150,11 @@ def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
 
 
 def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return log likelihoods of either level, (n, cells), and the log of their scale (cells,)."""
+    """Return log likelihoods of either level, (n, cells), the larger 0, and their scale (cells,).
+
+    The scale, the prior included, is the log of the most that a cell can weigh. Even sides drawn
+    by lot reach that times 2^-n, so cells far below it are left out.
+    """
     unseen = ~np.isfinite(y)
     reading = np.where(unseen, 0.0, y)[:, np.newaxis]
     log_lower = -0.5 * ((reading - grid.lower) / grid.scatter) ** 2
@@ -155,7 +162,9 @@ def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, Floa
     log_lower[unseen] = log_upper[unseen] = 0.0
     peak = np.maximum(log_lower, log_upper)
     scale = peak.sum(axis=0) - (~unseen).sum() * np.log(grid.scatter * np.sqrt(2 * np.pi))
-    return log_lower - peak, log_upper - peak, scale
+    most = scale + grid.log_prior
+    kept = most > most.max() - len(y) * np.log(2) - _NEGLIGIBLE
+    return (log_lower - peak)[:, kept], (log_upper - peak)[:, kept], most[kept]
 
 
 def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
