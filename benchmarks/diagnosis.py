@@ -1,6 +1,6 @@
 """How well `diagnose` finds, names and predicts: the tables of docs/diagnosis.md.
 
-    python benchmarks/diagnosis.py [--runs 300] [--processes 2]
+    python benchmarks/diagnosis.py [--runs 300] [--seed 1] [--processes 2]
         [--only null power naming rivals outside held gains speed]
 
 Every table prints its seed. One core each for the worker processes.
@@ -405,8 +405,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=300)
     parser.add_argument("--only", nargs="*", choices=TABLES, default=list(TABLES))
+    parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
+    globals()["SEED"] = options.seed
     print(f"seed {SEED}, {options.runs} runs a cell, n = {N}")
     with Pool(options.processes, initializer=os.nice, initargs=(10,)) as pool:
         for name in options.only:

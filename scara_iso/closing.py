@@ -13,10 +13,10 @@ from scara_iso.diagnosis import (
     Found,
     diagnose,
     diagnose_poses,
-    diagnose_run_reversals,
 )
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
+from scara_iso.gears import diagnose_run_reversals
 from scara_iso.iso9283 import used_cycles
 from scara_iso.model import DeclaredEffect, Model, declare, predict, read_model
 from scara_iso.model.parts import Value

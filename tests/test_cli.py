@@ -276,6 +276,14 @@ def test_a_recording_is_not_overwritten(call, tmp_path):
     assert table.read_text(encoding="utf-8") == "readings"
 
 
+@pytest.mark.parametrize(("name", "code"), [("run.html", 0), ("run.manifest.json", 73)])
+def test_a_report_may_bear_the_name_of_its_recording(call, tmp_path, monkeypatch, name, code):
+    monkeypatch.chdir(tmp_path)
+    sim = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:1"]
+    assert call("record", "run.csv", *sim)[0] == 0
+    assert call("report", "run.csv", "-o", name)[0] == code
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_full_disk_is_said():
     command = f'"{sys.executable}" -m scara_iso demo > /dev/full'

@@ -12,7 +12,6 @@ from scara_iso.diagnosis.choice import hidden_sides
 from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
 from scara_iso.diagnosis.evidence import KNOWN_FROM, Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.gear import diagnose_sweep
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.levels import Sides, _at_most_one_change, sides_of, two_levels
 from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
@@ -31,6 +30,7 @@ from scara_iso.effects import (
     find_gear_effects,
 )
 from scara_iso.errors import DataError
+from scara_iso.gears import diagnose_sweep
 
 N = 20
 CONDITIONS = Conditions(np.arange(2, N + 2))
@@ -232,7 +232,7 @@ def test_courses_with_one_change_or_none_are_summed_as_by_hand(rng):
     settled = (sides[:, 1:] != sides[:, :-1]).sum(axis=1) < 2
     expected = prior * likelihood[sides, np.arange(8)].prod(axis=1)
     log_sum, odds = _at_most_one_change(
-        *np.log(likelihood)[:, :, None], np.array([0.2]), np.array([0.3])
+        likelihood[0][:, None], likelihood[1][:, None], np.array([0.2]), np.array([0.3])
     )
     assert np.exp(log_sum).item() == pytest.approx(expected[settled].sum())
     assert odds.item() == pytest.approx(prior[settled].sum())

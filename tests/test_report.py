@@ -7,6 +7,7 @@ import math
 import re
 import shutil
 import statistics
+import sys
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -21,6 +22,7 @@ from scara_iso.closing import CyclesWanted, close_the_loop
 from scara_iso.render.csv import to_csv
 from scara_iso.render.html import to_html
 from scara_iso.render.markdown import to_markdown
+from scara_iso.render.pdf import to_pdf
 from scara_iso.render.workbook import to_workbook
 from scara_iso.report.blocks import Course, Figure, Plane, Prediction, Table
 from scara_iso.report.document import Dossier, InputFile, Provenance, document
@@ -30,7 +32,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 TABLE_1, WARM_UP = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "warm_up.csv"
 MODEL = EXAMPLES / "fum_scara.toml"
 MADE = Provenance((InputFile("table", "run.csv", "00"),), "0", "scara-iso report run.csv")
-KINDS = ("html", "md", "csv", "xlsx", "json")
+KINDS = ("html", "md", "csv", "xlsx", "json", "pdf")
 HOSTILE = {
     "robot": "<script>alert(1)</script>",
     "laboratory": "=cmd|' /C calc'!A0",
@@ -225,6 +227,7 @@ def test_every_hostile_text_is_shown_and_nothing_else():
     to_markdown(report, "").encode()
     for cell in (c for row in csv.reader(io.StringIO(to_csv(report, ""))) for c in row):
         assert cell.strip()[:1] not in ("=", "@")
+    assert to_pdf(report, TEXTS[0]).startswith(b"%PDF")
     book = openpyxl.load_workbook(io.BytesIO(to_workbook(report, TEXTS[0])))
     assert {c.data_type for sheet in book for row in sheet for c in row} <= {"s", "n", "inlineStr"}
 
@@ -290,8 +293,31 @@ def test_a_report_is_not_written_over_what_it_is_made_of(tmp_path, capsys):
 def test_another_ending_names_the_known_ones(tmp_path, capsys):
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.docx")]) == 2
     said = capsys.readouterr().err
-    assert ".html, .md, .xlsx, .json, .csv" in said
+    assert ".html, .md, .xlsx, .json, .pdf, .csv" in said
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "no" / "out.md")]) == 73
+
+
+def test_without_its_library_a_pdf_is_refused_with_what_to_do(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "fpdf", None)
+    assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.pdf")]) == 2
+    assert "scara-iso[pdf]" in capsys.readouterr().err
+    assert not (tmp_path / "out.pdf").exists()
+
+
+def test_the_pdf_holds_the_text_of_the_report():
+    report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
+    data = to_pdf(report, "title")
+    assert data.startswith(b"%PDF")
+    assert data.count(b"/Type /Page\n") >= 4
+    assert to_pdf(report, "title") == data
+    assert to_pdf(report, "another") != data
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_disk_is_said(tmp_path, capsys):
+    (tmp_path / "out.md").symlink_to("/dev/full")
+    assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.md")]) == 74
+    assert "cannot be written" in capsys.readouterr().err
 
 
 def test_outside_a_limit_the_report_is_written_and_the_exit_code_says_so(tmp_path, monkeypatch):
@@ -314,3 +340,28 @@ def test_too_few_cycles_for_a_diagnosis_are_said(tmp_path, monkeypatch):
     short.write_text("\n".join(rows[:9]) + "\n")
     assert main(["report", str(short), "--cycles", "4", "-o", "out.md"]) == 0
     assert "Deviations from ISO 9283" in Path("out.md").read_text()
+
+
+@pytest.mark.parametrize("name", ["fum_scara_table1", "warm_up"])
+def test_the_reports_among_the_examples_are_what_the_program_writes(tmp_path, monkeypatch, name):
+    """Pictures are compared by their words: another matplotlib draws other paths."""
+    (tmp_path / "examples" / "reports").mkdir(parents=True)
+    for file in (EXAMPLES / f"{name}.csv", MODEL):
+        shutil.copy(file, tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    page = f"examples/reports/{name}.html"
+    model = ("--model", "examples/fum_scara.toml")
+    assert main(["report", f"examples/{name}.csv", *model, "-o", page]) == 0
+    written, kept = Path(page).read_text("utf-8"), (EXAMPLES.parent / page).read_text("utf-8")
+    assert without_drawing(written) == without_drawing(kept)
+
+
+def without_drawing(page):
+    return re.sub(r"(<svg[^>]*>.*?</desc>).*?(?=</svg>)", r"\1", page, flags=re.DOTALL)
+
+
+def test_the_page_of_the_fields_names_every_key():
+    text = (EXAMPLES.parent / "docs" / "report.md").read_text("utf-8")
+    rows = {row.split("|")[1].strip(): row for row in text.splitlines() if row.startswith("| ")}
+    for field, keys in FIELDS.items():
+        assert all(f"`{key}`" in rows[field] for key in keys), field

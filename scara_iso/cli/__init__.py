@@ -23,7 +23,7 @@ CANNOT_WRITE = 74
 _MOST_FAULTS = 50
 _ANYWHERE = ("--debug", "--no-color")
 
-_COMMANDS = {
+COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
         "record", "analyze", "report", "compare", "backlash", "diagnose", "simulate", "plan",
@@ -47,8 +47,8 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
     )
     app.callback()(_program)
     called = _command(arguments)
-    for name in [called] if called else _COMMANDS:
-        module = import_module(_COMMANDS[name])
+    for name in [called] if called else COMMANDS:
+        module = import_module(COMMANDS[name])
         app.command(name)(getattr(module, f"{name}_command"))
     return app
 
@@ -118,7 +118,7 @@ def _mend_streams(*, reopen: bool) -> None:
 def _command(arguments: Sequence[str]) -> str:
     """Return the name of the command that the arguments call, empty where they call none."""
     first = next((word for word in arguments if not word.startswith("-")), "")
-    return first if first in _COMMANDS else ""
+    return first if first in COMMANDS else ""
 
 
 def _general_first(arguments: Sequence[str]) -> list[str]:

@@ -5,29 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from scara_iso.errors import CannotCreateError, WriteError
 
 if TYPE_CHECKING:
     from scara_iso.report.blocks import Report
-
-
-class ExcelName(StrEnum):
-    """Language of the Excel that is to open a table."""
-
-    DE = "de"
-    EN = "en"
-
-
-ExcelLocale = Annotated[
-    ExcelName | None,
-    typer.Option(help="Spell the table for a German or an English Excel: de is ; and decimal ,"),
-]
 
 
 @dataclass(slots=True)
@@ -40,6 +24,8 @@ class Settings:
 
 
 settings = Settings()
+_BESIDE_A_RECORDING = {".html", ".md", ".xlsx", ".json"}
+"""Endings of a report, which is no table: it may bear a recording's name."""
 
 
 def write_json(document: Mapping[str, Any]) -> None:
@@ -64,9 +50,16 @@ def write_text(text: str, path: Path | None) -> None:
         write_bytes(text.encode("utf-8", "backslashreplace"), path)
 
 
+def _of_a_recording(path: Path) -> bool:
+    """Say whether writing here would replace a recording's table, raw file or manifest."""
+    if path.name.endswith((".raw.jsonl", ".manifest.json")):
+        return path.exists()
+    return path.suffix not in _BESIDE_A_RECORDING and path.with_suffix(".raw.jsonl").exists()
+
+
 def write_bytes(content: bytes, path: Path) -> None:
     """Write a file; `CannotCreateError` where it cannot be, `WriteError` where that fails."""
-    if path.with_suffix(".raw.jsonl").exists():
+    if _of_a_recording(path):
         raise CannotCreateError(
             "holds a recording", where=str(path), remedy="name another file, or remove it yourself"
         )

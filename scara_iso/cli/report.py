@@ -10,21 +10,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import (
+from scara_iso.cli.analyze import compared_with_its_manifest
+from scara_iso.cli.options import (
     OUTSIDE_A_LIMIT,
     AsJson,
     CyclesRun,
     DecimalMark,
+    ExcelLocale,
     FirstDiscarded,
     Limits,
     ResolutionOfTable,
     Sheet,
     Table,
     UnitOfTable,
-    compared_with_its_manifest,
     parse_limits,
 )
-from scara_iso.cli.output import ExcelLocale, settings, write_bytes, write_json
+from scara_iso.cli.output import settings, write_bytes, write_json
 from scara_iso.errors import CannotCreateError, ScaraIsoError, UsageError
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ ModelFile = Annotated[
 Output = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", help="File, by its ending: .html .md .csv .xlsx .json; else "
+        "-o", "--output", help="File, by its ending: .html .md .csv .xlsx .pdf .json; else "
         "TABLE's name with .html, in this folder.",
     ),
 ]  # fmt: skip
@@ -103,7 +104,7 @@ def _writer(
     if kind not in _ENDINGS:
         raise UsageError(
             f"{path.name}: a report is written as {', '.join(_ENDINGS)}",
-            remedy="let the name end in one of them; a browser prints the .html as a PDF",
+            remedy="let the name end in one of them",
         )
     for name in inputs:
         if name not in (None, "-") and path.exists() and path.samefile(name or ""):
@@ -151,6 +152,13 @@ def _workbook(dossier: Dossier, title: str) -> bytes:
     return to_workbook(document(dossier), title)
 
 
+def _pdf(dossier: Dossier, title: str) -> bytes:
+    from scara_iso.render.pdf import to_pdf
+    from scara_iso.report.document import document
+
+    return to_pdf(document(dossier), title)
+
+
 def _json(dossier: Dossier, title: str) -> bytes:  # noqa: ARG001 - JSON holds no title
     from scara_iso.render.json import to_text
     from scara_iso.render.json_report import report_json
@@ -163,6 +171,7 @@ _KINDS: dict[str, Callable[[Dossier, str], bytes]] = {
     ".md": _markdown,
     ".xlsx": _workbook,
     ".json": _json,
+    ".pdf": _pdf,
 }
 _ENDINGS = (*_KINDS, ".csv")
 

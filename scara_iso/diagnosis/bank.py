@@ -172,7 +172,7 @@ def build(members: Sequence[Member], cycle: IntArray, rows: IntArray, basis: Flo
     ``cycle`` (n,) numbers the whole run, ``basis`` has shape (rows, f). Members that say nothing
     beside it are left out, and so are chains, which are searched in the readings themselves.
     """
-    groups = [*_shape_groups(members, rows, basis), _process_group(members, rows, basis)]
+    groups = [*_shape_groups(members, rows, basis), *_process_groups(members, rows, basis)]
     spreads = [(m, m.form) for m in members if isinstance(m.form, Spread)]
     return Bank(
         members=(*(m for group in groups for m in group.members), *(m for m, _ in spreads)),
@@ -239,8 +239,14 @@ def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, li
     return free[usable], [bool(u) for u in usable]
 
 
-def _process_group(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> _Group:
+def _process_groups(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> list[_Group]:
     chosen = [(m, m.form.covariance) for m in members if isinstance(m.form, Process)]
+    return [_process_group(chosen, rows, basis)] if chosen else []
+
+
+def _process_group(
+    chosen: Sequence[tuple[Member, FloatArray]], rows: IntArray, basis: FloatArray
+) -> _Group:
     projector = np.eye(len(rows)) - basis @ basis.T
     covariance = np.stack([c for _, c in chosen])[:, rows[:, np.newaxis], rows]
     values, vectors = np.linalg.eigh(projector @ covariance @ projector)

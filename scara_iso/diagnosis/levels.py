@@ -117,11 +117,10 @@ def two_levels(
     """
     seen = y[np.isfinite(y)]
     grid = _grid(seen, division, known)
-    log_lower, log_upper, most = _emissions(y, grid)
-    lower, upper = np.exp(log_lower), np.exp(log_upper)
+    lower, upper, most = _emissions(y, grid)
     leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
     log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
-    settled, odds = _at_most_one_change(log_lower, log_upper, *leave.T)
+    settled, odds = _at_most_one_change(lower, upper, *leave.T)
     changing = np.maximum(-np.expm1(np.minimum(settled - log_scale, 0.0)), _TINY)
     restless = log_scale + np.log(changing) - np.log1p(-odds)[:, np.newaxis]
     log_weight = restless + most
@@ -150,7 +149,7 @@ def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
 
 
 def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return log likelihoods of either level, (n, cells), the larger 0, and their scale (cells,).
+    """Return likelihoods of either level, (n, cells), the larger 1, and the log of their scale.
 
     The scale, the prior included, is the log of the most that a cell can weigh. Even sides drawn
     by lot reach that times 2^-n, so cells far below it are left out.
@@ -164,7 +163,8 @@ def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, Floa
     scale = peak.sum(axis=0) - (~unseen).sum() * np.log(grid.scatter * np.sqrt(2 * np.pi))
     most = scale + grid.log_prior
     kept = most > most.max() - len(y) * np.log(2) - _NEGLIGIBLE
-    return (log_lower - peak)[:, kept], (log_upper - peak)[:, kept], most[kept]
+    lower, upper = (log_lower - peak)[:, kept], (log_upper - peak)[:, kept]
+    return np.exp(lower), np.exp(upper), most[kept]
 
 
 def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
@@ -185,18 +185,17 @@ def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray)
 
 
 def _at_most_one_change(
-    log_lower: FloatArray, log_upper: FloatArray, p: FloatArray, q: FloatArray
+    lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the log likelihood (chains, cells) of every course with one change or none.
 
     Weighted by the courses' probabilities under the chains p, q (chains,); their sum is (chains,).
     """
-    gained = np.cumsum(log_lower - log_upper, axis=0)  # by k cycles on the lower level first
-    courses = np.stack([log_upper.sum(axis=0) + gained, log_lower.sum(axis=0) - gained])
-    peak = courses.max(axis=(0, 1))
-    odds = np.stack([_odds_of_one(p, q, len(gained)), _odds_of_one(q, p, len(gained))], axis=1)
-    summed = np.tensordot(odds, np.exp(courses - peak), axes=([1, 2], [0, 1]))
-    return np.log(np.maximum(summed, _TINY)) + peak, odds.sum(axis=(1, 2))
+    n = len(lower)
+    odds = np.stack([_odds_of_one(p, q, n), _odds_of_one(q, p, n)], axis=1)
+    courses = np.stack([_changed_once(lower, upper), _changed_once(upper, lower)])
+    summed = np.tensordot(odds, courses, axes=([1, 2], [0, 1]))
+    return np.log(np.maximum(summed, _TINY)), odds.sum(axis=(1, 2))
 
 
 def _odds_of_one(leave: FloatArray, back: FloatArray, n: int) -> FloatArray:
@@ -208,6 +207,18 @@ def _odds_of_one(leave: FloatArray, back: FloatArray, n: int) -> FloatArray:
     leave, back = leave[:, np.newaxis], back[:, np.newaxis]
     stays = back / (leave + back) * (1 - leave) ** (k - 1)
     return np.asarray(stays * np.where(k < n, leave * (1 - back) ** np.maximum(n - 1 - k, 0), 1.0))
+
+
+def _changed_once(first: FloatArray, then: FloatArray) -> FloatArray:
+    """Return the likelihood of ``first`` for k cycles and ``then`` afterwards, k = 1 .. n.
+
+    One that vanishes is no loss: some course has at every cycle the larger likelihood, which is 1.
+    """
+    before, after = np.array(first), np.ones_like(then)
+    for j in range(1, len(first)):
+        before[j] *= before[j - 1]
+        after[-1 - j] = after[-j] * then[-j]
+    return np.asarray(before * after)
 
 
 def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatArray:

@@ -17,15 +17,14 @@ from scara_iso.diagnosis.result import (
     Flag,
     Found,
     Repeatabilities,
-    Rival,
     Series,
     Shares,
-    Verdict,
 )
 from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Problem, Stage, find, problem_of
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
+from scara_iso.verdict import Rival, Verdict
 
 SEED = 9283
 _MUCH = 0.2

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.bank import UNKNOWN, Bank, Form, Member, build, members_of
 from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
-from scara_iso.diagnosis.evidence import Views, log_bayes_of_course, views_of
+from scara_iso.diagnosis.evidence import Views, log_bayes, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, term_of
 from scara_iso.diagnosis.levels import Sides, sides_of
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
@@ -187,6 +187,7 @@ def find_again(
     terms: tuple[Term, ...] = ()
     for _ in range(count):
         now = look(problem, terms, rows)
+        now = replace(now, members=tuple(m for m in now.members if not _unknown_shape(m)))
         choice = _choice(problem, now, with_chains=with_chains)
         named = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
         if not named:
@@ -194,6 +195,10 @@ def find_again(
         term = _term(problem, max(named, key=named.__getitem__), choice, now)
         terms = (*terms, replace(term, form=_undecided(term, now)))
     return terms
+
+
+def _unknown_shape(member: Member) -> bool:
+    return member.effect == UNKNOWN and isinstance(member.form, Shape)
 
 
 def _undecided(term: Term, now: Look) -> Form:
@@ -283,7 +288,9 @@ def _refined(problem: Problem, name: str, form: Form, now: Look) -> Form:
         return form
     numbers = {key: value for key, value in form.parameters.items() if not isinstance(value, str)}
     near = problem.effects[name].nearby(problem.residual.conditions, numbers)
-    evidence = [
-        log_bayes_of_course(shape.columns[now.rows], now.basis, now.values).sum() for shape in near
-    ]
-    return near[int(np.argmax(evidence))] if near else form
+    if not near:
+        return form
+    cycle = problem.residual.conditions.cycle
+    bank = now.bank(cycle, [Member(name, shape, 1.0) for shape in near])
+    log_bf = log_bayes(bank, now.views.columns[:, : now.views.axes])
+    return bank.members[int(np.argmax(log_bf.sum(axis=1)))].form

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import re
+from contextlib import AbstractContextManager
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from scara_iso.report.words import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Drawing
 
 _STYLE: dict[str, Any] = {
     "font.size": 8.5, "axes.spines.top": False, "axes.spines.right": False,
@@ -33,23 +36,44 @@ def picture(figure: Figure, number: int) -> str:
 
     ``number`` makes the picture's identifiers its own within a page.
     """
-    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
-    from matplotlib.figure import Figure as Drawing  # noqa: PLC0415 - likewise
-
-    size = (4.4, 4.0) if isinstance(figure.data, Plane) else (4.4, 2.3)
-    style: dict[Any, Any] = {**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}
-    with mpl.rc_context(style):
-        drawing = Drawing(figsize=size)
-        match figure.data:
-            case Course() as data:
-                _draw_course(drawing.add_axes((0.18, 0.20, 0.80, 0.76)), data)
-            case Plane() as data:
-                _draw_plane(drawing.add_axes((0.18, 0.12, 0.80, 0.85)), data)
-            case Prediction() as data:
-                _draw_prediction(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), data)
-        file = io.StringIO()
-        drawing.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    file = io.StringIO()
+    with _style(number):
+        _drawn(figure).savefig(file, format="svg", metadata={"Date": None, "Creator": None})
     return _inline(file.getvalue(), figure)
+
+
+def picture_png(figure: Figure) -> bytes:
+    """Return a figure of a report as PNG."""
+    file = io.BytesIO()
+    with _style(0):
+        _drawn(figure).savefig(file, format="png", dpi=200, metadata={"Software": None})
+    return file.getvalue()
+
+
+def picture_size(figure: Figure) -> tuple[float, float]:
+    """Return width and height of a figure in inches."""
+    return (4.4, 4.0) if isinstance(figure.data, Plane) else (4.4, 2.3)
+
+
+def _style(number: int) -> AbstractContextManager[None]:
+    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
+
+    style: dict[Any, Any] = {**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}
+    return mpl.rc_context(style)
+
+
+def _drawn(figure: Figure) -> Drawing:
+    from matplotlib.figure import Figure as Drawing  # noqa: PLC0415 - half a second, likewise
+
+    drawing = Drawing(figsize=picture_size(figure))
+    match figure.data:
+        case Course() as data:
+            _draw_course(drawing.add_axes((0.18, 0.20, 0.80, 0.76)), data)
+        case Plane() as data:
+            _draw_plane(drawing.add_axes((0.18, 0.12, 0.80, 0.85)), data)
+        case Prediction() as data:
+            _draw_prediction(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), data)
+    return drawing
 
 
 def _draw_course(axes: Axes, data: Course) -> None:
@@ -107,3 +131,10 @@ def _attributes(style: str) -> str:
     if "font-family" in pairs:
         pairs["font-family"] = "'DejaVu Sans', Verdana, Arial, sans-serif"
     return "".join(f' {name}="{value}"' for name, value in pairs.items())
+
+
+def font_file(name: str) -> Path:
+    """Return the file of one of the fonts that come with matplotlib."""
+    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
+
+    return Path(mpl.get_data_path()) / "fonts" / "ttf" / name

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
+from scara_iso.effects import find_effects
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
 from scara_iso.report.digits import decimals
 from scara_iso.report.reversals import reversals_section
 from scara_iso.report.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
+_UNITS = "lengths in mm, angles in degrees"
 
 
 def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
     """Return what is said of one pose's diagnosis; ``title`` names the table."""
-    sections = [Section("", (Text(f"diagnosis of {title}", "strong"), *_verdict(diagnosis)))]
+    head = (Text(f"diagnosis of {title}", "strong"), Text(_UNITS, "quiet"))
+    sections = [Section("", (*head, *_verdict(diagnosis)))]
     sections += [Section(words(f.effect), tuple(_effect(f))) for f in diagnosis.effects]
     if diagnosis.reversals is not None:
         sections.append(reversals_section(diagnosis.reversals))
@@ -119,13 +123,28 @@ def _effect(found: Found) -> Iterator[Block]:
 
 def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
     if not isinstance(value, Mapping):
-        return f"{words(name)} {value if isinstance(value, str) else f'{value:.4g}'}"
+        said = value if isinstance(value, str) else f"{value:.4g}"
+        return f"{words(name)} {said} {_unit(found.effect, name)}".rstrip()
     errors = found.standard_errors.get(name, {})
-    parts = [
-        f"{axis} {size:+.4g}" + (f" ± {errors[axis]:.1g}" if axis in errors else "")
-        for axis, size in value.items()
-    ]
-    return f"{words(name)} {', '.join(parts)}"
+    parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
+    return f"{words(name)} {', '.join(parts)} {_unit(found.effect, name)}".rstrip()
+
+
+def _size(axis: str, size: float, error: float | None) -> str:
+    """Return a size to the last of the two digits that its standard error has (GUM, 7.2.6)."""
+    if not error:
+        return f"{axis} {size:+.4g}"
+    places = max(1 - math.floor(math.log10(error)), 0)
+    return f"{axis} {size:+.{places}f} ± {error:.{places}f}"
+
+
+def _unit(effect: str, parameter: str) -> str:
+    """Return the unit of a parameter, as far as it is not that of the reading."""
+    units = (
+        p.unit for e in find_effects() if e.name == effect
+        for p in e.parameters if p.name == parameter
+    )  # fmt: skip
+    return next(units, "").replace("reading/", "per ").removeprefix("reading")
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:

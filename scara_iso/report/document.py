@@ -58,9 +58,11 @@ def document(dossier: Dossier) -> Report:
         Section("Result", (*verdict(analysis), *_diagnosed(dossier))),
         Section("Test", (head(analysis.run, analysis.cycles), *_reading_notes(analysis))),
     ]
+    separate = any(found.code == "separate-axes" for found in analysis.findings)
     for pose in analysis.poses:
         sections.append(Section(_of(pose, "Repeatability"), tuple(pose_figures(pose))))
-        sections.append(Section(_of(pose, "Readings"), (*courses(pose), *plane(pose))))
+        pictures = (*courses(pose), *plane(pose, separate=separate))
+        sections.append(Section(_of(pose, "Readings"), pictures))
     sections += [_capital(section) for section in limits(analysis)]
     sections.append(Section("Uncertainty budget", tuple(uncertainty_budget(analysis))))
     sections += [_capital(section) for section in findings(analysis)]
@@ -97,6 +99,10 @@ def _diagnosed(dossier: Dossier) -> Iterator[Block]:
             yield Text(f"{where}: none, {found.message}", "warn")
         else:
             yield Text(f"{where}: {diagnosis_verdict(found)}")
+    if len(dossier.diagnoses) > 1:
+        yield Text(
+            "Each pose is diagnosed against a constant: a model file describes one pose.", "quiet"
+        )
 
 
 def _diagnosis(pose: PoseResult, found: Diagnosis | Failure | None) -> Iterator[Section]:

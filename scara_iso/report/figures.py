@@ -28,8 +28,11 @@ def courses(pose: PoseResult) -> Iterator[Block]:
         )
 
 
-def plane(pose: PoseResult) -> Iterator[Block]:
-    """Yield the attained places in the XY plane, where X and Y are lengths."""
+def plane(pose: PoseResult, *, separate: bool) -> Iterator[Block]:
+    """Yield the attained places in the XY plane, where X and Y are lengths.
+
+    ``separate``: X and Y come from runs of their own, and no pair of them was attained together.
+    """
     if pose.XY is None:
         return
     axes = [pose.axes["X"], pose.axes["Y"]]
@@ -40,9 +43,10 @@ def plane(pose: PoseResult) -> Iterator[Block]:
             np.array([axis.mean for axis in axes]),
             pose.XY.RP,
         ),
-        "Attained places in the XY plane",
+        "X and Y of separate runs" if separate else "Attained places in the XY plane",
         f"cross: barycentre; circle: RP = {pose.XY.RP:.{places}f} mm about it (ISO 9283, 7.2.2); "
-        "larger marks: several cycles at one place",
+        "larger marks: several cycles at one place"
+        + ("; X and Y of a cycle were not attained together" if separate else ""),
     )
 
 

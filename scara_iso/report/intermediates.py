@@ -70,7 +70,7 @@ def _row(
     sums = ("", "") if readings is None else (readings.sum(), readings.mean())
     said = [f"{v:.{places}f}" if v != "" else "" for v in (*sums, l.sum(), l_bar)]
     return (
-        name, unit, str(n), *said, f"{squares:.{2 * places}f}", f"{S_l:.{places}f}",
+        name, unit, str(n), *said, f"{squares:.6g}", f"{S_l:.{places}f}",
         f"{l_bar + 3 * S_l:.{places}f}",
     )  # fmt: skip
 

@@ -5,13 +5,14 @@ or a `DataError` with every fault: never a number in silence that could be anoth
 gives the canonical form.
 """
 
-from scara_iso.tables.locale import PLAIN, SheetLocale, find_locale, write_rows
+from scara_iso.tables.locale import PLAIN, Digits, SheetLocale, find_locale, write_rows
 from scara_iso.tables.read import read_table
 from scara_iso.tables.source import Source, read_bytes
 from scara_iso.tables.write import write_table
 
 __all__ = [
     "PLAIN",
+    "Digits",
     "SheetLocale",
     "Source",
     "find_locale",

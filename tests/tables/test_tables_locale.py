@@ -1,8 +1,10 @@
 """`--excel-locale`: what a German and an English spreadsheet make of every table."""
 
+import csv
 import io
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import openpyxl
@@ -76,6 +78,18 @@ def test_commands_write_it(command, tmp_path):
     assert main([command, "examples/fum_scara.toml", *options]) == 0
     frame = pd.read_csv(out, sep=";", decimal=",", comment="#", encoding="utf-8-sig")
     assert len(frame.select_dtypes("number").columns) >= 4
+
+
+def test_a_report_for_a_german_excel(tmp_path):
+    source, out = tmp_path / "in.csv", tmp_path / "out.csv"
+    stated = "# serial_number: 12.10\n# operator: =1+1\n"
+    source.write_text(stated + Path("examples/scatter.csv").read_text(encoding="utf-8"))
+    assert main(["report", str(source), "-o", str(out), "--excel-locale", "de"]) == 0
+    text = out.read_text(encoding="utf-8")
+    assert text.startswith("\ufeff")
+    cells = [cell for row in csv.reader(text[1:].splitlines(), delimiter=";") for cell in row]
+    assert {"0,10", "12.10", "'=1+1"} <= set(cells)
+    assert not {"0.10", "12,10"} & set(cells)
 
 
 def converted(name, rows, folder):
