@@ -169,19 +169,21 @@ def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, Floa
 
 def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
     """Return the log likelihood of the readings for chains (chains, 1), shape (chains, cells)."""
-    ahead = np.repeat(p / (p + q), lower.shape[1], axis=1)
-    both, log_scale = np.ones_like(ahead), np.zeros_like(ahead)
-    for j, rise in enumerate(upper - lower):
-        both *= lower[j]
-        both += ahead * rise
+    below, above = (np.repeat(start / (p + q), lower.shape[1], axis=1) for start in (q, p))
+    log_scale = np.zeros_like(below)
+    for j, (low, up) in enumerate(zip(lower, upper, strict=True)):
+        below *= low
+        above *= up
         if j % _BEFORE_UNDERFLOW == 0:
+            both = below + above
             log_scale += np.log(both + _TINY)
-            ahead /= both
-            both[:] = 1.0
-        ahead *= upper[j]
-        ahead *= 1 - p - q
-        ahead += p * both
-    return np.asarray(log_scale + np.log(both + _TINY))
+            below /= both
+            above /= both
+        moved = p * below
+        moved -= q * above
+        below -= moved
+        above += moved
+    return np.asarray(log_scale + np.log(below + above + _TINY))
 
 
 def _at_most_one_change(
