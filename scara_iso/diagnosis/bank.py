@@ -42,7 +42,7 @@ _ROUGH_WEIGHT = 0.25
 _ROUGH_LENGTHS = (2.0, 5.0)
 _ROUGH_VARIANCES = (1.0, 4.0)
 _PASSAGE_WEIGHT = 0.4
-_LEVELS_WEIGHT = {3: 0.3, 4: 0.1}
+_LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
 """Weight of courses of three and of four levels."""
 
 _LEAST_EIGENVALUE = 1e-4

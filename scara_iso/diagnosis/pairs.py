@@ -1,15 +1,16 @@
 """Two effects at once: together they may be likelier than any one course, known or not.
 
-Effects are found one after another, and two at once look like neither to the first round. So the
-first round also weighs every pair of known shapes, and counts it for the stronger of the two.
+Effects are found one after another, and two at once may look like neither of them: like a course of
+no name, or a random one. Before that is said, pairs of known shapes are weighed too, each counted
+for the stronger of the two; the next round then finds the other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.diagnosis.bank import UNKNOWN, Bank, Member, build, extended
 from scara_iso.diagnosis.choice import AMPLITUDES, Hypothesis
@@ -17,7 +18,7 @@ from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.effects import Shape
 from scara_iso.run import FloatArray, IntArray
 
-_PAIR_WEIGHT = 0.1
+_PAIR_WEIGHT = 0.25
 """How much rarer two effects are than one."""
 _MOST_EFFECTS, _MOST_FORMS = 6, 2
 _LARGEST_LOG = 600.0
@@ -26,70 +27,64 @@ _LARGEST_LOG = 600.0
 def pairs(bank: Bank, views: Views, cycle: IntArray, rows: IntArray) -> list[Hypothesis]:
     """Return the evidence of pairs of shapes, each under the name and form of its stronger one.
 
-    Of the stronger ones the likeliest forms of the likeliest effects are tried, with every other
-    shape of the bank. Each axis takes each of the two or not, with probability 1/4 for all cases.
+    ``rows`` are those of the run's cycles, ``cycle`` (n,), that ``bank`` and ``views`` hold. As the
+    stronger one the likeliest forms of the likeliest effects are tried, as the other any shape.
     """
     shaped = [m for m in bank.members if isinstance(m.form, Shape) and m.effect != UNKNOWN]
-    axes = replace(
-        views,
-        columns=views.columns[:, : views.axes],
-        known=None if views.known is None else views.known[: views.axes],
-    )
-    alone = {
-        id(member): log_bf
-        for member, log_bf in zip(bank.members, log_bayes(bank, views.columns, views.known))
-    }
-    strength = {id(m): _evidence(m, alone[id(m)], views) for m in shaped}
-    total = sum(member.weight for member in shaped)
+    alone = build(shaped, cycle, rows, bank.basis)
+    joint = joint_evidence(log_bayes(alone, views.columns, views.known)[:, :, np.newaxis], views)
+    strength = alone.weights * joint[:, 0]
     found = []
-    for first in _likeliest(shaped, strength):
-        seconds = [m for m in shaped if strength[id(m)] <= strength[id(first)] and m is not first]
-        weight = _PAIR_WEIGHT * first.weight / total
-        evidence = weight * _pairs_of(first, seconds, bank, axes, cycle, rows)
-        found.append(Hypothesis(first.effect, first.form, evidence))
+    for first in _likeliest(alone.members, strength):
+        evidence = _beside(alone, first, strength <= strength[first], views, cycle, rows)
+        member = alone.members[first]
+        weight = _PAIR_WEIGHT * member.weight / alone.weights.sum()
+        found.append(Hypothesis(member.effect, member.form, weight * evidence))
     return found
 
 
-def _evidence(member: Member, log_bf: FloatArray, views: Views) -> float:
-    joint = joint_evidence(log_bf[np.newaxis, :, np.newaxis], views)
-    return float(member.weight * joint[0, 0])
-
-
-def _likeliest(shaped: Sequence[Member], strength: dict[int, float]) -> Iterator[Member]:
-    by_effect: dict[str, list[Member]] = {}
-    for member in sorted(shaped, key=lambda m: -strength[id(m)]):
-        by_effect.setdefault(member.effect, []).append(member)
+def _likeliest(members: Sequence[Member], strength: FloatArray) -> Iterator[int]:
+    by_effect: dict[str, list[int]] = {}
+    for i in np.argsort(-strength).tolist():
+        by_effect.setdefault(members[i].effect, []).append(i)
     for forms in list(by_effect.values())[:_MOST_EFFECTS]:
         yield from forms[:_MOST_FORMS]
 
 
-def _pairs_of(
-    first: Member,
-    seconds: Sequence[Member],
-    bank: Bank,
-    axes: Views,
+def _beside(
+    alone: Bank,
+    first: int,
+    weaker: npt.NDArray[np.bool_],
+    views: Views,
     cycle: IntArray,
     rows: IntArray,
 ) -> float:
-    if not seconds or not isinstance(first.form, Shape):
+    """Return the weighted Bayes factor of one member together with each of the weaker ones."""
+    q, form = views.axes, alone.members[first].form
+    if not isinstance(form, Shape):
         return 0.0
-    basis = extended(bank.basis, first.form.columns[rows])
-    beside = build(seconds, cycle, rows, basis)
-    alone = build([first, *beside.members], cycle, rows, bank.basis)
-    added = basis[:, bank.basis.shape[1] :]
-    free = axes.columns - added @ (added.T @ axes.columns)
-    order = {id(member): k for k, member in enumerate(alone.members)}
-    second = [order[id(member)] for member in beside.members]
-    found = 0.0
+    basis = extended(alone.basis, form.columns[rows])
+    others = [m for m, use in zip(alone.members, weaker, strict=True) if use]
+    beside = build(others, cycle, rows, basis)
+    place = {id(member): i for i, member in enumerate(alone.members)}
+    second = [place[id(member)] for member in beside.members]
+    columns = views.columns[:, :q]
+    known = None if views.known is None else views.known[:q]
+    free = columns - basis @ (basis.T @ columns)
+    total = 0.0
     for factor, share in AMPLITUDES:
-        single = log_bayes(alone.amplified(factor), axes.columns, axes.known)
-        one, other = single[order[id(first)]], single[second]
-        both = one + log_bayes(beside.amplified(factor), free, axes.known)
-        found += share * float(beside.weights @ _mixed(one, other, both, axes.axes))
-    return found
+        single = log_bayes(alone.amplified(factor), columns, known)
+        both = single[first] + log_bayes(beside.amplified(factor), free, known)
+        mixed = _mixed(single[first], single[second], both, q)
+        total += share * float(beside.weights @ mixed)
+    return total
 
 
 def _mixed(one: FloatArray, other: FloatArray, both: FloatArray, q: int) -> FloatArray:
+    """Return Bayes factors over q axes, of which each takes either effect, both or none.
+
+    With several axes that is one of the three parts of `joint_evidence`.
+    """
     one, other, both = (np.exp(np.minimum(log, _LARGEST_LOG / q)) for log in (one, other, both))
     if q == 1:
         return np.asarray(both[:, 0])

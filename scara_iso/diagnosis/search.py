@@ -14,8 +14,8 @@ from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
 from scara_iso.diagnosis.evidence import Views, log_bayes, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, term_of
 from scara_iso.diagnosis.levels import Sides, sides_of
-from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
+from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_test
 from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
 from scara_iso.effects import Chain, Effect, Process, Shape, Spread
@@ -270,6 +270,9 @@ def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
     )
     cycle = residual.conditions.cycle
     bank = now.bank(cycle, named)
+    choice = choose(bank, now.views, sides)
+    if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
+        return choice
     return choose(bank, now.views, [*sides, *pairs(bank, now.views, cycle, now.rows)])
 
 
