@@ -74,6 +74,7 @@ def report_command(
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
     from scara_iso.closing import CyclesWanted, Reading
+    from scara_iso.report.words import printable
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else _writer(path, (table, model), excel_locale)
@@ -82,7 +83,7 @@ def report_command(
     dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
     if path is not None and write is not None:
         write_bytes(write(dossier), path)
-        typer.echo(f"{path} is written", err=json)
+        typer.echo(printable(f"{path} is written"), err=json)
     if json:
         from scara_iso.render.json_report import report_json
 

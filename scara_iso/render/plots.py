@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from scara_iso.comparison import Comparison, Contrast, Pair, Verdict
 from scara_iso.drivetrain import DriveTrain, Trajectory
 from scara_iso.errors import CannotCreateError, UsageError
 from scara_iso.plan import Plan
+from scara_iso.report.words import printable
 from scara_iso.run import FloatArray
 from scara_iso.workspace import Workspace
 
@@ -150,7 +152,7 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
     axes.locator_params(axis="x", nbins=6)
     axes.set(xlabel="reading − mean of its run [mm or deg]")
     names = f"{pair.before.run.origin.source} → {pair.after.run.origin.source}"
-    axes.set_title(names.replace("$", r"\$"), fontsize=9)
+    axes.set_title(_label(names), fontsize=9)
     axes.legend(fontsize=8, frameon=False, loc="best")
 
 
@@ -180,8 +182,12 @@ def _draw_intervals(
 
 
 def _figure_name(one: Contrast) -> str:
-    name = one.figure if one.pose is None else f"{one.pose} {one.figure}"
-    return name.replace("$", r"\$")
+    return _label(one.figure if one.pose is None else f"{one.pose} {one.figure}")
+
+
+def _label(text: str) -> str:
+    """Return text of a file as a picture takes it: no mathematics, nothing without a shape."""
+    return printable(text).replace("$", r"\$")
 
 
 def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
@@ -206,7 +212,11 @@ def save(figure: Figure, path: Path) -> None:
             remedy="let the name end in .svg or .png",
         )
     metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
-    with mpl.rc_context({"svg.hashsalt": "scara-iso", "svg.fonttype": "path"}):
+    with (
+        mpl.rc_context({"svg.hashsalt": "scara-iso", "svg.fonttype": "path"}),
+        warnings.catch_warnings(),
+    ):
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a box stands for it
         try:
             figure.savefig(path, format=kind, dpi=150, metadata=metadata)
         except OSError as error:
