@@ -84,16 +84,15 @@ def test_analyze_shows_a_text_as_it_is(text, sent, tmp_path):
     source = table(tmp_path / "t.xlsx", texts=[text], poses=[f"p{text[:30]}", "P2"])
     code, said = check(sent, "analyze", str(source), "--cycles", "4", "--limit", "9")
     assert code == 0
-    robot = read_table(source).metadata.get("robot", "").strip()
-    assert printable(robot)[:80] in said
-    assert f"pose p{printable(text[:30])}".rstrip() in said
+    run = read_table(source)
+    assert printable(run.metadata.get("robot", ""))[:80].strip() in said
+    assert f"pose {printable(run.pose[0])}" in said
 
 
 COMMANDS = (
     ["analyze", "poses.xlsx", "--cycles", "4"],
     ["analyze", NAME],
     ["diagnose", NAME],
-    ["diagnose", NAME, f"no{NAME}"],
     ["compare", NAME, "one.xlsx", "--plot", f"{NAME}.svg"],
     ["report", NAME, "-o", f"{NAME}.md"],
     ["plan", f"{NAME}.toml"],
@@ -113,6 +112,15 @@ def test_a_command(command, width, sent, folder, monkeypatch):
     assert code not in (70, 74)
 
 
+def test_a_progress_bar_and_a_summary(sent, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    _, piped = sent("diagnose", NAME, f"no{NAME}", terminal=False)
+    _, shown = sent("diagnose", NAME, f"no{NAME}", terminal=True)
+    shown = CURSOR.sub("", STYLE.sub("", shown))
+    assert unsafe(piped) == unsafe(shown) == set()
+    assert shown.endswith(piped)
+
+
 WRONG = (
     ["analyze", f"no{NAME}"],
     ["--debug", "analyze", f"no{NAME}"],
@@ -123,7 +131,7 @@ WRONG = (
     ["diagnose", "one.xlsx", "--pose", NAME],
     ["diagnose", "--design", "--columns", NAME],
     ["report", "one.xlsx", "--model", NAME],
-    ["report", "one.xlsx", "-o", f"{NAME}.{NAME}"],
+    ["report", "one.xlsx", "-o", f"{NAME}x"],
     ["report", NAME, "-o", f"{NAME}.toml"],
     ["plan", NAME],
     [*BACKLASH, "--measured", NAME],
@@ -158,17 +166,22 @@ def test_ports_of_this_machine(sent, monkeypatch):
     assert r"[red]\x1b[2J" in said
 
 
-@pytest.mark.parametrize("gauge", ["opto-rs232", "generic"])
-def test_the_screen_of_a_recording(gauge, sent, folder, monkeypatch):
+@pytest.mark.parametrize(
+    ("gauge", "code", "end"),
+    [("opto-rs232", 0, "2 of 2 cycles"), ("generic", 69, "nothing is left behind")],
+)
+def test_the_screen_of_a_recording(gauge, code, end, sent, folder, monkeypatch):
     monkeypatch.chdir(folder)
+    monkeypatch.setattr("scara_iso.cli.record_screen.REDRAW_S", -1)
     wire = f"X={gauge}?unit=mm@replay:{NAME}.wire"
     words = ["--gauge", wire, "--trigger", "data", "--cycles", "2", "--rearm", "0"]
     meta = [f"--meta=k{n}={text[:500]}" for n, text in enumerate(TEXTS)]
-    code, shown = sent("record", f"{gauge}{NAME}", *words, *meta, terminal=True, width=90)
+    found, shown = sent("record", f"{gauge}{NAME}", *words, *meta, terminal=True, width=90)
     shown = CURSOR.sub("", STYLE.sub("", shown))
-    assert code in (0, 69)
+    assert found == code
     assert unsafe(shown) == set()
-    assert "STORED" in shown
+    assert r"[red]\x1b]0;t" in shown
+    assert end in shown
 
 
 def test_a_damaged_recording_made_into_a_table(sent, folder, monkeypatch):

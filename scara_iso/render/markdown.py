@@ -55,7 +55,7 @@ def _table(table: Table) -> str:
 
 
 def _strong(text: str) -> str:
-    return f"**{_text(text.strip())}**"
+    return f"**{_text(printable(text).strip())}**"
 
 
 def _text(text: str) -> str:
