@@ -25,7 +25,7 @@ def shown(*blocks, heading="", width=80):
     "block",
     [
         Text(HOSTILE),
-        Table(("a", "b"), ((HOSTILE, HOSTILE),), HOSTILE),
+        Table(("a", HOSTILE), ((HOSTILE, HOSTILE),), HOSTILE),
         Strip(HOSTILE, np.arange(3), np.arange(3.0), HOSTILE),
         Notice("error", HOSTILE, HOSTILE, HOSTILE),
     ],
