@@ -1,8 +1,9 @@
 """How well `diagnose` finds, names and predicts: the tables of docs/diagnosis.md.
 
-    python benchmarks/diagnosis.py [--runs 300] [--only null power naming rivals outside held gains]
+    python benchmarks/diagnosis.py [--runs 300] [--seed 1] [--processes 2]
+        [--only null power naming rivals outside held gains speed]
 
-Every table prints its seed. One core each for two worker processes.
+Every table prints its seed. One core each for the worker processes.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from diagnosis_rivals import RIVALS
 from scara_iso.diagnosis import UNKNOWN, diagnose
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.search import FLAG_LEVEL, find, problem_of
+from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, chosen, find, problem_of, tested
 from scara_iso.effects import Process, find_effects
 from scara_iso.run import AXES, Axis, Run
 
@@ -63,6 +64,31 @@ def searched(run, rng, directions=None):
     return problem, terms, stages
 
 
+def problem_in(run):
+    """Return the problem that a constant pose leaves; None where no axis moves."""
+    if all(np.ptp(axis.readings) == 0 for axis in run.axes.values()):
+        return None
+    return problem_of(run, directions={}, effects=find_effects())
+
+
+def detected(task):
+    """Return whether the tests find structure in one run, without choosing its name."""
+    rng, run = generated(task)
+    problem = problem_in(run)
+    if problem is None:
+        return {"found": False, "flag": False}
+    stage = tested(problem, (), rng)
+    flag = stage.order_free.gaussian_outlier <= FLAG_LEVEL
+    return {"found": stage.p_value <= LEVEL, "flag": flag}
+
+
+def named(task):
+    """Return the summary of the first name given to one run."""
+    rng, run = generated(task)
+    problem = problem_in(run)
+    return summary(problem and (problem, (), (chosen(problem, (), rng)[0],)))
+
+
 def summary(found):
     """Return what the tables need of one search."""
     if found is None:
@@ -82,22 +108,25 @@ def summary(found):
     }
 
 
+def generated(task):
+    """Return the generator and the run of a task: one axis, or several that share a structure."""
+    rng = np.random.default_rng(task[-1])
+    if len(task) == 5:
+        kind, size, sigma, noise, _ = task
+        columns = readings(rng, kind, size, sigma, noise)[:, np.newaxis]
+    else:
+        kind, size, sigma, moved, axes, rho, noise, _ = task
+        course = scatter(rng, axes, rho, noise)
+        shared = (size * shape(rng, kind))[:, np.newaxis]
+        course[:, :moved] += shared * rng.choice([-1, 1], moved)
+        columns = np.stack([dial(rng, course[:, a], sigma) for a in range(axes)], axis=1)
+    return rng, run_of(columns, sigma)
+
+
 def one(task):
-    """Return the summary of one generated run of one axis."""
-    kind, size, sigma, noise, seed = task
-    rng = np.random.default_rng(seed)
-    y = readings(rng, kind, size, sigma, noise)
-    return summary(searched(run_of(y[:, np.newaxis], sigma), rng))
-
-
-def several(task):
-    """Return the summary of one run of several axes that share a structure."""
-    kind, size, sigma, moved, axes, rho, noise, seed = task
-    rng = np.random.default_rng(seed)
-    course = scatter(rng, axes, rho, noise)
-    course[:, :moved] += (size * shape(rng, kind))[:, None] * rng.choice([-1, 1], moved)
-    columns = np.stack([dial(rng, course[:, a], sigma) for a in range(axes)], axis=1)
-    return summary(searched(run_of(columns, sigma), rng))
+    """Return the summary of the whole search in one run."""
+    rng, run = generated(task)
+    return summary(searched(run, rng))
 
 
 def tabled(pool, function, tasks):
@@ -117,7 +146,9 @@ def null(pool, runs):
     for noise in ("normal", "t3", "skewed", "split"):
         row = []
         for sigma in SIGMAS:
-            r = tabled(pool, one, [("none", 0, sigma, noise, [SEED, 1, i]) for i in range(runs)])
+            r = tabled(
+                pool, detected, [("none", 0, sigma, noise, [SEED, 1, i]) for i in range(runs)]
+            )
             row.append(f"{percent(r, 'found'):6.1f} ({percent(r, 'flag'):4.1f})")
         print(f"{noise:9s}" + "".join(f"{c:>15}" for c in row), flush=True)
     for noise, axes, rho in (("normal", 3, 0), ("normal", 3, 0.6), ("normal", 4, 0),
@@ -125,7 +156,7 @@ def null(pool, runs):
         row = []
         for sigma in (0.3, 0.5, 1.0):
             tasks = [("none", 0, sigma, 0, axes, rho, noise, [SEED, 2, i]) for i in range(runs)]
-            row.append(f"sigma {sigma}: {percent(tabled(pool, several, tasks), 'found'):4.1f}")
+            row.append(f"sigma {sigma}: {percent(tabled(pool, detected, tasks), 'found'):4.1f}")
         print(f"{noise}, {axes} axes, correlation {rho}: " + "   ".join(row), flush=True)
 
 
@@ -137,7 +168,7 @@ def power(pool, runs):
         row = []
         for sigma in SIGMAS:
             tasks = [(kind, size, sigma, "normal", [SEED, 3, i]) for i in range(runs)]
-            r = tabled(pool, one, tasks)
+            r = tabled(pool, detected, tasks)
             either = 100 * np.mean([x["found"] or x["flag"] for x in r])
             row.append(f"{percent(r, 'found'):4.0f} ({either:3.0f})")
         print(f"{kind:11s} {size:<4}" + "".join(f"{c:>13}" for c in row), flush=True)
@@ -151,7 +182,7 @@ def naming(pool, runs):
             right, stated, held, counts = [], [], [], []
             for kind, size in cells:
                 tasks = [(kind, size, sigma, "normal", [SEED, 4, i]) for i in range(runs)]
-                r = [x for x in tabled(pool, one, tasks) if x["best"] is not None]
+                r = [x for x in tabled(pool, named, tasks) if x["best"] is not None]
                 ok = [x["best"] == NAME[kind] for x in r]
                 right.append(100 * np.mean(ok))
                 stated += [(x["p"], o) for x, o in zip(r, ok, strict=True) if x["p"]]
@@ -197,8 +228,8 @@ def rivals(pool, runs):
         tasks = [("none", 0, sigma, "normal", [SEED, 1, i]) for i in range(runs)]
         empty[sigma] = tabled(pool, rival_names, tasks)
     cells = {}
-    for label, chosen in (("middle", MIDDLE), ("high", HIGH)):
-        for kind, size in chosen:
+    for label, structures in (("middle", MIDDLE), ("high", HIGH)):
+        for kind, size in structures:
             tasks = [(kind, size, 0.7, "normal", [SEED, 4, i]) for i in range(runs)]
             cells[label, kind] = tabled(pool, rival_names, tasks)
     for name in RIVALS:
@@ -300,6 +331,17 @@ def geometry(task):
     return summary(searched(run_of(columns, sigma), rng, joint if known else None))
 
 
+def knowing(task):
+    """Return the name given to one run whose scatter is known beforehand."""
+    rng, run = generated(task)
+    if problem_in(run) is None:
+        return summary(None)
+    scatter_read = np.sqrt(task[2] ** 2 + 1 / 12)
+    known = dict.fromkeys(run.axes, scatter_read)
+    problem = problem_of(run, directions={}, effects=find_effects(), sigma=known)
+    return summary((problem, (), (chosen(problem, (), rng)[0],)))
+
+
 def gains(pool, runs):
     """More data of the right kind: several axes, covariates, geometry, a second run."""
     print("\n## Gains at sigma 0.7: found [%], named right of found [%]")
@@ -308,7 +350,7 @@ def gains(pool, runs):
         for label, moved, axes in (("one axis", 1, 1), ("two runs or axes", 2, 2),
                                    ("three axes", 3, 3)):  # fmt: skip
             tasks = [(kind, size, 0.7, moved, axes, 0, "normal", [SEED, 7, i]) for i in range(runs)]
-            row.append(f"{label} {said(tabled(pool, several, tasks), NAME[kind])}")
+            row.append(f"{label} {said(tabled(pool, named, tasks), NAME[kind])}")
         print(f"{kind} of {size} sigma: " + ", ".join(row), flush=True)
     for kind, size in (("approach", 2), ("payload", 3), ("temperature", 3)):
         tasks = [(kind, size, 0.7, [SEED, 8, i]) for i in range(runs)]
@@ -317,6 +359,19 @@ def gains(pool, runs):
         tasks = [(1.6, 0.7, known, [SEED, 9, i]) for i in range(runs)]
         print(f"step of 1.6 sigma along joint 1, arm {'known' if known else 'not known'}: "
               f"{said(tabled(pool, geometry, tasks), 'step')}", flush=True)  # fmt: skip
+
+    for function, label in ((named, "not known"), (knowing, "known")):
+        means = []
+        for structures in (MIDDLE, HIGH):
+            right, counts = [], []
+            for kind, size in structures:
+                tasks = [(kind, size, 0.7, "normal", [SEED, 4, i]) for i in range(runs)]
+                found = [r for r in tabled(pool, function, tasks) if r["best"] is not None]
+                right.append(100 * np.mean([r["best"] == NAME[kind] for r in found]))
+                counts.append(np.mean([len(r["rivals"]) for r in found]))
+            means.append(f"{np.mean(right):.1f} ({np.mean(counts):.2f})")
+        print(f"scatter {label}: named right, middle and high sizes (best and rivals): {means}",
+              flush=True)  # fmt: skip
 
 
 def said(results, name):
@@ -350,9 +405,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=300)
     parser.add_argument("--only", nargs="*", choices=TABLES, default=list(TABLES))
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
+    globals()["SEED"] = options.seed
     print(f"seed {SEED}, {options.runs} runs a cell, n = {N}")
-    with Pool(2, initializer=os.nice, initargs=(10,)) as pool:
+    with Pool(options.processes, initializer=os.nice, initargs=(10,)) as pool:
         for name in options.only:
             start = time.perf_counter()
             TABLES[name](pool, options.runs)

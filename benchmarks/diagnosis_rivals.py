@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import members_of
+from scara_iso.diagnosis.bank import UNKNOWN, members_of
 from scara_iso.effects import Conditions, Shape, find_effects
 
 # Parameters of each effect beside its coefficients: position, time constant, period.
@@ -20,7 +20,7 @@ def _least_squares(y):
     conditions = Conditions(np.arange(2, len(y) + 2))
     best = {}
     for member in members_of(find_effects(), conditions):
-        if isinstance(member.form, Shape) and member.named:
+        if isinstance(member.form, Shape) and member.effect != UNKNOWN:
             design = np.column_stack([np.ones(len(y)), member.form.columns])
             left = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
             count = design.shape[1] + _NONLINEAR.get(member.effect, 0)

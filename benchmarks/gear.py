@@ -15,9 +15,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from scara_iso.diagnosis import Verdict, diagnose_sweep, gear_fit
+from scara_iso.diagnosis import Verdict
 from scara_iso.drivetrain import RIGHT, DriveTrain, Move, State, Torque, arrivals, solve
 from scara_iso.effects import Sweep
+from scara_iso.gears import diagnose_sweep
+from scara_iso.gears import fit as gear_fit
 
 SEED = 1
 MOTOR, GAP = 2.65e-4, np.radians(12 / 60)

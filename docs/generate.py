@@ -1,4 +1,4 @@
-"""Write docs/reference/ from the code: ``python docs/generate.py``. A test holds it up to date."""
+"""Write docs/reference/ and the picture of the floors from the code; a test holds them to it."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from scara_iso.cli import COMMANDS
-from scara_iso.indicators import find_dialects
+from scara_iso.indicators import Dialect, find_dialects
 from scara_iso.report.explain import Page, pages
 
 DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
+from floors import floors, picture, purpose  # noqa: E402 - a neighbour of this script
+
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
 
@@ -27,6 +30,7 @@ def reference() -> dict[str, str]:
         "effects.md": ("Effects", _pages(effects)),
         "dialects.md": ("Dialects of indicators", _dialects()),
         "schemas.md": ("JSON schemas", _schemas()),
+        "modules.md": ("Modules", _modules()),
     }
     return {
         name: "\n\n".join([f"# {title}", MADE, *blocks]) + "\n"
@@ -69,21 +73,42 @@ def _dialects() -> Iterator[str]:
     yield "How to connect each of them: [indicators.md](../indicators.md)."
     for key, dialect in find_dialects().items():
         yield f"## `{key}`"
-        stated = "states its unit" if dialect.sends_unit else "does not state its unit"
-        yield (
-            f"{dialect.instruments}. Line {dialect.line}; a frame {stated}. Confidence: "
-            f"{dialect.confidence}."
-        )
-        yield f"Source: {dialect.source}."
+        yield f"{dialect.instruments}. Confidence: {dialect.confidence}."
+        yield _table(("on the wire", ""), _wire(dialect))
+        yield f"Source: {dialect.source}.".replace("\\", r"\\").replace("<", r"\<")
         if dialect.unverified:
             yield "Not verified:"
             yield "\n".join(f"* {one}" for one in dialect.unverified)
 
 
+def _wire(dialect: Dialect) -> Iterator[tuple[str, str]]:
+    pulse = dialect.request_line
+    sent = f"pulse on {pulse.line.upper()}" if pulse else "sends by itself"
+    names = dialect.channels
+    ends = f"`{names[0]}` to `{names[-1]}`, {len(names)}" if names else "none"
+    yield "line", str(dialect.line)
+    yield "request", _bytes(dialect.request_template) if dialect.request_template else sent
+    yield "end of a line", _bytes(dialect.terminator)
+    yield "unit", ", ".join(unit or "not stated" for unit in dialect.units)
+    yield "digits", f"{dialect.digits}, behind the point {', '.join(map(str, dialect.decimals))}"
+    yield "channels", ends
+
+
+def _bytes(data: bytes) -> str:
+    return f"`{data.decode('latin-1').encode('unicode_escape').decode('ascii')}`"
+
+
+def _modules() -> Iterator[str]:
+    yield "A module imports only from the floors below it: [architecture](../architecture.md)."
+    rows = [(f"`{name}`", purpose(name)) for floor in floors() for name in floor]
+    yield _table(("module", "purpose"), rows)
+
+
 def _schemas() -> Iterator[str]:
     yield (
         "JSON Schema, draft 2020-12; every object is closed, so that a drift is seen. What the "
-        "keys mean: [json.md](../json.md)."
+        "keys mean: [json.md](../json.md). A reference such as `analyze.json#/$defs/pose` leads to "
+        "the file beside."
     )
     schemas = sorted((DOCS / "schemas").glob("*.json"))
     titles = [json.loads(path.read_text(encoding="utf-8"))["title"] for path in schemas]
@@ -100,3 +125,4 @@ if __name__ == "__main__":
     (DOCS / "reference").mkdir(exist_ok=True)
     for name, text in reference().items():
         (DOCS / "reference" / name).write_text(text, encoding="utf-8", newline="")
+    (DOCS / "figures" / "floors.svg").write_text(picture(), encoding="utf-8", newline="")

@@ -13,10 +13,10 @@ from scara_iso.diagnosis import (
     Found,
     diagnose,
     diagnose_poses,
-    diagnose_run_reversals,
 )
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
+from scara_iso.gears import diagnose_run_reversals
 from scara_iso.iso9283 import used_cycles
 from scara_iso.model import DeclaredEffect, Model, declare, predict, read_model
 from scara_iso.model.parts import Value
@@ -101,11 +101,12 @@ def close_the_loop(
     *,
     hold_out: Run | None = None,
     seed: int,
+    sigma: float | None = None,
 ) -> Diagnosis:
     """Return what ``model`` (None: a constant pose) leaves unexplained in the rows that count.
 
-    Errors as in `CyclesWanted.take` and `diagnose`, and `DataError` for a model that has none of
-    the run's axes.
+    ``sigma`` is the known scatter of the readings in mm, of every axis in mm. Errors as in
+    `CyclesWanted.take` and `diagnose`, and `DataError` for a model that has none of the run's axes.
     """
     used = wanted.take(run)
     second = None if hold_out is None else wanted.take(hold_out)
@@ -116,6 +117,7 @@ def close_the_loop(
         held_out=second,
         held_out_predicted=None if second is None else _predicted(model, second),
         directions={} if model is None else directions_of(model),
+        sigma={name: sigma for name, axis in used.axes.items() if sigma and axis.unit == "mm"},
     )
     if model is None:
         return found

@@ -1,7 +1,7 @@
 """Play the console blocks of a page: each command in order, in one folder, beside examples/.
 
 ``python tests/console.py docs/tutorial.md`` writes the outputs of today's program into the page;
-a line ``...`` in an output stands for lines that are left out, and such a block is kept.
+a line ``...`` in an output stands for lines that are left out.
 """
 
 import contextlib
@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from difflib import SequenceMatcher
 from pathlib import Path
 from unittest import mock
 
@@ -52,7 +53,7 @@ def _played_block(block):
     said = []
     for line, shown in zip(parts[1::2], parts[2::2], strict=True):
         output = run(line[2:].strip())
-        said += [line, shown if alike(shown, output) else output]
+        said += [line, shown if alike(shown, output) else renewed(shown, output)]
     return "".join(said)
 
 
@@ -60,6 +61,23 @@ def alike(shown, output):
     """Say whether an output is the one shown, with or without the lines left out."""
     kept = [re.escape(part) for part in re.split(rf"^{re.escape(LEFT_OUT)}\n", shown, flags=re.M)]
     return re.fullmatch("(?:.*\n)*?".join(kept), output) is not None
+
+
+def renewed(shown, output):
+    """Return today's output with the lines left out that are left out in the one shown."""
+    lines = output.splitlines(keepends=True)
+    kept, at = [], 0
+    for part in re.split(rf"^{re.escape(LEFT_OUT)}\n", shown, flags=re.M):
+        length = part.count("\n")
+        starts = range(at, len(lines) - length + 1)
+        at = max(starts, key=lambda k: _likeness(part, lines[k : k + length]), default=at)
+        kept.append("".join(lines[at : at + length]))
+        at += length
+    return f"{LEFT_OUT}\n".join(kept) if len(kept) > 1 else output
+
+
+def _likeness(part, lines):
+    return SequenceMatcher(None, part, "".join(lines), autojunk=False).ratio()
 
 
 def run(command):

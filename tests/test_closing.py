@@ -283,3 +283,23 @@ def test_a_model_is_saved_over_itself_whole_or_not_at_all(call, tmp_path, monkey
     assert "link.toml: cannot be written: No space left" in err
     assert own.read_bytes() == kept
     assert {path.name for path in tmp_path.iterdir()} == {"run.csv", "own.toml", "link.toml"}
+
+
+def test_a_stated_scatter_is_in_mm_and_for_one_table(call, tmp_path):
+    table = simulated(call, tmp_path / "run.csv", "step@X:size=0.03,at_cycle=12")
+    without, known = diagnosed(call, table), diagnosed(call, table, "--sigma", "0.005")
+    assert known["p_value"] == without["p_value"]
+    assert known["effects"][0]["probability"] != without["effects"][0]["probability"]
+    code, _, err = call("diagnose", table, table, "--sigma", "0.005")
+    assert code != 0
+    assert "--sigma is for one table" in err
+    code, _, err = call("diagnose", table, "--sigma", "-1")
+    assert code != 0
+    assert "positive" in err
+
+
+def test_a_sine_through_simulate_is_named_once(call, tmp_path):
+    table = simulated(call, tmp_path / "run.csv", "periodic@X:size=0.04,period=6,phase=1", seed=2)
+    effects = diagnosed(call, table, "--model", MODEL)["effects"]
+    assert [found["effect"] for found in effects] == ["periodic"]
+    assert effects[0]["parameters"]["period"] == pytest.approx(6, rel=0.01)

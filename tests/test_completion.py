@@ -17,7 +17,12 @@ BASH = shutil.which("bash")
 @pytest.mark.skipif(BASH is None, reason="bash is not installed")
 @pytest.mark.parametrize(
     ("typed", "completed"),
-    [(["ana"], ["analyze"]), (["analyze", "--re"], ["--resolution"]), (["exp"], ["explain"])],
+    [
+        (["ana"], ["analyze"]),
+        (["analyze", "--re"], ["--resolution"]),
+        (["exp"], ["explain"]),
+        (["explain", "few"], ["few-levels"]),
+    ],
 )
 def test_bash_completes(typed, completed, tmp_path):
     program = tmp_path / "scara-iso"

@@ -133,6 +133,43 @@ def test_a_course_in_no_catalogue_stays_unexplained():
     assert said[Verdict.UNEXPLAINED] >= 7
 
 
+@pytest.mark.parametrize("size", [6.0, 9.0])
+def test_a_clean_step_has_no_side_of_contact_for_a_rival(size):
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        found = diagnose(make_run({"X": rng.normal(size=N) + size * (J >= 11)}))
+        first = found.effects[0]
+        assert first.effect == "step"
+        assert "contact_side" not in [rival.effect for rival in first.rivals]
+
+
+@pytest.mark.parametrize("period", [6.0, 7.3])
+def test_a_large_sine_of_any_period_is_named_once(period, rng):
+    sine = 12 * np.sin(2 * np.pi * J / period + 1)
+    found = diagnose(make_run({"X": sine + rng.normal(size=N)}))
+    assert [effect.effect for effect in found.effects] == ["periodic"]
+    assert found.effects[0].parameters["period"] == pytest.approx(period, rel=0.01)
+
+
+def test_three_levels_are_more_than_any_named_effect(rng):
+    levels = np.repeat([0.0, 7.0, -4.0], 10)
+    found = diagnose(make_run({"X": levels + rng.normal(size=N)}))
+    assert found.verdict is Verdict.UNEXPLAINED
+    assert found.effects == ()
+
+
+def test_a_known_scatter_sharpens_the_naming_and_is_checked(rng):
+    run = make_run({"X": 5.0 * (J >= 12) + rng.normal(size=N)})
+    without, known = diagnose(run), diagnose(run, sigma={"X": 0.005})
+    assert known.p_value == without.p_value
+    assert known.effects[0].effect == "step"
+    assert known.effects[0].probability > without.effects[0].probability
+    assert known.notes == without.notes
+    assert "0.001 as stated" in diagnose(run, sigma={"X": 0.001}).notes[-1]
+    with pytest.raises(DataError, match="known scatter"):
+        diagnose(run, sigma={"X": -1.0})
+
+
 def test_two_effects_are_found_one_after_the_other(rng):
     approach = rng.permutation(np.repeat([-1.0, 1.0], N // 2))
     course = 4 * approach + 6.0 * (J >= 14) + rng.normal(size=N)

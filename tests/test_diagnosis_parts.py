@@ -1,24 +1,24 @@
 """The parts of the search against independent oracles."""
 
 import math
+from collections import Counter
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from scara_iso.diagnosis.bank import Member, build, constant, extended, members_of
+from scara_iso.diagnosis.bank import EMPHASIS, Member, build, constant, extended, members_of
 from scara_iso.diagnosis.choice import hidden_sides
 from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.evidence import KNOWN_FROM, Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.gear import diagnose_sweep
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.levels import two_levels
+from scara_iso.diagnosis.levels import Sides, _at_most_one_change, sides_of, two_levels
 from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Verdict
-from scara_iso.diagnosis.search import Problem, find
+from scara_iso.diagnosis.search import Problem, find, find_again
 from scara_iso.effects import (
     Chain,
     Conditions,
@@ -30,6 +30,7 @@ from scara_iso.effects import (
     find_gear_effects,
 )
 from scara_iso.errors import DataError
+from scara_iso.gears import diagnose_sweep
 
 N = 20
 CONDITIONS = Conditions(np.arange(2, N + 2))
@@ -71,6 +72,32 @@ def test_evidence_is_the_ratio_of_marginal_likelihoods(rng):
     for name, (_, covariance) in cases.items():
         expected = log_marginal(y, covariance) - log_marginal(y, np.eye(N))
         assert found[name] == pytest.approx(expected, abs=1e-3), name
+
+
+def test_a_known_scatter_counts_as_cycles_on_which_nothing_acted(rng):
+    """Each bank's evidence with those cycles appended, where no effect reaches them."""
+    y = rng.normal(size=(N, 1))
+    y -= y.mean(axis=0)
+    views = views_of(y, constant(N), sigma=np.array([0.7]))
+    ramp = np.arange(N) - (N - 1) / 2
+    unit = ramp / np.linalg.norm(ramp)
+    random = Member("random", Process(np.eye(N)), 1.0)
+    bank = bank_of([Member("ramp", Shape(ramp[:, None]), 1.0), random])
+    found = log_bayes(bank, views.columns, views.known)
+    more = (KNOWN_FROM - 1) * 0.7**2
+    nu = N - 1 + KNOWN_FROM - 1
+    share = 15 / 16 * (unit @ y[:, 0]) ** 2 / ((y**2).sum() + more)
+    assert found[0, 0] == pytest.approx(-nu / 2 * np.log(1 - share) - np.log(16) / 2)
+    assert views_of(y, constant(N), sigma=np.zeros(1)).known is None
+
+
+def test_two_levels_a_known_scatter_apart_are_no_levels(rng):
+    y = rng.normal(size=24)
+    free, wide, narrow = (
+        two_levels(y, 0.0, [Chain(0.6, 0.4)], known=(KNOWN_FROM - 1) * sigma**2).log_bf[0]
+        for sigma in (0.0, y.std(), 0.4 * y.std())
+    )
+    assert wide < free < narrow
 
 
 def test_an_amplified_bank_is_that_of_larger_variances(rng):
@@ -171,12 +198,88 @@ def test_hidden_sides_agree_with_the_sum_over_every_course(rng):
 
 
 def test_hidden_sides_bridge_cycles_that_were_not_seen(rng):
-    y = rng.normal(size=24) + 8.0 * (np.arange(24) >= 12)
-    y[[3, 20]] = np.nan
+    y = rng.normal(size=24) + 8.0 * ((np.arange(24) >= 8) & (np.arange(24) < 18))
+    y[[3, 14]] = np.nan
     found = two_levels(y, 0.0, [Chain(0.1, 0.1)])
     assert found.share_upper[3] < 0.1
-    assert found.share_upper[20] > 0.9
+    assert found.share_upper[14] > 0.9
     assert found.log_bf[0] > 3
+
+
+def test_sides_that_change_once_are_a_step_and_no_chain(rng):
+    j, noise = np.arange(24), rng.normal(size=24)
+    chains = [Chain(0.1, 0.1), Chain(0.6, 0.4)]
+    once = two_levels(noise + 8.0 * (j >= 12), 0.0, chains).log_bf
+    twice = two_levels(noise + 8.0 * ((j >= 8) & (j < 18)), 0.0, chains).log_bf
+    assert (once < twice - 3).all()
+    assert (twice > 3).all()
+
+
+def courses_of(chain, n):
+    """Return every course of two sides over n cycles, and its probability."""
+    sides = (np.arange(2**n)[:, None] >> np.arange(n)) & 1
+    leave = np.array([chain.leave_lower, chain.leave_upper])
+    start = leave[::-1] / leave.sum()
+    moved = sides[:, 1:] != sides[:, :-1]
+    step = np.where(moved, leave[sides[:, :-1]], 1 - leave[sides[:, :-1]])
+    return sides, start[sides[:, 0]] * step.prod(axis=1)
+
+
+def test_courses_with_one_change_or_none_are_summed_as_by_hand(rng):
+    likelihood = rng.uniform(0.1, 1.0, size=(2, 8))
+    chain = Chain(0.2, 0.3)
+    sides, prior = courses_of(chain, 8)
+    settled = (sides[:, 1:] != sides[:, :-1]).sum(axis=1) < 2
+    expected = prior * likelihood[sides, np.arange(8)].prod(axis=1)
+    log_sum, odds = _at_most_one_change(
+        likelihood[0][:, None], likelihood[1][:, None], np.array([0.2]), np.array([0.3])
+    )
+    assert np.exp(log_sum).item() == pytest.approx(expected[settled].sum())
+    assert odds.item() == pytest.approx(prior[settled].sum())
+
+
+def test_stickiness_is_the_likelihood_ratio_against_sides_drawn_anew(rng):
+    chain = Chain(0.2, 0.3)
+    sides = Sides(*rng.uniform(0.1, 1.0, size=(2, 8)), [chain])
+    courses, prior = courses_of(chain, 8)
+    orders = np.array([np.arange(8), rng.permutation(8)])
+    for order, found in zip(orders, sides.stickiness(orders), strict=True):
+        likelihood = np.stack([sides.lower, sides.upper])[:, order]
+        sticky = prior @ likelihood[courses, np.arange(8)].prod(axis=1)
+        assert found == pytest.approx(sticky / (0.6 * sides.lower + 0.4 * sides.upper).prod())
+
+
+def test_sides_that_stay_add_to_the_test_by_order(rng):
+    """Levels of the best split: 0 and 5, whatever the order; only the order tells them."""
+    y = rng.normal(size=N) + 5.0 * (np.arange(N) // 4 % 2)
+    values = (y - y.mean())[:, np.newaxis]
+    views = views_of(values, constant(N))
+    sides = sides_of(y, 0.0, [Chain(0.16, 0.16)])
+    assert ((sides.upper == 1) == (np.arange(N) // 4 % 2)).all()
+    without = order_test(bank_of(ORDERED), views, np.random.default_rng(1))
+    both = order_test(bank_of(ORDERED), views, np.random.default_rng(1), sides=[sides])
+    sticky = sides.stickiness(np.arange(N)[np.newaxis]).item()
+    assert sticky > 10
+    assert both.statistic == pytest.approx(np.log(np.exp(without.statistic) + 0.08 * sticky))
+
+
+def test_the_test_weighs_effects_by_its_own_table():
+    bank = bank_of(ORDERED)
+    share = Counter()
+    for member, weight in zip(bank.members, bank.test_weights, strict=True):
+        share[member.effect] += weight
+    assert share.total() == pytest.approx(1.0)
+    assert share["periodic"] / share["linear_drift"] == pytest.approx(
+        1.3 * EMPHASIS["periodic"] / EMPHASIS["linear_drift"]
+    )
+
+
+def test_a_step_between_unseen_cycles_is_half_way_in_a_fold(rng):
+    values = rng.normal(size=(N, 1)) + 9.0 * (np.arange(N) >= 9)[:, None]
+    problem = Problem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
+    (term,) = find_again(problem, np.delete(np.arange(N), 9), 1, with_chains=False)
+    assert term.effect == "step"
+    np.testing.assert_array_equal(term.columns[:, 0], [0.0] * 9 + [0.5] + [1.0] * (N - 10))
 
 
 def test_order_free_statistics_ignore_order_shift_and_scale(rng):

@@ -4,7 +4,7 @@ import re
 import shutil
 
 import pytest
-from console import BLOCK, ROOT, WIDTH, alike, played
+from console import BLOCK, ROOT, WIDTH, alike, played, renewed
 
 PAGES = sorted(
     path for path in ROOT.rglob("*.md")
@@ -32,6 +32,11 @@ def test_lines_left_out_are_no_other_lines():
     assert alike("a\n...\nc\n", "a\nc\n")
     assert not alike("a\n...\nc\n", "a\nb\nd\n")
     assert not alike("a\nc\n", "a\nb\nc\n")
+
+
+def test_what_is_left_out_stays_left_out_in_the_page_of_today():
+    assert renewed("a 1\n...\nc 1\n...\n", "a 2\nb\nc 2\nd\n") == "a 2\n...\nc 2\n...\n"
+    assert renewed("a 1\n", "a 2\nb\n") == "a 2\nb\n"
 
 
 def links(path):

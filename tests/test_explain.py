@@ -1,6 +1,8 @@
 """`scara-iso explain`: every finding and effect has its page."""
 
+import ast
 import json
+from pathlib import Path
 
 import pytest
 
@@ -9,12 +11,25 @@ from scara_iso.effects import find_effects, find_gear_effects
 from scara_iso.report.explain import pages
 from tests.hostile import TEXTS
 
+ROOT = Path(__file__).parents[1]
 
-def test_every_effect_and_finding_has_a_page():
-    found = pages()
-    assert {e.name for e in (*find_effects(), *find_gear_effects())} <= set(found)
-    assert {"trend", "coarse-resolution", "not-stated"} <= set(found)
-    assert all(page.title and page.text for page in found.values())
+
+def codes_in_the_source():
+    """Yield every ``CODE``, and the code of every ``Finding(...)`` that is written there."""
+    for path in (ROOT / "scara_iso").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            match node:
+                case ast.Call(func=ast.Name("Finding"), args=[ast.Constant(code), *_]):
+                    yield code
+                case ast.Assign(targets=[ast.Name("CODE")], value=ast.Constant(code)):
+                    yield code
+
+
+def test_every_effect_and_finding_has_a_page_and_no_other():
+    wanted = {*codes_in_the_source(), *(e.name for e in (*find_effects(), *find_gear_effects()))}
+    assert {"trend", "edited", "same-readings", "warm_up", "gap"} <= wanted
+    assert set(pages()) == wanted
+    assert all(page.title and page.text for page in pages().values())
 
 
 @pytest.mark.parametrize("code", ["trend", "warm_up", "warm-up", "REFLECTED_INERTIA"])

@@ -4,16 +4,18 @@ import json
 import math
 import re
 import shutil
+from pathlib import Path
 
 import pytest
-from test_schemas import check
 
 from scara_iso import read_table
 from scara_iso.cli import main
 from scara_iso.render.json import to_text
 from tests.hostile import TEXTS, model, sweep, table
+from tests.test_schemas import validator
 
 HALF = re.compile("[\ud800-\udfff]")
+STREAMS = Path(__file__).with_name("fixtures") / "streams" / "opto-rs232"
 NAMES = [text for text in TEXTS if not HALF.search(text)]
 """What TOML can hold."""
 
@@ -28,6 +30,7 @@ def folder(tmp_path_factory):
     table(path / "two.xlsx", poses=["[red]"], cycles=31, shift=0.004)
     sweep(path / "sweep.csv")
     model(path / "model.toml", TEXTS[0])
+    (path / "wire.bin").write_bytes(b"\x1b[2J\x9b31m\x00\xff\r+000.100mm\r[red]\r")
     return path
 
 
@@ -44,6 +47,10 @@ COMMANDS = (
     ("backlash", "backlash --Im 1e-3 --IL 4 --arcmin 12 --measured sweep.csv"),
     ("backlash", "backlash --Im 1e-3 --IL 4 --arcmin 12 --actual one.xlsx"),
     ("design", "diagnose few.xlsx --design"),
+    ("probe", "ports --probe replay:wire.bin"),
+    ("probe", f"ports --probe replay:{STREAMS / 'readings.bin'}"),
+    ("probe", f"ports --probe replay:{STREAMS / 'wrong-parity.bin'}"),
+    ("probe", "ports --probe sim:?pace=0 --ask opto-rs232"),
 )
 
 
@@ -79,7 +86,7 @@ def test_a_command_writes_strict_json(schema, command, folder, monkeypatch, caps
     monkeypatch.chdir(folder)
     main([*command.split(), "--json"])
     (line,) = capsys.readouterr().out.splitlines()
-    check(schema, strict(line))
+    validator(schema).validate(strict(line))
 
 
 @pytest.mark.parametrize("command", ["analyze", "report"])
@@ -124,6 +131,6 @@ def test_lines_of_a_recording(tmp_path, monkeypatch, capsys):
     meta = [f"--meta=k{n}={text[:500]}" for n, text in enumerate(TEXTS)]
     assert main(["record", "\udcff\x1b[2J.csv", *gauge, *meta, "--json"]) == 0
     for line in capsys.readouterr().out.splitlines():
-        check("record", strict(line))
+        validator("record").validate(strict(line))
     (written,) = tmp_path.glob("*.csv")
     assert len(read_table(written)) == 2

@@ -190,6 +190,11 @@ def test_a_strange_simulation_is_refused(address):
         simulated(address)
 
 
+def test_a_simulated_display_shows_no_unit_that_its_make_lacks():
+    with pytest.raises(UsageError, match="heidenhain-nd cannot show deg"):
+        simulated("sim:heidenhain-nd?unit=deg")
+
+
 @pytest.mark.parametrize(
     ("addresses", "kind"),
     [(["sim:", "replay:x"], StreamClock), (["sim:", "/dev/ttyUSB0"], SystemClock)],

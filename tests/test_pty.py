@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -65,6 +66,7 @@ def test_reads_a_good_instrument(tmp_path, capsys, instrument):
     assert code == 0
     assert stored(events) == [(1, 0.101), (2, 0.102)]
     run = read_table(tmp_path / "run.csv")
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", run.metadata["recorded"])
     assert run.axes["X"].readings.tolist() == [0.101, 0.102]
     assert device in run.metadata["indicator"]
 

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[1] / "docs"
-MADE = runpy.run_path(str(DOCS / "generate.py"))["reference"]()
+GENERATE = runpy.run_path(str(DOCS / "generate.py"))
+MADE = GENERATE["reference"]()
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -17,3 +18,15 @@ def test_a_page_is_up_to_date(name):
 
 def test_there_is_no_other_page():
     assert {path.name for path in (DOCS / "reference").iterdir()} == set(MADE)
+
+
+def test_the_picture_is_up_to_date():
+    drawn = (DOCS / "figures" / "floors.svg").read_text(encoding="utf-8")
+    assert drawn == GENERATE["picture"](), "run: python docs/generate.py"
+
+
+def test_every_module_stands_on_a_floor():
+    package = DOCS.parent / "scara_iso"
+    there = {path.stem for path in package.iterdir() if (path / "__init__.py").exists()}
+    there |= {path.stem for path in package.glob("[!_]*.py")}
+    assert {name for floor in GENERATE["floors"]() for name in floor} == there

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from scara_iso.cli import main
-from scara_iso.diagnosis import Verdict, diagnose_run_reversals
+from scara_iso.diagnosis import Verdict
 from scara_iso.drivetrain import RIGHT, DriveTrain, Move, State, Torque, arrivals, solve
 from scara_iso.effects import Conditions
 from scara_iso.errors import UsageError
+from scara_iso.gears import diagnose_run_reversals
 from scara_iso.model import predict, read_model
 from scara_iso.report.blocks import Text
 from scara_iso.report.reversals import reversals_section

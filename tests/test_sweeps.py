@@ -9,7 +9,7 @@ import pytest
 
 from scara_iso.cli import main
 from scara_iso.errors import DataError, NoInputError
-from scara_iso.sweeps import read_sweep
+from scara_iso.gears.sweeps import read_sweep
 
 FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
 

@@ -2,49 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from scara_iso.cli.options import (
+    OUTSIDE_A_LIMIT,
+    AsJson,
+    CyclesRun,
+    DecimalMark,
+    FirstDiscarded,
+    Limits,
+    ResolutionOfTable,
+    Sheet,
+    Table,
+    UnitOfTable,
+    parse_limits,
+)
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.results import Analysis
-
-OUTSIDE_A_LIMIT = 1
-
-Table = Annotated[
-    str, typer.Argument(metavar="TABLE", help="CSV or .xlsx of readings; - is standard input.")
-]
-AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
-UnitOfTable = Annotated[
-    str | None, typer.Option("--unit", help="Unit of the readings where the table states none.")
-]
-ResolutionOfTable = Annotated[
-    float | None, typer.Option("--resolution", help="Resolution of the dial, in that unit.")
-]
-DecimalMark = Annotated[
-    str | None, typer.Option("--decimal", help="',' or '.', where the table can be read two ways.")
-]
-Sheet = Annotated[str | None, typer.Option("--sheet", help="Sheet of an .xlsx file.")]
-FirstDiscarded = Annotated[
-    bool, typer.Option("--first-cycle-discarded", help="The table lacks its first cycle already.")
-]
-CyclesRun = Annotated[
-    int | None, typer.Option("--cycles", help="Cycles run, the first counted, if not 31.", min=2)
-]
-Limits = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="[FIGURE=]MM",
-        help="Exit with 1 where RP is larger: 0.02 for every length, XY=0.02 for one figure. "
-        "May be repeated.",
-    ),
-]
 
 
 def analyze_command(
@@ -103,20 +83,3 @@ def compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:
 
     changed = (Finding("edited", "warning", line) for line in check_manifest(path))
     return replace(analysis, findings=(*analysis.findings, *changed))
-
-
-def parse_limits(texts: Sequence[str]) -> dict[str, float]:
-    """Return limits by figure; `UsageError` for one that is no length or is given twice."""
-    from scara_iso.quantities import parse_number
-
-    limits: dict[str, float] = {}
-    for text in texts:
-        figure, _, number = text.rpartition("=")
-        value = parse_number(number)
-        if value is None:
-            remedy = "write --limit 0.02 or --limit XY=0.02"
-            raise UsageError(f"--limit {text!r} is not a length", remedy=remedy)
-        if figure.strip() in limits:
-            raise UsageError(f"--limit {text!r}: this figure has a limit already")
-        limits[figure.strip()] = value
-    return limits

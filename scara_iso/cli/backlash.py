@@ -6,32 +6,39 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson, FirstDiscarded
+from scara_iso.cli.options import AsJson, FirstDiscarded
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis.gear import GearDiagnosis
+    from scara_iso.gears import GearDiagnosis
     from scara_iso.results import PoseResult
+
+
+MotorInertia = Annotated[float, typer.Option("--Im", help="Inertia of motor and gear [kg m2].")]
+LoadInertia = Annotated[float, typer.Option("--IL", help="Inertia of the load [kg m2].")]
+Gap = Annotated[float, typer.Option("--arcmin", help="Full gap at the output [arcmin].")]
+ArmLength = Annotated[float | None, typer.Option("--arm", help="Joint to tool [m].")]
+Ratio = Annotated[float | None, typer.Option("--ratio", help="Gear ratio N: also with N^2 I_m.")]
+Actual = Annotated[
+    str | None,
+    typer.Option("--actual", metavar="TABLE", help="A table of readings to set beside it."),
+]
+Measured = Annotated[
+    str | None,
+    typer.Option("--measured", metavar="SWEEP", help="Reversals measured at several inertias."),
+]
 
 
 def backlash_command(
     *,
-    Im: Annotated[float, typer.Option("--Im", help="Inertia of motor and gear [kg m2].")],
-    IL: Annotated[float, typer.Option("--IL", help="Inertia of the load [kg m2].")],
-    arcmin: Annotated[float, typer.Option("--arcmin", help="Full gap at the output [arcmin].")],
-    arm: Annotated[float | None, typer.Option("--arm", help="Joint to tool [m].")] = None,
-    ratio: Annotated[
-        float | None, typer.Option("--ratio", help="Gear ratio N: also with N^2 I_m.")
-    ] = None,
-    actual: Annotated[
-        str | None,
-        typer.Option("--actual", metavar="TABLE", help="A table of readings to set beside it."),
-    ] = None,
-    measured: Annotated[
-        str | None,
-        typer.Option("--measured", metavar="SWEEP", help="Reversals measured at several inertias."),
-    ] = None,
+    Im: MotorInertia,
+    IL: LoadInertia,
+    arcmin: Gap,
+    arm: ArmLength = None,
+    ratio: Ratio = None,
+    actual: Actual = None,
+    measured: Measured = None,
     first_cycle_discarded: FirstDiscarded = False,
     json: AsJson = False,
 ) -> None:
@@ -62,8 +69,7 @@ def _closed(sweep: str) -> GearDiagnosis:
     """Return what eq. 16 leaves of a measured sweep, and which effect on the gear it is."""
     from dataclasses import replace
 
-    from scara_iso.diagnosis.gear import diagnose_sweep
-    from scara_iso.sweeps import read_sweep
+    from scara_iso.gears import diagnose_sweep, read_sweep
 
     found = read_sweep(sweep)
     closed = diagnose_sweep(found.sweep, found.deviation, uncertainty=found.uncertainty)

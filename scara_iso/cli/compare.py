@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import (
+from scara_iso.cli.options import (
     AsJson,
     CyclesRun,
     DecimalMark,
@@ -21,6 +21,7 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 
 if TYPE_CHECKING:
+    from scara_iso.comparison import Comparison
     from scara_iso.results import Analysis
 
 Tables = Annotated[
@@ -67,7 +68,11 @@ def compare_command(
         from scara_iso.render.plots import plot_comparison
 
         plot_comparison(comparison, plot)
-    if json:
+    _write(comparison, as_json=json)
+
+
+def _write(comparison: Comparison, *, as_json: bool) -> None:
+    if as_json:
         from scara_iso.render.json_comparison import comparison_json
 
         write_json(comparison_json(comparison))

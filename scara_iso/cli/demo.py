@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scara_iso.cli.analyze import AsJson
+from scara_iso.cli.options import AsJson
 from scara_iso.cli.output import write_json, write_report
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import (
+from scara_iso.cli.options import (
     AsJson,
     CyclesRun,
     DecimalMark,
@@ -48,7 +49,12 @@ Pose = Annotated[str | None, typer.Option(help="Which pose, where the table has 
 Design = Annotated[
     bool, typer.Option("--design", help="What a planned test will tell; needs no readings.")
 ]
-Sigma = Annotated[float | None, typer.Option(help="Scatter of the planned test [mm], else 0.005.")]
+Sigma = Annotated[
+    float | None,
+    typer.Option(
+        help="Scatter of the readings where nothing acts [mm]: known, or planned (else 0.005)."
+    ),
+]
 Columns = Annotated[
     str | None, typer.Option(help="Columns of the planned test: approach,temperature_C.")
 ]
@@ -83,52 +89,61 @@ def diagnose_command(
 
     reading = Reading(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
-    single = {"--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
-    asked = [option for option, value in single.items() if value is not None]
+    named = tables or []
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        show_design(
-            tables or (), reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json
-        )
-    elif tables is None or not tables:
-        raise UsageError("no table is named", remedy="name one, or ask for --design")
-    elif len(tables) > 1 and asked:
-        raise UsageError(f"{asked[0]} is for one table", remedy="diagnose the tables one by one")
-    elif save_model is not None and model is None:
-        raise UsageError("--save-model needs --model", remedy="name the one to add to")
-    elif len(tables) > 1:
+        show_design(named, reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json)
+        return
+    files = _Files(model, hold_out, save_model, plot, sigma)
+    files.check(named)
+    if len(named) > 1:
         from scara_iso.cli.diagnose_many import diagnose_many
 
-        diagnose_many(tables, model, reading, wanted, seed=seed, as_json=json)
+        diagnose_many(named, model, reading, wanted, seed=seed, as_json=json)
     else:
-        files = _Files(tables[0], model, hold_out, save_model, plot)
-        _diagnose_table(files, reading, wanted, seed=seed, as_json=json)
+        _diagnose_table(named[0], files, reading, wanted, seed=seed, as_json=json)
 
 
 @dataclass(frozen=True, slots=True)
 class _Files:
-    """What the diagnosis of one table reads and writes."""
+    """What the diagnosis of one table takes and writes beside it."""
 
-    table: str
     model: str | None
     hold_out: str | None
     save_model: Path | None
     plot: Path | None
+    sigma: float | None
 
     @property
     def alone(self) -> bool:
         """Whether nothing but a table is named."""
-        return not any((self.model, self.hold_out, self.save_model, self.plot))
+        return not any((self.model, self.hold_out, self.save_model, self.plot, self.sigma))
+
+    def check(self, tables: Sequence[str]) -> None:
+        """Raise `UsageError` where this does not go with the tables that are named."""
+        single = {
+            "--hold-out": self.hold_out, "--save-model": self.save_model, "--plot": self.plot,
+            "--sigma": self.sigma,
+        }  # fmt: skip
+        asked = [option for option, value in single.items() if value is not None]
+        if not tables:
+            raise UsageError("no table is named", remedy="name one, or ask for --design")
+        if len(tables) > 1 and asked:
+            raise UsageError(
+                f"{asked[0]} is for one table", remedy="diagnose the tables one by one"
+            )
+        if self.save_model is not None and self.model is None:
+            raise UsageError("--save-model needs --model", remedy="name the one to add to")
 
 
 def _diagnose_table(
-    files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
+    table: str, files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
 ) -> None:
     from scara_iso.closing import close_the_loop, save_model
     from scara_iso.model import read_model
 
-    run = reading.read(files.table)
+    run = reading.read(table)
     if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
         from scara_iso.cli.diagnose_many import diagnose_poses_of
 
@@ -140,6 +155,7 @@ def _diagnose_table(
         wanted,
         hold_out=None if files.hold_out is None else reading.read(files.hold_out),
         seed=seed,
+        sigma=files.sigma,
     )
     if files.plot is not None:
         from scara_iso.render.plots import plot_diagnosis

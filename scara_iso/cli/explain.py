@@ -6,13 +6,23 @@ from typing import Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson
+from scara_iso.cli.options import AsJson
 from scara_iso.cli.output import write_json, write_report
+
+
+def _codes() -> list[str]:
+    from scara_iso.report.explain import pages
+
+    return list(pages())
+
 
 Code = Annotated[
     str | None,
     typer.Argument(
-        metavar="CODE", help="A finding or an effect; none lists all.", show_default=False
+        metavar="CODE",
+        help="A finding or an effect; none lists all.",
+        autocompletion=_codes,
+        show_default=False,
     ),
 ]
 

@@ -5,29 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from scara_iso.errors import CannotCreateError, WriteError
 
 if TYPE_CHECKING:
     from scara_iso.report.blocks import Report
-
-
-class ExcelName(StrEnum):
-    """Language of the Excel that is to open a table."""
-
-    DE = "de"
-    EN = "en"
-
-
-ExcelLocale = Annotated[
-    ExcelName | None,
-    typer.Option(help="Spell the table for a German or an English Excel: de is ; and decimal ,"),
-]
 
 
 @dataclass(slots=True)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson
-from scara_iso.cli.output import ExcelLocale, write_json, write_report, write_text
-from scara_iso.cli.simulate import ModelFile
+from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
+from scara_iso.cli.output import write_json, write_report, write_text
 from scara_iso.errors import UsageError
+
+if TYPE_CHECKING:
+    from scara_iso.arm import Arm
+    from scara_iso.plan import Plan
 
 
 class SolidName(StrEnum):
@@ -80,30 +83,41 @@ def plan_command(
     from scara_iso.arm import Elbow
     from scara_iso.model import read_model
     from scara_iso.plan import Conditions, Plane, Solid, make_plan
-    from scara_iso.render.json import plan_json
-    from scara_iso.report.plan import plan_report, visits_csv
+    from scara_iso.report.plan import visits_csv
     from scara_iso.tables import find_locale
 
     described = read_model(model)
     if described.arm is None:
         raise UsageError(f"{model} holds no arm", remedy="give link lengths and limits in [robot]")
+    conditions = Conditions(
+        cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
+    )
     plan = make_plan(
         described.arm,
         solid=Solid(solid.value),
         plane=Plane(plane.value),
         elbow=None if elbow is None else Elbow(elbow.value),
         m_over_diagonal=m,
-        conditions=Conditions(
-            cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
-        ),
+        conditions=conditions,
     )
     if picture is not None:
-        from scara_iso.render.plots import plot_plan
-
-        plot_plan(plan, described.arm, picture)
+        _draw(plan, described.arm, picture)
     if output is not None:
         write_text(visits_csv(plan, find_locale(excel_locale)), output)
-    if json:
+    _write(plan, described.robot, as_json=json)
+
+
+def _draw(plan: Plan, arm: Arm, picture: Path) -> None:
+    from scara_iso.render.plots import plot_plan
+
+    plot_plan(plan, arm, picture)
+
+
+def _write(plan: Plan, robot: str, *, as_json: bool) -> None:
+    from scara_iso.render.json import plan_json
+    from scara_iso.report.plan import plan_report
+
+    if as_json:
         write_json(plan_json(plan))
     else:
-        write_report(plan_report(plan, described.robot))
+        write_report(plan_report(plan, robot))

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from scara_iso.cli.output import ExcelLocale
+from scara_iso.cli.options import ExcelLocale
 
 _Table = Annotated[
     Path | None, typer.Argument(metavar="OUT.csv", help="Table to write.", show_default=False)

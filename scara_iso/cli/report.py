@@ -10,21 +10,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import (
+from scara_iso.cli.analyze import compared_with_its_manifest
+from scara_iso.cli.options import (
     OUTSIDE_A_LIMIT,
     AsJson,
     CyclesRun,
     DecimalMark,
+    ExcelLocale,
     FirstDiscarded,
     Limits,
     ResolutionOfTable,
     Sheet,
     Table,
     UnitOfTable,
-    compared_with_its_manifest,
     parse_limits,
 )
-from scara_iso.cli.output import ExcelLocale, settings, write_bytes, write_json
+from scara_iso.cli.output import settings, write_bytes, write_json
 from scara_iso.errors import CannotCreateError, ScaraIsoError, UsageError
 
 if TYPE_CHECKING:

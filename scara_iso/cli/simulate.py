@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.analyze import AsJson
-from scara_iso.cli.output import ExcelLocale, write_json, write_text
+from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
+from scara_iso.cli.output import write_json, write_text
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     import numpy as np
 
     from scara_iso.model import Model
-    from scara_iso.run import FloatArray
-
-ModelFile = Annotated[str, typer.Argument(metavar="MODEL", help="A model file, .toml.")]
+    from scara_iso.run import FloatArray, Run
 
 
 class Side(StrEnum):
@@ -71,33 +70,48 @@ def simulate_command(
 
     Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
     """
-    import numpy as np
-
-    from scara_iso.effects import Conditions
-    from scara_iso.model import read_model, simulate
-    from scara_iso.model.spec import parse_effect
+    from scara_iso.model import read_model
     from scara_iso.render.json import run_json
     from scara_iso.tables import find_locale, write_table
 
-    rng = np.random.default_rng(seed)
-    described = read_model(model)
     covariates = _recorded(temperature, payload, cycles)
-    displacement = None
-    if approach is not None or drivetrain:
-        sides, rests = _arrivals(described, approach or Side.ONE, cycles, rng, moving=drivetrain)
-        covariates |= {"approach": sides} if approach is not None else {}
-        displacement = rests
-    run = simulate(
-        described,
-        Conditions(np.arange(1, cycles + 1), covariates),
-        rng=rng,
-        undeclared=[parse_effect(text, described) for text in effect or ()],
-        displacement=displacement,
+    run = _simulated(
+        read_model(model), effect or (), covariates, cycles, approach, moving=drivetrain, seed=seed
     )
     if output is not None or not json:
         write_text(write_table(run, find_locale(excel_locale)), output)
     if json:
         write_json(run_json(run, seed=seed))
+
+
+def _simulated(
+    model: Model,
+    effects: Sequence[str],
+    covariates: dict[str, FloatArray],
+    cycles: int,
+    approach: Side | None,
+    *,
+    moving: bool,
+    seed: int,
+) -> Run:
+    import numpy as np
+
+    from scara_iso.effects import Conditions
+    from scara_iso.model import simulate
+    from scara_iso.model.spec import parse_effect
+
+    rng = np.random.default_rng(seed)
+    rests = None
+    if approach is not None or moving:
+        sides, rests = _arrivals(model, approach or Side.ONE, cycles, rng, moving=moving)
+        covariates = covariates | ({"approach": sides} if approach is not None else {})
+    return simulate(
+        model,
+        Conditions(np.arange(1, cycles + 1), covariates),
+        rng=rng,
+        undeclared=[parse_effect(text, model) for text in effects],
+        displacement=rests,
+    )
 
 
 def _arrivals(

@@ -16,6 +16,36 @@ _OF_THE_TABLE = {
 _CONDITIONS = ("robot", "serial", "payload", "load", "velocity", "speed", "acceleration", "pose")
 _MOST = 12
 
+PAGES = {
+    "other-axes": """Only one of the tables has this axis.
+
+    It is not compared. Where the axis was measured both times, name its column alike.""",
+    "other-unit": """The axis is a length in one table and an angle in the other.
+
+    It is not compared. Measure it in the same way both times.""",
+    "other-pose": """The poses are not the same in both tables.
+
+    RP depends on the pose: a difference between two poses says nothing about a repair. Poses that
+    only one table has are not compared; where each table has one pose, they are compared as they
+    are and both labels are said.""",
+    "other-resolution": """The dial's resolution is not the same in both runs.
+
+    A coarser dial moves RP by itself. Where both resolutions are stated, what rounding can make of
+    each is taken off the difference before it counts; where one is not, nobody can.""",
+    "other-conditions": """A condition of the test is not the same in both runs.
+
+    What differs in payload, velocity, temperature or setting may make the difference that a repair
+    is praised for. Run both tests under the same conditions, or say what else changed.""",
+    "other-cycles": """The runs do not have the same number of cycles that count.
+
+    They are compared all the same; the smaller run limits what can be shown.""",
+    "same-readings": """Every reading of an axis is the same in both runs.
+
+    Two runs do not agree to the last digit by chance: one table is most likely a copy of the
+    other.""",
+}
+"""The page of each finding of a comparison, by its code."""
+
 
 def poses_in_common(before: Analysis, after: Analysis) -> list[tuple[PoseResult, PoseResult]]:
     """Return each pose of both; two runs of one pose each are compared whatever its label."""

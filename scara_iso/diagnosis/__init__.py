@@ -2,7 +2,6 @@
 
 from scara_iso.diagnosis.bank import UNKNOWN
 from scara_iso.diagnosis.design import Alike, Change, Design, Plan, Smallest, design
-from scara_iso.diagnosis.gear import GearDiagnosis, GearFound, diagnose_sweep
 from scara_iso.diagnosis.loop import SEED, diagnose
 from scara_iso.diagnosis.poses import diagnose_poses, holm
 from scara_iso.diagnosis.result import (
@@ -11,16 +10,13 @@ from scara_iso.diagnosis.result import (
     Flag,
     Found,
     Repeatabilities,
-    Rival,
     Series,
     Shares,
-    Verdict,
 )
-from scara_iso.diagnosis.reversals import Reversal, RunReversals, diagnose_run_reversals
+from scara_iso.verdict import Rival, Verdict
 
 __all__ = [
-    "SEED", "UNKNOWN", "Alike", "Change", "Design", "Diagnosis", "Error", "Flag", "Found",
-    "GearDiagnosis", "GearFound", "Plan", "Repeatabilities", "Reversal", "Rival", "RunReversals",
-    "Series", "Shares", "Smallest", "Verdict", "design", "diagnose", "diagnose_poses",
-    "diagnose_run_reversals", "diagnose_sweep", "holm",
+    "SEED", "UNKNOWN", "Alike", "Change", "Design", "Diagnosis", "Error", "Flag", "Found", "Plan",
+    "Repeatabilities", "Rival", "Series", "Shares", "Smallest", "Verdict", "design", "diagnose",
+    "diagnose_poses", "holm",
 ]  # fmt: skip

@@ -11,12 +11,13 @@ from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.direction import match
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.result import ByAxis, Found, Rival, Shares
+from scara_iso.diagnosis.result import ByAxis, Found, Shares
 from scara_iso.diagnosis.search import Problem, Stage
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.repeatability import repeatability
 from scara_iso.run import FloatArray
+from scara_iso.verdict import Rival
 
 _TWO_DIVISIONS = 1.5
 """Readings within fewer divisions than this are one division and its neighbour."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -21,14 +22,29 @@ Form = Shape | Process | Spread | Chain
 UNKNOWN = "unknown"
 """Name of the smooth process that stands for structure outside the catalogue."""
 
+EMPHASIS = {
+    "step": 0.95,
+    "linear_drift": 1.2,
+    "warm_up": 1.3,
+    "contact_side": 1.2,
+    "periodic": 1.3,
+    "random_walk": 0.3,
+    "scatter_change": 0.5,
+}
+"""Weight of an effect in the test over that in naming, 1 for others. The test asks whether there is
+anything, so a course that another effect's shapes see as well needs less weight of its own."""
+
 _TINY = 1e-9
-_SMOOTH_WEIGHT = 0.5
+_SMOOTH_WEIGHT = 0.4
 _SMOOTH_LENGTHS = (1.5, 3.0, 6.0)
 _SMOOTH_VARIANCES = (0.5, 2.0, 8.0)
-_ROUGH_WEIGHT = 0.3
+_ROUGH_WEIGHT = 0.25
 _ROUGH_LENGTHS = (2.0, 5.0)
 _ROUGH_VARIANCES = (1.0, 4.0)
-_PASSAGE_WEIGHT = 0.5
+_PASSAGE_WEIGHT = 0.4
+_LEVELS_WEIGHT = {3: 0.3, 4: 0.1}
+"""Weight of courses of three and of four levels."""
+
 _LEAST_EIGENVALUE = 1e-4
 
 
@@ -76,6 +92,12 @@ class Bank:
         """Prior weight of each member, as given."""
         return np.array([member.weight for member in self.members])
 
+    @property
+    def test_weights(self) -> FloatArray:
+        """Weight of each member in the test, together 1."""
+        tested = self.weights * [EMPHASIS.get(member.effect, 1.0) for member in self.members]
+        return np.asarray(tested / tested.sum())
+
     def amplified(self, factor: float) -> Bank:
         """Return the bank with every variance beside the scatter ``factor`` times as large."""
         s = self.shrink / (1 - self.shrink) * factor
@@ -85,7 +107,7 @@ class Bank:
 def members_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Member, ...]:
     """Return every hypothesis about readings taken under ``conditions``, the unknown included."""
     known = [member for effect in effects for member in _of_effect(effect, conditions)]
-    return (*known, *_unknown(conditions), *_passages(conditions))
+    return (*known, *_unknown(conditions), *_passages(conditions), *_levels(conditions))
 
 
 def _of_effect(effect: Effect, conditions: Conditions) -> list[Member]:
@@ -131,13 +153,26 @@ def _passages(conditions: Conditions) -> list[Member]:
     ]  # fmt: skip
 
 
+def _levels(conditions: Conditions) -> list[Member]:
+    """Return courses of three and four levels: more than any one named effect has."""
+    n = len(conditions)
+    row = np.arange(n)[:, np.newaxis]
+    members = []
+    for levels, weight in _LEVELS_WEIGHT.items():
+        stride = max(levels - 1, (levels - 1) * n // 30)
+        changes = list(combinations(range(levels - 1, n - levels + 2, stride), levels - 1))
+        shapes = [Shape(np.where(row >= at, 1.0, 0.0)) for at in changes]
+        members += [Member(UNKNOWN, s, weight / len(shapes), ordered=False) for s in shapes]
+    return members
+
+
 def build(members: Sequence[Member], cycle: IntArray, rows: IntArray, basis: FloatArray) -> Bank:
     """Return the bank of ``members`` on ``rows`` of the run, free of the orthonormal ``basis``.
 
     ``cycle`` (n,) numbers the whole run, ``basis`` has shape (rows, f). Members that say nothing
     beside it are left out, and so are chains, which are searched in the readings themselves.
     """
-    groups = [*_shape_groups(members, rows, basis), _process_group(members, rows, basis)]
+    groups = [*_shape_groups(members, rows, basis), *_process_groups(members, rows, basis)]
     spreads = [(m, m.form) for m in members if isinstance(m.form, Spread)]
     return Bank(
         members=(*(m for group in groups for m in group.members), *(m for m, _ in spreads)),
@@ -201,8 +236,14 @@ def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, li
     return free[usable], [bool(u) for u in usable]
 
 
-def _process_group(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> _Group:
+def _process_groups(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> list[_Group]:
     chosen = [(m, m.form.covariance) for m in members if isinstance(m.form, Process)]
+    return [_process_group(chosen, rows, basis)] if chosen else []
+
+
+def _process_group(
+    chosen: Sequence[tuple[Member, FloatArray]], rows: IntArray, basis: FloatArray
+) -> _Group:
     projector = np.eye(len(rows)) - basis @ basis.T
     covariance = np.stack([c[np.ix_(rows, rows)] for _, c in chosen])
     values, vectors = np.linalg.eigh(projector @ covariance @ projector)

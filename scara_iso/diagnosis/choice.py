@@ -20,7 +20,7 @@ _AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
 """Factors on the variances beside the scatter, and their prior: most effects are near it, some
 dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
 
-_SHARPNESS = 1.2
+_SHARPNESS = 1.35
 """Power of the evidence that makes stated probabilities come true (benchmarks/diagnosis.py)."""
 
 _LARGEST_LOG = 600.0
@@ -75,7 +75,7 @@ def choose(bank: Bank, views: Views, sides: Sequence[Hypothesis] = ()) -> Choice
 
 def _judged(bank: Bank, views: Views, factor: float, share: float) -> list[Hypothesis]:
     """Return every member with variance ``factor`` times as large, prior ``share`` of its own."""
-    log_bf = log_bayes(bank.amplified(factor), views.columns)
+    log_bf = log_bayes(bank.amplified(factor), views.columns, views.known)
     evidence = share * bank.weights * joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
     return [
         Hypothesis(member.effect, _amplified(member.form, factor), float(value))
@@ -149,7 +149,8 @@ def _sides(
     for column, division in columns:
         whole = np.full(n, np.nan)
         whole[rows] = views.columns[:, column]
-        levels = two_levels(whole, division, [chain for chain, _ in chained])
+        known = 0.0 if views.known is None else float(views.known[column])
+        levels = two_levels(whole, division, [chain for chain, _ in chained], known=known)
         evidence = float(prior @ np.exp(np.minimum(levels.log_bf, _LARGEST_LOG)))
         found.append((column, evidence / len(columns), levels))
     return max(found, key=lambda item: item[1])

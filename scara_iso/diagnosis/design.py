@@ -178,7 +178,7 @@ def _statistics(bank: Bank, runs: Sequence[FloatArray]) -> FloatArray:
     n, v, count = columns.shape
     log_bf = log_bayes(bank, columns.reshape(n, -1)).reshape(-1, v, count)
     views = Views(columns[:, :, 0], runs[0].shape[1])
-    return np.asarray(np.log(bank.weights @ joint_evidence(log_bf, views)))
+    return np.asarray(np.log(bank.test_weights @ joint_evidence(log_bf, views)))
 
 
 def _crossing(power: FloatArray, sigma: float) -> float | None:

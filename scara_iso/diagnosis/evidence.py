@@ -1,7 +1,8 @@
 """Evidence: log Bayes factors of every member of a bank against scatter alone.
 
 For covariance C = I + U diag(s) U' beside scatter of unknown width, and a flat prior on what is
-fitted: BF = |C|^(-1/2) (1 - sum w (u'y)^2 / y'y)^(-nu/2), w = s / (1 + s), nu = n - f. With
+fitted: BF = |C|^(-1/2) (1 - sum w (u'y)^2 / y'y)^(-nu/2), w = s / (1 + s), nu = n - f. A scatter
+that was known beforehand adds its own cycles to nu and their squares to y'y (`KNOWN_FROM`). With
 s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et al. 2008, eq. 6).
 """
 
@@ -13,11 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.bank import Bank, extended
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 _LARGEST_LOG = 600.0
 _SMALLEST_SHARE = 1e-12
 _GAIN = 15.0
+KNOWN_FROM = 30
+"""A scatter that the user states counts as seen in so many cycles on which nothing acted."""
 _TINY = 1e-300
 
 
@@ -27,27 +30,33 @@ class Views:
 
     The first ``axes`` columns are the axes themselves. With two axes or more follow their
     principal directions, the axes freed of their correlation, and the directions that physics
-    names (one column for each of ``named``).
+    names (one column for each of ``named``). ``known`` (v,) are the squares of cycles on which
+    nothing acted, 0 for a column whose scatter is not known.
     """
 
     columns: FloatArray
     axes: int
     named: tuple[str, ...] = ()
+    known: FloatArray | None = None
 
 
 def views_of(
-    values: FloatArray, basis: FloatArray, directions: Mapping[str, FloatArray] | None = None
+    values: FloatArray,
+    basis: FloatArray,
+    directions: Mapping[str, FloatArray] | None = None,
+    sigma: FloatArray | None = None,
 ) -> Views:
     """Return the views of residuals (n, axes) with ``basis`` (n, f) projected out.
 
-    ``directions`` maps a name to how far each axis moves, shape (axes,). Whitening uses the
-    covariance over the cycles, which no shuffling of them changes.
+    ``directions`` maps a name to how far each axis moves, shape (axes,); ``sigma`` (axes,) is the
+    known scatter, 0 where it is not. Whitening uses the covariance over the cycles, which no
+    shuffling of them changes.
     """
     free = values - basis @ (basis.T @ values)
     scaled = free / np.maximum(np.linalg.norm(free, axis=0), _TINY)
     axes = values.shape[1]
     if axes == 1:
-        return Views(scaled, 1)
+        return Views(scaled, 1, known=_known_squares(free, sigma, 1))
     variance, rotation = np.linalg.eigh(scaled.T @ scaled)
     principal = scaled @ (rotation / np.sqrt(np.maximum(variance, 1e-9)))
     columns = [scaled, principal, principal @ rotation.T]
@@ -55,13 +64,28 @@ def views_of(
         relative = movement / np.maximum(np.linalg.norm(free, axis=0), _TINY)
         weight = np.linalg.lstsq(scaled.T @ scaled, relative, rcond=1e-9)[0]
         columns.append((scaled @ weight)[:, np.newaxis])
-    return Views(np.concatenate(columns, axis=1), axes, tuple(directions or {}))
+    seen = np.concatenate(columns, axis=1)
+    known = _known_squares(free, sigma, seen.shape[1])
+    return Views(seen, axes, tuple(directions or {}), known)
 
 
-def log_bayes(bank: Bank, columns: FloatArray) -> FloatArray:
-    """Return log Bayes factors (members, m) for residuals (n, m) orthogonal to the bank's basis."""
-    nu = len(columns) - bank.basis.shape[1]
-    power = np.maximum((columns**2).sum(axis=0), _TINY)
+def _known_squares(free: FloatArray, sigma: FloatArray | None, views: int) -> FloatArray | None:
+    if sigma is None or not sigma.any():
+        return None
+    known = np.zeros(views)
+    known[: len(sigma)] = (KNOWN_FROM - 1) * sigma**2
+    known[: len(sigma)] /= np.maximum((free**2).sum(axis=0), _TINY)
+    return known
+
+
+def log_bayes(bank: Bank, columns: FloatArray, known: FloatArray | None = None) -> FloatArray:
+    """Return log Bayes factors (members, m) for residuals (n, m) orthogonal to the bank's basis.
+
+    ``known`` (m,) as in `Views`.
+    """
+    beside = np.zeros(columns.shape[1]) if known is None else known
+    nu = len(columns) - bank.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
+    power = np.maximum((columns**2).sum(axis=0), _TINY) + beside
     squared = (bank.vectors.T @ columns) ** 2
     squared *= bank.shrink[:, np.newaxis]
     explained = np.add.reduceat(squared, bank.first, axis=0) / power
@@ -70,7 +94,7 @@ def log_bayes(bank: Bank, columns: FloatArray) -> FloatArray:
     shaped -= bank.penalty[:, np.newaxis] / 2
     if not len(bank.split):
         return np.asarray(shaped)
-    return np.concatenate([shaped, _log_bayes_of_spreads(bank, columns, nu)])
+    return np.concatenate([shaped, _log_bayes_of_spreads(bank, columns, nu, beside)])
 
 
 def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArray) -> FloatArray:
@@ -83,7 +107,9 @@ def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArr
     return np.asarray(-nu / 2 * np.log(left) - k / 2 * np.log1p(_GAIN))
 
 
-def _log_bayes_of_spreads(bank: Bank, columns: FloatArray, nu: int) -> FloatArray:
+def _log_bayes_of_spreads(
+    bank: Bank, columns: FloatArray, nu: IntArray, known: FloatArray
+) -> FloatArray:
     """Return log Bayes factors of scatter ``ratio`` times as wide from ``split`` on.
 
     The mean is integrated out under either width: S = sum y^2 / r^2 - (sum y / r^2)^2 / sum 1/r^2.
@@ -95,8 +121,9 @@ def _log_bayes_of_spreads(bank: Bank, columns: FloatArray, nu: int) -> FloatArra
     squares = np.concatenate([zero, np.cumsum(columns**2, axis=0)])
     total = (k[:, np.newaxis] + (n - k)[:, np.newaxis] * weight) * np.ones_like(zero)
     mean = sums[k] + weight * (sums[n] - sums[k])
-    S = squares[k] + weight * (squares[n] - squares[k]) - mean**2 / total
-    share = np.maximum(S / np.maximum(squares[n] - sums[n] ** 2 / n, _TINY), _SMALLEST_SHARE)
+    S = squares[k] + weight * (squares[n] - squares[k]) - mean**2 / total + known
+    alone = np.maximum(squares[n] - sums[n] ** 2 / n + known, _TINY)
+    share = np.maximum(S / alone, _SMALLEST_SHARE)
     determinant = ((n - k) * np.log(bank.ratio))[:, np.newaxis]
     return np.asarray(-determinant - 0.5 * np.log(total / n) - nu / 2 * np.log(share))
 

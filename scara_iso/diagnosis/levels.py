@@ -12,8 +12,9 @@ from math import lgamma
 
 import numpy as np
 
+from scara_iso.diagnosis.evidence import KNOWN_FROM
 from scara_iso.effects import Chain
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 _LEVELS = 14
 _SCATTERS = np.geomspace(0.12, 1.05, 10)
@@ -25,10 +26,15 @@ _TINY = 1e-300
 _SPLIT_SCALE = 4.0
 """Half-normal prior of the distance of the levels, in scatters; below 1 they are one level."""
 
+_FEWEST = 4
+_LEAST_SCATTER = 0.6
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TwoLevels:
     """Log Bayes factor of each chain against scatter alone, and the likeliest course.
+
+    The chain changes sides twice at least: a course with one change is a step, with none scatter.
 
     ``share_upper`` (n,) is the probability of the upper level in each cycle, ``switching`` the
     posterior mean probability that the side changes from one cycle to the next.
@@ -37,6 +43,48 @@ class TwoLevels:
     log_bf: FloatArray
     share_upper: FloatArray
     switching: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sides:
+    """Likelihood (n,) of each reading on the lower and the upper level, the larger of them 1.
+
+    Levels and scatter are those of the best split of the sorted readings, which no order changes.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    chains: Sequence[Chain]
+
+    def stickiness(self, orders: IntArray) -> FloatArray:
+        """Return how much likelier sides under the chains make each order (m, n), shape (m,).
+
+        Against sides drawn anew in each cycle: the mean likelihood ratio over the chains.
+        """
+        weight = np.array([chain.weight for chain in self.chains])
+        p = np.array([[chain.leave_lower] for chain in self.chains])
+        q = np.array([[chain.leave_upper] for chain in self.chains])
+        log_order = _forward(self.lower[orders.T], self.upper[orders.T], p, q)
+        start = q / (p + q)
+        none = np.log(start * self.lower + (1 - start) * self.upper).sum(axis=1, keepdims=True)
+        return np.asarray(weight / weight.sum() @ np.exp(log_order - none))
+
+
+def sides_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Sides:
+    """Return how likely each of the readings y (n,) is on either level.
+
+    The scatter is at least 0.6 divisions: that of a finer one would be the dial's alone.
+    """
+    ranked = np.sort(y - y.mean())
+    n, below = len(y), np.arange(_FEWEST, len(y) - _FEWEST + 1)
+    between = np.cumsum(ranked)[below - 1] ** 2 * n / (below * (n - below))
+    k = below[np.argmax(between)]
+    within = max(float((ranked**2).sum() - between.max()), 1e-12 * float(ranked @ ranked))
+    scatter = max(np.sqrt(within / (n - 2)), _LEAST_SCATTER * division)
+    levels = np.array([ranked[:k].mean(), ranked[k:].mean()])[:, np.newaxis]
+    log_likelihood = -0.5 * ((y - y.mean() - levels) / scatter) ** 2
+    lower, upper = np.exp(log_likelihood - log_likelihood.max(axis=0))
+    return Sides(lower, upper, chains)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -49,29 +97,34 @@ class _Grid:
     log_prior: FloatArray
 
 
-def two_levels(y: FloatArray, division: float, chains: Sequence[Chain]) -> TwoLevels:
+def two_levels(
+    y: FloatArray, division: float, chains: Sequence[Chain], *, known: float = 0.0
+) -> TwoLevels:
     """Return the evidence for two levels in readings y (n,); nan marks a cycle that is not seen.
 
     ``division`` is the dial's: rounding keeps the scatter from being smaller than division /
-    sqrt(12).
+    sqrt(12). ``known`` are squares as in `evidence.Views`, 0 for a scatter that is not known.
     """
     seen = y[np.isfinite(y)]
-    grid = _grid(seen, division)
+    grid = _grid(seen, division, known)
     lower, upper, scale = _emissions(y, grid)
     leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
     log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
-    log_weight = log_scale + scale + grid.log_prior
+    settled, odds = _at_most_one_change(lower, upper, *leave.T)
+    changing = np.maximum(-np.expm1(np.minimum(settled - log_scale, 0.0)), _TINY)
+    restless = log_scale + np.log(changing) - np.log1p(-odds)[:, np.newaxis]
+    log_weight = restless + scale + grid.log_prior
     peak = log_weight.max()
     weight = np.exp(log_weight - peak)
     by_chain = weight.sum(axis=1)
-    log_bf = peak + np.log(np.maximum(by_chain, 1e-300)) - _log_scatter_alone(seen)
+    log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen, known)
     c, cell = np.unravel_index(np.argmax(weight), weight.shape)
     share = _smoothed(lower[:, cell], upper[:, cell], leave[c])
     switching = 2 * leave.prod(axis=1) / leave.sum(axis=1)
     return TwoLevels(log_bf, share, float(switching @ by_chain / by_chain.sum()))
 
 
-def _grid(seen: FloatArray, division: float) -> _Grid:
+def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     levels = np.linspace(seen.min(), seen.max(), _LEVELS)
     scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, division / np.sqrt(12))
     a, b = np.triu_indices(_LEVELS, 1)
@@ -80,6 +133,8 @@ def _grid(seen: FloatArray, division: float) -> _Grid:
     cell = 2 * np.log(levels[1] - levels[0]) + np.log(np.log(_SCATTERS[1] / _SCATTERS[0]))
     pair, s = np.nonzero(distance >= 1)
     log_prior = density[pair, s] - np.log(scatter[s]) + cell
+    if known:
+        log_prior -= (KNOWN_FROM - 1) * np.log(scatter[s]) + known / (2 * scatter[s] ** 2)
     return _Grid(levels[a[pair]], levels[b[pair]], scatter[s], log_prior)
 
 
@@ -108,6 +163,43 @@ def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray)
     return np.asarray(log_scale + np.log(scale + _TINY))
 
 
+def _at_most_one_change(
+    lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the log likelihood (chains, cells) of every course with one change or none.
+
+    Weighted by the courses' probabilities under the chains p, q (chains,); their sum is (chains,).
+    """
+    n = len(lower)
+    odds = np.stack([_odds_of_one(p, q, n), _odds_of_one(q, p, n)], axis=1)
+    courses = np.stack([_changed_once(lower, upper), _changed_once(upper, lower)])
+    summed = np.tensordot(odds, courses, axes=([1, 2], [0, 1]))
+    return np.log(np.maximum(summed, _TINY)), odds.sum(axis=(1, 2))
+
+
+def _odds_of_one(leave: FloatArray, back: FloatArray, n: int) -> FloatArray:
+    """Return the probability (chains, n) of k = 1 .. n cycles on one side, the rest on the other.
+
+    ``leave`` and ``back`` (chains,) are the chances of leaving either side.
+    """
+    k = np.arange(1, n + 1)
+    leave, back = leave[:, np.newaxis], back[:, np.newaxis]
+    stays = back / (leave + back) * (1 - leave) ** (k - 1)
+    return np.asarray(stays * np.where(k < n, leave * (1 - back) ** np.maximum(n - 1 - k, 0), 1.0))
+
+
+def _changed_once(first: FloatArray, then: FloatArray) -> FloatArray:
+    """Return the likelihood of ``first`` for k cycles and ``then`` afterwards, k = 1 .. n.
+
+    One that vanishes is no loss: some course has at every cycle the larger likelihood, which is 1.
+    """
+    before, after = np.array(first), np.ones_like(then)
+    for j in range(1, len(first)):
+        before[j] *= before[j - 1]
+        after[-1 - j] = after[-j] * then[-j]
+    return np.asarray(before * after)
+
+
 def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatArray:
     """Return the probability of the upper level given all cycles, shape (n,)."""
     p, q = leave
@@ -126,8 +218,10 @@ def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatA
     return np.asarray(both[:, 1] / both.sum(axis=1))
 
 
-def _log_scatter_alone(seen: FloatArray) -> float:
+def _log_scatter_alone(seen: FloatArray, known: float) -> float:
     """Return the log marginal likelihood of one level under the prior 1 / scatter."""
     nu = len(seen) - 1
-    S = float(((seen - seen.mean()) ** 2).sum())
-    return float(lgamma(nu / 2) - nu / 2 * np.log(np.pi * S) - 0.5 * np.log(nu + 1) - np.log(2))
+    m = nu + (KNOWN_FROM - 1 if known else 0)
+    S = float(((seen - seen.mean()) ** 2).sum()) + known
+    free = lgamma(m / 2) - nu / 2 * np.log(2 * np.pi) - m / 2 * np.log(S / 2)
+    return float(free - 0.5 * np.log(nu + 1) - np.log(2))

@@ -4,32 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum
 from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.run import FloatArray, IntArray
+from scara_iso.verdict import Rival, Verdict
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis.reversals import RunReversals
+    from scara_iso.gears.reversals import RunReversals
 
 ByAxis: TypeAlias = Mapping[str, float]
 """One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""
-
-
-class Verdict(Enum):
-    """What the residual holds; the value is the word used in outputs."""
-
-    NOTHING = "nothing-to-explain"
-    EXPLAINED = "explained"
-    UNEXPLAINED = "unexplained"
-
-
-@dataclass(frozen=True, slots=True)
-class Rival:
-    """Another effect that the data do not exclude, and its probability."""
-
-    effect: str
-    probability: float
 
 
 @dataclass(frozen=True, eq=False, slots=True)

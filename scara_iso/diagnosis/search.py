@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.bank import UNKNOWN, Bank, Member, build, members_of
+from scara_iso.diagnosis.bank import UNKNOWN, Bank, Form, Member, build, members_of
 from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
-from scara_iso.diagnosis.evidence import Views, views_of
+from scara_iso.diagnosis.evidence import Views, log_bayes, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, term_of
+from scara_iso.diagnosis.levels import Sides, sides_of
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
 from scara_iso.diagnosis.permutation import OrderTest, order_test
 from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
@@ -40,11 +42,17 @@ _ADJACENT = 2.5
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Problem:
-    """A residual and every hypothesis about it; ``directions`` as in `views_of`."""
+    """A residual and every hypothesis about it; ``directions`` as in `views_of`.
+
+    ``effects`` are those that the members belong to, by name; ``sigma`` (axes,) is the scatter of
+    the readings where it is known beforehand, else 0.
+    """
 
     residual: Residual
     members: tuple[Member, ...]
     directions: Mapping[str, FloatArray] = field(default_factory=dict)
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+    sigma: FloatArray | None = None
 
     @property
     def rows(self) -> IntArray:
@@ -58,6 +66,7 @@ def problem_of(
     *,
     directions: Mapping[str, Mapping[str, float]],
     effects: tuple[Effect, ...],
+    sigma: Mapping[str, float] | None = None,
 ) -> Problem:
     """Return the problem that ``predicted`` leaves of one pose's run; see `diagnose`."""
     if len(list(run.rows_by_pose())) > 1:
@@ -71,7 +80,11 @@ def problem_of(
     members = members_of(effects, residual.conditions)
     if all(_neighbours(residual)):
         members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
-    return Problem(residual, members, usable)
+    wrong = [value for value in (sigma or {}).values() if not 0 < value < math.inf]
+    if wrong:
+        raise DataError(f"a known scatter of {wrong[0]:g}", remedy="state a positive, finite one")
+    known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
+    return Problem(residual, members, usable, {effect.name: effect for effect in effects}, known)
 
 
 def _neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
@@ -131,7 +144,9 @@ def look(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Look:
     basis = fitted_basis(terms, rows)
     spread = any(isinstance(term.form, Spread) for term in terms)
     members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
-    return Look(rows, basis, views_of(values, basis, problem.directions), values, members)
+    return Look(
+        rows, basis, views_of(values, basis, problem.directions, problem.sigma), values, members
+    )
 
 
 def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:
@@ -152,12 +167,12 @@ def find(
     terms: tuple[Term, ...] = ()
     stages: list[Stage] = []
     while True:
-        stage, now = _stage(problem, terms, rng, min(level, FURTHER_LEVEL) if terms else level)
+        stage, now = chosen(problem, terms, rng, min(level, FURTHER_LEVEL) if terms else level)
         stages.append(stage)
         full = len(terms) == MOST_EFFECTS
         if stage.choice is None or stage.choice.best == UNKNOWN or full:
             return terms, tuple(stages)
-        terms = (*terms, _term(stage.choice.best, stage.choice, now))
+        terms = (*terms, _term(problem, stage.choice.best, stage.choice, now))
         if isinstance(terms[-1].form, Process):  # a random course explains any further order
             return terms, tuple(stages)
 
@@ -172,29 +187,74 @@ def find_again(
     terms: tuple[Term, ...] = ()
     for _ in range(count):
         now = look(problem, terms, rows)
+        now = replace(now, members=tuple(m for m in now.members if not _unknown_shape(m)))
         choice = _choice(problem, now, with_chains=with_chains)
         named = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
         if not named:
             return terms
-        terms = (*terms, _term(max(named, key=named.__getitem__), choice, now))
+        term = _term(problem, max(named, key=named.__getitem__), choice, now)
+        terms = (*terms, replace(term, form=_undecided(term, now)))
     return terms
 
 
-def _stage(
-    problem: Problem, terms: Sequence[Term], rng: np.random.Generator, level: float
-) -> tuple[Stage, Look]:
-    now = look(problem, terms, problem.rows)
+def _unknown_shape(member: Member) -> bool:
+    return member.effect == UNKNOWN and isinstance(member.form, Shape)
+
+
+def _undecided(term: Term, now: Look) -> Form:
+    """Return the mean of all forms that do not differ on the rows looked at.
+
+    Where a step lies between two seen cycles, those between them are half way.
+    """
+    if not isinstance(term.form, Shape):
+        return term.form
+    seen = term.form.columns[now.rows]
+    alike = [
+        member.form.columns
+        for member in now.members
+        if member.effect == term.effect
+        and isinstance(member.form, Shape)
+        and np.array_equal(member.form.columns[now.rows], seen)
+    ]
+    return replace(term.form, columns=np.mean(alike, axis=0)) if alike else term.form
+
+
+def tested(problem: Problem, terms: Sequence[Term], rng: np.random.Generator) -> Stage:
+    """Return both tests of what ``terms`` leave, and no choice yet."""
+    return _tests(problem, terms, look(problem, terms, problem.rows), rng)
+
+
+def _tests(problem: Problem, terms: Sequence[Term], now: Look, rng: np.random.Generator) -> Stage:
     ordered = [member for member in now.members if member.ordered]
-    cycle = problem.residual.conditions.cycle
-    order = order_test(now.bank(cycle, ordered), now.views, rng)
-    free = order_free_test(now.values, problem.residual.division, rng)
-    by_order, by_levels, by_outlier = _shared(order, free)
-    choice = None
+    sides = [] if terms else _sides(problem.residual, ordered)
+    bank = now.bank(problem.residual.conditions.cycle, ordered)
+    order = order_test(bank, now.views, rng, sides=sides)
+    return Stage(order, order_free_test(now.values, problem.residual.division, rng), None)
+
+
+def chosen(
+    problem: Problem, terms: Sequence[Term], rng: np.random.Generator, level: float = LEVEL
+) -> tuple[Stage, Look]:
+    """Return the tests of what ``terms`` leave, and the choice where they pass ``level``."""
+    now = look(problem, terms, problem.rows)
+    stage = _tests(problem, terms, now, rng)
+    by_order, by_levels, by_outlier = _shared(stage.order, stage.order_free)
     if min(by_order, by_levels) <= level:
-        choice = _choice(problem, now, with_chains=True)
+        stage = replace(stage, choice=_choice(problem, now, with_chains=True))
     elif by_outlier <= level:
-        choice = _outlier(problem, free)
-    return Stage(order, free, choice), now
+        stage = replace(stage, choice=_outlier(problem, stage.order_free))
+    return stage, now
+
+
+def _sides(residual: Residual, members: Sequence[Member]) -> list[Sides]:
+    """Return the sides of contact on each axis that can show two, if some effect has any."""
+    chains = [member.form for member in members if isinstance(member.form, Chain)]
+    sticky = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
+    return [
+        sides_of(residual.values[:, a], residual.division[a], sticky)
+        for a in np.flatnonzero(~_neighbours(residual))
+        if sticky
+    ]
 
 
 def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
@@ -217,5 +277,20 @@ def _outlier(problem: Problem, free: OrderFreeTest) -> Choice:
     return Choice({"outlier": 1.0}, {"outlier": Shape(alone, {"at_cycle": cycle})})
 
 
-def _term(name: str, choice: Choice, now: Look) -> Term:
-    return term_of(name, choice.forms[name], now.values, now.rows, now.basis)
+def _term(problem: Problem, name: str, choice: Choice, now: Look) -> Term:
+    form = _refined(problem, name, choice.forms[name], now)
+    return term_of(name, form, now.values, now.rows, now.basis)
+
+
+def _refined(problem: Problem, name: str, form: Form, now: Look) -> Form:
+    """Return the likeliest of the shapes near ``form``, where its effect knows nearer ones."""
+    if name not in problem.effects or not isinstance(form, Shape):
+        return form
+    numbers = {key: value for key, value in form.parameters.items() if not isinstance(value, str)}
+    near = problem.effects[name].nearby(problem.residual.conditions, numbers)
+    if not near:
+        return form
+    cycle = problem.residual.conditions.cycle
+    bank = now.bank(cycle, [Member(name, shape, 1.0) for shape in near])
+    log_bf = log_bayes(bank, now.views.columns[:, : now.views.axes])
+    return bank.members[int(np.argmax(log_bf.sum(axis=1)))].form

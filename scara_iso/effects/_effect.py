@@ -131,6 +131,10 @@ def _no_spreads(_: Conditions) -> tuple[Spread, ...]:
     return ()
 
 
+def _none_nearby(_: Conditions, __: Sizes) -> tuple[Shape, ...]:
+    return ()
+
+
 def first_size(coefficients: FloatArray) -> dict[str, float]:
     """Return ``{"size": c}`` of a single coefficient, shape (1,)."""
     return {"size": float(coefficients[0])}
@@ -142,7 +146,8 @@ class Effect:
 
     ``series(conditions, values, rng)`` returns its contribution, shape (n,), for parameter values
     by name; only effects with a chance element use ``rng``. What the search tries: ``shapes`` of
-    unit size, random ``processes``, hidden ``chains``, ``spreads``. ``sizes`` turns the fitted
+    unit size, random ``processes``, hidden ``chains``, ``spreads``. ``nearby`` refines the chosen
+    shape where ``shapes`` are a coarse grid. ``sizes`` turns the fitted
     coefficients (k,) of a shape into named sizes. ``weight`` is the effect's prior weight.
     """
 
@@ -154,6 +159,8 @@ class Effect:
     direction: Direction = Direction.FREE
     weight: float = 1.0
     shapes: Callable[[Conditions], tuple[Shape, ...]] = _no_shapes
+    nearby: Callable[[Conditions, Sizes], tuple[Shape, ...]] = _none_nearby
+    """Shapes between that of these parameters and its neighbours in ``shapes``."""
     sizes: Callable[[FloatArray], dict[str, float]] = first_size
     processes: Callable[[Conditions], tuple[Process, ...]] = _no_processes
     spreads: Callable[[Conditions], tuple[Spread, ...]] = _no_spreads

@@ -53,10 +53,10 @@ EFFECT = Effect(
     confirm_by="preload the joint, or approach the pose from one side only: one level must remain",
     series=_series,
     direction=Direction.JOINT,
-    weight=3.0,
+    weight=3.3,
     shapes=_shapes,
     chains=(
-        *(Chain(q, q, 1 / len(_STICKY)) for q in _STICKY),
+        *(Chain(q, q, 1.3 / len(_STICKY)) for q in _STICKY),
         *(Chain(1 - below, below, 1 / len(_SHARE_BELOW)) for below in _SHARE_BELOW),
     ),
 )

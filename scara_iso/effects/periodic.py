@@ -21,6 +21,8 @@ from scara_iso.run import FloatArray
 _SHORTEST, _LONGEST = 2.3, 18.0
 """Periods tried, in cycles; alternation (2 cycles) belongs to `contact_side`."""
 
+_FINER = 10
+
 
 def _series(conditions: Conditions, values: Sizes, _: Generator) -> FloatArray:
     angle = 2 * np.pi * conditions.time / values["period"] + values["phase"]
@@ -29,9 +31,17 @@ def _series(conditions: Conditions, values: Sizes, _: Generator) -> FloatArray:
 
 def _shapes(conditions: Conditions) -> tuple[Shape, ...]:
     """Frequencies at half the spacing of the Fourier ones, as likely in period as 1 / P."""
-    spacing = 1 / (2 * max(len(conditions), 2))
-    frequencies = np.arange(1 / _LONGEST, 1 / _SHORTEST, spacing)
+    frequencies = np.arange(1 / _LONGEST, 1 / _SHORTEST, _spacing(conditions))
     return tuple(_shape(conditions.time, float(f)) for f in frequencies)
+
+
+def _nearby(conditions: Conditions, values: Sizes) -> tuple[Shape, ...]:
+    apart = _spacing(conditions) * np.arange(1 - _FINER, _FINER) / _FINER
+    return tuple(_shape(conditions.time, 1 / values["period"] + float(d)) for d in apart)
+
+
+def _spacing(conditions: Conditions) -> float:
+    return 1 / (2 * max(len(conditions), 2))
 
 
 def _shape(time: FloatArray, frequency: float) -> Shape:
@@ -61,5 +71,6 @@ EFFECT = Effect(
     series=_series,
     weight=1.3,
     shapes=_shapes,
+    nearby=_nearby,
     sizes=_sizes,
 )

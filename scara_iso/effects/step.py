@@ -37,5 +37,6 @@ EFFECT = Effect(
     confirm_by="check the clamps of fixture and indicator, then repeat the run: the shift must "
     "not come back at the same cycle",
     series=_series,
+    weight=1.4,
     shapes=_shapes,
 )

@@ -22,7 +22,16 @@ def _series(conditions: Conditions, values: Sizes, _: Generator) -> FloatArray:
 
 
 def _shapes(conditions: Conditions) -> tuple[Shape, ...]:
-    return tuple(Shape(column(1 - np.exp(-conditions.time / tau)), {"tau": tau}) for tau in _TAU)
+    return tuple(_shape(conditions, tau) for tau in _TAU)
+
+
+def _nearby(conditions: Conditions, values: Sizes) -> tuple[Shape, ...]:
+    factors = np.geomspace(_TAU[0] / _TAU[1], _TAU[1] / _TAU[0], 9)
+    return tuple(_shape(conditions, values["tau"] * float(factor)) for factor in factors)
+
+
+def _shape(conditions: Conditions, tau: float) -> Shape:
+    return Shape(column(1 - np.exp(-conditions.time / tau)), {"tau": tau})
 
 
 EFFECT = Effect(
@@ -38,4 +47,5 @@ EFFECT = Effect(
     "course must vanish and return",
     series=_series,
     shapes=_shapes,
+    nearby=_nearby,
 )

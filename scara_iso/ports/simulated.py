@@ -61,6 +61,13 @@ class SimulatedPort:
         self.identity = f"{address} (simulated)"
         self.unit: str | None = options.get("unit") or self._dialect.units[0] or "mm"
         self._size = parse_unit(self.unit)
+        if None not in self._dialect.units and self.unit not in self._dialect.units:
+            known = ", ".join(map(str, self._dialect.units))
+            raise UsageError(
+                f"{self._dialect.key} cannot show {self.unit}",
+                where=address,
+                remedy=f"it knows {known}",
+            )
         self._source = source or _source(axis, options, self._size)
         self._clock = clock
         self._poses = 0

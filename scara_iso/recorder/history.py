@@ -19,6 +19,7 @@ from scara_iso.errors import DataError, Fault
 from scara_iso.ports.tape import SCHEMA, Record, read_tape
 from scara_iso.quantities import Dimension, find_unit
 from scara_iso.recorder.plan import Listen
+from scara_iso.recorder.sizes import sizes_of_axis
 from scara_iso.run import Axis, Origin, Run
 
 VOIDABLE = 100
@@ -188,6 +189,9 @@ class History:
                     np.array(column.values)[rows],
                     column.dimension or Dimension.LENGTH,
                     column.resolution or None,
+                    *sizes_of_axis(
+                        self.header["metadata"], name, column.dimension or Dimension.LENGTH
+                    ),
                 )
                 for name, column in self.columns.items()
             },
@@ -197,6 +201,8 @@ class History:
         )
 
     def _metadata(self, rows: int) -> Iterator[tuple[str, str]]:
+        if self.header.get("wall"):
+            yield "recorded", f"{str(self.header['wall'])[:19]}Z"
         yield from ((str(k), str(v)) for k, v in self.header["metadata"].items())
         yield "first_cycle_discarded", "false"
         gauges = self.header["gauges"]

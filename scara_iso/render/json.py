@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Rival
-    from scara_iso.diagnosis.gear import GearDiagnosis
+    from scara_iso.gears import GearDiagnosis
     from scara_iso.plan import Plan
     from scara_iso.report.explain import Page
     from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult

@@ -12,7 +12,7 @@ from scara_iso.results import PoseResult
 from scara_iso.two_inertia import Backlash, Crossing
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis.gear import GearDiagnosis
+    from scara_iso.gears import GearDiagnosis
 
 
 def backlash_report(result: Backlash, actual: PoseResult | None = None) -> Report:

@@ -99,6 +99,10 @@ def _diagnosed(dossier: Dossier) -> Iterator[Block]:
             yield Text(f"{where}: none, {found.message}", "warn")
         else:
             yield Text(f"{where}: {diagnosis_verdict(found)}")
+    if len(dossier.diagnoses) > 1:
+        yield Text(
+            "Each pose is diagnosed against a constant: a model file describes one pose.", "quiet"
+        )
 
 
 def _diagnosis(pose: PoseResult, found: Diagnosis | Failure | None) -> Iterator[Section]:

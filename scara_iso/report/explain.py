@@ -9,10 +9,17 @@ from inspect import cleandoc
 from itertools import groupby
 
 from scara_iso import checks, effects
+from scara_iso.comparison import matching
 from scara_iso.effects import Effect, GearEffect
 from scara_iso.errors import UsageError
 from scara_iso.plugins import find_modules
 from scara_iso.report.blocks import Block, Report, Section, Table, Text
+
+_EDITED = """A file of a recording was changed after it was recorded.
+
+The recorder writes a manifest with the hashes of the table and of the raw file; one of them is not
+what it was. ``record --rebuild OUT.raw.jsonl`` makes the table of the raw file anew, to compare.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +35,10 @@ class Page:
 
 def pages() -> dict[str, Page]:
     """Return the pages by code: findings of a table, effects on readings, effects on reversals."""
-    findings = [
-        _finding(module.CODE, module.__doc__ or "")
-        for module in find_modules(checks, "scara_iso.checks")
-    ]
+    modules = find_modules(checks, "scara_iso.checks")
+    texts = {module.CODE: module.__doc__ or "" for module in modules}
+    texts |= {**matching.PAGES, "edited": _EDITED}
+    findings = [_finding(code, text) for code, text in sorted(texts.items())]
     found = [
         _effect(module.EFFECT, module.__doc__ or "")
         for module in find_modules(effects, "scara_iso.effects")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scara_iso.diagnosis import Reversal, RunReversals
+from scara_iso.gears import Reversal, RunReversals
 from scara_iso.report.backlash import gear_blocks, gear_errors
 from scara_iso.report.blocks import Block, Section, Table, Text
 from scara_iso.report.digits import decimals

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.gear_fit import Family, Reversals, single_families
 from scara_iso.effects import GearEffect, Parameter, Sweep
 from scara_iso.effects._effect import Sizes
+from scara_iso.gears.fit import Family, Reversals, single_families
 
 UNKNOWN = "unknown"
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis import Verdict, diagnose_sweep
-from scara_iso.diagnosis.gear_fit import Reversals, fit_family, single_families
+from scara_iso.diagnosis import Verdict
 from scara_iso.drivetrain import RIGHT, DriveTrain, State, Torque, solve
 from scara_iso.effects import Sweep, find_gear_effects
+from scara_iso.gears import diagnose_sweep
+from scara_iso.gears.fit import Reversals, fit_family, single_families
 
 MOTOR, GAP = 2.65e-4, np.radians(12 / 60)
 LOADS = np.array([0.5, 1.0, 2.0, 4.749, 8.0, 12.0])

@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.diagnosis.gear_chance import (
+from scara_iso.effects import GearEffect, Sweep, find_gear_effects
+from scara_iso.errors import DataError
+from scara_iso.gears.chance import (
     LEVEL,
     SECOND_LEVEL,
     misfits,
@@ -15,7 +17,7 @@ from scara_iso.diagnosis.gear_chance import (
     second_p_value,
     wanders,
 )
-from scara_iso.diagnosis.gear_fit import (
+from scara_iso.gears.fit import (
     Family,
     Fitted,
     Joint,
@@ -24,11 +26,9 @@ from scara_iso.diagnosis.gear_fit import (
     pair_families,
     single_families,
 )
-from scara_iso.diagnosis.gear_unknown import UNKNOWN, unknown_families
-from scara_iso.diagnosis.result import Rival, Verdict
-from scara_iso.effects import GearEffect, Sweep, find_gear_effects
-from scara_iso.errors import DataError
+from scara_iso.gears.unknown import UNKNOWN, unknown_families
 from scara_iso.run import FloatArray
+from scara_iso.verdict import Rival, Verdict
 
 _FEWEST = 3
 _RIVAL = 0.1

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.gear_fit import Family, Fitted, Reversals, over_all
+from scara_iso.gears.fit import Family, Fitted, Reversals, over_all
 from scara_iso.run import FloatArray
 
 LEVEL, SECOND_LEVEL, MISFIT_LEVEL = 0.05, 0.01, 0.01

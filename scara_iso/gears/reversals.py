@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.gear import GearDiagnosis, diagnose_reversals
-from scara_iso.diagnosis.gear_fit import Reversals
-from scara_iso.diagnosis.result import Verdict
 from scara_iso.effects import Conditions
+from scara_iso.gears.diagnose import GearDiagnosis, diagnose_reversals
+from scara_iso.gears.fit import Reversals
 from scara_iso.model.parts import Model
 from scara_iso.model.predict import lever_mm, predict, sweep_of
 from scara_iso.quantities import Dimension, rounding_uncertainty
 from scara_iso.run import FloatArray, Run
+from scara_iso.verdict import Verdict
 
 _PLANE = ("X", "Y")
 _LISTED = 5

@@ -1,0 +1,73 @@
+"""Draw docs/figures/floors.svg from the layer contract; `docs/generate.py` calls it."""
+
+from __future__ import annotations
+
+import configparser
+from importlib import import_module
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+ROLES = {
+    "#cfe3f3": ("cli", "recorder", "ports", "render", "tables", "indicators"),
+    "#f6e3c5": ("report", "closing", "diagnosis", "gears", "analysis", "comparison", "paper"),
+    "#dcebd5": ("plan", "model", "drivetrain", "effects", "arm", "workspace", "inscribed",
+                "two_inertia"),
+}  # fmt: skip
+KEY = {
+    "#cfe3f3": "meets the world",
+    "#f6e3c5": "says what is so",
+    "#dcebd5": "knows the robot",
+    "#eeeeee": "knows the test",
+}
+WIDTH, HEIGHT, GAP, LEFT = 960, 34, 10, 36
+
+
+def floors() -> list[list[str]]:
+    """Return the modules of each floor, the highest first, as the layer contract has them."""
+    contract = configparser.ConfigParser()
+    contract.read(ROOT / ".importlinter", encoding="utf-8")
+    layers = contract["importlinter:contract:floors"]["layers"].strip().splitlines()
+    return [[name.strip(" ()") for name in layer.split("|")] for layer in layers]
+
+
+def purpose(module: str) -> str:
+    """Return the first sentence of a module's docstring."""
+    text = import_module(f"scara_iso.{module}").__doc__ or ""
+    return text.split("\n\n")[0].replace("\n", " ").strip()
+
+
+def picture() -> str:
+    """Return the floors as an SVG, whose boxes may import only from boxes below them."""
+    rows = floors()
+    bottom = len(rows) * (HEIGHT + GAP)
+    size = f'viewBox="0 0 {WIDTH} {bottom + 34}"'
+    text = 'font-family="sans-serif" font-size="14" text-anchor="middle"'
+    down = f"M16 8V{bottom - 14}m-6 -10l6 12l6 -12"
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" {text}>',
+        "<title>The floors of scara_iso: a module imports only from the floors below it</title>",
+        f'<rect width="{WIDTH}" height="{bottom + 34}" fill="white"/>',
+        f'<path d="{down}" fill="none" stroke="#333" stroke-width="2"/>',
+    ]
+    for k, row in enumerate(rows):
+        lines += _row(row, k * (HEIGHT + GAP) + 2)
+    step = (WIDTH - LEFT) / len(KEY)
+    for k, (colour, meaning) in enumerate(KEY.items()):
+        x = LEFT + k * step
+        lines.append(f'<rect x="{x:g}" y="{bottom + 8}" width="16" height="16" fill="{colour}"/>')
+        lines.append(f'<text x="{x + 24:g}" y="{bottom + 21}" text-anchor="start">{meaning}</text>')
+    return "\n".join([*lines, "</svg>\n"])
+
+
+def _row(modules: list[str], y: int) -> list[str]:
+    width = (WIDTH - LEFT - GAP * (len(modules) - 1)) / len(modules)
+    drawn = []
+    for k, module in enumerate(modules):
+        x = LEFT + k * (width + GAP)
+        colour = next((c for c, names in ROLES.items() if module in names), "#eeeeee")
+        drawn.append(
+            f'<rect x="{x:.1f}" y="{y}" width="{width:.1f}" height="{HEIGHT}" rx="4" '
+            f'fill="{colour}" stroke="#888"/>'
+            f'<text x="{x + width / 2:.1f}" y="{y + 22}">{module}</text>'
+        )
+    return drawn

@@ -1,0 +1,10 @@
+"""The same loop on the gears: reversals, measured or read from a run, against eq. 16."""
+
+from scara_iso.gears.diagnose import GearDiagnosis, GearFound, diagnose_sweep
+from scara_iso.gears.reversals import Reversal, RunReversals, diagnose_run_reversals
+from scara_iso.gears.sweeps import MeasuredSweep, read_sweep
+
+__all__ = [
+    "GearDiagnosis", "GearFound", "MeasuredSweep", "Reversal", "RunReversals",
+    "diagnose_run_reversals", "diagnose_sweep", "read_sweep",
+]  # fmt: skip
