@@ -94,6 +94,13 @@ def test_a_text_anywhere_in_a_report(text, read):
     assert [c for c in cells if c != " "] == [shown(text)] * 8
 
 
+def test_a_text_that_is_edited_becomes_no_formula():
+    texts = ("=1+1", "-2", "+x", "@x", "\uff1d1", "x", "12", "")
+    data = to_workbook((Section("", (Table(texts, (texts,), verbatim=True),)),), "t")
+    *_, row = openpyxl.load_workbook(io.BytesIO(data))["Report"]
+    assert [bool(cell.quotePrefix) for cell in row] == [True] * 5 + [False] * 3
+
+
 @pytest.mark.parametrize(
     ("text", "shape"),
     [("-1.9477e-07", "0.0000E+00"), ("0.0010", "0.0000"), ("12", "0"), ("1e5", "0E+00")],

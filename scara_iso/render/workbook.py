@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from scara_iso.quantities import parse_number
 from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
 from scara_iso.report.words import printable
+from scara_iso.tables.locale import FORMULA
 
 if TYPE_CHECKING:
     from openpyxl.cell.cell import Cell, MergedCell
@@ -91,8 +92,10 @@ def _fill(cell: Cell | MergedCell, text: str, *, verbatim: bool) -> None:
         cell.value = number
         cell.number_format = _number_format(text)
         return
-    cell.value = _CODE.sub("_x005F_", printable(text)[:_LONGEST])
+    text = printable(text)
+    cell.value = _CODE.sub("_x005F_", text[:_LONGEST])
     cell.data_type = "s"  # whatever it begins with: not a formula
+    cell.quotePrefix = text.startswith(tuple(FORMULA))  # nor when somebody edits the cell
 
 
 def _number_format(text: str) -> str:
