@@ -159,6 +159,15 @@ def test_an_error(command, sent, folder, monkeypatch):
     assert "scara-iso: " in said
 
 
+def test_a_simulated_table(sent, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    _, piped = sent("simulate", f"{NAME}.toml", terminal=False)
+    _, shown = sent("simulate", f"{NAME}.toml", terminal=True)
+    assert unsafe(shown) == set()
+    assert shown == piped.replace("\u202e", r"\u202e")
+    assert "\u202e" in piped
+
+
 def test_ports_of_this_machine(sent, monkeypatch):
     device = Device(NAME, f"[red]{NAME}", "067b:2303", NAME, "1-2")
     monkeypatch.setattr("scara_iso.ports.list_devices", lambda: [device])

@@ -43,8 +43,15 @@ def write_report(report: Report) -> None:
 
 
 def write_text(text: str, path: Path | None) -> None:
-    """Write ``text`` to a file, or to standard output where there is none."""
-    if path is None:
+    """Write ``text`` to a file, or to standard output where there is none.
+
+    A terminal is shown what it should not obey.
+    """
+    from scara_iso.report.words import printable
+
+    if path is None and sys.stdout.isatty():
+        sys.stdout.write("\n".join(map(printable, text.split("\n"))))
+    elif path is None:
         sys.stdout.write(text)
     else:
         write_bytes(text.encode("utf-8", "backslashreplace"), path)
