@@ -26,7 +26,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("json")
     table(path / "poses.xlsx")
     table(path / "one.xlsx", poses=["[red]"], cycles=31)
-    table(path / "few.xlsx", texts=TEXTS[14:18], poses=["[red]"], cycles=31)
+    table(path / "few.xlsx", texts=TEXTS[16:17], poses=["[red]"], cycles=31)
     table(path / "two.xlsx", poses=["[red]"], cycles=31, shift=0.004)
     sweep(path / "sweep.csv")
     model(path / "model.toml", TEXTS[0])
