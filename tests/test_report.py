@@ -290,6 +290,16 @@ def test_a_report_is_not_written_over_what_it_is_made_of(tmp_path, capsys):
     assert "made of" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("missing", [["no.csv"], [str(WARM_UP), "--model", "no.toml"]])
+def test_a_missing_input_is_said_where_the_report_is_there_already(
+    missing, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    Path("out.md").touch()
+    assert main(["report", *missing, "-o", "out.md"]) == 66
+    assert missing[-1] in capsys.readouterr().err
+
+
 def test_another_ending_names_the_known_ones(tmp_path, capsys):
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.docx")]) == 2
     said = capsys.readouterr().err
