@@ -92,6 +92,7 @@ def _fill(cell: Cell | MergedCell, text: str, *, verbatim: bool) -> None:
         return
     cell.value = printable(text)[:_LONGEST]
     cell.data_type = "s"  # whatever it begins with: not a formula
+    cell.quotePrefix = cell.value[:1] in tuple("=+-@")  # nor when somebody edits the cell
 
 
 def _without_times(data: bytes) -> bytes:
