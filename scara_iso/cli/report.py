@@ -111,6 +111,8 @@ def _writer(
             raise CannotCreateError(
                 "is what the report is made of", where=str(path), remedy="name another file"
             )
+    if locale is not None and kind != ".csv":
+        raise UsageError("--excel-locale spells a .csv", remedy="let the name end in .csv")
     if kind == ".csv":
         from scara_iso.tables import find_locale
 

@@ -28,6 +28,7 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
     "item": ("robot", "item"),
     "serial number": ("serial_number", "robot_serial_number"),
     "method": ("method",),
+    "condition of the item": ("item_condition", "condition"),
     "item received": ("date_received", "received"),
     "date of the test": ("date", "test_date", "recorded", "started"),
     "date of issue": ("date_issued", "issued"),
