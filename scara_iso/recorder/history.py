@@ -19,6 +19,7 @@ from scara_iso.errors import DataError, Fault
 from scara_iso.ports.tape import SCHEMA, Record, read_tape
 from scara_iso.quantities import Dimension, find_unit
 from scara_iso.recorder.plan import Listen
+from scara_iso.recorder.sizes import sizes_of_axis
 from scara_iso.run import Axis, Origin, Run
 
 VOIDABLE = 100
@@ -188,6 +189,9 @@ class History:
                     np.array(column.values)[rows],
                     column.dimension or Dimension.LENGTH,
                     column.resolution or None,
+                    *sizes_of_axis(
+                        self.header["metadata"], name, column.dimension or Dimension.LENGTH
+                    ),
                 )
                 for name, column in self.columns.items()
             },

@@ -14,6 +14,7 @@ from scara_iso.indicators import Dialect, Parity, find_dialect
 from scara_iso.indicators.generic import make_generic
 from scara_iso.ports import split_options
 from scara_iso.quantities import parse_unit
+from scara_iso.recorder.sizes import wrong_sizes
 from scara_iso.run import AXES
 
 OPTIONS = {
@@ -32,7 +33,7 @@ _EXAMPLE = "X=opto-rs232@/dev/ttyUSB0 or X=mitutoyo-mux?unit=mm&channel=1@COM3"
 _AXES = {name.lower(): name for name in AXES}
 _LONGEST = 50_000
 _TABLE_KEY = re.compile(
-    r"(unit|resolution)(_.*)?|indicator_uncertainty_.*|first_cycle_discarded|axes_recorded"
+    r"(unit|resolution)(_.*)?|first_cycle_discarded|axes_recorded"
     r"|simulated|cycles_planned|record_.*|indicator"
 )
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,60}")
@@ -170,6 +171,11 @@ def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
             f"metadata {(wrong + taken)[0]!r}: "
             + ("not a key" if wrong else "the recorder states this itself"),
             remedy="use keys such as robot, payload, velocity, temperature, operator",
+        )
+    if sizes := wrong_sizes(found):
+        raise UsageError(
+            f"metadata {sizes[0]!r}: {found[sizes[0]]!r} is not a plain number, or none above 0",
+            remedy="in mm, of an angle in degrees: indicator_uncertainty=0.0005",
         )
     if sum(len(key) + len(value) for key, value in found.items()) > _LONGEST:
         raise UsageError(f"metadata of more than {_LONGEST} characters", remedy="shorten it")
