@@ -202,13 +202,16 @@ def _starts(widths: Sequence[int]) -> IntArray:
 
 
 def _shape_groups(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> list[_Group]:
-    shaped = [(m, m.form.columns[rows]) for m in members if isinstance(m.form, Shape)]
+    shaped = [(m, m.form.columns) for m in members if isinstance(m.form, Shape)]
     widths = sorted({columns.shape[1] for _, columns in shaped})
-    return [_shape_group([s for s in shaped if s[1].shape[1] == k], basis) for k in widths]
+    return [_shape_group([s for s in shaped if s[1].shape[1] == k], rows, basis) for k in widths]
 
 
-def _shape_group(shaped: Sequence[tuple[Member, FloatArray]], basis: FloatArray) -> _Group:
-    vectors, usable = _orthonormal(np.stack([columns for _, columns in shaped]), basis)
+def _shape_group(
+    shaped: Sequence[tuple[Member, FloatArray]], rows: IntArray, basis: FloatArray
+) -> _Group:
+    columns = np.stack([columns for _, columns in shaped])[:, rows]
+    vectors, usable = _orthonormal(columns, basis)
     members = tuple(m for (m, _), use in zip(shaped, usable, strict=True) if use)
     k = vectors.shape[2]
     gain = np.array([m.gain for m in members])
@@ -245,7 +248,7 @@ def _process_group(
     chosen: Sequence[tuple[Member, FloatArray]], rows: IntArray, basis: FloatArray
 ) -> _Group:
     projector = np.eye(len(rows)) - basis @ basis.T
-    covariance = np.stack([c[np.ix_(rows, rows)] for _, c in chosen])
+    covariance = np.stack([c for _, c in chosen])[:, rows[:, np.newaxis], rows]
     values, vectors = np.linalg.eigh(projector @ covariance @ projector)
     keep = values > _LEAST_EIGENVALUE
     shrink = [v[k] / (1 + v[k]) for v, k in zip(values, keep, strict=True)]

@@ -56,10 +56,13 @@ def choose(bank: Bank, views: Views, sides: Sequence[Hypothesis] = ()) -> Choice
     ``sides`` are what `hidden_sides` found in the same residual; without them effects with hidden
     chains are judged by their shapes alone.
     """
-    found = [h for factor, share in _AMPLITUDES for h in _judged(bank, views, factor, share)]
-    total: dict[str, float] = {}
-    strongest: dict[str, Hypothesis] = {}
-    for hypothesis in (*found, *sides):
+    evidence = np.array([_evidence(bank, views, *amplitude) for amplitude in _AMPLITUDES])
+    of: dict[str, list[int]] = {}
+    for i, member in enumerate(bank.members):
+        of.setdefault(member.effect, []).append(i)
+    total = {name: float(evidence[:, own].sum()) for name, own in of.items()}
+    strongest = {name: _strongest(bank, evidence, own) for name, own in of.items()}
+    for hypothesis in sides:
         name = hypothesis.effect
         total[name] = total.get(name, 0.0) + hypothesis.evidence
         if name not in strongest or hypothesis.evidence > strongest[name].evidence:
@@ -73,20 +76,21 @@ def choose(bank: Bank, views: Views, sides: Sequence[Hypothesis] = ()) -> Choice
     )
 
 
-def _judged(bank: Bank, views: Views, factor: float, share: float) -> list[Hypothesis]:
-    """Return every member with variance ``factor`` times as large, prior ``share`` of its own."""
+def _evidence(bank: Bank, views: Views, factor: float, share: float) -> FloatArray:
+    """Return that of the members with variance ``factor`` times as large, prior ``share``."""
     log_bf = log_bayes(bank.amplified(factor), views.columns, views.known)
-    evidence = share * bank.weights * joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
-    return [
-        Hypothesis(member.effect, _amplified(member.form, factor), float(value))
-        for member, value in zip(bank.members, evidence, strict=True)
-    ]
+    bf = joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
+    return np.asarray(share * bank.weights * bf)
 
 
-def _amplified(form: Form, factor: float) -> Form:
+def _strongest(bank: Bank, evidence: FloatArray, own: Sequence[int]) -> Hypothesis:
+    """Return the member (one of ``own``) and amplitude of the largest ``evidence`` (both)."""
+    amplitude, i = divmod(int(np.argmax(evidence[:, own])), len(own))
+    member = bank.members[own[i]]
+    factor, form = _AMPLITUDES[amplitude][0], member.form
     if isinstance(form, Process):
-        return replace(form, covariance=factor * form.covariance, amplitude=factor**0.5)
-    return form
+        form = replace(form, covariance=factor * form.covariance, amplitude=factor**0.5)
+    return Hypothesis(member.effect, form, float(evidence[amplitude, own[i]]))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -17,11 +17,14 @@ from scara_iso.effects import Chain
 from scara_iso.run import FloatArray, IntArray
 
 _LEVELS = 14
+_PAIRS = np.triu_indices(_LEVELS, 1)
 _SCATTERS = np.geomspace(0.12, 1.05, 10)
 """Scatters tried, over the standard deviation of the readings."""
 
 _BEFORE_UNDERFLOW = 8
 _TINY = 1e-300
+_NEGLIGIBLE = 40.0
+"""Log of how much less likely than the likeliest a cell is that cannot change a digit."""
 
 _SPLIT_SCALE = 4.0
 """Half-normal prior of the distance of the levels, in scatters; below 1 they are one level."""
@@ -36,13 +39,20 @@ class TwoLevels:
 
     The chain changes sides twice at least: a course with one change is a step, with none scatter.
 
-    ``share_upper`` (n,) is the probability of the upper level in each cycle, ``switching`` the
-    posterior mean probability that the side changes from one cycle to the next.
+    ``switching`` is the posterior mean probability that the side changes from one cycle to the
+    next; ``lower``, ``upper`` (n,) and ``leave`` (2,) are those of the likeliest levels and chain.
     """
 
     log_bf: FloatArray
-    share_upper: FloatArray
     switching: float
+    lower: FloatArray
+    upper: FloatArray
+    leave: FloatArray
+
+    @property
+    def share_upper(self) -> FloatArray:
+        """Probability of the upper level in each cycle given all of them, shape (n,)."""
+        return _smoothed(self.lower, self.upper, self.leave)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -107,27 +117,27 @@ def two_levels(
     """
     seen = y[np.isfinite(y)]
     grid = _grid(seen, division, known)
-    lower, upper, scale = _emissions(y, grid)
+    lower, upper, most = _emissions(y, grid)
     leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
     log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
     settled, odds = _at_most_one_change(lower, upper, *leave.T)
     changing = np.maximum(-np.expm1(np.minimum(settled - log_scale, 0.0)), _TINY)
     restless = log_scale + np.log(changing) - np.log1p(-odds)[:, np.newaxis]
-    log_weight = restless + scale + grid.log_prior
+    log_weight = restless + most
     peak = log_weight.max()
     weight = np.exp(log_weight - peak)
     by_chain = weight.sum(axis=1)
     log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen, known)
     c, cell = np.unravel_index(np.argmax(weight), weight.shape)
-    share = _smoothed(lower[:, cell], upper[:, cell], leave[c])
     switching = 2 * leave.prod(axis=1) / leave.sum(axis=1)
-    return TwoLevels(log_bf, share, float(switching @ by_chain / by_chain.sum()))
+    mean_switching = float(switching @ by_chain / by_chain.sum())
+    return TwoLevels(log_bf, mean_switching, lower[:, cell], upper[:, cell], leave[c])
 
 
 def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     levels = np.linspace(seen.min(), seen.max(), _LEVELS)
     scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, division / np.sqrt(12))
-    a, b = np.triu_indices(_LEVELS, 1)
+    a, b = _PAIRS
     distance = (levels[b] - levels[a])[:, np.newaxis] / scatter
     density = np.log(2 / (_SPLIT_SCALE * np.sqrt(2 * np.pi))) - (distance / _SPLIT_SCALE) ** 2 / 2
     cell = 2 * np.log(levels[1] - levels[0]) + np.log(np.log(_SCATTERS[1] / _SCATTERS[0]))
@@ -139,7 +149,11 @@ def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
 
 
 def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return likelihoods of either level, (n, cells), and the log of their scale."""
+    """Return likelihoods of either level, (n, cells), the larger 1, and the log of their scale.
+
+    The scale, the prior included, is the log of the most that a cell can weigh. Even sides drawn
+    by lot reach that times 2^-n, so cells far below it are left out.
+    """
     unseen = ~np.isfinite(y)
     reading = np.where(unseen, 0.0, y)[:, np.newaxis]
     log_lower = -0.5 * ((reading - grid.lower) / grid.scatter) ** 2
@@ -147,20 +161,29 @@ def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, Floa
     log_lower[unseen] = log_upper[unseen] = 0.0
     peak = np.maximum(log_lower, log_upper)
     scale = peak.sum(axis=0) - (~unseen).sum() * np.log(grid.scatter * np.sqrt(2 * np.pi))
-    return np.exp(log_lower - peak), np.exp(log_upper - peak), scale
+    most = scale + grid.log_prior
+    kept = most > most.max() - len(y) * np.log(2) - _NEGLIGIBLE
+    lower, upper = (log_lower - peak)[:, kept], (log_upper - peak)[:, kept]
+    return np.exp(lower), np.exp(upper), most[kept]
 
 
 def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
     """Return the log likelihood of the readings for chains (chains, 1), shape (chains, cells)."""
-    share = p / (p + q)
-    log_scale, scale = 0.0, 1.0
-    for j, rise in enumerate(upper - lower):
-        total = lower[j] + share * rise
-        scale = scale * total
+    below, above = (np.repeat(start / (p + q), lower.shape[1], axis=1) for start in (q, p))
+    log_scale = np.zeros_like(below)
+    for j, (low, up) in enumerate(zip(lower, upper, strict=True)):
+        below *= low
+        above *= up
         if j % _BEFORE_UNDERFLOW == 0:
-            log_scale, scale = log_scale + np.log(scale + _TINY), 1.0
-        share = p + (1 - p - q) * (share * upper[j] / total)
-    return np.asarray(log_scale + np.log(scale + _TINY))
+            both = below + above
+            log_scale += np.log(both + _TINY)
+            below /= both
+            above /= both
+        moved = p * below
+        moved -= q * above
+        below -= moved
+        above += moved
+    return np.asarray(log_scale + np.log(below + above + _TINY))
 
 
 def _at_most_one_change(

@@ -7,8 +7,9 @@ freedom, and a gamma distribution rather more skewed than the readings are.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -48,8 +49,8 @@ def order_free_test(
     for a in range(axes):
         if not np.ptp(values[:, a]):
             continue
-        families = np.concatenate([symmetric, _skewed(values[:, a], rng)], axis=1)
-        drawn = _read(families, _scatter(values[:, a], division[a]), offset)
+        families = symmetric, _skewed(values[:, a], rng)
+        drawn = partial(_read, families, _scatter(values[:, a], division[a]), offset)
         y = values[:, a] / (division[a] or 1.0)
         levels[a] = _p_values(level_statistic, y, drawn).max()
         p = _p_values(outlier_statistic, y, drawn)
@@ -120,13 +121,18 @@ def _scatter(y: FloatArray, division: float) -> float:
     return float(np.sqrt(max(variance - 1 / 12, 0.2**2)))
 
 
-def _read(families: FloatArray, scatter: float, offset: FloatArray) -> FloatArray:
-    """Return simulated readings, in whole divisions where there is a dial."""
-    return np.round(families * scatter + offset) if scatter else families
+def _read(
+    families: Sequence[FloatArray], scatter: float, offset: FloatArray, count: int
+) -> FloatArray:
+    """Return ``count`` simulations of readings, in whole divisions where there is a dial."""
+    drawn = np.concatenate([family[..., :count] for family in families], axis=1)
+    return np.round(drawn * scatter + offset[:count]) if scatter else drawn
 
 
 def _p_values(
-    statistic: Callable[[FloatArray], FloatArray], y: FloatArray, drawn: FloatArray
+    statistic: Callable[[FloatArray], FloatArray],
+    y: FloatArray,
+    drawn: Callable[[int], FloatArray],
 ) -> FloatArray:
     """Return the share of simulations at least as extreme, for each family, shape (families,).
 
@@ -134,8 +140,8 @@ def _p_values(
     the level _CLEAR that changes no verdict's chance: no p-value stopped there is so small.
     """
     observed = statistic(y)
-    first = _share(observed, statistic(drawn[..., :_FIRST_LOOK]))
-    return first if first.min() > _CLEAR else _share(observed, statistic(drawn))
+    first = _share(observed, statistic(drawn(_FIRST_LOOK)))
+    return first if first.min() > _CLEAR else _share(observed, statistic(drawn(SIMULATIONS)))
 
 
 def _share(observed: FloatArray, simulated: FloatArray) -> FloatArray:
