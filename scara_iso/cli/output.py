@@ -24,7 +24,7 @@ class Settings:
 
 
 settings = Settings()
-_BESIDE_A_RECORDING = {".html", ".md", ".xlsx", ".json"}
+_BESIDE_A_RECORDING = {".html", ".md", ".xlsx", ".json", ".pdf"}
 """Endings of a report, which is no table: it may bear a recording's name."""
 
 
@@ -61,7 +61,9 @@ def _of_a_recording(path: Path) -> bool:
     """Say whether writing here would replace a recording's table, raw file or manifest."""
     if path.name.endswith((".raw.jsonl", ".manifest.json")):
         return path.exists()
-    return path.suffix not in _BESIDE_A_RECORDING and path.with_suffix(".raw.jsonl").exists()
+    return (
+        path.suffix.lower() not in _BESIDE_A_RECORDING and path.with_suffix(".raw.jsonl").exists()
+    )
 
 
 def write_bytes(content: bytes, path: Path) -> None:

@@ -41,6 +41,7 @@ def to_pdf(report: Report, title: str) -> bytes:
                 _figures(pdf, pending)
                 _block(pdf, block)
         _figures(pdf, pending)
+    _sign(pdf)
     from fpdf.fonts import TTFFont  # noqa: PLC0415 - an extra
 
     content = bytes(pdf.output())
@@ -75,6 +76,18 @@ def _open(title: str) -> FPDF:
     pdf.set_font("DejaVu", size=_BODY)
     pdf.add_page()
     return pdf
+
+
+def _sign(pdf: FPDF) -> None:
+    if pdf.will_page_break(25):
+        pdf.add_page()
+    top = pdf.get_y() + 18
+    pdf.set_font(style="", size=_SMALL)
+    pdf.set_draw_color(0)
+    for left, said in ((pdf.l_margin, "place, date"), (pdf.l_margin + _WIDTH, "name, signature")):
+        pdf.line(left, top, left + _WIDTH - 10, top)
+        pdf.set_xy(left, top + 1)
+        pdf.cell(_WIDTH - 10, 4, said)
 
 
 def _room(first: tuple[Block, ...]) -> float:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 _MOST_PAIRS = 8
+_LONGEST_NAME = 28  # letters, its end: two stand above a picture
 _RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100)
 CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 
@@ -130,6 +131,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
         changes = [(one.difference, one.interval) for one in pair.means]
         _draw_intervals(row[2], pair.means, changes, none=0.0)
         units = ", ".join(dict.fromkeys(one.unit for one in pair.means))
+        row[2].locator_params(axis="x", nbins=5)
         row[2].set(xlabel=f"after − before [{units}]", title="Mean: change with 95 % interval")
     save(figure, path)
 
@@ -151,8 +153,8 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
     axes.invert_yaxis()
     axes.locator_params(axis="x", nbins=6)
     axes.set(xlabel="reading − mean of its run [mm or deg]")
-    names = f"{pair.before.run.origin.source} → {pair.after.run.origin.source}"
-    axes.set_title(_label(names), fontsize=9)
+    names = [run.run.origin.source[-_LONGEST_NAME:] for run in (pair.before, pair.after)]
+    axes.set_title(_label(" → ".join(names)), fontsize=9)
     axes.legend(fontsize=8, frameon=False, loc="best")
 
 
