@@ -32,6 +32,14 @@ def check_limits(poses: Sequence[PoseResult], limits: Mapping[str, float]) -> It
             f"--limit {unknown[0]}=...: this table has no such figure",
             remedy=f"it has {', '.join(_figures(poses[0]))}",
         )
+    lengths = [
+        name for name, (_, _, kind) in _figures(poses[0]).items() if kind is Dimension.LENGTH
+    ]
+    if EVERY_LENGTH in limits and not lengths:
+        raise UsageError(
+            f"--limit {limits[EVERY_LENGTH]:g} is a length, and this table has none",
+            remedy="name the figure, as in --limit theta=0.05 (degrees)",
+        )
     for pose in poses:
         for name, (RP, uncertainty, dimension) in _figures(pose).items():
             general = limits.get(EVERY_LENGTH) if dimension is Dimension.LENGTH else None

@@ -164,6 +164,12 @@ def test_a_limit_that_cannot_be_meant_is_refused(rng, limits):
         analyze(run_with([scatter(rng, "X")]), limits=limits)
 
 
+def test_a_limit_of_lengths_is_refused_where_there_is_none(rng):
+    run = run_with([scatter(rng, "theta", dimension=Dimension.ANGLE)])
+    with pytest.raises(UsageError, match="is a length, and this table has none"):
+        analyze(run, limits={EVERY_LENGTH: 0.001})
+
+
 def test_too_few_cycles_for_scatter_or_interval(rng):
     readings = rng.normal(size=5)
     short = Run(np.arange(1, 6), {"X": Axis("X", readings)})

@@ -276,7 +276,10 @@ def test_a_recording_is_not_overwritten(call, tmp_path):
     assert table.read_text(encoding="utf-8") == "readings"
 
 
-@pytest.mark.parametrize(("name", "code"), [("run.html", 0), ("run.manifest.json", 73)])
+@pytest.mark.parametrize(
+    ("name", "code"),
+    [("run.html", 0), ("run.HTML", 0), ("run.pdf", 0), ("run.manifest.json", 73)],
+)
 def test_a_report_may_bear_the_name_of_its_recording(call, tmp_path, monkeypatch, name, code):
     monkeypatch.chdir(tmp_path)
     sim = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:1"]

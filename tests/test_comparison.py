@@ -2,11 +2,13 @@
 
 import json
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from scipy import stats
 
 from scara_iso import analyze
@@ -17,6 +19,7 @@ from scara_iso.comparison.shuffling import mean_error
 from scara_iso.comparison.spread import spread
 from scara_iso.errors import DataError, UsageError
 from scara_iso.quantities import Dimension
+from scara_iso.render import plots
 from scara_iso.render.json import to_text
 from scara_iso.render.json_comparison import comparison_json
 from scara_iso.render.plots import plot_comparison
@@ -278,6 +281,22 @@ def test_the_picture_is_the_same_each_time_and_takes_any_name(rng, tmp_path):
     for name in ("a.svg", "b.svg"):
         plot_comparison(found, tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+def test_nothing_in_the_picture_is_written_over_another(rng, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    before, after = (
+        analysis(gaussian(rng) | {"X": shift + rng.normal(0, 0.013, 30)}, source=f"{'a/' * 40}.csv")
+        for shift in (0.0, -0.005)
+    )
+    plot_comparison(compare([before, after], shuffles=99), tmp_path / "a.svg")
+    FigureCanvasAgg(drawn[0]).draw()
+    for axes in drawn[0].axes:
+        assert axes.title.get_window_extent().width < 1.1 * axes.bbox.width
+        labels = [label.get_window_extent() for label in axes.get_xticklabels(which="major")]
+        inside = [box for box in labels if axes.bbox.x0 <= box.x0 + box.width / 2 <= axes.bbox.x1]
+        assert all(one.x1 < other.x0 for one, other in pairwise(inside))
 
 
 def test_the_command_shows_the_example_s_repair(capsys, monkeypatch):

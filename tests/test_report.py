@@ -24,7 +24,7 @@ from scara_iso.render.html import to_html
 from scara_iso.render.markdown import to_markdown
 from scara_iso.render.pdf import to_pdf
 from scara_iso.render.workbook import to_workbook
-from scara_iso.report.blocks import Course, Figure, Plane, Prediction, Table
+from scara_iso.report.blocks import Course, Figure, Plane, Prediction, Table, Text
 from scara_iso.report.document import Dossier, InputFile, Provenance, document
 from scara_iso.report.head import FIELDS, NOT_STATED, head
 
@@ -122,6 +122,19 @@ def test_the_distance_of_each_cycle_gives_the_radial_figure():
     one = next(iter(by_cycle.values()))
     sides = (float(one["X - mean [mm]"]), float(one["Y - mean [mm]"]))
     assert float(one["l_j XY [mm]"]) == pytest.approx(math.hypot(*sides), abs=2e-6)
+
+
+def test_the_report_says_what_its_results_relate_to():
+    said = [b.text for s in document(Dossier(analyze(read_table(WARM_UP)), MADE)) for b in s.blocks
+            if isinstance(b, Text)]  # fmt: skip
+    assert [text for text in said if "relate only to the item tested" in text]
+
+
+def test_a_condition_is_what_was_stated_and_what_was_measured():
+    run = read_table(WARM_UP)
+    run = replace(run, metadata={"speed": "100 %"}, covariates={"speed": run.cycle + 50.0})
+    rows = dict(head(run, analyze(run).cycles).rows)
+    assert rows["velocity"] == "100 %; 51 .. 81 (speed, by cycle)"
 
 
 def test_what_nobody_stated_is_said_to_be_not_stated():
@@ -254,6 +267,15 @@ def test_numbers_of_the_workbook_are_numbers_and_a_serial_number_is_none(
     assert "00123" in cells
 
 
+def test_a_cell_that_is_edited_becomes_no_formula_either(tmp_path, monkeypatch, hostile):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", str(hostile), "-o", "out.xlsx"]) == 0
+    cells = [cell for sheet in openpyxl.load_workbook("out.xlsx") for row in sheet for cell in row]
+    guarded = {c.value for c in cells if c.quotePrefix}
+    assert guarded == {c.value for c in cells if str(c.value)[0] in "=+-@" and c.data_type == "s"}
+    assert guarded
+
+
 def test_several_poses_are_reported_each(five_poses, tmp_path, monkeypatch):
     found = make(tmp_path, monkeypatch, five_poses)
     page = found["html"].decode()
@@ -288,6 +310,23 @@ def test_a_report_is_not_written_over_what_it_is_made_of(tmp_path, capsys):
     assert main(["report", str(table), "-o", str(table)]) == 73
     assert table.read_bytes() == WARM_UP.read_bytes()
     assert "made of" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("missing", [["no.csv"], [str(WARM_UP), "--model", "no.toml"]])
+def test_a_missing_input_is_said_where_the_report_is_there_already(
+    missing, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    Path("out.md").touch()
+    assert main(["report", *missing, "-o", "out.md"]) == 66
+    assert missing[-1] in capsys.readouterr().err
+
+
+def test_a_spelling_for_excel_wants_a_table(tmp_path, capsys):
+    out = tmp_path / "out.html"
+    assert main(["report", str(WARM_UP), "--excel-locale", "de", "-o", str(out)]) == 2
+    assert ".csv" in capsys.readouterr().err
+    assert not out.exists()
 
 
 def test_another_ending_names_the_known_ones(tmp_path, capsys):

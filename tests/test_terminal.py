@@ -5,8 +5,10 @@ import io
 import numpy as np
 import pytest
 
+from scara_iso import analyze, read_table
 from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import open_console, show
+from scara_iso.report.analysis import analysis_report
 from scara_iso.report.blocks import Notice, Section, Strip, Table, Text
 from scara_iso.report.words import printable
 
@@ -25,7 +27,7 @@ def shown(*blocks, heading="", width=80):
     "block",
     [
         Text(HOSTILE),
-        Table(("a", "b"), ((HOSTILE, HOSTILE),), HOSTILE),
+        Table(("a", HOSTILE), ((HOSTILE, HOSTILE),), HOSTILE),
         Strip(HOSTILE, np.arange(3), np.arange(3.0), HOSTILE),
         Notice("error", HOSTILE, HOSTILE, HOSTILE),
     ],
@@ -63,3 +65,17 @@ def test_sparkline():
     assert sparkline(np.array([0.0, 1.0, 2.0]), "abc", 80) == "abc"
     assert sparkline(np.array([5.0, 5.0]), "abc", 80) == "bb"
     assert sparkline(np.repeat([0.0, 10.0], 50), "abc", 10) == "aaaaaccccc"
+
+
+def test_the_largest_of_several_angles_is_named():
+    rng = np.random.default_rng(9283)
+    rows = [
+        f"{cycle},P{pose},{pose * value:.4f}"
+        for pose in (1, 2, 3)
+        for cycle, value in enumerate(rng.normal(0, 0.01, 31), start=1)
+    ]
+    text = "\n".join(["# unit_theta: deg", "cycle,pose,theta", *rows])
+    table = io.BytesIO(text.encode())
+    opening = analysis_report(analyze(read_table(table)))[0]
+    said = [block.text for block in opening.blocks if isinstance(block, Text)]
+    assert [text for text in said if text.startswith("3 poses; the largest figure at P3")]

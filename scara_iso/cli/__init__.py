@@ -131,9 +131,9 @@ def _general_first(arguments: Sequence[str]) -> list[str]:
 def _tell(error: Exception) -> int:
     from scara_iso.report.words import printable
 
-    if settings.debug:
-        traceback.print_exception(error)
     lines, code = _explain(error)
+    if settings.debug:
+        lines = [*"".join(traceback.format_exception(error)).rstrip("\n").split("\n"), *lines]
     if sys.stderr is not None:  # closed by the caller: the exit code still says it
         sys.stderr.write("".join(f"{printable(line)}\n" for line in lines))
     return code

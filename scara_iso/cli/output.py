@@ -24,7 +24,7 @@ class Settings:
 
 
 settings = Settings()
-_BESIDE_A_RECORDING = {".html", ".md", ".xlsx", ".json"}
+_BESIDE_A_RECORDING = {".html", ".md", ".xlsx", ".json", ".pdf"}
 """Endings of a report, which is no table: it may bear a recording's name."""
 
 
@@ -43,8 +43,15 @@ def write_report(report: Report) -> None:
 
 
 def write_text(text: str, path: Path | None) -> None:
-    """Write ``text`` to a file, or to standard output where there is none."""
-    if path is None:
+    """Write ``text`` to a file, or to standard output where there is none.
+
+    A terminal is shown what it should not obey.
+    """
+    from scara_iso.report.words import printable
+
+    if path is None and sys.stdout.isatty():
+        sys.stdout.write("\n".join(map(printable, text.split("\n"))))
+    elif path is None:
         sys.stdout.write(text)
     else:
         write_bytes(text.encode("utf-8", "backslashreplace"), path)
@@ -54,7 +61,9 @@ def _of_a_recording(path: Path) -> bool:
     """Say whether writing here would replace a recording's table, raw file or manifest."""
     if path.name.endswith((".raw.jsonl", ".manifest.json")):
         return path.exists()
-    return path.suffix not in _BESIDE_A_RECORDING and path.with_suffix(".raw.jsonl").exists()
+    return (
+        path.suffix.lower() not in _BESIDE_A_RECORDING and path.with_suffix(".raw.jsonl").exists()
+    )
 
 
 def write_bytes(content: bytes, path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from collections import Counter
@@ -29,6 +28,7 @@ from scara_iso.recorder import (
     Waiting,
     as_json,
 )
+from scara_iso.render.json import to_text
 from scara_iso.render.live import AxisView, LiveScreen, LiveView
 
 REDRAW_S = 0.1
@@ -43,7 +43,7 @@ _NEXT = {
 def write_line(said: Said) -> None:
     """Write what was said as one JSON line; `WriteError` where nobody reads it any more."""
     try:
-        sys.stdout.write(json.dumps(as_json(said), allow_nan=False) + "\n")
+        sys.stdout.write(f"{to_text(as_json(said))}\n")
         sys.stdout.flush()
     except OSError as error:
         sys.stdout = None

@@ -40,6 +40,7 @@ from scara_iso.recorder import (
 )
 from scara_iso.render.live import LiveScreen
 from scara_iso.render.terminal import open_console
+from scara_iso.report.words import printable
 
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""
@@ -160,15 +161,15 @@ def rebuild_table(raw: Path, table: Path | None, *, excel_locale: str | None, js
     if json or not sys.stdout.isatty():
         write_line(Done(rows, planned, str(written), str(raw)))
     else:
-        sys.stdout.write(f"{written}: {rows} of {planned} cycles\n")
+        sys.stdout.write(printable(f"{written}: {rows} of {planned} cycles") + "\n")
 
 
 def _tell_damage(history: History) -> None:
     if history.damaged:
         lines = ", ".join(map(str, history.damaged[:_SHOWN]))
         sys.stderr.write(
-            f"scara-iso: {history.source}: {len(history.damaged)} torn or damaged, left out: "
-            f"line {lines}\n"
+            f"scara-iso: {printable(history.source)}: {len(history.damaged)} torn or damaged, "
+            f"left out: line {lines}\n"
         )
 
 

@@ -75,6 +75,7 @@ def report_command(
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
     from scara_iso.closing import CyclesWanted, Reading
+    from scara_iso.report.words import printable
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else _writer(path, (table, model), excel_locale)
@@ -83,7 +84,7 @@ def report_command(
     dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
     if path is not None and write is not None:
         write_bytes(write(dossier), path)
-        typer.echo(f"{path} is written", err=json)
+        typer.echo(printable(f"{path} is written"), err=json)
     if json:
         from scara_iso.render.json_report import report_json
 
@@ -107,16 +108,25 @@ def _writer(
             remedy="let the name end in one of them",
         )
     for name in inputs:
-        if name not in (None, "-") and path.exists() and path.samefile(name or ""):
+        if name not in (None, "-") and _same_file(path, Path(name or "")):
             raise CannotCreateError(
                 "is what the report is made of", where=str(path), remedy="name another file"
             )
+    if locale is not None and kind != ".csv":
+        raise UsageError("--excel-locale spells a .csv", remedy="let the name end in .csv")
     if kind == ".csv":
         from scara_iso.tables import find_locale
 
         return lambda dossier: _csv(dossier, _title(dossier), find_locale(locale))
     render = _KINDS[kind]
     return lambda dossier: render(dossier, _title(dossier))
+
+
+def _same_file(path: Path, name: Path) -> bool:
+    try:
+        return path.samefile(name)
+    except OSError:  # one of them is not there
+        return False
 
 
 def _title(dossier: Dossier) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -17,11 +18,21 @@ if TYPE_CHECKING:
     from scara_iso.two_inertia import Backlash, Crossing
 
 Json = dict[str, Any]
+_HALF = re.compile("[\ud800-\udfff]")
+"""Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
 
 
 def to_text(document: Mapping[str, Any]) -> str:
-    """Return one line of JSON, all ASCII; NaN and infinity are a programming error."""
-    return json.dumps(document, allow_nan=False)
+    r"""Return one line of JSON, all ASCII; NaN and infinity are a programming error.
+
+    Half a character is spelt by its code, ``\udcff``, as wherever text is shown.
+    """
+    text = json.dumps(document, allow_nan=False)
+    if "\\ud" in text:
+        said = json.dumps(document, ensure_ascii=False)
+        whole = _HALF.sub(lambda half: rf"\\u{ord(half[0]):04x}", said)
+        text = json.dumps(json.loads(whole))
+    return text
 
 
 def analysis_json(analysis: Analysis) -> Json:

@@ -11,7 +11,10 @@ from scara_iso.report.words import printable
 
 _WIDTH = 60
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#!])")
-_BULLET = re.compile(r"^(\s*)([-+>]|\d+[.)])(?=\s)")
+_FIRST = re.compile(r"^(\s*\d*)([-+=.)])(?=\s|$|[-=])")
+"""A bullet, a number of a list, or a rule."""
+_CODED = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "@": "&#64;", "$": "&#36;"})
+_HOST = re.compile(r"(?i)\b(www)\.|:(?=//)")
 
 
 def to_markdown(report: Report, title: str) -> str:
@@ -26,13 +29,13 @@ def to_markdown(report: Report, title: str) -> str:
 def _block(block: Block) -> Iterator[str]:
     match block:
         case Text():
-            yield f"**{_text(block.text)}**" if block.tone == "strong" else _text(block.text)
+            yield _strong(block.text) if block.tone == "strong" else _text(block.text)
         case Table():
             yield _table(block)
             if block.note:
                 yield _text(block.note)
         case Notice():
-            subject = f"**{_text(block.subject)}**: " if block.subject else ""
+            subject = f"{_strong(block.subject)}: " if block.subject else ""
             yield f"{block.severity}: {subject}{_text(block.text)} ({_text(block.code)})"
         case Strip():
             drawn = sparkline(block.readings, LEVELS, _WIDTH)
@@ -41,7 +44,7 @@ def _block(block: Block) -> Iterator[str]:
             drawn = ""
             if isinstance(block.data, Course):
                 drawn = f" `{sparkline(block.data.readings, LEVELS, _WIDTH)}`"
-            yield f"**{_text(block.title)}**{drawn} {_text(block.caption)}"
+            yield f"{_strong(block.title)}{drawn} {_text(block.caption)}"
 
 
 def _table(table: Table) -> str:
@@ -51,8 +54,12 @@ def _table(table: Table) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
+def _strong(text: str) -> str:
+    return f"**{_text(printable(text).strip())}**"
+
+
 def _text(text: str) -> str:
     """Return text in which nothing is markup, HTML or a link."""
-    safe = printable(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    safe = _BULLET.sub(r"\1\\\2", _SPECIAL.sub(r"\\\1", safe))
-    return safe.replace("://", ":&#47;/").replace("www.", "www&#46;").replace("@", "&#64;")
+    safe = _FIRST.sub(r"\1\\\2", _SPECIAL.sub(r"\\\1", printable(text)))
+    safe = safe.translate(_CODED)
+    return _HOST.sub(lambda found: f"{found[1]}&#46;" if found[1] else "&#58;", safe)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -20,6 +22,7 @@ _LINE = 4.6  # [mm]
 _ROW, _SHORT = 4.6, 12  # height of a row [mm]; rows of a table that no page divides
 _LONGEST = 1500  # characters of a cell
 _NARROW = 8  # columns of a table, from which on its letters are smaller
+_BROAD = 16  # columns that a page holds
 
 
 def to_pdf(report: Report, title: str) -> bytes:
@@ -38,6 +41,7 @@ def to_pdf(report: Report, title: str) -> bytes:
                 _figures(pdf, pending)
                 _block(pdf, block)
         _figures(pdf, pending)
+    _sign(pdf)
     from fpdf.fonts import TTFFont  # noqa: PLC0415 - an extra
 
     content = bytes(pdf.output())
@@ -74,6 +78,18 @@ def _open(title: str) -> FPDF:
     return pdf
 
 
+def _sign(pdf: FPDF) -> None:
+    if pdf.will_page_break(25):
+        pdf.add_page()
+    top = pdf.get_y() + 18
+    pdf.set_font(style="", size=_SMALL)
+    pdf.set_draw_color(0)
+    for left, said in ((pdf.l_margin, "place, date"), (pdf.l_margin + _WIDTH, "name, signature")):
+        pdf.line(left, top, left + _WIDTH - 10, top)
+        pdf.set_xy(left, top + 1)
+        pdf.cell(_WIDTH - 10, 4, said)
+
+
 def _room(first: tuple[Block, ...]) -> float:
     """Return the height that a heading and what follows it need to stay together [mm]."""
     match first:
@@ -99,7 +115,8 @@ def _block(pdf: FPDF, block: Block) -> None:
         case Text():
             _say(pdf, block.text, style="B" if block.tone in ("strong", "bad", "warn") else "")
         case Table():
-            _table(pdf, block)
+            for part in _parts(block):
+                _table(pdf, part)
             if block.note:
                 _say(pdf, block.note, size=_TINY)
         case Notice():
@@ -114,6 +131,14 @@ def _say(pdf: FPDF, text: str, *, size: float = _BODY, style: str = "") -> None:
     pdf.multi_cell(
         0, _LINE * size / _BODY, printable(text), new_x="LMARGIN", new_y="NEXT", align="L"
     )
+
+
+def _parts(table: Table) -> Iterator[Table]:
+    """Yield a table in pieces that a page is broad enough for, each with the first column."""
+    for k in range(1, max(len(table.header), 2), _BROAD - 1):
+        cut = slice(k, k + _BROAD - 1)
+        rows = tuple((row[0], *row[cut]) for row in table.rows)
+        yield replace(table, header=(table.header[0], *table.header[cut]), rows=rows)
 
 
 def _table(pdf: FPDF, table: Table) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from scara_iso.comparison import Comparison, Contrast, Pair, Verdict
 from scara_iso.drivetrain import DriveTrain, Trajectory
 from scara_iso.errors import CannotCreateError, UsageError
 from scara_iso.plan import Plan
+from scara_iso.report.words import printable
 from scara_iso.run import FloatArray
 from scara_iso.workspace import Workspace
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 _MOST_PAIRS = 8
+_LONGEST_NAME = 28  # letters, its end: two stand above a picture
 _RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100)
 CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 
@@ -128,6 +131,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
         changes = [(one.difference, one.interval) for one in pair.means]
         _draw_intervals(row[2], pair.means, changes, none=0.0)
         units = ", ".join(dict.fromkeys(one.unit for one in pair.means))
+        row[2].locator_params(axis="x", nbins=5)
         row[2].set(xlabel=f"after − before [{units}]", title="Mean: change with 95 % interval")
     save(figure, path)
 
@@ -149,8 +153,8 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
     axes.invert_yaxis()
     axes.locator_params(axis="x", nbins=6)
     axes.set(xlabel="reading − mean of its run [mm or deg]")
-    names = f"{pair.before.run.origin.source} → {pair.after.run.origin.source}"
-    axes.set_title(names.replace("$", r"\$"), fontsize=9)
+    names = [run.run.origin.source[-_LONGEST_NAME:] for run in (pair.before, pair.after)]
+    axes.set_title(_label(" → ".join(names)), fontsize=9)
     axes.legend(fontsize=8, frameon=False, loc="best")
 
 
@@ -180,8 +184,12 @@ def _draw_intervals(
 
 
 def _figure_name(one: Contrast) -> str:
-    name = one.figure if one.pose is None else f"{one.pose} {one.figure}"
-    return name.replace("$", r"\$")
+    return _label(one.figure if one.pose is None else f"{one.pose} {one.figure}")
+
+
+def _label(text: str) -> str:
+    """Return text of a file as a picture takes it: no mathematics, nothing without a shape."""
+    return printable(text).replace("$", r"\$")
 
 
 def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
@@ -206,7 +214,11 @@ def save(figure: Figure, path: Path) -> None:
             remedy="let the name end in .svg or .png",
         )
     metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
-    with mpl.rc_context({"svg.hashsalt": "scara-iso", "svg.fonttype": "path"}):
+    with (
+        mpl.rc_context({"svg.hashsalt": "scara-iso", "svg.fonttype": "path"}),
+        warnings.catch_warnings(),
+    ):
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a box stands for it
         try:
             figure.savefig(path, format=kind, dpi=150, metadata=metadata)
         except OSError as error:

@@ -85,17 +85,20 @@ def _grid(table: Table) -> RichTable:
         box=SIMPLE_HEAD, header_style="bold", show_edge=False, pad_edge=False, padding=(0, 1, 0, 0)
     )
     for k, heading in enumerate(table.header):
-        grid.add_column(RichText(heading), justify="right" if k else "left", no_wrap=True)
+        grid.add_column(
+            RichText(printable(heading)), justify="right" if k else "left", no_wrap=True
+        )
     for row in table.rows:
         grid.add_row(*(RichText(printable(cell)) for cell in row))
     return grid
 
 
 def _show_rows(table: Table, console: Console) -> None:
-    width = max(len(heading) for heading in table.header[1:])
+    headings = [printable(heading) for heading in table.header[1:]]
+    width = max(map(len, headings))
     for name, *cells in table.rows:
         _print_indented(RichText(printable(name), "bold"), console)
-        for heading, cell in zip(table.header[1:], cells, strict=True):
+        for heading, cell in zip(headings, cells, strict=True):
             if cell:
                 line = RichText(f"{heading:<{width}}  {printable(cell)}")
                 _print_indented(line, console, indent=2 * _INDENT)

@@ -11,12 +11,15 @@ from typing import TYPE_CHECKING
 from scara_iso.quantities import parse_number
 from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
 from scara_iso.report.words import printable
+from scara_iso.tables.locale import FORMULA
 
 if TYPE_CHECKING:
     from openpyxl.cell.cell import Cell, MergedCell
     from openpyxl.worksheet.worksheet import Worksheet
 
 _LONGEST = 32_767  # characters of a cell, Excel's specification
+_CODE = re.compile("_(?=x[0-9A-Fa-f]{4}_)")
+"""What begins the code of a character in a workbook: ``_x0041_`` is shown as A."""
 _EPOCH = datetime(1980, 1, 1)  # noqa: DTZ001 - the earliest time that a ZIP file can hold
 _MODIFIED = re.compile(rb"(<dcterms:modified[^>]*>)[^<]*")
 _WIDTHS = (24, 16)
@@ -87,11 +90,19 @@ def _fill(cell: Cell | MergedCell, text: str, *, verbatim: bool) -> None:
     number = None if verbatim else parse_number(text)
     if number is not None:
         cell.value = number
-        places = len(text.partition(".")[2])
-        cell.number_format = f"0.{'0' * places}" if places else "0"
+        cell.number_format = _number_format(text)
         return
-    cell.value = printable(text)[:_LONGEST]
+    text = printable(text)
+    cell.value = _CODE.sub("_x005F_", text[:_LONGEST])
     cell.data_type = "s"  # whatever it begins with: not a formula
+    cell.quotePrefix = text.startswith(tuple(FORMULA))  # nor when somebody edits the cell
+
+
+def _number_format(text: str) -> str:
+    """Return the format that shows a number with the digits it is spelt with."""
+    mantissa, exponent, _ = text.lower().partition("e")
+    places = len(mantissa.partition(".")[2])
+    return f"0.{'0' * places}".rstrip(".") + ("E+00" if exponent else "")
 
 
 def _without_times(data: bytes) -> bytes:

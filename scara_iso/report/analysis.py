@@ -110,7 +110,9 @@ def _axis_verdict(axis: AxisResult) -> str:
 
 def _largest(poses: Sequence[PoseResult]) -> str:
     def figure(pose: PoseResult) -> float:
-        return pose.XY.RP if pose.XY is not None else max(_lengths(pose), default=0.0)
+        if pose.XY is not None:
+            return pose.XY.RP
+        return max(_lengths(pose) or [axis.three_sigma for axis in pose.axes.values()])
 
     worst = max(poses, key=figure)
     return f"{len(poses)} poses; the largest figure at {worst.label}: {_headline(worst)}"

@@ -51,12 +51,17 @@ class Dossier:
     gearboxes: Mapping[int, tuple[Gearbox, float | None]] = field(default_factory=dict)
 
 
+SCOPE = "The results relate only to the item tested (ISO/IEC 17025:2017, 7.8.2.1 l)."
+
+
 def document(dossier: Dossier) -> Report:
     """Return the whole report of a test."""
     analysis = dossier.analysis
     sections = [
         Section("Result", (*verdict(analysis), *_diagnosed(dossier))),
-        Section("Test", (head(analysis.run, analysis.cycles), *_reading_notes(analysis))),
+        Section(
+            "Test", (head(analysis.run, analysis.cycles), Text(SCOPE), *_reading_notes(analysis))
+        ),
     ]
     separate = any(found.code == "separate-axes" for found in analysis.findings)
     for pose in analysis.poses:

@@ -28,6 +28,7 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
     "item": ("robot", "item"),
     "serial number": ("serial_number", "robot_serial_number"),
     "method": ("method",),
+    "condition of the item": ("item_condition", "condition"),
     "item received": ("date_received", "received"),
     "date of the test": ("date", "test_date", "recorded", "started"),
     "date of issue": ("date_issued", "issued"),
@@ -61,9 +62,9 @@ def _stated(name: str, stated: Mapping[str, str], run: Run) -> str:
     measured = [column for column in run.covariates if column.lower() in FIELDS[name]]
     if name == "method":
         return "; ".join([METHOD, *found])
-    if not found and measured:
+    if measured:
         values = run.covariates[measured[0]]
-        return f"{values.min():g} .. {values.max():g} ({measured[0]}, by cycle)"
+        found.append(f"{values.min():g} .. {values.max():g} ({measured[0]}, by cycle)")
     return "; ".join(dict.fromkeys(found)) or NOT_STATED
 
 

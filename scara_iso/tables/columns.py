@@ -12,6 +12,7 @@ import numpy.typing as npt
 from scara_iso.run import FloatArray, IntArray
 from scara_iso.tables.faults import Faults, show
 from scara_iso.tables.layout import Layout
+from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.names import Column, Kind, names_a_footer, read_timestamp, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, Number, parse_clean, parse_number
 
@@ -189,7 +190,7 @@ class Columns:
         return np.concatenate([np.empty(0, dtype=np.int64), *self.lines])
 
 
-_ESCAPED = ("'", "=", "+", "-", "@")
+_ESCAPED = ("'", *FORMULA)
 
 
 def _label_fault(label: str) -> str:

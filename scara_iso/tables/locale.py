@@ -12,6 +12,8 @@ from typing import TypeAlias
 
 from scara_iso.tables.numbers import Mark, parse_number
 
+FORMULA = "=+-@\uff1d\uff0b\uff0d\uff20"
+"""What a formula begins with, the second four in the width of East Asian letters."""
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]+")
 
 
@@ -61,12 +63,20 @@ def write_rows(rows: Iterable[Sequence[Cell]], locale: SheetLocale = PLAIN) -> s
 
 
 def text_cell(text: str) -> str:
-    """Return text that no spreadsheet takes for a formula; what spells a number is left alone."""
+    """Return text that no spreadsheet takes for a formula; what spells a number is left alone.
+
+    -2 mm spells none: a spreadsheet would work it out, and show an error.
+    """
     text = one_line(text)
     start = text.lstrip()[:1]
-    if start == "'" or (start in ("=", "+", "-", "@") and parse_number(text) is None):
+    if start == "'" or (start and start in FORMULA and not _is_number(text)):
         return "'" + text
     return text
+
+
+def _is_number(text: str) -> bool:
+    number = parse_number(text)
+    return number is not None and not number.unit
 
 
 def one_line(text: str) -> str:

@@ -8,6 +8,7 @@ from datetime import datetime
 from enum import Enum
 
 from scara_iso.quantities import Unit, find_unit
+from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.numbers import BLANKS, parse_number
 
 
@@ -121,7 +122,7 @@ def _other_column(text: str, unit_below: str) -> Column:
         return Column(Kind.COVARIATE, _COVARIATES[key])
     kind = _KINDS.get(re.sub(r"[ ._:-]+", " ", stem.lower()).strip())
     if kind is None or (kind is Kind.CLOCK and unit):
-        return Column(Kind.COVARIATE, re.sub(r"^'(?=['=+@-])", "", text))
+        return Column(Kind.COVARIATE, re.sub(rf"^'(?=['{re.escape(FORMULA)}])", "", text))
     return Column(kind, kind.value)
 
 

@@ -12,11 +12,19 @@ from scara_iso.errors import DataError
 from scara_iso.quantities import Dimension
 from scara_iso.run import AXES, Axis, FloatArray, Run
 from scara_iso.tables.layout import normal_key
-from scara_iso.tables.locale import PLAIN, Digits, SheetLocale, one_line, text_cell, write_rows
+from scara_iso.tables.locale import (
+    FORMULA,
+    PLAIN,
+    Digits,
+    SheetLocale,
+    one_line,
+    text_cell,
+    write_rows,
+)
 from scara_iso.tables.names import Column, Kind, read_name
 from scara_iso.tables.statements import COMMAND, is_of_axes
 
-_CUT = re.compile(r"[,;]\s*[\"']?[=+@-]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?[,;]")
+_CUT = re.compile(rf"[,;]\s*[\"']?[{re.escape(FORMULA)}]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?[,;]")
 
 
 def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:

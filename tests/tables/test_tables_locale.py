@@ -2,12 +2,9 @@
 
 import csv
 import io
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
-import openpyxl
 import pandas as pd
 import pytest
 
@@ -15,10 +12,9 @@ from scara_iso.cli import main
 from scara_iso.run import Axis, Run
 from scara_iso.tables import find_locale, read_table, write_rows, write_table
 from tests.hostile import FORMULAS, TEXTS
+from tests.office import OFFICE, opened
 
-OFFICE = shutil.which("soffice") or shutil.which("libreoffice")
 READINGS = [-1.234, 0.5, -0.001, 12.0]
-LANGUAGES = {"de": (ord(";"), 1031), "en": (ord(","), 1033)}
 
 
 def run_of(**metadata):
@@ -92,26 +88,13 @@ def test_a_report_for_a_german_excel(tmp_path):
     assert not {"0.10", "12,10"} & set(cells)
 
 
-def converted(name, rows, folder):
-    """Return the cells that LibreOffice finds in a CSV, opened as one of that language."""
-    source = folder / "in.csv"
-    source.write_text(rows, encoding="utf-8", errors="backslashreplace", newline="")
-    delimiter, language = LANGUAGES[name]
-    # Token 8 is the language; 10 detects numbers and dates as a double click on the file does.
-    options = f"CSV:{delimiter},34,76,1,,{language},false,true"
-    subprocess.run(
-        [OFFICE, f"-env:UserInstallation=file://{folder}/profile", "--headless", "--convert-to",
-         "xlsx", f"--infilter={options}", "--outdir", str(folder), str(source)],
-        check=True, capture_output=True, timeout=120,
-    )  # fmt: skip
-    return list(openpyxl.load_workbook(folder / "in.xlsx").active.iter_rows())
-
-
 @pytest.mark.skipif(OFFICE is None, reason="LibreOffice is not installed")
 @pytest.mark.parametrize("name", ["de", "en"])
 def test_libreoffice_finds_numbers_and_no_formula(name, tmp_path):
     stated = {f"key_{k}": text for k, text in enumerate(FORMULAS)}
     text = write_table(run_of(**stated), find_locale(name))
-    rows = converted(name, text, tmp_path)
+    source = tmp_path / "in.csv"
+    source.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")
+    (rows,) = opened(name, source)
     assert [row[1].value for row in rows[-4:]] == READINGS
     assert not [c.value for row in rows for c in row if c.data_type == "f"]
