@@ -22,7 +22,7 @@ from scara_iso.quantities import Dimension
 from scara_iso.render import plots
 from scara_iso.render.json import to_text
 from scara_iso.render.json_comparison import comparison_json
-from scara_iso.render.plots import plot_comparison
+from scara_iso.render.plot_comparison import plot_comparison
 from scara_iso.repeatability import repeatability
 from scara_iso.report.comparison import comparison_report, headline
 from scara_iso.run import Axis, Run
