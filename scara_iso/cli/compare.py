@@ -65,7 +65,7 @@ def compare_command(
     found = _every(tables, read)
     comparison = compare(found, seed=seed)
     if plot is not None:
-        from scara_iso.render.plots import plot_comparison
+        from scara_iso.render.plot_comparison import plot_comparison
 
         plot_comparison(comparison, plot)
     _write(comparison, as_json=json)
