@@ -19,6 +19,7 @@ from scara_iso.comparison.shuffling import mean_error
 from scara_iso.comparison.spread import spread
 from scara_iso.errors import DataError, UsageError
 from scara_iso.quantities import Dimension
+from scara_iso.render import plot_comparison as drawing
 from scara_iso.render.json import to_text
 from scara_iso.render.json_comparison import comparison_json
 from scara_iso.render.plot_comparison import plot_comparison
@@ -284,7 +285,7 @@ def test_the_picture_is_the_same_each_time_and_takes_any_name(rng, tmp_path):
 
 def test_nothing_in_the_picture_is_written_over_another(rng, tmp_path, monkeypatch):
     drawn = []
-    monkeypatch.setattr(plot_comparison_module, "save", lambda figure, path: drawn.append(figure))
+    monkeypatch.setattr(drawing, "save", lambda figure, path: drawn.append(figure))
     before, after = (
         analysis(gaussian(rng) | {"X": shift + rng.normal(0, 0.013, 30)}, source=f"{'a/' * 40}.csv")
         for shift in (0.0, -0.005)
