@@ -52,6 +52,25 @@ def test_a_large_effect_is_found_and_named(name, rng):
     assert found.repeatability.with_effect_removed["X"] < found.repeatability.measured["X"]
 
 
+PAIRS = {
+    ("periodic", "step"): {"X": 2.5 * np.sin(2 * np.pi * J / 6) + 5.0 * (J >= 18)},
+    ("step", "warm_up"): {"X": 8.0 * (1 - np.exp(-J / 4)) + 6.0 * (J >= 18)},
+    ("step", "step"): {"X": 5.0 * (J >= 10), "Y": 5.0 * (J >= 20)},
+}
+
+
+@pytest.mark.parametrize("names", PAIRS)
+def test_two_effects_at_once_are_found_one_after_another(names):
+    """One after another alone, they are a random course or unknown in nine of ten runs."""
+    right = 0
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        noisy = {axis: course + rng.normal(size=N) for axis, course in PAIRS[names].items()}
+        found = diagnose(make_run(noisy, resolution=0.005))
+        right += sorted(one.effect for one in found.effects) == sorted(names)
+    assert right >= 4
+
+
 def test_parameters_are_those_of_the_data(rng):
     step = diagnose(make_run({"X": 8.0 * (J >= 12) + rng.normal(size=N)})).effects[0]
     assert step.parameters["at_cycle"] == 14

@@ -16,7 +16,7 @@ from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.levels import Sides, _at_most_one_change, sides_of, two_levels
 from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
-from scara_iso.diagnosis.residual import Residual
+from scara_iso.diagnosis.residual import Residual, common_step
 from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.search import Problem, find, find_again
 from scara_iso.effects import (
@@ -303,6 +303,13 @@ def test_neighbouring_divisions_never_prove_two_levels(rng):
     coarse = order_free_test(readings, np.array([1.0]), rng)
     assert fine.two_levels < 0.01
     assert coarse.two_levels == 1.0
+
+
+def test_a_dial_of_which_nothing_is_stated_is_known_by_its_steps(rng):
+    coarse = 0.37 + 0.01 * rng.integers(0, 4, 30)
+    assert common_step(coarse) == pytest.approx(0.01)
+    assert common_step(rng.normal(size=30)) == 0.0
+    assert common_step(np.full(30, 0.37)) == 0.0
 
 
 def test_cross_validation_is_no_better_than_the_fit(rng):

@@ -19,14 +19,17 @@ FEWEST_CYCLES, MOST_CYCLES = 12, 500
 _SAME = 0.9999
 """Correlation from which two columns count as copies of each other."""
 _EXACT = 1e-6
+_OFF_STEP = 0.02
+"""Share of a step by which a reading may lie beside its multiple."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Residual:
     """Measured minus predicted readings of one pose.
 
-    ``values`` has shape (n, axes); ``division`` (axes,) is the dial's resolution, 0 where not
-    known. ``notes`` say what was left out of the search and why.
+    ``values`` has shape (n, axes); ``division`` (axes,) is the dial's resolution, or the step on
+    which all readings lie where none is stated, 0 where there is none. ``notes`` say what was left
+    out of the search and why.
     """
 
     axes: tuple[str, ...]
@@ -61,8 +64,14 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
         )
     model = _checked(run, predicted or {})
     values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}
-    division = {name: axis.resolution or 0.0 for name, axis in run.axes.items()}
+    division = {n: a.resolution or common_step(a.readings) for n, a in run.axes.items()}
     kept, notes = _moving(values, division)
+    notes += [
+        f"no resolution is stated for {name}; its readings lie on steps of {division[name]:g}, "
+        "which are taken for the dial's"
+        for name in kept
+        if run.axes[name].resolution is None and division[name]
+    ]
     if not kept:
         raise DataError(
             "no axis moves: every reading is the same",
@@ -77,6 +86,18 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
         conditions=Conditions(run.cycle, covariates),
         notes=(*notes, *more),
     )
+
+
+def common_step(readings: FloatArray) -> float:
+    """Return the smallest distance of two readings if all others are multiples of it, else 0.
+
+    A coarse dial of which nothing is stated would pass for two levels.
+    """
+    distances = np.diff(np.unique(readings))
+    if not len(distances) or distances.min() < _EXACT * np.ptp(readings):
+        return 0.0
+    steps = (readings - readings.min()) / distances.min()
+    return float(distances.min()) if np.all(np.abs(steps - np.rint(steps)) < _OFF_STEP) else 0.0
 
 
 def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:
