@@ -121,11 +121,32 @@ def close_the_loop(
     )
     if model is None:
         return found
-    return replace(
-        found,
-        notes=(*found.notes, *_doubts(model, run)),
-        reversals=diagnose_run_reversals(used, model, seed=seed),
+    reversals = diagnose_run_reversals(used, model, seed=seed)
+    found = replace(found, notes=(*found.notes, *_doubts(model, run)), reversals=reversals)
+    return _with_gone(found, model, used, seed=seed)
+
+
+def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagnosis:
+    """Return ``found`` with the effects named that those on the gear account for.
+
+    A reversal that differs with the payload is more than one half width: beside approaches by turns
+    it looks like a course over the cycles.
+    """
+    on_gear = tuple(e for e in declarations(found) if e.joint is not None)
+    if found.reversals is None or not on_gear:
+        return found
+    known = replace(model, effects=(*model.effects, *on_gear))
+    left = diagnose(used, _predicted(known, used), seed=seed, directions=directions_of(model))
+    still = {one.effect for one in left.effects}
+    gone = tuple(one.effect for one in found.effects if one.effect not in still)
+    others = [name for name in gone if name not in ("lost_motion", "contact_side")]
+    said = (
+        f"{', '.join(others)}: gone once the effects on the gear are in the model: that is their "
+        "reversal, which differs with the payload"
     )
+    notes = (said,) if others else ()
+    reversals = replace(found.reversals, accounts_for=gone, notes=(*found.reversals.notes, *notes))
+    return replace(found, reversals=reversals)
 
 
 def _doubts(model: Model, run: Run) -> Iterator[str]:
@@ -198,7 +219,8 @@ def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
     on_gear = [] if gear is None else [
         DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
     ]  # fmt: skip
-    kept = [f for f in diagnosis.effects if not (on_gear and f.effect == "lost_motion")]
+    gone = () if reversals is None else ("lost_motion", *reversals.accounts_for)
+    kept = [f for f in diagnosis.effects if not (on_gear and f.effect in gone)]
     return (*(declared(found, diagnosis) for found in kept), *on_gear)
 
 

@@ -8,6 +8,8 @@ import pytest
 
 from scara_iso.cli import main
 from scara_iso.closing import CyclesWanted, close_the_loop, directions_of
+from scara_iso.diagnosis.design import Plan, smallest_effects
+from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.model import read_model
 from scara_iso.quantities import Dimension
@@ -303,3 +305,39 @@ def test_a_sine_through_simulate_is_named_once(call, tmp_path):
     effects = diagnosed(call, table, "--model", MODEL)["effects"]
     assert [found["effect"] for found in effects] == ["periodic"]
     assert effects[0]["parameters"]["period"] == pytest.approx(6, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (["--design", "--cycles", "12"], "11 usable cycles"),
+        (["--design", "--model", MODEL], "--model has no part"),
+        (["--design", TABLE_1, "--columns", "approach"], "--columns beside a table"),
+        ([TABLE_1, "--columns", "approach"], "--columns is for --design"),
+    ],
+)
+def test_a_design_says_what_it_cannot_use(call, argv, said):
+    code, out, err = call("diagnose", *argv)
+    assert (code != 0, out) == (True, "")
+    assert said in err
+
+
+def test_a_design_plans_no_angles_as_lengths(call, tmp_path):
+    turns = "\n".join(f"{j},{10 + 0.001 * (j % 3):.3f}" for j in range(1, 32))
+    table = f"# unit: deg\n# resolution: 0.001\ncycle,theta\n{turns}\n"
+    (tmp_path / "turns.csv").write_text(table, encoding="utf-8")
+    code, _, err = call("diagnose", tmp_path / "turns.csv", "--design")
+    assert (code, "no axis in mm" in err) == (65, True)
+
+
+def test_a_long_plan_finds_less_than_the_shortest_step_of_a_short_one():
+    plan = Plan(Conditions(np.arange(2, 302)), 1.0, 0.0)
+    found = {one.effect: one.travel for one in smallest_effects(
+        plan, [e for e in find_effects() if e.name == "linear_drift"], np.random.default_rng(1)
+    )}  # fmt: skip
+    assert found["linear_drift"] == pytest.approx(0.58, rel=0.25)
+
+
+def test_an_unexplained_course_is_not_called_scatter(call):
+    out = call("diagnose", ROOT / "examples" / "unexplained.csv")[1]
+    assert "resolution  unexplained" in out

@@ -402,3 +402,38 @@ def test_an_axis_that_is_largely_rounding_says_so(rng):
     found = diagnose(make_run({"X": rng.normal(size=N)}, sigma=0.0005))
     assert any(note.startswith("X: ") and "rounding" in note for note in found.notes)
     assert found.shares["X"].resolution + found.shares["X"].unexplained == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    "course",
+    [6 * (1 - np.exp(-J / 7.1)), 3 * np.sin(2 * np.pi * J / 7.7 + 0.5)],
+    ids=["warm_up", "periodic"],
+)
+def test_a_second_run_is_met_by_parameters_between_those_of_the_bank(course, rng):
+    first, second = (make_run({"X": course + rng.normal(size=N)}) for _ in "ab")
+    found = diagnose(first, held_out=second)
+    left = second.axes["X"].readings - found.series.predicted_after["X"]
+    assert found.error_after.held_out_rms["X"] == pytest.approx(left.std(), rel=1e-6)
+    assert found.error_after.held_out_rms["X"] < 0.75 * found.error_before.held_out_rms["X"]
+
+
+def test_a_second_run_without_the_column_that_acts_is_refused(rng):
+    warm = {"temperature_C": 20 + rng.normal(size=N)}
+    first = make_run({"X": 5 * warm["temperature_C"] + rng.normal(size=N)}, covariates=warm)
+    with pytest.raises(DataError, match="second table lacks temperature_C"):
+        diagnose(first, held_out=make_run({"X": rng.normal(size=N)}))
+
+
+def test_an_axis_that_copies_another_has_its_effects(rng):
+    course = COURSES["step"] * 2 + rng.normal(size=N)
+    found = diagnose(make_run({"X": course, "Y": course}))
+    RP = found.repeatability
+    assert RP.with_effect_removed["Y"] == pytest.approx(RP.with_effect_removed["X"])
+    assert RP.model_after["Y"] == pytest.approx(RP.model_after["X"])
+
+
+def test_scatter_changes_on_the_axes_where_it_does(rng):
+    after = np.where(J < 15, 1.0, 5.0)
+    axes = {name: rng.normal(size=N) * after for name in "XY"} | {"Z": rng.normal(size=N)}
+    (found,) = diagnose(make_run(axes)).effects
+    assert (found.effect, found.axes) == ("scatter_change", ("X", "Y"))

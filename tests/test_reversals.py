@@ -2,11 +2,13 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from scara_iso.cli import main
+from scara_iso.closing import CyclesWanted, close_the_loop, declarations
 from scara_iso.diagnosis import Verdict
 from scara_iso.drivetrain import RIGHT, DriveTrain, Move, State, Torque, arrivals, solve
 from scara_iso.effects import Conditions
@@ -16,8 +18,9 @@ from scara_iso.model import predict, read_model
 from scara_iso.report.blocks import Text
 from scara_iso.report.reversals import reversals_section
 from scara_iso.run import Axis, Run
-from scara_iso.tables import write_table
+from scara_iso.tables import read_table, write_table
 
+ROOT = Path(__file__).parents[1]
 MODEL = """
 [robot]
 name = "two links"
@@ -248,3 +251,23 @@ def test_a_payload_that_the_load_s_inertia_cannot_hold_is_refused(model):
     procedure = Conditions(np.arange(1, 3), {"payload_kg": np.zeros(2), "approach": np.ones(2)})
     with pytest.raises(UsageError, match=r"gearbox\.joint_1: without its payload of 2 kg"):
         predict(replace(model, gearboxes={1: gear}), procedure)
+
+
+def test_the_reversal_of_each_payload_is_no_course_over_the_cycles(tmp_path):
+    text = (
+        (ROOT / "examples" / "fum_scara.toml")
+        .read_text(encoding="utf-8")
+        .replace("ratio = 50 ", "payload_kg = 0\nratio = 50 ")
+    )
+    (tmp_path / "m.toml").write_text(text, encoding="utf-8")
+    true = text + '\n[[effect]]\nname = "reflected_inertia"\njoint = 1\nN = 50\n'
+    (tmp_path / "t.toml").write_text(true, encoding="utf-8")
+    words = ["--approach", "both", "--payload", "0,2,5", "--seed", "2"]
+    table = tmp_path / "a.csv"
+    assert main(["simulate", str(tmp_path / "t.toml"), *words, "-o", str(table)]) == 0
+    found = close_the_loop(
+        read_table(table), read_model(tmp_path / "m.toml"), CyclesWanted(), seed=9283
+    )
+    assert "periodic" in {one.effect for one in found.effects}
+    assert "periodic" in found.reversals.accounts_for
+    assert {one.name for one in declarations(found)} == {"reflected_inertia"}

@@ -93,8 +93,11 @@ def diagnose_command(
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
+        _refuse_beside_design(model, hold_out, save_model, plot)
         show_design(named, reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json)
         return
+    if columns is not None:
+        raise UsageError("--columns is for --design", remedy="a table names its own columns")
     files = _Files(model, hold_out, save_model, plot, sigma)
     files.check(named)
     if len(named) > 1:
@@ -103,6 +106,15 @@ def diagnose_command(
         diagnose_many(named, model, reading, wanted, seed=seed, as_json=json)
     else:
         _diagnose_table(named[0], files, reading, wanted, seed=seed, as_json=json)
+
+
+def _refuse_beside_design(
+    model: str | None, hold_out: str | None, save_model: Path | None, plot: Path | None
+) -> None:
+    given = {"--model": model, "--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
+    for option, value in given.items():
+        if value is not None:
+            raise UsageError(f"{option} has no part in --design", remedy="leave it out")
 
 
 @dataclass(frozen=True, slots=True)

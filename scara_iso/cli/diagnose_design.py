@@ -11,8 +11,9 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.closing import CyclesWanted, Reading
 from scara_iso.diagnosis.design import Plan, design
 from scara_iso.effects import Conditions
-from scara_iso.errors import UsageError
+from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.quantities import Dimension
 from scara_iso.render.json_diagnosis import design_json
 from scara_iso.report.design import design_report
 from scara_iso.run import FloatArray, Run
@@ -33,6 +34,8 @@ def show_design(
     """Write what a test like that of a table, or of the options, will find."""
     if len(tables) > 1:
         raise UsageError("--design takes one table at most")
+    if tables and columns is not None:
+        raise UsageError("--columns beside a table", remedy="the plan has the table's columns")
     if sigma is not None and not 0 < sigma < math.inf:
         raise UsageError(f"--sigma {sigma:g}: not a positive, finite length")
     plan = (
@@ -49,7 +52,14 @@ def show_design(
 
 def _like(run: Run, sigma: float | None) -> Plan:
     """Return the test of a table: its columns, its dial, its scatter from cycle to cycle."""
-    axis = max(run.axes.values(), key=lambda axis: _scatter(axis.readings))
+    lengths = [axis for axis in run.axes.values() if axis.dimension is Dimension.LENGTH]
+    if not lengths:
+        raise DataError(
+            "no axis in mm",
+            where=run.origin.source,
+            remedy="plan without the table: --sigma and --resolution, angles read as mm",
+        )
+    axis = max(lengths, key=lambda axis: _scatter(axis.readings))
     scatter = sigma or _scatter(axis.readings) or (axis.resolution or _RESOLUTION_MM)
     return Plan(Conditions(run.cycle, run.covariates), scatter, axis.resolution or 0.0)
 

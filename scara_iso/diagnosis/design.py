@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -10,8 +11,10 @@ import numpy as np
 
 from scara_iso.diagnosis.bank import Bank, Member, build, constant, extended, members_of
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.residual import FEWEST_CYCLES
 from scara_iso.diagnosis.search import LEVEL
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
+from scara_iso.errors import DataError
 from scara_iso.run import FloatArray
 
 _POWER = 0.8
@@ -39,7 +42,7 @@ class Plan:
 class Smallest:
     """Smallest travel of an effect, lowest to highest reading, found in 80 % of runs.
 
-    None where even twelve sigma are not.
+    None where even twelve sigma (fewer with more than 50 cycles) are not.
     """
 
     effect: str
@@ -76,8 +79,14 @@ def design(plan: Plan, *, seed: int = 9283, effects: Sequence[Effect] | None = N
     """Return what ``plan`` will be able to tell, by simulated runs under the test by order.
 
     Two levels in no order are not found by it: one pair 4 to 5 sigma apart is found without a
-    covariate, by their distribution.
+    covariate, by their distribution. Raises `DataError` for fewer than 12 cycles, which no
+    diagnosis takes.
     """
+    if len(plan.conditions) < FEWEST_CYCLES:
+        raise DataError(
+            f"{len(plan.conditions)} usable cycles cannot tell structure from scatter",
+            remedy=f"plan at least {FEWEST_CYCLES} beside a discarded one, better 30",
+        )
     catalogue = tuple(find_effects() if effects is None else effects)
     members = members_of(catalogue, plan.conditions)
     return Design(
@@ -95,6 +104,7 @@ def smallest_effects(
 ) -> tuple[Smallest, ...]:
     """Return the smallest travel found in 80 % of runs for every effect with a known course."""
     members = members_of(effects, plan.conditions)
+    travels = _TRAVELS * min(1.0, math.sqrt(50 / len(plan.conditions)))
     ordered = [m for m in members if m.ordered and not m.chained]
     n = len(plan.conditions)
     bank = build(ordered, plan.conditions.cycle, np.arange(n), constant(n))
@@ -104,8 +114,8 @@ def smallest_effects(
     for name in dict.fromkeys(m.effect for m in ordered if m.named):
         shapes = [m for m in ordered if m.effect == name and isinstance(m.form, Shape)]
         if shapes:
-            power = [_power(bank, plan, shapes, travel, critical, rng) for travel in _TRAVELS]
-            found.append(Smallest(name, _crossing(np.array(power), plan.sigma)))
+            power = [_power(bank, plan, shapes, travel, critical, rng) for travel in travels]
+            found.append(Smallest(name, _crossing(np.array(power), travels * plan.sigma)))
     return tuple(found)
 
 
@@ -181,14 +191,14 @@ def _statistics(bank: Bank, runs: Sequence[FloatArray]) -> FloatArray:
     return np.asarray(np.log(bank.test_weights @ joint_evidence(log_bf, views)))
 
 
-def _crossing(power: FloatArray, sigma: float) -> float | None:
+def _crossing(power: FloatArray, travels: FloatArray) -> float | None:
     """Return the travel at which the power passes 80 %, interpolated."""
     above = np.flatnonzero(power >= _POWER)
     if not len(above):
         return None
     k = int(above[0])
     if k == 0:
-        return float(_TRAVELS[0] * sigma)
+        return float(travels[0])
     low, high = power[k - 1], power[k]
     share = (_POWER - low) / (high - low)
-    return float((_TRAVELS[k - 1] + share * (_TRAVELS[k] - _TRAVELS[k - 1])) * sigma)
+    return float(travels[k - 1] + share * (travels[k] - travels[k - 1]))

@@ -54,6 +54,18 @@ def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: 
     return Term(effect, form, (log_bf > 0) | (log_bf == log_bf.max()))
 
 
+def spread_term(effect: str, form: Spread, values: FloatArray, cycle: IntArray) -> Term:
+    """Return the term with the axes whose scatter ``form`` changes in ``values`` (rows, axes).
+
+    Those are the axes that are likelier with the change than without; the likeliest always is one.
+    """
+    scale = np.where(cycle >= form.at_cycle, form.ratio, 1.0)[:, np.newaxis]
+    left = values - values.mean(axis=0)
+    as_is, even = ((r**2).mean(axis=0) + np.finfo(float).tiny for r in (left, left / scale))
+    gain = len(cycle) / 2 * np.log(as_is / even) - np.log(scale).sum()
+    return Term(effect, form, (gain > 0) | (gain == gain.max()))
+
+
 def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fit:
     """Return the least-squares fit of pose and ``terms`` to ``values`` (rows, axes).
 
@@ -80,11 +92,15 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
 
 
 def row_scale(terms: Sequence[Term], cycle: IntArray) -> FloatArray:
-    """Return how wide the scatter of each cycle is, shape (n, 1), by the terms that change it."""
+    """Return how wide the scatter of each cycle is by the terms that change it.
+
+    Its shape is (n, axes), or (n, 1) where none does.
+    """
     scale = np.ones((len(cycle), 1))
     for term in terms:
         if isinstance(term.form, Spread):
-            scale[cycle >= term.form.at_cycle] *= term.form.ratio
+            wider = (cycle >= term.form.at_cycle)[:, np.newaxis] & term.moves
+            scale = scale * np.where(wider, term.form.ratio, 1.0)
     return scale
 
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from scara_iso.diagnosis.account import account, repeatabilities, rivals_of, shares_of
-from scara_iso.diagnosis.bank import members_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
 from scara_iso.diagnosis.residual import Prediction, Residual
@@ -73,7 +72,7 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, members_of(known, second.conditions), second)
+        unseen = on_second_run(fitted, catalogue, problem.residual, second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
     return _diagnosis(
         problem, fitted, stages, unseen, courses, account(problem, fitted, stages, catalogue)
@@ -201,9 +200,23 @@ def _courses(
         model = np.asarray(predicted.get(name, np.zeros(len(run))), dtype=np.float64)
         before[name] = model + (readings - model).mean()
         after[name], removed[name] = before[name], readings
+        a, slope = _searched(readings - model, residual, name)
+        effect = slope * sum((part[:, a] for part in fitted.parts), np.zeros(len(run)))
+        after[name] = before[name] + effect - effect.mean()
         if name in residual.axes:
-            a = residual.axes.index(name)
-            effect = sum((part[:, a] for part in fitted.parts), np.zeros(len(run)))
             after[name] = model + fitted.predicted[:, a]
-            removed[name] = readings - effect
+        removed[name] = readings - effect
     return measured, before, after, removed
+
+
+def _searched(left: FloatArray, residual: Residual, name: str) -> tuple[int, float]:
+    """Return which axis of the search stands for this one, and its slope on it.
+
+    An axis that copies another has that one's effects; one that never moves has none (slope 0).
+    """
+    if name in residual.axes:
+        return residual.axes.index(name), 1.0
+    values = residual.values - residual.values.mean(axis=0)
+    slopes = (left - left.mean()) @ values / (values**2).sum(axis=0)
+    a = int(np.argmax(np.abs(slopes) * np.linalg.norm(values, axis=0)))
+    return a, float(slopes[a])

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scara_iso.diagnosis.bank import UNKNOWN, Bank, Form, Member, build, members_of
 from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
 from scara_iso.diagnosis.evidence import Views, log_bayes, views_of
-from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, term_of
+from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, spread_term, term_of
 from scara_iso.diagnosis.levels import Sides, sides_of
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
 from scara_iso.diagnosis.pairs import pairs
@@ -285,6 +285,8 @@ def _outlier(problem: Problem, free: OrderFreeTest) -> Choice:
 
 def _term(problem: Problem, name: str, choice: Choice, now: Look) -> Term:
     form = _refined(problem, name, choice.forms[name], now)
+    if isinstance(form, Spread):
+        return spread_term(name, form, now.values, problem.residual.conditions.cycle[now.rows])
     return term_of(name, form, now.values, now.rows, now.basis)
 
 

@@ -52,6 +52,8 @@ class RunReversals:
     mirrored: bool = False
     """Whether the load rests on the other side than in the model, so that sizes were compared."""
     notes: tuple[str, ...] = ()
+    accounts_for: tuple[str, ...] = ()
+    """Effects of the readings that are gone once those on the gear are in the model."""
 
 
 def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals | None:

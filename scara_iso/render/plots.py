@@ -93,6 +93,7 @@ def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
         right.plot(series.cycle, measured - after, "o", color=PLANE, ms=3.5, label="after")
     rows[0][0].set_title(f"readings: {diagnosis.verdict.value}")
     rows[0][1].set_title("measured minus predicted")
+    figure.supylabel("lengths in mm, angles in degrees", fontsize=9)
     for column in (0, 1):
         rows[-1][column].set_xlabel("cycle")
         rows[-1][column].legend(

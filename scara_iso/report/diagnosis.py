@@ -14,6 +14,8 @@ from scara_iso.report.reversals import reversals_section
 from scara_iso.report.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
+_DUST = 1e-9
+"""Share of a size below which its standard error is the rounding of the arithmetic."""
 _UNITS = "lengths in mm, angles in degrees"
 
 
@@ -132,7 +134,7 @@ def _parameter(name: str, value: float | str | Mapping[str, float], found: Found
 
 def _size(axis: str, size: float, error: float | None) -> str:
     """Return a size to the last of the two digits that its standard error has (GUM, 7.2.6)."""
-    if not error:
+    if not error or error < _DUST * abs(size):
         return f"{axis} {size:+.4g}"
     places = max(1 - math.floor(math.log10(error)), 0)
     return f"{axis} {size:+.{places}f} ± {error:.{places}f}"
@@ -193,7 +195,8 @@ def _shares(diagnosis: Diagnosis) -> Table:
         (axis, f"{part.effects:.0%}", f"{part.resolution:.0%}", f"{part.unexplained:.0%}")
         for axis, part in diagnosis.shares.items()
     )
-    return Table(("variance", "effects", "resolution", "scatter"), rows)
+    left = "unexplained" if diagnosis.verdict is Verdict.UNEXPLAINED else "scatter"
+    return Table(("variance", "effects", "resolution", left), rows)
 
 
 def _strips(diagnosis: Diagnosis) -> Iterator[Block]:
@@ -203,7 +206,7 @@ def _strips(diagnosis: Diagnosis) -> Iterator[Block]:
             ("before", series.predicted_before[axis]),
             ("after", series.predicted_after[axis]),
         ):
-            left = measured - predicted
+            left = (measured - predicted).round(12) + 0.0
             caption = f"{left.min():+.3g} .. {left.max():+.3g}"
             yield Strip(f"{axis} {name}", series.cycle, left, caption)
 
