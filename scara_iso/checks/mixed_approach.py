@@ -17,7 +17,7 @@ CODE = "mixed-approach"
 
 
 def check(measured: Measured) -> Iterator[Finding]:
-    """Yield a note for each pose approached from both sides, a warning for an unknown coding."""
+    """Yield a warning for each pose approached from both sides, and for an unknown coding."""
     approach = measured.run.covariates.get("approach")
     if approach is None:
         return
@@ -33,7 +33,7 @@ def check(measured: Measured) -> Iterator[Finding]:
         if np.ptp(approach[pose.rows]) > 0:
             yield Finding(
                 CODE,
-                "info",
+                "warning",
                 "the pose is approached from both sides: RP includes the reversal; --definitions "
                 "gives each direction",
                 pose=pose.label,

@@ -75,7 +75,9 @@ def write_bytes(content: bytes, path: Path) -> None:
     try:
         file = path.open("wb")
     except OSError as error:
-        raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(path)) from error
+        raise CannotCreateError(
+            f"cannot be written: {error.strerror}", where=str(path), remedy="name another place"
+        ) from error
     try:
         with file:
             file.write(content)

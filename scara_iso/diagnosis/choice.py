@@ -20,7 +20,7 @@ AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
 """Factors on the variances beside the scatter, and their prior: most effects are near it, some
 dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
 
-_SHARPNESS = 1.35
+_SHARPNESS = 1.4
 """Power of the evidence that makes stated probabilities come true (benchmarks/diagnosis.py)."""
 
 _LARGEST_LOG = 600.0

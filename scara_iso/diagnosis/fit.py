@@ -42,16 +42,21 @@ class Fit:
     parts: tuple[FloatArray, ...]
 
 
+_TAKES_PART = np.log(3.0)
+"""Log Bayes factor from which an axis moves with the others: at 0, one still axis in six does."""
+
+
 def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
     """Return the term with the axes that ``form`` moves in ``values`` (rows, axes).
 
-    An axis takes part where its own Bayes factor is above 1; the one with the largest always does.
+    An axis takes part where its own Bayes factor speaks for it; the one with the largest always
+    does.
     """
     axes = values.shape[1]
     if not isinstance(form, Shape):
         return Term(effect, form, np.ones(axes, dtype=bool))
     log_bf = log_bayes_of_course(form.columns[rows], basis, values)
-    return Term(effect, form, (log_bf > 0) | (log_bf == log_bf.max()))
+    return Term(effect, form, (log_bf > _TAKES_PART) | (log_bf == log_bf.max()))
 
 
 def spread_term(effect: str, form: Spread, values: FloatArray, cycle: IntArray) -> Term:
