@@ -29,7 +29,7 @@ EMPHASIS = {
     "contact_side": 1.2,
     "periodic": 1.3,
     "random_walk": 0.3,
-    "scatter_change": 0.5,
+    "scatter_change": 2.0,
 }
 """Weight of an effect in the test over that in naming, 1 for others. The test asks whether there is
 anything, so a course that another effect's shapes see as well needs less weight of its own."""
