@@ -37,7 +37,8 @@ from diagnosis_rivals import RIVALS
 from scara_iso.diagnosis import UNKNOWN, diagnose
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, chosen, find, problem_of, tested
+from scara_iso.diagnosis.problem import problem_of
+from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, chosen, find, tested
 from scara_iso.effects import Process, find_effects
 from scara_iso.run import AXES, Axis, Run
 

@@ -71,6 +71,15 @@ def test_two_effects_at_once_are_found_one_after_another(names):
     assert right >= 4
 
 
+@pytest.mark.parametrize("names", [(), ("linear_drift",), ("random_walk",), ("contact_side",)])
+def test_a_catalogue_may_be_short_of_shapes(names, rng):
+    """A course that goes down and comes up again fits none of them."""
+    catalogue = [effect for effect in find_effects() if effect.name in names]
+    vee = 1.3 * np.abs(J - 14.5) + rng.normal(size=N)
+    found = diagnose(make_run({"X": vee}), effects=catalogue)
+    assert found.verdict is Verdict.UNEXPLAINED
+
+
 def test_parameters_are_those_of_the_data(rng):
     step = diagnose(make_run({"X": 8.0 * (J >= 12) + rng.normal(size=N)})).effects[0]
     assert step.parameters["at_cycle"] == 14

@@ -10,9 +10,10 @@ from scara_iso.diagnosis.bank import UNKNOWN, constant, extended
 from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.direction import match
 from scara_iso.diagnosis.fit import Fit, Term
+from scara_iso.diagnosis.problem import Problem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import ByAxis, Found, Shares
-from scara_iso.diagnosis.search import Problem, Stage
+from scara_iso.diagnosis.search import Stage
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.repeatability import repeatability

@@ -177,10 +177,10 @@ def build(members: Sequence[Member], cycle: IntArray, rows: IntArray, basis: Flo
     return Bank(
         members=(*(m for group in groups for m in group.members), *(m for m, _ in spreads)),
         basis=basis,
-        vectors=np.concatenate([group.vectors for group in groups], axis=1),
-        shrink=np.concatenate([group.shrink for group in groups]),
+        vectors=np.concatenate([np.empty((len(basis), 0)), *(g.vectors for g in groups)], axis=1),
+        shrink=np.concatenate([np.empty(0), *(group.shrink for group in groups)]),
         first=_starts([width for group in groups for width in group.widths]),
-        penalty=np.concatenate([group.penalty for group in groups]),
+        penalty=np.concatenate([np.empty(0), *(group.penalty for group in groups)]),
         split=np.searchsorted(cycle[rows], [s.at_cycle for _, s in spreads]).astype(np.int64),
         ratio=np.array([s.ratio for _, s in spreads], dtype=np.float64),
     )
@@ -198,7 +198,7 @@ class _Group:
 
 
 def _starts(widths: Sequence[int]) -> IntArray:
-    return np.concatenate([[0], np.cumsum(widths[:-1])]).astype(np.int64)
+    return np.cumsum([0, *widths])[:-1]
 
 
 def _shape_groups(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> list[_Group]:

@@ -8,7 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.diagnosis.bank import Bank, Form, Member
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, log_bayes_of_course
+from scara_iso.diagnosis.evidence import (
+    LARGEST_LOG,
+    Views,
+    joint_evidence,
+    log_bayes,
+    log_bayes_of_course,
+)
 from scara_iso.diagnosis.levels import TwoLevels, two_levels
 from scara_iso.effects import Chain, Process, Shape
 from scara_iso.run import FloatArray, IntArray
@@ -22,8 +28,6 @@ dwarf it. One fixed variance alone could not tell such courses apart (Liang et a
 
 _SHARPNESS = 1.4
 """Power of the evidence that makes stated probabilities come true (benchmarks/diagnosis.py)."""
-
-_LARGEST_LOG = 600.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -155,7 +159,7 @@ def _sides(
         whole[rows] = views.columns[:, column]
         known = 0.0 if views.known is None else float(views.known[column])
         levels = two_levels(whole, division, [chain for chain, _ in chained], known=known)
-        evidence = float(prior @ np.exp(np.minimum(levels.log_bf, _LARGEST_LOG)))
+        evidence = float(prior @ np.exp(np.minimum(levels.log_bf, LARGEST_LOG)))
         found.append((column, evidence / len(columns), levels))
     return max(found, key=lambda item: item[1])
 

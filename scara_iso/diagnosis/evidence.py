@@ -16,7 +16,8 @@ import numpy as np
 from scara_iso.diagnosis.bank import Bank, extended
 from scara_iso.run import FloatArray, IntArray
 
-_LARGEST_LOG = 600.0
+LARGEST_LOG = 600.0
+"""Logarithms of Bayes factors are cut here, so that sums and products stay finite."""
 _SMALLEST_SHARE = 1e-12
 _GAIN = 15.0
 KNOWN_FROM = 30
@@ -139,7 +140,7 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     direction does; one axis freed of the others does. Named directions count as much as these.
     """
     q = views.axes
-    bf = np.exp(np.minimum(log_bf, _LARGEST_LOG / q))
+    bf = np.exp(np.minimum(log_bf, LARGEST_LOG / q))
     if q == 1:
         return np.asarray(bf[:, 0])
     parts = [

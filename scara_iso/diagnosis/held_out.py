@@ -14,8 +14,9 @@ import numpy as np
 
 from scara_iso.diagnosis.bank import members_of
 from scara_iso.diagnosis.fit import Fit, Term, fit
+from scara_iso.diagnosis.problem import Problem
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.search import Problem, find_again
+from scara_iso.diagnosis.search import find_again
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray

@@ -9,6 +9,7 @@ import numpy as np
 from scara_iso.diagnosis.account import account, repeatabilities, rivals_of, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
+from scara_iso.diagnosis.problem import Problem, problem_of
 from scara_iso.diagnosis.residual import Prediction, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
@@ -19,7 +20,7 @@ from scara_iso.diagnosis.result import (
     Series,
     Shares,
 )
-from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Problem, Stage, find, problem_of
+from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Stage, find
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run

@@ -14,14 +14,13 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.bank import UNKNOWN, Bank, Member, build, extended
 from scara_iso.diagnosis.choice import AMPLITUDES, Hypothesis
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
+from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
 from scara_iso.effects import Shape
 from scara_iso.run import FloatArray, IntArray
 
 _PAIR_WEIGHT = 0.25
 """How much rarer two effects are than one."""
 _MOST_EFFECTS, _MOST_FORMS = 6, 2
-_LARGEST_LOG = 600.0
 
 
 def pairs(bank: Bank, views: Views, cycle: IntArray, rows: IntArray) -> list[Hypothesis]:
@@ -85,7 +84,7 @@ def _mixed(one: FloatArray, other: FloatArray, both: FloatArray, q: int) -> Floa
 
     With several axes that is one of the three parts of `joint_evidence`.
     """
-    one, other, both = (np.exp(np.minimum(log, _LARGEST_LOG / q)) for log in (one, other, both))
+    one, other, both = (np.exp(np.minimum(log, LARGEST_LOG / q)) for log in (one, other, both))
     if q == 1:
         return np.asarray(both[:, 0])
     return np.asarray(np.prod((1 + one + other + both) / 4, axis=1) / 3)

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from scara_iso.diagnosis.bank import UNKNOWN, Bank, Form, Member, build, members_of
+from scara_iso.diagnosis.bank import UNKNOWN, Form, Member
 from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
-from scara_iso.diagnosis.evidence import Views, log_bayes, views_of
-from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale, spread_term, term_of
+from scara_iso.diagnosis.evidence import log_bayes
+from scara_iso.diagnosis.fit import Term, spread_term, term_of
 from scara_iso.diagnosis.levels import Sides, sides_of
 from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_test
-from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
-from scara_iso.effects import Chain, Effect, Process, Shape, Spread
-from scara_iso.errors import DataError
-from scara_iso.run import FloatArray, IntArray, Run
+from scara_iso.diagnosis.problem import Look, Problem, look, neighbours
+from scara_iso.diagnosis.residual import Residual
+from scara_iso.effects import Chain, Process, Shape, Spread
+from scara_iso.run import IntArray
 
 LEVEL = 0.05
 """Family-wise level at which a first effect is admitted."""
@@ -36,82 +34,6 @@ so no scatter uses up more than about the whole."""
 FLAG_LEVEL = 0.01
 """Level of a flagged reading in Gaussian scatter."""
 MOST_EFFECTS = 3
-_DUST = 1e-9
-_ADJACENT = 2.5
-"""Readings within fewer divisions than this are neighbours on the dial: no proof of two sides."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Problem:
-    """A residual and every hypothesis about it; ``directions`` as in `views_of`.
-
-    ``effects`` are those that the members belong to, by name; ``sigma`` (axes,) is the scatter of
-    the readings where it is known beforehand, else 0.
-    """
-
-    residual: Residual
-    members: tuple[Member, ...]
-    directions: Mapping[str, FloatArray] = field(default_factory=dict)
-    effects: Mapping[str, Effect] = field(default_factory=dict)
-    sigma: FloatArray | None = None
-
-    @property
-    def rows(self) -> IntArray:
-        """All rows of the residual."""
-        return np.arange(len(self.residual))
-
-
-def problem_of(
-    run: Run,
-    predicted: Prediction | None = None,
-    *,
-    directions: Mapping[str, Mapping[str, float]],
-    effects: tuple[Effect, ...],
-    sigma: Mapping[str, float] | None = None,
-) -> Problem:
-    """Return the problem that ``predicted`` leaves of one pose's run; see `diagnose`."""
-    if len(list(run.rows_by_pose())) > 1:
-        raise DataError("several poses in one diagnosis", remedy="diagnose one pose at a time")
-    residual = residual_of(run, predicted)
-    along = {
-        name: np.array([movement.get(axis, 0.0) for axis in residual.axes])
-        for name, movement in directions.items()
-    }
-    usable = {name: vector for name, vector in along.items() if np.any(vector)}
-    members = members_of(effects, residual.conditions)
-    if all(_neighbours(residual)):
-        members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
-    wrong = [value for value in (sigma or {}).values() if not 0 < value < math.inf]
-    if wrong:
-        raise DataError(f"a known scatter of {wrong[0]:g}", remedy="state a positive, finite one")
-    known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
-    return Problem(residual, members, usable, {effect.name: effect for effect in effects}, known)
-
-
-def _neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
-    """Return which axes show at most three neighbouring divisions, shape (axes,).
-
-    Rounding alone makes such readings look like two states, or like a changing scatter.
-    """
-    return np.asarray(np.ptp(residual.values, axis=0) < _ADJACENT * residual.division)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Look:
-    """One look at what is left: residual values (rows, axes), their views, what is fitted.
-
-    ``members`` are the hypotheses that are still open.
-    """
-
-    rows: IntArray
-    basis: FloatArray
-    views: Views
-    values: FloatArray
-    members: tuple[Member, ...]
-
-    def bank(self, cycle: IntArray, members: Sequence[Member]) -> Bank:
-        """Return the bank of some of the members beside what is fitted."""
-        return build(members, cycle, self.rows, self.basis)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -134,26 +56,6 @@ def _shared(order: OrderTest, free: OrderFreeTest) -> tuple[float, float, float]
         free.two_levels / _TWO_LEVELS_SHARE,
         free.outlier / _OUTLIER_SHARE,
     )
-
-
-def look(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Look:
-    """Return what ``terms`` leave of ``rows`` and what could explain it."""
-    residual = problem.residual
-    scale = row_scale(terms, residual.conditions.cycle)
-    fitted = fit(terms, residual.values[rows], rows, len(residual))
-    values = _without_dust((residual.values - fitted.predicted)[rows] / scale[rows], residual)
-    basis = fitted_basis(terms, rows)
-    spread = any(isinstance(term.form, Spread) for term in terms)
-    members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
-    return Look(
-        rows, basis, views_of(values, basis, problem.directions, problem.sigma), values, members
-    )
-
-
-def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:
-    """Return values with 0 for an axis that the terms explain to the last digit."""
-    explained = np.ptp(values, axis=0) < _DUST * np.ptp(residual.values, axis=0)
-    return np.where(explained, 0.0, values)
 
 
 def find(
@@ -253,7 +155,7 @@ def _sides(residual: Residual, members: Sequence[Member]) -> list[Sides]:
     sticky = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
     return [
         sides_of(residual.values[:, a], residual.division[a], sticky)
-        for a in np.flatnonzero(~_neighbours(residual))
+        for a in np.flatnonzero(~neighbours(residual))
         if sticky
     ]
 
@@ -263,7 +165,7 @@ def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
     named = [member for member in now.members if member.named]
     residual = problem.residual
     length = np.maximum(np.linalg.norm(now.values, axis=0), 1e-300)
-    coarse = _neighbours(residual)
+    coarse = neighbours(residual)
     division = np.where(coarse | ~now.values.any(axis=0), np.nan, residual.division / length)
     sides = hidden_sides(
         chains, now.views, now.basis, division=division, rows=now.rows, n=len(residual)

@@ -13,7 +13,14 @@ if TYPE_CHECKING:
     from scara_iso.gears import GearDiagnosis
     from scara_iso.plan import Plan
     from scara_iso.report.explain import Page
-    from scara_iso.results import Analysis, AxisResult, LimitCheck, PoseResult, RadialResult
+    from scara_iso.results import (
+        Analysis,
+        AxisResult,
+        Finding,
+        LimitCheck,
+        PoseResult,
+        RadialResult,
+    )
     from scara_iso.run import Run
     from scara_iso.two_inertia import Backlash, Crossing
 
@@ -55,16 +62,18 @@ def analysis_json(analysis: Analysis) -> Json:
         "deviations": [
             {"rule": f.rule, "code": f.code, "message": f.message} for f in analysis.deviations
         ],
-        "findings": [
-            {
-                "code": f.code,
-                "severity": f.severity,
-                "axis": f.axis,
-                "pose": f.pose,
-                "message": f.message,
-            }
-            for f in analysis.findings
-        ],
+        "findings": [finding_json(finding) for finding in analysis.findings],
+    }
+
+
+def finding_json(finding: Finding) -> Json:
+    """Return a finding's object."""
+    return {
+        "code": finding.code,
+        "severity": finding.severity,
+        "axis": finding.axis,
+        "pose": finding.pose,
+        "message": finding.message,
     }
 
 

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from scara_iso.comparison import Comparison, Contrast, Pair
+from scara_iso.render.json import Json, finding_json
 from scara_iso.results import Analysis
-
-Json = dict[str, Any]
 
 
 def comparison_json(comparison: Comparison) -> Json:
@@ -40,16 +37,7 @@ def _pair(pair: Pair) -> Json:
         "after": _run(pair.after),
         "spreads": [_contrast(one) for one in pair.spreads],
         "means": [_contrast(one) for one in pair.means],
-        "findings": [
-            {
-                "code": f.code,
-                "severity": f.severity,
-                "axis": f.axis,
-                "pose": f.pose,
-                "message": f.message,
-            }
-            for f in pair.findings
-        ],
+        "findings": [finding_json(finding) for finding in pair.findings],
     }
 
 
