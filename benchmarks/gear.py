@@ -9,20 +9,25 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 import time
+from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
 from scara_iso.diagnosis import Verdict
-from scara_iso.drivetrain import RIGHT, DriveTrain, Move, State, Torque, arrivals, solve
+from scara_iso.drivetrain import DriveTrain, Move, arrivals
 from scara_iso.effects import Sweep
 from scara_iso.gears import diagnose_sweep
 from scara_iso.gears import fit as gear_fit
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from undeclared.gearbox import GAP, MOTOR, free_motor
+
 SEED = 1
-MOTOR, GAP = 2.65e-4, np.radians(12 / 60)
 LOADS = {m: np.geomspace(0.5, 12.0, m) for m in (4, 6, 12)}
 POWERS = gear_fit._POWERS
 KINDS = ("equal", "root", "proportional", "proportional, t3")
@@ -31,16 +36,6 @@ KINDS = ("equal", "root", "proportional", "proportional, t3")
 def sweep_of(loads):
     """Return the sweep of the paper's first joint with other loads."""
     return Sweep(np.full(len(loads), MOTOR), loads, np.full(len(loads), GAP))
-
-
-def free_motor(load, *, gap=GAP, ratio=1.0):
-    """Return the load's deviation on a reversal from the centre of mass, from the motion itself."""
-    train = DriveTrain(MOTOR, float(load), gap, ratio=ratio)
-    moved = solve(train, Torque((10.0,), (-1e-3,)), State.touching(train, RIGHT))
-    at = int(np.flatnonzero(moved.contact == -1)[0])
-    rotor = train.reflected_inertia
-    off = moved.load_angle - (rotor * moved.motor_angle + load * moved.load_angle) / (rotor + load)
-    return float(off[0] - off[at])
 
 
 def held_motor(load):

@@ -2,25 +2,15 @@
 
 import numpy as np
 import pytest
+from undeclared.gearbox import GAP, MOTOR, free_motor
 
 from scara_iso.diagnosis import Verdict
-from scara_iso.drivetrain import RIGHT, DriveTrain, State, Torque, solve
 from scara_iso.effects import Sweep, find_gear_effects
 from scara_iso.gears import diagnose_sweep
 from scara_iso.gears.fit import Reversals, fit_family, single_families
 
-MOTOR, GAP = 2.65e-4, np.radians(12 / 60)
 LOADS = np.array([0.5, 1.0, 2.0, 4.749, 8.0, 12.0])
 EFFECTS = {effect.name: effect for effect in find_gear_effects()}
-
-
-def free_motor(load, *, gap=GAP, ratio=1.0):
-    train = DriveTrain(MOTOR, float(load), gap, ratio=ratio)
-    moved = solve(train, Torque((10.0,), (-1e-3,)), State.touching(train, RIGHT))
-    at = int(np.flatnonzero(moved.contact == -1)[0])
-    rotor = train.reflected_inertia
-    off = moved.load_angle - (rotor * moved.motor_angle + load * moved.load_angle) / (rotor + load)
-    return float(off[0] - off[at])
 
 
 def sweep_of(loads, **columns):

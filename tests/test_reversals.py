@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from undeclared.gearbox import freely_reversed
 
 from scara_iso.cli import main
 from scara_iso.closing import CyclesWanted, close_the_loop, declarations
 from scara_iso.diagnosis import Verdict
-from scara_iso.drivetrain import RIGHT, DriveTrain, Move, State, Torque, arrivals, solve
+from scara_iso.drivetrain import DriveTrain, Move, arrivals
 from scara_iso.effects import Conditions
 from scara_iso.errors import UsageError
 from scara_iso.gears import diagnose_run_reversals
@@ -76,14 +77,7 @@ def train(payload, **changes):
 
 
 def free_motor(payload, **changes):
-    """The load's shift on a reversal of a motor that nothing holds, from the motion itself."""
-    drive = train(payload, **changes)
-    moved = solve(drive, Torque((10.0,), (-1e-3,)), State.touching(drive, RIGHT))
-    rotor, load = drive.reflected_inertia, drive.load_inertia
-    centre = (rotor * moved.motor_angle + load * moved.load_angle) / (rotor + load)
-    at = int(np.flatnonzero(moved.contact == -1)[0])
-    off = moved.load_angle - centre
-    return float(off[0] - off[at])
+    return freely_reversed(train(payload, **changes))
 
 
 def held_motor(payload, rng, *, count=4, **changes):

@@ -11,13 +11,16 @@ from scara_iso.drivetrain import (
     Held,
     Move,
     State,
+    Torque,
     arrivals,
     integrate,
+    solve,
 )
 from undeclared.dial import CYCLES, on_dial
 
 _ARM_MM = 700.0
-_INERTIA = {"motor_inertia": 2.65e-4, "load_inertia": 4.749, "ratio": 50.0}
+MOTOR, GAP = 2.65e-4, np.radians(12 / 60)
+_INERTIA = {"motor_inertia": MOTOR, "load_inertia": 4.749, "ratio": 50.0}
 _MOVE = Move(speed=1.0, deceleration=10.0, speed_scatter=0.02, friction_scatter=0.1)
 
 
@@ -91,3 +94,17 @@ def _arrived(rng, approach):
 def _at_the_tool(rng, angle):
     tangent = rng.uniform(0.3, 1.2)
     return {"X": -_ARM_MM * angle * np.sin(tangent), "Y": _ARM_MM * angle * np.cos(tangent)}
+
+
+def free_motor(load, *, gap=GAP, ratio=1.0):
+    """Return `freely_reversed` of the paper's first joint with another load."""
+    return freely_reversed(DriveTrain(MOTOR, float(load), gap, ratio=ratio))
+
+
+def freely_reversed(train):
+    """Return the load's deviation on a reversal from the centre of mass, from the motion itself."""
+    moved = solve(train, Torque((10.0,), (-1e-3,)), State.touching(train, RIGHT))
+    at = int(np.flatnonzero(moved.contact == -1)[0])
+    rotor, load = train.reflected_inertia, train.load_inertia
+    off = moved.load_angle - (rotor * moved.motor_angle + load * moved.load_angle) / (rotor + load)
+    return float(off[0] - off[at])
