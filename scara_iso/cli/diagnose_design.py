@@ -9,7 +9,7 @@ import numpy as np
 
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.closing import CyclesWanted, Reading
-from scara_iso.diagnosis.design import Plan, design
+from scara_iso.diagnosis.design import Plan, design, planned_columns
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
@@ -71,13 +71,7 @@ def _scatter(readings: FloatArray) -> float:
 
 def _planned(cycles: int, sigma: float | None, resolution: float | None, columns: str) -> Plan:
     cycle = np.arange(2, cycles + 1)
-    ways = np.random.default_rng(0)
-    known = {
-        "approach": ways.permutation(np.where(cycle % 2, 1.0, -1.0)),
-        "temperature_C": 20 + ways.normal(0, 0.5, len(cycle)).cumsum() / 3,
-        "payload_kg": ways.permutation(np.resize([0.0, 1.0, 2.0], len(cycle))),
-        "speed": ways.permutation(np.resize([10.0, 50.0, 100.0], len(cycle))),
-    }
+    known = planned_columns(cycle)
     names = [name.strip() for name in columns.split(",") if name.strip()]
     unknown = [name for name in names if name not in known]
     if unknown:

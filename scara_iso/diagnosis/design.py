@@ -15,13 +15,18 @@ from scara_iso.diagnosis.residual import FEWEST_CYCLES
 from scara_iso.diagnosis.search import LEVEL
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.errors import DataError
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 _POWER = 0.8
 _ALIKE = 0.9
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
 _RUNS = 150
 _NULL_RUNS = 1000
+_MORE_CYCLES = 50
+_WORTH_RECORDING = {
+    "approach": "the approach alternated in random order",
+    "temperature_C": "the temperature logged",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,22 +138,38 @@ def collinear(members: Sequence[Member], conditions: Conditions) -> tuple[Alike,
     return tuple(sorted((p for p in pairs if p.cosine >= _ALIKE), key=lambda p: -p.cosine))
 
 
+def planned_columns(cycle: IntArray) -> dict[str, FloatArray]:
+    """Return the columns that a test may record beside its readings, as they might come out."""
+    n, ways = len(cycle), np.random.default_rng(0)
+    return {
+        "approach": ways.permutation(np.where(cycle % 2, 1.0, -1.0)),
+        "temperature_C": 20 + ways.normal(0, 0.5, n).cumsum() / 3,
+        "payload_kg": ways.permutation(np.resize([0.0, 1.0, 2.0], n)),
+        "speed": ways.permutation(np.resize([10.0, 50.0, 100.0], n)),
+    }
+
+
 def _changes(plan: Plan) -> list[tuple[str, Plan]]:
-    n = len(plan.conditions)
-    longer = Conditions(np.arange(50) + plan.conditions.cycle[0])
     changes = [("three axes that move together", replace(plan, moved=3))]
-    if n < 50 and not plan.conditions.covariates:
-        changes.append(("50 cycles", replace(plan, conditions=longer)))
+    if len(plan.conditions) < _MORE_CYCLES:
+        longer = replace(plan, conditions=_longer(plan.conditions))
+        changes.append((f"{_MORE_CYCLES} cycles", longer))
     if plan.division > plan.sigma / 3:
         changes.append(("a dial ten times as fine", replace(plan, division=plan.division / 10)))
-    if "approach" not in plan.conditions.covariates:
-        approach = np.random.default_rng(0).permutation(np.where(np.arange(n) % 2, 1.0, -1.0))
-        covariates = {**plan.conditions.covariates, "approach": approach}
-        recorded = Conditions(plan.conditions.cycle, covariates)
-        changes.append(
-            ("the approach alternated in random order", replace(plan, conditions=recorded))
-        )
+    planned = planned_columns(plan.conditions.cycle)
+    for name, words in _WORTH_RECORDING.items():
+        if name not in plan.conditions.covariates:
+            covariates = {**plan.conditions.covariates, name: planned[name]}
+            recorded = Conditions(plan.conditions.cycle, covariates)
+            changes.append((words, replace(plan, conditions=recorded)))
     return changes
+
+
+def _longer(conditions: Conditions) -> Conditions:
+    """Return more cycles, over which every column takes the course that it took over fewer."""
+    at = np.linspace(0, len(conditions) - 1, _MORE_CYCLES).round().astype(np.int64)
+    stretched = {name: column[at] for name, column in conditions.covariates.items()}
+    return Conditions(np.arange(_MORE_CYCLES) + conditions.cycle[0], stretched)
 
 
 def _power(

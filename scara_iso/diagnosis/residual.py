@@ -66,12 +66,7 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
     values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}
     division = {n: a.resolution or common_step(a.readings) for n, a in run.axes.items()}
     kept, notes = _moving(values, division)
-    notes += [
-        f"no resolution is stated for {name}; its readings lie on steps of {division[name]:g}, "
-        "which are taken for the dial's"
-        for name in kept
-        if run.axes[name].resolution is None and division[name]
-    ]
+    notes += _unstated(run, {name: division[name] for name in kept})
     if not kept:
         raise DataError(
             "no axis moves: every reading is the same",
@@ -86,6 +81,16 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
         conditions=Conditions(run.cycle, covariates),
         notes=(*notes, *more),
     )
+
+
+def _unstated(run: Run, division: Mapping[str, float]) -> list[str]:
+    steps = [f"{n} {d:g}" for n, d in division.items() if d and run.axes[n].resolution is None]
+    if not steps:
+        return []
+    listed = ", ".join(steps)
+    return [
+        f"no resolution is stated: the steps on which readings lie ({listed}) stand for the dial's"
+    ]
 
 
 def common_step(readings: FloatArray) -> float:
