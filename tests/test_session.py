@@ -95,17 +95,65 @@ def test_a_late_answer_is_never_taken_for_the_next(tmp_path, monkeypatch, delay)
     assert problems(said) == [("X", "timeout")]
 
 
-@pytest.mark.parametrize("delay", [2.01, 2.02, 2.3, 2.9])
-def test_an_answer_later_than_the_drain_makes_two_and_both_are_refused(
-    tmp_path, monkeypatch, delay
-):
+@pytest.mark.parametrize("delay", [2.01, 2.3, 2.9, 3.5, 4.9])
+def test_an_answer_far_too_late_is_refused_and_its_debt_paid(tmp_path, monkeypatch, delay):
     late = [(delay, frame("9.999"))]
     said = run_session(
-        tmp_path, [OPTO], ports={"X": script(late, "0.101", "0.102", "0.103", "0.104")},
+        tmp_path, [OPTO], ports={"X": script(late, "0.101", "0.102", "0.103")},
         monkeypatch=monkeypatch,
     )  # fmt: skip
-    assert "9.999" not in [text for _, text in stored(said)]
-    assert [cycle for cycle, _ in stored(said)] == [1, 2, 3]
+    assert stored(said) == [(1, "0.101"), (2, "0.102"), (3, "0.103")]
+    assert [text for text, _ in refusals(said)] == ["9.999"]
+
+
+@pytest.mark.parametrize("delay", [1.2, 2.5, 3.7, 4.6])
+def test_an_instrument_that_falls_behind_never_answers_for_another_cycle(
+    tmp_path, monkeypatch, delay
+):
+    # The arm stands at pose k from second k on; each answer shows the pose of its own request.
+    class Slow(Script):
+        def write(self, data):
+            if data == b"?\r":
+                pose, wait = int(self._clock.now()), delay if len(self.requests) > 1 else 0.02
+                self.requests.append(data)
+                self._waiting.append((self._clock.now() + wait, frame(f"{pose / 100}")))
+                self._waiting.sort()
+
+    with pytest.raises(InstrumentError):
+        run_session(tmp_path, [OPTO], ports={"X": Slow}, monkeypatch=monkeypatch, cycles=9)
+    assert stored(run_session.said) == [(1, "0.010"), (2, "0.020")]
+
+
+@pytest.mark.parametrize("delay", [1.001, 1.01, 1.019, 1.021, 1.03])
+def test_a_doubled_frame_that_comes_after_the_next_request_is_not_its_answer(
+    tmp_path, monkeypatch, delay
+):
+    twice = [(0.02, frame("0.101")), (delay, frame("0.101"))]
+    said = run_session(
+        tmp_path, [OPTO], ports={"X": script(twice, "0.102", "0.103", "0.104")},
+        monkeypatch=monkeypatch,
+    )  # fmt: skip
+    assert stored(said)[:2] in ([(1, "0.101"), (2, "0.102")], [(1, "0.101"), (2, "0.103")])
+
+
+def test_a_damaged_answer_is_an_answer_and_is_asked_again_at_once(tmp_path, monkeypatch):
+    damaged = [(0.02, b"+000.1x1\r")]
+    said = run_session(
+        tmp_path, [OPTO], ports={"X": script(damaged, "0.101", "0.102", "0.103")},
+        monkeypatch=monkeypatch,
+    )  # fmt: skip
+    assert stored(said) == [(1, "0.101"), (2, "0.102"), (3, "0.103")]
+    assert read_table(tmp_path / "run.csv").covariates["time_s"][0] < 1.5
+
+
+def test_a_line_that_is_never_quiet_gives_no_reading(tmp_path, monkeypatch):
+    noise = [(0.1 * k, b"#") for k in range(400)]
+    with pytest.raises(InstrumentError):
+        run_session(
+            tmp_path, [OPTO], monkeypatch=monkeypatch,
+            ports={"X": lambda c: Script(c, answer=answers(), pushes=noise, shows=None)},
+        )  # fmt: skip
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_second_answer_is_refused(tmp_path, monkeypatch):

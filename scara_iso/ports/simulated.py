@@ -27,7 +27,7 @@ OPTIONS = {
 ANSWER_S = 0.02
 MODEL_CYCLES = 10_000
 """As many cycles are computed of a model; the last one is shown ever after."""
-AT_REST_S = 0.03
+AT_REST_S = 0.05
 """Asked again within this time after an answer, the arm has not moved: the same value [s]."""
 
 Source: TypeAlias = Callable[[int], float]

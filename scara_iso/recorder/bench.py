@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,16 @@ from scara_iso.recorder.journal import Journal
 
 SETTLING_S = 10.0
 """Longest time that a value may take to settle, under the rule of equal readings [s]."""
+QUIET = 5.0
+"""A gauge that owes an answer owes it no more when its line was quiet for so many answer times."""
+NEVER_QUIET = 2.0 * QUIET
+LATER = 1.25
+LINGER_S = 0.02
+"""A second answer is awaited for `LATER` times the longest that one took, and so much more [s].
+
+Two that differ are no answer: a frame sent twice may come behind the next request, and before
+its answer.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +52,7 @@ class Bench:
         self._clock = clock
         self._tell = tell
         self._faulted = False
+        self._unreadable: set[str] = set()
         self.last_problem = ""
 
     def open(self) -> None:
@@ -52,13 +64,13 @@ class Bench:
         deadline = max(gauge.ask_unit(self._journal, self._clock) for gauge in self.gauges)
         while self._clock.now() < deadline:
             self.refuse(self.receive(), "the unit was asked for")
-            if not any(gauge.outstanding for gauge in self.gauges):
+            if not any(gauge.unit_asked for gauge in self.gauges):
                 break
             self._clock.idle(deadline)
         for gauge in self.gauges:
             if gauge.unit is None and gauge.dialect.units == (None,):
                 raise no_unit(gauge)
-            gauge.outstanding = 0
+            gauge.unit_asked = False
             gauge.expect_from_now()
 
     def receive(self) -> list[Taken]:
@@ -70,6 +82,7 @@ class Bench:
                     case Reading() as reading:
                         readings.append(Taken(gauge, reading, arrival.time, arrival.stale))
                     case Garbage(reason=reason, raw=raw):
+                        self._unreadable.add(gauge.axis)
                         self.problem(gauge, "garbage", f"{reason}: {raw!r}")
                     case InstrumentFault(code=code, message=message):
                         self._faulted = True
@@ -97,17 +110,19 @@ class Bench:
         return None
 
     def drain(self, seconds: float, reason: str) -> None:
-        """Refuse what arrives for a while, and for as long as late answers may still come.
-
-        The time of a late answer is the dialect's answer time once more; `_ask` meets one that
-        comes later still as a second answer.
-        """
+        """Refuse what arrives for a while, and for as long as late answers may still come."""
         start = self._clock.now()
-        while self._clock.now() < start + max([seconds, *self._slow()]):
+        end = start + max(
+            [seconds, *(NEVER_QUIET * g.dialect.answer_time_s for g in self._owing())]
+        )
+        while (now := self._clock.now()) < end:
+            until = max([start + seconds, *(g.quiet_after(QUIET) for g in self._owing())])
+            if now >= until:
+                break
             self.refuse(self.receive(), reason)
-            self._clock.idle(start + max([seconds, *self._slow()]))
-        for gauge in self.gauges:
-            if gauge.outstanding and (dropped := gauge.forget_partial()):
+            self._clock.idle(until)
+        for gauge in self._owing():
+            if gauge.quiet_after(QUIET) <= self._clock.now() and (dropped := gauge.forgive()):
                 self.problem(gauge, "garbage", dropped.reason)
 
     def refuse(self, readings: Iterable[Taken], reason: str) -> None:
@@ -123,47 +138,67 @@ class Bench:
         self._journal.append(kind, axis=gauge.axis, message=message)
         self._tell(Problem(gauge.axis, kind, message))
 
-    def _slow(self) -> list[float]:
-        return [gauge.dialect.answer_time_s for gauge in self.gauges if gauge.outstanding]
+    def _owing(self) -> list[Gauge]:
+        return [gauge for gauge in self.gauges if gauge.outstanding]
 
     def _ask(self) -> list[Taken] | None:
-        """Ask every gauge once; a gauge that owes an answer is listened to until its time is up."""
+        """Ask every gauge once, when none owes an answer; two that differ are none."""
+        self.drain(0.0, "late, or not asked for")
         self.refuse(self.receive(), "not asked for")
+        for gauge in self._owing():
+            self.problem(gauge, "timeout", "owes an answer, and its line is never quiet")
+            return None
         self._faulted = ambiguous = False
-        owing = {gauge.axis for gauge in self.gauges if gauge.outstanding}
+        self._unreadable.clear()
+        asked = self._clock.now()
         deadline = max(gauge.ask(self._journal, self._clock) for gauge in self.gauges)
         taken: dict[str, Taken] = {}
-        while self._clock.now() < deadline and (owing or len(taken) < len(self.gauges)):
+        while self._clock.now() < (until := self._listening(taken, asked, deadline)):
             for one in self.receive():
-                axis = one.gauge.axis
-                if one.stale or axis in taken or one.gauge.of_other_channel(one.reading):
-                    self.refuse([one], _why(one, taken))
-                    ambiguous |= axis in taken and axis in owing
-                else:
-                    taken[axis] = one
+                first = taken.setdefault(one.gauge.axis, one) if _answers(one) else one
+                if first is not one or not _answers(one):
+                    self.refuse([one], _why(one))
+                    ambiguous |= _answers(one) and first.reading.text != one.reading.text
             if self._faulted:
                 self.refuse(taken.values(), "a gauge of the same cycle is at fault")
                 return None
-            self._clock.idle(deadline if len(taken) < len(self.gauges) or owing else 0.0)
-        return self._answers(taken, ambiguous=ambiguous)
+            self._clock.idle(until)
+        return self._judge(taken, asked, ambiguous=ambiguous)
 
-    def _answers(self, taken: Mapping[str, Taken], *, ambiguous: bool) -> list[Taken] | None:
+    def _listening(self, taken: Mapping[str, Taken], asked: float, deadline: float) -> float:
+        """Return until when answers, or second ones, are awaited [s]."""
+        if len(taken) < len(self.gauges) or any(gauge.doubtful for gauge in self.gauges):
+            return deadline
+        times = [max(t.gauge.slowest, t.time - asked) for t in taken.values() if t.gauge.asks]
+        return min(deadline, asked + LATER * max(times) + LINGER_S) if times else -math.inf
+
+    def _judge(
+        self, taken: Mapping[str, Taken], asked: float, *, ambiguous: bool
+    ) -> list[Taken] | None:
         silent = [gauge for gauge in self.gauges if gauge.axis not in taken]
         for gauge in silent:
+            if gauge.axis in self._unreadable:
+                gauge.outstanding = 0
             self.problem(gauge, "timeout", f"no answer in {gauge.dialect.answer_time_s:g} s")
         if silent or ambiguous:
-            why = "two answers after a missed one" if ambiguous else "another gauge is silent"
+            why = "another gauge is silent" if silent else "another answer says otherwise"
             self.refuse(taken.values(), why)
             return None
-        for gauge in self.gauges:
-            gauge.outstanding = 0
+        for one in taken.values():
+            one.gauge.slowest = max(one.gauge.slowest, one.time - asked)
+            one.gauge.doubtful = False
         return [taken[gauge.axis] for gauge in self.gauges]
 
 
-def _why(one: Taken, taken: Mapping[str, Taken]) -> str:
+def _answers(one: Taken) -> bool:
+    """Say whether the reading began after the request, and is of the channel asked for."""
+    return not one.stale and not one.gauge.of_other_channel(one.reading)
+
+
+def _why(one: Taken) -> str:
     if one.stale:
         return "begun before the request"
-    if one.gauge.axis in taken:
+    if _answers(one):
         return "a second answer to one request"
     return f"of channel {one.reading.channel}: give ?channel="
 

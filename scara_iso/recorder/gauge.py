@@ -12,7 +12,8 @@ from scara_iso.ports import Clock, Port
 from scara_iso.quantities import parse_unit
 from scara_iso.recorder.journal import Journal
 
-_LINE_END = re.compile(rb"[\r\n]")
+_LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
+"""CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,9 @@ class Gauge:
 
     ``unit`` is the one that the user, a recording or a simulation states (``unit_from``), else
     None until the indicator states it. `outstanding` counts requests that nothing answered: while
-    it is not zero, the next frame may be the answer to an earlier one.
+    it is not zero, the next frame may be the answer to an earlier one. `doubtful` holds where a
+    debt was forgiven and no answer came alone since; `slowest` is the longest time that an answer
+    took [s].
     """
 
     def __init__(
@@ -47,6 +50,9 @@ class Gauge:
         self.unit = port.unit or unit
         self.unit_from = _origin(axis, port, unit, unit_from)
         self.outstanding = 0
+        self.unit_asked = self.doubtful = False
+        self.slowest = 0.0
+        self._active = -math.inf
         self._channel: str | None = None
         self._decoder = Decoder(dialect)
         self._within_line = False
@@ -62,14 +68,14 @@ class Gauge:
         if not data:
             return []
         journal.append("in", axis=self.axis, port=self.port.address, hex=data.hex())
-        now = clock.now()
+        now = self._active = clock.now()
         arrivals: list[Arrival] = []
         if self._stale and (end := _LINE_END.search(data)):
             begun, data = data[: end.end()], data[end.end() :]
             arrivals = [Arrival(e, now, stale=True) for e in self._decoder.feed(begun)]
             self._stale = self._within_line = False
         if data:
-            self._within_line = data[-1:] not in b"\r\n"
+            self._within_line = _LINE_END.match(data[-1:]) is None
             arrivals += [Arrival(event, now) for event in self._decoder.feed(data)]
         return [self._checked(arrival) for arrival in arrivals]
 
@@ -84,8 +90,9 @@ class Gauge:
         elif self.dialect.request_line is not None:
             journal.append("out", axis=self.axis, port=self.port.address, hex=b"(pulse)".hex())
             self.port.pulse(self.dialect.request_line)
-            self.outstanding += 1
-        return clock.now() + self.dialect.answer_time_s
+        self.outstanding += self.asks
+        self._active = clock.now()
+        return self._active + self.dialect.answer_time_s
 
     def ask_unit(self, journal: Journal, clock: Clock) -> float:
         """Ask which unit the display shows, also where it was stated; as `ask`.
@@ -95,34 +102,52 @@ class Gauge:
         if self.port.unit or self.dialect.unit_request is None or self.dialect.request_line:
             return -math.inf
         self._write(self.dialect.unit_request, journal)
+        self.unit_asked = True
         return clock.now() + self.dialect.answer_time_s
 
     def expect_from_now(self) -> None:
         """Mark a line that is under way as begun too early."""
         self._stale = self._within_line
 
-    def forget_partial(self) -> Garbage | None:
-        """Drop the beginning of a line whose end never came, and return it."""
+    @property
+    def asks(self) -> bool:
+        """Whether readings are asked for; otherwise the indicator only sends by itself."""
+        return self.dialect.request is not None or self.dialect.request_line is not None
+
+    def quiet_after(self, answer_times: float) -> float:
+        """Return when the line will have been quiet for so many answer times [s]."""
+        return self._active + answer_times * self.dialect.answer_time_s
+
+    def forgive(self) -> Garbage | None:
+        """Await no answer to what was asked; drop a line whose end never came, and return it."""
+        self.outstanding = 0
+        self.doubtful = True
         self._within_line = self._stale = False
         return self._decoder.drop_partial()
 
     def _write(self, data: bytes, journal: Journal) -> None:
         journal.append("out", axis=self.axis, port=self.port.address, hex=data.hex())
         self.port.write(data)
-        self.outstanding += 1
 
     def _checked(self, arrival: Arrival) -> Arrival:
         match arrival.event:
             case Reading(unit=unit, channel=channel):
-                self.outstanding = max(0, self.outstanding - 1)
+                self._answered(arrival)
                 self._check_unit(unit)
                 self._channel = self._channel or channel
             case Notice(unit=str(unit)):
-                self.outstanding = max(0, self.outstanding - 1)
+                self.unit_asked = False
                 self._check_unit(unit)
             case InstrumentFault():
-                self.outstanding = max(0, self.outstanding - 1)
+                self._answered(arrival)
         return arrival
+
+    def _answered(self, arrival: Arrival) -> None:
+        """Count a line as the answer to what is owed; one begun too early answers nothing."""
+        if self.unit_asked:
+            self.unit_asked = False
+        elif not arrival.stale:
+            self.outstanding = max(0, self.outstanding - 1)
 
     def of_other_channel(self, reading: Reading) -> bool:
         """Say whether the reading is of another channel than the first one was."""

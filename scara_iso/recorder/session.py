@@ -134,13 +134,14 @@ class Session:
         """Wait for the trigger, then ask every gauge."""
         if not self._await_trigger():
             return
-        for _ in range(ATTEMPTS):
+        for attempt in range(ATTEMPTS):
+            if attempt:
+                self._bench.drain(RETRY_S, "late, or not asked for")
             taken = self._bench.measure(self._plan.stable)
             if taken is not None:
                 self._pressed = self._clock.now()
                 self._store([one for one in taken if one.gauge.axis not in self._present])
                 return
-            self._bench.drain(RETRY_S, "late, or not asked for")
             self._stopped |= self._ended()
             if self._stopped:
                 return
