@@ -63,6 +63,7 @@ class Script:
     def write(self, data):
         if data == b"UNI?\r" and self._shows is not None:
             self._waiting.insert(0, (self._clock.now(), self._shows))
+            self._waiting.sort()
             return
         answers = self._answer(len(self.requests)) or []
         self.requests.append(data)
@@ -103,6 +104,7 @@ def run_session(
     table="run.csv",
     metadata=None,
     tell=None,
+    attended=False,
 ):
     """Record; return what was said. ``ports`` (axis to a function of the clock) replaces them."""
     clock = clock or StreamClock(paced=False)
@@ -128,7 +130,10 @@ def run_session(
             tell(event)
 
     run_session.said = said
-    record(job, disk=disk or UnsyncedDisk(), clock=clock, operator=operator or Orders(), tell=hear)
+    record(
+        job, disk=disk or UnsyncedDisk(), clock=clock, operator=operator or Orders(), tell=hear,
+        attended=attended,
+    )  # fmt: skip
     return said
 
 

@@ -327,16 +327,18 @@ def test_pushed_readings_make_cycles_and_repeats_are_refused(tmp_path, monkeypat
     assert refusals(said) == [("0.101", "came within 0.5 s of the one before")]
 
 
-def test_a_cycle_of_two_pushed_gauges_takes_one_of_each(tmp_path, monkeypatch):
+def test_a_cycle_of_two_pushed_gauges_takes_one_of_each_the_last_of_one_that_sent_again(
+    tmp_path, monkeypatch
+):
     x = [(1.0, frame("0.101")), (2.0, frame("0.109")), (5.0, frame("0.102"))]
     y = [(3.0, b"01A+0000.501\r"), (6.0, b"01A+0000.502\r")]
     said = run_session(
         tmp_path, [OPTO, MUX_Y], trigger="data", cycles=2, monkeypatch=monkeypatch,
         ports={"X": lambda c: Script(c, pushes=x), "Y": lambda c: Script(c, pushes=y)},
     )  # fmt: skip
-    assert stored(said) == [(1, "0.101"), (2, "0.102")]
+    assert stored(said) == [(1, "0.101"), (1, "0.109"), (2, "0.102")]
     assert stored(said, "Y") == [(1, "0.501"), (2, "0.502")]
-    assert refusals(said) == [("0.109", "X already has a reading of cycle 1")]
+    assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [0.109, 0.102]
     run = read_table(tmp_path / "run.csv")
     assert run.covariates["time_s"].tolist() == [3.0, 6.0]
 
@@ -348,7 +350,7 @@ def test_a_reading_pushed_while_none_is_asked_for_is_refused(tmp_path, monkeypat
     assert refusals(said) == [("7.000", "not asked for")]
 
 
-def test_the_line_under_way_at_opening_is_refused(tmp_path, monkeypatch):
+def test_the_line_under_way_at_opening_is_noticed_and_not_taken(tmp_path, monkeypatch):
     # What follows the opening looks like a frame of its own on some dialects.
     pushes = [(0.1, b"-01"), (1.5, b"2.345\r"), (3.0, frame("0.101"))]
     said = run_session(
@@ -356,7 +358,10 @@ def test_the_line_under_way_at_opening_is_refused(tmp_path, monkeypatch):
         ports={"X": lambda c: Script(c, pushes=pushes, settle_s=0.2, shows=None)},
     )  # fmt: skip
     assert stored(said) == [(1, "0.101")]
-    assert refusals(said) == [("-12.345", "began before the session")]
+    assert refusals(said) == []
+    assert "-12.345 not taken: began before the session" in [
+        s.message for s in said if isinstance(s, Noticed)
+    ]
 
 
 def test_a_stream_gives_the_first_reading_begun_after_the_trigger(tmp_path, monkeypatch):

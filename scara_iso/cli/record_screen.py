@@ -15,6 +15,7 @@ from scara_iso.recorder import (
     Command,
     CycleDone,
     Done,
+    Gross,
     Noted,
     Noticed,
     Operator,
@@ -117,7 +118,7 @@ class Screen:
         self._stale = True
         self._redraw()
 
-    def _take(self, said: Said) -> None:  # noqa: C901 - one case for each thing said
+    def _take(self, said: Said) -> None:  # noqa: C901, PLR0912 - one case for each thing said
         match said:
             case Started():
                 self._trigger, self._cycles = said.trigger, said.cycles
@@ -135,6 +136,8 @@ class Screen:
                 self._status = (f"cycle {said.cycle} STORED{note}", "good")
             case Problem():
                 self._trouble(said.kind, f"{said.axis}: {said.message}")
+            case Gross(message=message):
+                self._trouble("gross", message)
             case Refused():
                 self._trouble("refused", f"{said.axis} {said.text} not taken: {said.reason}")
             case Voided():

@@ -108,7 +108,10 @@ def _run(job: Job, earlier: History | None, *, on_terminal: bool) -> None:
         if on_terminal:
             operator = screen = stack.enter_context(_screen(job, earlier, operator))
             tell = screen.tell
-        record(job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell)
+        record(
+            job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell,
+            attended=on_terminal and sys.stdin.isatty(),
+        )  # fmt: skip
 
 
 def _screen(job: Job, earlier: History | None, operator: Operator) -> Screen:

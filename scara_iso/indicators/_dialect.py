@@ -62,12 +62,14 @@ class InstrumentFault:
 class Notice:
     """A line that is well formed and no reading: identification, echo, status, battery.
 
-    ``unit`` is set where the line states the unit of the display (the answer to a unit request).
+    ``unit`` is set where the line states the unit of the display (the answer to a unit request);
+    ``switched_on`` where the instrument sends it only then: its zero is gone.
     """
 
     message: str
     raw: bytes
     unit: str | None = None
+    switched_on: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +160,8 @@ class Dialect:
     answer_time_s: float = 1.0
     """A request not answered in this time failed; a later answer belongs to it all the same."""
     bit_8_undefined: bool = False
+    fixed_decimals: bool = True
+    """Whether the decimals that are sent change only with unit or resolution of the display."""
     unverified: tuple[str, ...] = ()
     """What no source states: the user checks it, or sets it by option."""
 

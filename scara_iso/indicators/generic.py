@@ -42,6 +42,7 @@ def make_generic(
         compose=_composer(parse, terminator),
         terminator=terminator,
         longest_frame=_LONGEST,
+        fixed_decimals=False,
         digits=6,
         decimals=(3,),
         units=("mm", "inch") if "unit" in compiled.groupindex else (None,),

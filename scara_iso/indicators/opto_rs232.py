@@ -60,7 +60,8 @@ def _other_line(line: bytes) -> tuple[Event, ...]:
         return (InstrumentFault(text, message, line),)
     if found := _NOTICE.fullmatch(line):
         low = ": battery low" if text.upper().endswith((" B0", "BAT0")) else ""
-        return (Notice(text + low, line, UNITS[found[1].lower()] if found[1] else None),)
+        unit = UNITS[found[1].lower()] if found[1] else None
+        return (Notice(text + low, line, unit, switched_on=text.upper().startswith("SY")),)
     return ()
 
 

@@ -5,6 +5,7 @@ from scara_iso.recorder.events import (
     Command,
     CycleDone,
     Done,
+    Gross,
     Note,
     Noted,
     Noticed,
@@ -36,8 +37,8 @@ from scara_iso.recorder.spec import (
 )
 
 __all__ = [
-    "Command", "CycleDone", "Disk", "Done", "Enter", "GaugeSpec", "History", "Job", "Listen",
-    "Note", "Noted", "Noticed", "Operator", "Pause", "Paused", "Plan", "Problem", "Quit",
+    "Command", "CycleDone", "Disk", "Done", "Enter", "GaugeSpec", "Gross", "History", "Job",
+    "Listen", "Note", "Noted", "Noticed", "Operator", "Pause", "Paused", "Plan", "Problem", "Quit",
     "Refused", "Said", "Started", "Stored", "SystemDisk", "Take", "Timer", "Trigger", "Void",
     "Voided", "Waiting", "as_json", "check_manifest", "check_metadata", "manifest_path",
     "parse_gauges", "parse_metadata", "parse_trigger", "raw_path", "read_history",

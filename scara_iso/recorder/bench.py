@@ -11,6 +11,7 @@ from scara_iso.ports import Clock
 from scara_iso.recorder.events import Kind, Noticed, Problem, Refused, Said
 from scara_iso.recorder.gauge import Gauge, no_unit
 from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.shown import DisplayChangedError
 
 SETTLING_S = 10.0
 """Longest time that a value may take to settle, under the rule of equal readings [s]."""
@@ -52,24 +53,34 @@ class Bench:
         self._clock = clock
         self._tell = tell
         self._faulted = False
+        self._opening = True
         self._unreadable: set[str] = set()
         self.last_problem = ""
 
     def open(self) -> None:
         """Let powers come up, refuse what is under way, and learn the units.
 
-        Raises `UsageError` where nobody states the unit of a gauge.
+        What comes meanwhile is noticed: no trouble of the recording. Raises `UsageError` where
+        nobody states the unit of a gauge.
         """
         self.drain(max(gauge.port.settle_s for gauge in self.gauges), "sent before the session")
-        deadline = max(gauge.ask_unit(self._journal, self._clock) for gauge in self.gauges)
-        while self._clock.now() < deadline:
-            self.refuse(self.receive(), "the unit was asked for")
-            if not any(gauge.unit_asked for gauge in self.gauges):
-                break
-            self._clock.idle(deadline)
+        self.learn_units(self.gauges)
         for gauge in self.gauges:
             if gauge.unit is None and gauge.dialect.units == (None,):
                 raise no_unit(gauge)
+        self._opening = False
+        self._unreadable.clear()
+
+    def learn_units(self, gauges: Sequence[Gauge]) -> None:
+        """Ask gauges for their unit; `DisplayChangedError` where it is another than before."""
+        asked = (gauge.ask_unit(self._journal, self._clock) for gauge in gauges)
+        deadline = max(asked, default=-math.inf)
+        while self._clock.now() < deadline:
+            self.refuse(self.receive(), "the unit was asked for")
+            if not any(gauge.unit_asked for gauge in gauges):
+                break
+            self._clock.idle(deadline)
+        for gauge in gauges:
             gauge.unit_asked = False
             gauge.expect_from_now()
 
@@ -86,8 +97,11 @@ class Bench:
                         self.problem(gauge, "garbage", f"{reason}: {raw!r}")
                     case InstrumentFault(code=code, message=message):
                         self._faulted = True
+                        self._unreadable.add(gauge.axis)
                         self.problem(gauge, "fault", f"{code}: {message}")
-                    case Notice(message=message):
+                    case Notice(message=message, switched_on=on):
+                        if on and gauge.shown and not self._opening:
+                            raise _zero_gone(gauge, message)
                         self._tell(Noticed(gauge.axis, message))
         return readings
 
@@ -125,18 +139,54 @@ class Bench:
             if gauge.quiet_after(QUIET) <= self._clock.now() and (dropped := gauge.forgive()):
                 self.problem(gauge, "garbage", dropped.reason)
 
+    def doubt(self, readings: Iterable[Taken]) -> bool:
+        """Say whether a display seems changed; `DisplayChangedError` at the second such answer.
+
+        One of them may be a damaged frame, and is told.
+        """
+        for taken in readings:
+            gauge = taken.gauge
+            reason = gauge.shown.changed(taken.reading.text)
+            gauge.odd = gauge.odd + 1 if reason else 0
+            if gauge.odd > 1:
+                raise _changed(gauge, reason)
+            if reason:
+                self.problem(gauge, "changed", f"{reason}: asked again")
+        return any(taken.gauge.odd for taken in readings)
+
+    def take_damaged(self) -> list[str]:
+        """Return the axes whose line could not be read, or was a fault, since the last call."""
+        axes = sorted(self._unreadable)
+        self._unreadable.clear()
+        return axes
+
+    def suspects(self) -> list[Gauge]:
+        """Return the gauges that were silent for long, or whose last answer was odd."""
+        return [gauge for gauge in self.gauges if gauge.odd or gauge.doubtful]
+
     def refuse(self, readings: Iterable[Taken], reason: str) -> None:
         """Write down and say that these readings are not taken."""
         for taken in readings:
             axis, text = taken.gauge.axis, taken.reading.text
+            if self._opening or (taken.stale and not taken.gauge.shown):
+                self.notice(taken.gauge, f"{text} not taken: {reason}")
+                continue
             self._journal.append("refused", axis=axis, text=text, reason=reason)
             self._tell(Refused(axis, text, reason))
 
     def problem(self, gauge: Gauge, kind: Kind, message: str) -> None:
         """Write down and say that there is no reading."""
+        if self._opening:
+            self.notice(gauge, message)
+            return
         self.last_problem = f"{gauge.axis}: {message}"
         self._journal.append(kind, axis=gauge.axis, message=message)
         self._tell(Problem(gauge.axis, kind, message))
+
+    def notice(self, gauge: Gauge, message: str) -> None:
+        """Write down and say what is no trouble."""
+        self._journal.append("notice", axis=gauge.axis, message=message)
+        self._tell(Noticed(gauge.axis, message))
 
     def _owing(self) -> list[Gauge]:
         return [gauge for gauge in self.gauges if gauge.outstanding]
@@ -201,6 +251,22 @@ def _why(one: Taken) -> str:
     if _answers(one):
         return "a second answer to one request"
     return f"of channel {one.reading.channel}: give ?channel="
+
+
+def _zero_gone(gauge: Gauge, message: str) -> DisplayChangedError:
+    return DisplayChangedError(
+        f"the indicator was switched off and on ({message}): its zero is gone",
+        where=f"gauge {gauge.axis}",
+        remedy="check its unit; set the zero of before and go on with --resume, or begin anew",
+    )
+
+
+def _changed(gauge: Gauge, reason: str) -> DisplayChangedError:
+    return DisplayChangedError(
+        f"unit or resolution of the display have changed: {reason}",
+        where=f"gauge {gauge.axis}",
+        remedy="set unit, resolution and zero as they were, then go on with --resume",
+    )
 
 
 def _settled(series: Sequence[Taken]) -> bool:

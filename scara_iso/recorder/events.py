@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Literal, Protocol, TypeAlias
 
-Kind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled"]
+Kind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed"]
 """Why there is no reading."""
 
 
@@ -51,6 +51,17 @@ class CycleDone:
 
 
 @dataclass(frozen=True, slots=True)
+class Gross:
+    """A stored reading lies far from those before; ``value`` and ``distance`` in mm or degrees."""
+
+    cycle: int
+    axis: str
+    value: float
+    distance: float
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
 class Refused:
     """A valid reading that was not taken, and why."""
 
@@ -61,7 +72,7 @@ class Refused:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """No reading: the instrument's fault, garbage, no answer, or a value that does not settle."""
+    """No reading: a fault, garbage, no answer, a value that does not settle, a changed display."""
 
     axis: str
     kind: Kind
@@ -110,8 +121,8 @@ class Done:
 
 
 Said: TypeAlias = (
-    Started | Waiting | Stored | CycleDone | Refused | Problem | Noticed | Voided | Noted | Paused
-    | Done
+    Started | Waiting | Stored | Gross | CycleDone | Refused | Problem | Noticed | Voided | Noted
+    | Paused | Done
 )  # fmt: skip
 
 _NAMES = {CycleDone: "cycle", Noticed: "notice", Noted: "note"}

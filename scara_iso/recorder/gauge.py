@@ -6,11 +6,12 @@ import math
 import re
 from dataclasses import dataclass
 
-from scara_iso.errors import InstrumentError, UsageError
+from scara_iso.errors import UsageError
 from scara_iso.indicators import Decoder, Dialect, Event, Garbage, InstrumentFault, Notice, Reading
 from scara_iso.ports import Clock, Port
 from scara_iso.quantities import parse_unit
 from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.shown import DisplayChangedError, Shown
 
 _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
 """CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
@@ -32,7 +33,7 @@ class Gauge:
     None until the indicator states it. `outstanding` counts requests that nothing answered: while
     it is not zero, the next frame may be the answer to an earlier one. `doubtful` holds where a
     debt was forgiven and no answer came alone since; `slowest` is the longest time that an answer
-    took [s].
+    took [s]; `odd` counts the latest answers of a display that seems to have changed.
     """
 
     def __init__(
@@ -52,6 +53,8 @@ class Gauge:
         self.outstanding = 0
         self.unit_asked = self.doubtful = False
         self.slowest = 0.0
+        self.shown = Shown(fixed_decimals=dialect.fixed_decimals)
+        self.odd = 0
         self._active = -math.inf
         self._channel: str | None = None
         self._decoder = Decoder(dialect)
@@ -61,8 +64,8 @@ class Gauge:
     def receive(self, journal: Journal, clock: Clock) -> list[Arrival]:
         """Return the events of what has arrived, at once.
 
-        Raises `InstrumentError` where the port is lost or the unit is another than before, and
-        `UsageError` for a reading whose unit nobody states.
+        Raises `InstrumentError` where the port is lost, `DisplayChangedError` where the unit
+        is another than before, and `UsageError` for a reading whose unit nobody states.
         """
         data = self.port.read()
         if not data:
@@ -156,7 +159,7 @@ class Gauge:
     def _check_unit(self, stated: str | None) -> None:
         stated = stated and parse_unit(stated).name
         if stated and self.unit not in (None, stated):
-            raise InstrumentError(
+            raise DisplayChangedError(
                 f"the indicator shows {stated}, and {self.unit_from or 'it'} said {self.unit}",
                 where=f"gauge {self.axis}",
                 remedy="set the indicator or the option right; check readings already stored",

@@ -38,6 +38,7 @@ class Column:
         self.dimension: Dimension | None = None
         self.unit: str | None = None
         """What the indicator showed last."""
+        self.shown: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
         self.resolution = 0.0
         """The coarsest that was sent: never states more than every reading holds."""
 
@@ -55,11 +56,13 @@ class Column:
         count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
         self.resolution = max(self.resolution, size.to_base(count))
         self.dimension, self.unit = size.dimension, unit
+        self.shown.append((cycle, text))
 
     def void(self, cycle: int) -> None:
         """Strike out the reading of a cycle."""
         if cycle <= len(self.values):
             self.values[cycle - 1] = math.nan
+            self.shown = deque((one for one in self.shown if one[0] != cycle), maxlen=VOIDABLE)
 
     def __contains__(self, cycle: int) -> bool:
         return cycle <= len(self.values) and not math.isnan(self.values[cycle - 1])

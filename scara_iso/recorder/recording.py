@@ -24,7 +24,8 @@ from scara_iso.recorder.history import History, read_history
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.manifest import check_manifest, manifest_path, raw_path, write_manifest
 from scara_iso.recorder.plan import Listen, Plan
-from scara_iso.recorder.session import Position, Session
+from scara_iso.recorder.position import Position
+from scara_iso.recorder.session import Session
 from scara_iso.recorder.spec import GaugeSpec
 
 
@@ -50,11 +51,13 @@ def record(
     clock: Clock,
     operator: Operator,
     tell: Callable[[Said], None],
+    attended: bool = False,
 ) -> None:
     """Record a job and write its table, however the session ends.
 
     After a `WriteError` the table is not written: the raw file holds every announced reading.
-    Raises what `Session.run` raises, and `CannotCreateError` where files are there already.
+    ``attended`` says that the operator can answer a question. Raises what `Session.run` raises,
+    and `CannotCreateError` where files are there already.
     Nothing is left behind where no reading was stored.
     """
     with ExitStack() as stack:
@@ -69,7 +72,7 @@ def record(
             gauges = _begin(job, ports, earlier, journal)
             Session(
                 gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
-                position=Position.after(earlier),
+                position=Position.after(earlier), attended=attended,
             ).run()  # fmt: skip
         except WriteError:
             raise

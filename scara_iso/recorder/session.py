@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
 
 from scara_iso.errors import InstrumentError
 from scara_iso.ports import Clock
@@ -24,6 +24,7 @@ from scara_iso.recorder.events import (
     Operator,
     Pause,
     Paused,
+    Problem,
     Quit,
     Said,
     Started,
@@ -34,27 +35,16 @@ from scara_iso.recorder.events import (
     Waiting,
 )
 from scara_iso.recorder.gauge import Gauge
-from scara_iso.recorder.history import VOIDABLE, History
+from scara_iso.recorder.history import VOIDABLE
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import Enter, Listen, Plan, Timer
+from scara_iso.recorder.position import Position
+from scara_iso.recorder.shown import DisplayChangedError, gross_reading
+from scara_iso.recorder.visits import Visits
 
 ATTEMPTS = 3
 """How often a gauge is asked for one cycle before the session gives up."""
 RETRY_S = 0.2
-
-
-@dataclass(frozen=True, slots=True)
-class Position:
-    """Where a session begins: the cycle, the axes that have it, and what may be voided."""
-
-    cycle: int = 1
-    present: frozenset[str] = frozenset()
-    latest: tuple[tuple[int, str], ...] = ()
-
-    @classmethod
-    def after(cls, history: History) -> Position:
-        """Return where a recording goes on."""
-        return cls(history.cycle, history.present(history.cycle), tuple(history.latest))
 
 
 class Session:
@@ -62,7 +52,8 @@ class Session:
 
     `run` raises `InstrumentError` where a port is lost, a gauge stays silent or a unit changes,
     `UsageError` where a unit is unknown, and `WriteError` where the disk fails. ``tell`` hears of
-    a stored reading only when it is on the disk.
+    a stored reading only when it is on the disk. Where the unit or the zero of a gauge is lost, who
+    sits at the terminal (``attended``) is asked; otherwise it is an `InstrumentError`.
     """
 
     def __init__(
@@ -75,8 +66,14 @@ class Session:
         operator: Operator,
         tell: Callable[[Said], None],
         position: Position,
+        attended: bool = False,
     ) -> None:
-        self._gauges = gauges
+        self._gauges = {gauge.axis: gauge for gauge in gauges}
+        for axis, gauge in self._gauges.items():
+            for cycle, text in position.shown.get(axis, ()):
+                gauge.shown.put(cycle, text)
+        self._attended = attended
+        self._visits = Visits(self._gauges, present=position.present, timed=plan.rearm_s > 0)
         self._bench = Bench(gauges, journal=journal, clock=clock, tell=tell)
         self._plan = plan
         self._journal = journal
@@ -93,22 +90,41 @@ class Session:
 
     def run(self) -> None:
         """Record."""
-        gauges = {g.axis: f"{g.dialect.key} at {g.port.identity}" for g in self._gauges}
+        gauges = {a: f"{g.dialect.key} at {g.port.identity}" for a, g in self._gauges.items()}
         self._tell(Started(gauges, self._cycle, self._plan.cycles, str(self._plan.trigger)))
         self._bench.open()
         self._due = self._clock.now()
         self._say_waiting()
         step = self._listen if isinstance(self._plan.trigger, Listen) else self._attend
         while self._cycle <= self._plan.cycles and not self._stopped:
-            step()
+            try:
+                step()
+            except DisplayChangedError as change:
+                self._ask_what_to_do(change)
+
+    def _ask_what_to_do(self, change: DisplayChangedError) -> None:
+        """Pause until somebody put a gauge right; raise where nobody is there."""
+        axis = change.where.removeprefix("gauge ")
+        question = f"{change.what}; put it right, then p goes on, or q ends"
+        self._journal.append("changed", axis=axis, message=change.what)
+        self._journal.sync()
+        if not self._attended:
+            raise change
+        self._paused = True
+        self._tell(Paused(True))
+        self._tell(Problem(axis, "changed", question))
+        for gauge in self._gauges.values():
+            gauge.odd = 0
 
     def _listen(self) -> None:
         """Take what comes by itself."""
         arrivals = self._bench.receive()
+        for axis in self._bench.take_damaged():
+            self._hear(axis, self._clock.now(), whole=False)
         for taken in arrivals:
-            if reason := self._why_not(taken):
+            if reason := self._why_not(taken) or self._hear(taken.gauge.axis, taken.time):
                 self._bench.refuse([taken], reason)
-            else:
+            elif not self._bench.doubt([taken]):
                 self._store([taken])
         self._obey(self._operator.poll())
         if not arrivals:
@@ -125,10 +141,16 @@ class Session:
             "paused": self._paused,
             "began before the session": taken.stale,
             f"of channel {channel}: give ?channel=": gauge.of_other_channel(taken.reading),
-            f"{axis} already has a reading of cycle {self._cycle}": axis in self._present,
             f"came within {self._plan.rearm_s:g} s of the one before": elapsed < self._plan.rearm_s,
         }
         return next((reason for reason, holds in reasons.items() if holds), "")
+
+    def _hear(self, axis: str, time: float, *, whole: bool = True) -> str:
+        """Strike what is of another visit than a frame; return why it is not to be taken itself."""
+        heard = self._visits.hear(axis, time, whole=whole)
+        if heard.broken and self._present:
+            self._strike(self._cycle, sorted(self._present), f"{heard.broken}: cycle asked again")
+        return f"the frame of {heard.spoilt} was damaged: send all again" if heard.spoilt else ""
 
     def _attend(self) -> None:
         """Wait for the trigger, then ask every gauge."""
@@ -137,8 +159,9 @@ class Session:
         for attempt in range(ATTEMPTS):
             if attempt:
                 self._bench.drain(RETRY_S, "late, or not asked for")
+                self._bench.learn_units(self._bench.suspects())
             taken = self._bench.measure(self._plan.stable)
-            if taken is not None:
+            if taken is not None and not self._bench.doubt(taken):
                 self._pressed = self._clock.now()
                 self._store([one for one in taken if one.gauge.axis not in self._present])
                 return
@@ -180,12 +203,14 @@ class Session:
 
     def _store(self, readings: Sequence[Taken]) -> None:
         """Write readings of the cycle, make them safe, and only then say so."""
-        stored = []
+        stored, gross = [], []
         for taken in readings:
             gauge, text = taken.gauge, taken.reading.text
             unit = taken.reading.unit or gauge.unit or ""
             value = parse_unit(unit).read(text)
             stored.append(Stored(self._cycle, gauge.axis, value, text, unit))
+            if distance := gauge.shown.far(text):
+                gross.append(gross_reading(stored[-1], distance))
             self._journal.append(
                 "stored", cycle=self._cycle, axis=gauge.axis, text=text, unit=unit,
                 at=round(taken.time, 6),
@@ -194,20 +219,24 @@ class Session:
         self._journal.sync()
         for said in stored:
             self._present.add(said.axis)
+            self._gauges[said.axis].shown.put(said.cycle, said.text)
             self._latest.append((said.cycle, said.axis))
             self._tell(said)
         if len(self._present) == len(self._gauges):
             self._tell(CycleDone(self._cycle, discarded=self._cycle == 1))
             self._cycle += 1
             self._present.clear()
+        for found in gross:
+            self._tell(found)
         self._say_waiting()
 
     def _ended(self) -> bool:
-        return any(g.port.ended and g.axis not in self._present for g in self._gauges)
+        gauges = self._gauges.items()
+        return any(g.port.ended and axis not in self._present for axis, g in gauges)
 
     def _say_waiting(self) -> None:
         if self._cycle <= self._plan.cycles:
-            missing = tuple(g.axis for g in self._gauges if g.axis not in self._present)
+            missing = tuple(axis for axis in self._gauges if axis not in self._present)
             self._tell(Waiting(self._cycle, missing))
 
     def _obey(self, command: Command | None) -> bool:
@@ -247,10 +276,18 @@ class Session:
         together = not isinstance(self._plan.trigger, Listen)
         while together and self._latest and self._latest[-1][0] == cycle:
             axes.append(self._latest.pop()[1])
+        self._strike(cycle, axes, reason)
+
+    def _strike(self, cycle: int, axes: Sequence[str], reason: str) -> None:
+        for axis in axes:
+            with suppress(ValueError):
+                self._latest.remove((cycle, axis))
         self._journal.append("void", cycle=cycle, axes=axes, reason=reason)
         self._journal.sync()
         if cycle != self._cycle:
-            self._cycle, self._present = cycle, {gauge.axis for gauge in self._gauges}
+            self._cycle, self._present = cycle, set(self._gauges)
         self._present -= set(axes)
+        for axis in axes:
+            self._gauges[axis].shown.void(cycle)
         self._tell(Voided(cycle, tuple(axes), reason))
         self._say_waiting()

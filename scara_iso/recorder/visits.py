@@ -1,0 +1,78 @@
+"""Which readings that come by themselves are of one visit of the pose.
+
+In a visit every gauge speaks once. One that speaks again has begun the next; so has one that
+comes after half the time that lies between two visits. A damaged frame spoils its visit.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from statistics import median
+
+_GAPS = 31
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What a frame means: ``broken`` says why the visit before it stays without its readings.
+
+    ``spoilt`` is the gauge whose frame of this visit was damaged, or nothing.
+    """
+
+    broken: str
+    spoilt: str
+
+
+class Visits:
+    """Follows gauges that send by themselves; ``timed`` where the time between frames counts."""
+
+    def __init__(self, axes: Iterable[str], *, present: Iterable[str], timed: bool) -> None:
+        self._axes = frozenset(axes)
+        self._spoke = set(present)
+        self._timed = timed
+        self._began = 0.0
+        self._spoilt = ""
+        self._last: dict[str, tuple[float, set[str]]] = {}
+        self._gaps: deque[float] = deque(maxlen=_GAPS)
+
+    def hear(self, axis: str, time: float, *, whole: bool) -> Heard:
+        """Take a frame of a gauge, ``whole`` or damaged, at ``time`` [s]."""
+        self._measure(axis, time)
+        broken = self._next_visit(axis, time)
+        if broken:
+            self._end()
+        if not self._spoke:
+            self._began = time
+        self._spoke.add(axis)
+        if not whole:
+            self._spoilt = axis
+            broken = broken or f"the frame of {axis} was damaged"
+        heard = Heard(broken, self._spoilt)
+        if self._spoke == self._axes:
+            self._end()
+        return heard
+
+    def _next_visit(self, axis: str, time: float) -> str:
+        if axis in self._spoke:
+            missing = ", ".join(sorted(self._axes - self._spoke))
+            return f"{axis} has sent again, and {missing} had sent none"
+        half = median(self._gaps) / 2 if self._gaps else 0.0
+        if self._timed and self._spoke and 0 < half < time - self._began:
+            return f"{axis} came {time - self._began:.1f} s later, as of the next visit"
+        return ""
+
+    def _measure(self, axis: str, time: float) -> None:
+        """Take the time since the last frame of the gauge, if every other one spoke between."""
+        before, others = self._last.get(axis, (0.0, set()))
+        if others == self._axes - {axis} and others:
+            self._gaps.append(time - before)
+        for name, (_, spoke) in self._last.items():
+            if name != axis:
+                spoke.add(axis)
+        self._last[axis] = (time, set())
+
+    def _end(self) -> None:
+        self._spoke.clear()
+        self._spoilt = ""

@@ -1,0 +1,203 @@
+"""What a display showed before, and sessions on indicators whose unit or zero is lost."""
+
+import pytest
+from bench import Orders, Script, kept, run_session, stored
+
+from scara_iso import read_table
+from scara_iso.errors import InstrumentError
+from scara_iso.ports import StreamClock
+from scara_iso.recorder import Gross, Pause, Paused, Problem, Quit, as_json
+from scara_iso.recorder.shown import Shown
+
+OPTO = "X=opto-rs232?unit=mm@script"
+MUX = "X=mitutoyo-mux?unit=mm@script"
+
+
+def shown(*texts, fixed=True):
+    made = Shown(fixed_decimals=fixed)
+    for cycle, text in enumerate(texts, 1):
+        made.put(cycle, text)
+    return made
+
+
+STEADY = ("0.812", "0.815", "0.811", "0.813", "0.814")
+
+
+@pytest.mark.parametrize("text", ["0.03197", "0.81", "81.2345"])
+def test_another_number_of_decimals_is_a_display_that_changed(text):
+    assert "decimals" in shown(*STEADY).changed(text)
+
+
+@pytest.mark.parametrize("text", ["0.032", "20.640", "0.033"])
+def test_a_step_by_25_4_is_a_unit_that_changed(text):
+    assert "25.4" in shown(*STEADY).changed(text)
+
+
+@pytest.mark.parametrize("text", ["0.812", "0.900", "0.100", "-0.812", "5.812", "0.000", "-0.032"])
+def test_other_values_are_no_change_of_display(text):
+    assert shown(*STEADY).changed(text) == ""
+
+
+@pytest.mark.parametrize(
+    "texts", [(), ("0.001", "-0.002", "0.001", "0.002"), ("0.1", "5.0", "0.2")]
+)
+def test_near_zero_or_without_a_level_no_step_is_a_unit(texts):
+    assert shown(*texts).changed("0.051" if len(texts) == 4 else "2.5") == ""
+
+
+def test_a_pattern_of_the_user_may_drop_zeros():
+    assert shown("0.51", "0.512", fixed=False).changed("0.5") == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "away"), [("5.812", "5"), ("0.816", None), ("0.700", "0.1"), ("-0.813", "1.6")]
+)
+def test_how_far_a_gross_reading_is_from_the_others(text, away):
+    found = shown("9.999", *STEADY).far(text)
+    assert (found and f"{found:.1g}" if away in ("5", "0.1") else found and f"{found:.2g}") == away
+
+
+def test_struck_readings_are_no_others():
+    made = shown("0.8", *STEADY)
+    for cycle in range(2, 7):
+        made.void(cycle)
+    assert made.far("5.812") is None
+
+
+def frames(*values, key="opto"):
+    """Answer the k-th request with the k-th frame, as an indicator of six or eight characters."""
+    ends = {"opto": "+{:0>7}\r", "mux": "01A+{:0>8}\r"}[key]
+    return lambda k: [(0.02, ends.format(values[k]).encode())] if k < len(values) else []
+
+
+MM = [f"0.8{n}" for n in range(11, 20)]
+INCH = [f"0.0320{n}" for n in range(9)]
+
+
+@pytest.mark.parametrize("inch", [INCH, ["0.032"] * 9])
+@pytest.mark.parametrize(("gauge", "key"), [(OPTO, "opto"), (MUX, "mux")])
+def test_a_unit_lost_in_mid_run_stops_the_recording(tmp_path, monkeypatch, inch, gauge, key):
+    with pytest.raises(InstrumentError, match="unit"):
+        run_session(
+            tmp_path, [gauge], cycles=20, monkeypatch=monkeypatch,
+            ports={"X": lambda c: Script(c, answer=frames(*MM, *inch, key=key))},
+        )  # fmt: skip
+    assert list(kept(tmp_path).values()) == [float(text) for text in MM]
+    assert len(read_table(tmp_path / "run.csv")) == 9
+    assert '"event":"changed"' in (tmp_path / "run.raw.jsonl").read_text()
+
+
+@pytest.mark.parametrize("odd", ["0.0320", "0.032"])
+def test_one_odd_frame_is_refused_and_asked_again(tmp_path, monkeypatch, odd):
+    said = run_session(
+        tmp_path, [OPTO], cycles=10, monkeypatch=monkeypatch,
+        ports={"X": lambda c: Script(c, answer=frames(*MM, odd, "0.820"))},
+    )  # fmt: skip
+    assert stored(said)[-1] == (10, "0.820")
+    assert [s.kind for s in said if isinstance(s, Problem)] == ["changed"]
+
+
+class Turns(Script):
+    """A gauge whose unit request is answered by the next of ``units``, the last one for ever."""
+
+    units = (b"MM\r",)
+
+    def write(self, data):
+        if data == b"UNI?\r":
+            self._shows, *rest = self.units
+            self.units = tuple(rest) or self.units
+        super().write(data)
+
+
+def test_the_unit_is_asked_for_where_an_answer_is_odd(tmp_path, monkeypatch):
+    def make(clock):
+        port = Turns(clock, answer=frames(*MM, "0.0320", "0.820", "0.821"))
+        port.units = (b"MM\r", b"IN\r")
+        return port
+
+    with pytest.raises(InstrumentError, match="shows inch"):
+        run_session(tmp_path, [OPTO], cycles=20, monkeypatch=monkeypatch, ports={"X": make})
+    assert len(kept(tmp_path)) == 9
+
+
+@pytest.mark.parametrize("reply", [b"ERR1\r", b"+000.812\r", b"?\r", b""])
+def test_an_answer_that_is_no_unit_proves_nothing(tmp_path, monkeypatch, reply):
+    for resume, cycles in ((False, 3), (True, 6)):
+        said = run_session(
+            tmp_path, [OPTO], cycles=cycles, monkeypatch=monkeypatch, resume=resume,
+            ports={"X": lambda c: Script(c, answer=frames(*MM), shows=reply)},
+        )  # fmt: skip
+    assert [cycle for cycle, _ in stored(said)] == [4, 5, 6]
+
+
+def test_an_indicator_that_was_switched_off_and_on_has_lost_its_zero(tmp_path, monkeypatch):
+    banner = [(2.5, b"SY270.101\r")]
+    with pytest.raises(InstrumentError, match="zero"):
+        run_session(
+            tmp_path, [OPTO], cycles=9, monkeypatch=monkeypatch,
+            ports={"X": lambda c: Script(c, answer=frames(*MM), pushes=banner)},
+        )  # fmt: skip
+    assert len(kept(tmp_path)) == 3
+    assert "zero" in (tmp_path / "run.raw.jsonl").read_text()
+
+
+@pytest.mark.parametrize("trigger", ["timer:1", "data"])
+def test_switched_on_before_the_first_reading_harms_nothing(tmp_path, monkeypatch, trigger):
+    pushes = [(0.1, b"SY270.101\r"), *[(1.0 + k, b"+000.812\r") for k in range(3)]]
+    said = run_session(
+        tmp_path, [OPTO], monkeypatch=monkeypatch, trigger=trigger,
+        ports={"X": lambda c: Script(c, answer=frames(*MM), pushes=pushes, settle_s=0.5)},
+    )  # fmt: skip
+    assert len(stored(said)) == 3
+
+
+def test_whoever_sits_at_the_terminal_is_asked(tmp_path, monkeypatch):
+    said = run_session(
+        tmp_path, [OPTO], cycles=10, monkeypatch=monkeypatch, attended=True,
+        operator=Orders(*[None] * 40, Pause(), *[None] * 10, Quit()),
+        ports={"X": lambda c: Script(c, answer=frames(*MM, *INCH[:2], "0.820"))},
+    )  # fmt: skip
+    paused = next(k for k, s in enumerate(said) if s == Paused(True))
+    assert "put it right" in said[paused + 1].message
+    assert stored(said)[-1] == (10, "0.820")
+
+
+def test_resume_holds_the_display_against_the_session_before(tmp_path, monkeypatch):
+    def take(*values, cycles):
+        return run_session(
+            tmp_path, [OPTO], cycles=cycles, monkeypatch=monkeypatch, resume=cycles > 9,
+            ports={"X": lambda c: Script(c, answer=frames(*values))},
+        )  # fmt: skip
+
+    take(*MM, cycles=9)
+    with pytest.raises(InstrumentError, match="unit"):
+        take(*INCH, cycles=12)
+    assert [cycle for cycle, _ in stored(take(*MM, cycles=12))] == [10, 11, 12]
+
+
+def test_a_gross_reading_is_said_when_it_comes(tmp_path, monkeypatch):
+    said = run_session(
+        tmp_path, [OPTO], cycles=8, monkeypatch=monkeypatch,
+        ports={"X": lambda c: Script(c, answer=frames("0.800", *STEADY, "5.813", "0.812"))},
+    )  # fmt: skip
+    (gross,) = [s for s in said if isinstance(s, Gross)]
+    assert as_json(gross) == {
+        "event": "gross", "cycle": 7, "axis": "X", "value": 5.813, "distance": 5.0,
+        "message": "X 5.813 mm of cycle 7 is 5 mm from the others; v strikes it",
+    }  # fmt: skip
+    assert stored(said)[6] == (7, "5.813")
+
+
+def test_what_comes_before_the_first_cycle_is_a_notice(tmp_path, monkeypatch):
+    pushes = [(0.1, b"+000.5x0\r"), (0.2, b"+000.500\r"), (0.3, b"ERR1\r"), (0.45, b"+00"),
+              (1.5, b"0.700\r"), (3.0, b"+000.812\r")]  # fmt: skip
+    clock = StreamClock(paced=False)
+    said = run_session(
+        tmp_path, [OPTO], cycles=1, monkeypatch=monkeypatch, trigger="data", clock=clock,
+        ports={"X": lambda c: Script(c, pushes=pushes, settle_s=0.5, shows=None)},
+    )  # fmt: skip
+    names = [as_json(s)["event"] for s in said]
+    assert names.count("notice") == 4
+    assert not {"refused", "garbage", "fault", "timeout"} & set(names)
+    assert stored(said) == [(1, "0.812")]
+    assert "record_refused" not in read_table(tmp_path / "run.csv").metadata

@@ -1,0 +1,104 @@
+"""Readings that come by themselves: every row of the table is of one visit."""
+
+import random
+
+import pytest
+from bench import Orders, Script, run_session, stored
+
+from scara_iso import read_table
+from scara_iso.errors import InstrumentError
+from scara_iso.ports import StreamClock
+from scara_iso.recorder import Quit, Voided
+from scara_iso.recorder.visits import Visits
+
+GAUGES = {
+    "X": "X=opto-rs232?unit=mm@a",
+    "Y": "Y=opto-rs232?unit=mm@b",
+    "Z": "Z=opto-rs232?unit=mm@c",
+}
+
+
+def line(pose):
+    return b"+000.%03d\r" % (100 + pose)
+
+
+def sent(axis, poses, *, delay, damaged=(), missing=()):
+    """Return what a gauge sends: the number of the pose, 5 s apart."""
+    return [
+        (5.0 * pose + delay, b"+000.#03\r" if (axis, pose) in damaged else line(pose))
+        for pose in range(1, poses + 1)
+        if (axis, pose) not in missing
+    ]
+
+
+def record(tmp_path, monkeypatch, poses, delays, **faults):
+    ports = {
+        axis: lambda c, a=axis: Script(c, pushes=sent(a, poses, delay=delays[a], **faults))
+        for axis in delays
+    }
+
+    class UntilQuiet(Orders):
+        def poll(self):
+            return Quit() if clock.now() > 5.0 * poses + 60 else None
+
+    clock = StreamClock(paced=False)
+    clock.watch(lambda: 5.0 * poses + 61)
+    return run_session(
+        tmp_path, [GAUGES[axis] for axis in delays], ports=ports, trigger="data", clock=clock,
+        cycles=31, monkeypatch=monkeypatch, operator=UntilQuiet(),
+    )  # fmt: skip
+
+
+def poses_of(tmp_path):
+    run = read_table(tmp_path / "run.csv")
+    columns = [axis.readings.tolist() for axis in run.axes.values()]
+    assert all(len(set(row)) == 1 for row in zip(*columns, strict=True))
+    return [round(value * 1000) - 100 for value in columns[0]]
+
+
+@pytest.mark.parametrize(
+    "delays", [{"X": 0.0, "Y": 1.0}, {"X": 1.0, "Y": 0.0}, {"X": 0.0, "Y": 0.0}]
+)
+@pytest.mark.parametrize("axis", ["X", "Y"])
+def test_one_damaged_frame_mixes_no_poses(tmp_path, monkeypatch, delays, axis):
+    record(tmp_path, monkeypatch, 6, delays, damaged={(axis, 3)})
+    assert poses_of(tmp_path) == [1, 2, 4, 5, 6]
+
+
+@pytest.mark.parametrize("delays", [{"X": 0.0, "Y": 1.0}, {"X": 1.0, "Y": 0.0}])
+@pytest.mark.parametrize("axis", ["X", "Y"])
+def test_one_missing_frame_mixes_no_poses(tmp_path, monkeypatch, delays, axis):
+    said = record(tmp_path, monkeypatch, 6, delays, missing={(axis, 3)})
+    assert poses_of(tmp_path) == [1, 2, 4, 5, 6]
+    assert [v.cycle for v in said if isinstance(v, Voided)] == [3]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_any_faults_of_three_gauges_mix_no_poses(tmp_path, monkeypatch, seed):
+    rng = random.Random(seed)  # noqa: S311 - faults, not secrets
+    delays = {axis: round(rng.uniform(0, 1.5), 2) for axis in GAUGES}
+    each = [(axis, pose) for axis in GAUGES for pose in range(3, 30)]
+    faults = rng.sample(each, 8)
+    try:
+        record(tmp_path, monkeypatch, 30, delays, damaged=set(faults[:4]), missing=set(faults[4:]))
+    except InstrumentError:
+        pytest.fail("no cycle at all")
+    poses = poses_of(tmp_path)
+    assert len(poses) >= 30 - len({pose for _, pose in faults}) - 4
+
+
+def test_a_damaged_frame_sent_again_asks_for_all_again(tmp_path, monkeypatch):
+    x = [(5.0, line(1)), (10.0, line(2)), (12.0, line(2))]
+    y = [(5.5, line(1)), (10.5, b"+00\r"), (11.5, line(2))]
+    said = run_session(
+        tmp_path, [GAUGES["X"], GAUGES["Y"]], trigger="data", cycles=2, monkeypatch=monkeypatch,
+        ports={"X": lambda c: Script(c, pushes=x), "Y": lambda c: Script(c, pushes=y)},
+    )  # fmt: skip
+    assert poses_of(tmp_path) == [1, 2]
+    assert stored(said, "X") == [(1, "0.101"), (2, "0.102"), (2, "0.102")]
+
+
+def test_one_gauge_alone_breaks_nothing():
+    visits = Visits("X", present=(), timed=True)
+    for time in (1.0, 2.0, 9.0):
+        assert visits.hear("X", time, whole=True).broken == ""
