@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import time
+from pathlib import Path
 from typing import Any
 
 import serial
@@ -27,6 +29,9 @@ _NOT_OPENED: tuple[type[Exception], ...] = (*_LOST, ValueError)
 SETTLE_S = 0.15
 """Power of an opto cable comes up, and a frame under way at opening ends, in this time [s]."""
 _CHUNK = 4096
+_PSEUDO = re.compile(r"/dev/(?:pts/|ttys)\d+")
+"""Pseudo-terminals of Linux and macOS: no line, so no parity and always eight bits."""
+_CANNOT_DO = 22
 
 
 class DevicePort:
@@ -45,8 +50,9 @@ class DevicePort:
         self.identity = describe(address)
         self._serial = _prepare(address, line)
         try:
-            self._serial.open()
+            self.identity += _open(self._serial, address, line)
             _exclude_others(self._serial)
+            _check_parity(self._serial, line)
         except _NOT_OPENED as error:
             self.close()
             raise _cannot_open(address, line, error) from error
@@ -110,6 +116,36 @@ def _prepare(address: str, line: LineSettings) -> Any:
     return port
 
 
+def _open(port: Any, address: str, line: LineSettings) -> str:
+    """Open; return what is to be said of it: a pseudo-terminal may refuse what has no meaning."""
+    try:
+        port.open()
+    except _NOT_OPENED as error:
+        if _code(error) != _CANNOT_DO or not _PSEUDO.fullmatch(str(Path(address).resolve())):
+            raise
+        port.bytesize, port.parity, port.stopbits = 8, "N", 1
+        port.open()
+        return f" (a pseudo-terminal, which cannot do {line}: 8N1)"
+    return ""
+
+
+def _check_parity(port: Any, line: LineSettings) -> None:
+    """Have the driver mark bytes of a wrong parity (0xFF 0x00 before them): no frame holds those.
+
+    pyserial sets the parity and never checks it. A break is no byte.
+    """
+    if termios is None or line.parity == "N" or not isinstance(port, serial.Serial):
+        return
+    settings = termios.tcgetattr(port.fileno())
+    settings[0] |= termios.INPCK | termios.PARMRK | termios.IGNBRK
+    settings[0] &= ~(termios.IGNPAR | termios.ISTRIP)
+    termios.tcsetattr(port.fileno(), termios.TCSANOW, settings)
+
+
+def _code(error: Exception) -> object:
+    return getattr(error, "errno", None) or (error.args[0] if error.args else None)
+
+
 def _exclude_others(port: Any) -> None:
     """Keep out programs that ask for no lock: the lock of pyserial is advisory."""
     if termios is not None and isinstance(port, serial.Serial):
@@ -117,8 +153,7 @@ def _exclude_others(port: Any) -> None:
 
 
 def _cannot_open(address: str, line: LineSettings, error: Exception) -> InstrumentError:
-    code = getattr(error, "errno", None) or (error.args[0] if error.args else None)
-    match code:
+    match _code(error):
         case 2:
             remedy = "`scara-iso ports` lists the ports that are there"
         case 13:
