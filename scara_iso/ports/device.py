@@ -50,9 +50,9 @@ class DevicePort:
         self.identity = describe(address)
         self._serial = _prepare(address, line)
         try:
-            self.identity += _open(self._serial, address, line)
+            _open(self._serial, address)
             _exclude_others(self._serial)
-            _check_parity(self._serial, line)
+            self.identity += _check_parity(self._serial, line)
         except _NOT_OPENED as error:
             self.close()
             raise _cannot_open(address, line, error) from error
@@ -116,8 +116,8 @@ def _prepare(address: str, line: LineSettings) -> Any:
     return port
 
 
-def _open(port: Any, address: str, line: LineSettings) -> str:
-    """Open; return what is to be said of it: a pseudo-terminal may refuse what has no meaning."""
+def _open(port: Any, address: str) -> None:
+    """Open; a pseudo-terminal may refuse a parity, which has no meaning there."""
     try:
         port.open()
     except _NOT_OPENED as error:
@@ -125,21 +125,23 @@ def _open(port: Any, address: str, line: LineSettings) -> str:
             raise
         port.bytesize, port.parity, port.stopbits = 8, "N", 1
         port.open()
-        return f" (a pseudo-terminal, which cannot do {line}: 8N1)"
-    return ""
 
 
-def _check_parity(port: Any, line: LineSettings) -> None:
+def _check_parity(port: Any, line: LineSettings) -> str:
     """Have the driver mark bytes of a wrong parity (0xFF 0x00 before them): no frame holds those.
 
-    pyserial sets the parity and never checks it. A break is no byte.
+    pyserial sets the parity and never checks it. A break is no byte. Returns what is to be said
+    where the device has no parity.
     """
     if termios is None or line.parity == "N" or not isinstance(port, serial.Serial):
-        return
+        return ""
     settings = termios.tcgetattr(port.fileno())
+    if not settings[2] & termios.PARENB:
+        return f" (a pseudo-terminal: {line} is not set, no parity is checked)"
     settings[0] |= termios.INPCK | termios.PARMRK | termios.IGNBRK
     settings[0] &= ~(termios.IGNPAR | termios.ISTRIP)
     termios.tcsetattr(port.fileno(), termios.TCSANOW, settings)
+    return ""
 
 
 def _code(error: Exception) -> object:
