@@ -1,8 +1,9 @@
 """A recorded stream as a port: ``replay:FILE``, a file of bytes or a raw file of ``record``.
 
-What was recorded after a request is sent after the same request; what came by itself comes at
-its recorded time. A file of bytes has no times: its lines come one second apart, or one for each
-request.
+A raw file gives the readings of its table again, at their recorded times or one for each request:
+not what was struck out, refused, or sent before the first cycle. Where none was stored, what was
+recorded after a request is sent after the same request, and what came by itself at its recorded
+time. A file of bytes has no times: its lines come one second apart, or one for each request.
 """
 
 from __future__ import annotations
@@ -16,10 +17,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from scara_iso.errors import DataError, NoInputError, UsageError
-from scara_iso.indicators import Dialect, LinePulse
+from scara_iso.indicators import Decoder, Dialect, LinePulse, Reading
 from scara_iso.ports.clock import Clock, StreamClock
 from scara_iso.ports.port import split_options
 from scara_iso.ports.tape import Record, is_tape, read_tape
+from scara_iso.ports.timeline import Timeline
 
 OPTIONS = {
     "pace": "1 for the recorded timing, 0 (default) for as fast as possible",
@@ -115,7 +117,7 @@ def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
     except OSError as error:
         raise NoInputError(f"cannot be read ({error.strerror})", where=str(path)) from error
     try:
-        stream = _from_tape(path, axis, asked=asked) if tape else Stream()
+        stream = _from_tape(path, dialect, axis, asked=asked) if tape else Stream()
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"is no raw file of record ({error})", where=str(path)) from error
     if not tape:
@@ -138,7 +140,42 @@ def _lines(data: bytes) -> list[bytes]:
     return _LINE.findall(data)
 
 
-def _from_tape(path: Path, axis: str, *, asked: bool) -> Stream:
+def _from_tape(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
+    """Return what was stored; where nothing was, all that was received."""
+    stream = _received(path, axis, asked=asked)
+    if stored := _stored(path, dialect, axis):
+        stream.pushed, stream.answers = stored, defaultdict(deque)
+    return stream
+
+
+def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
+    """Return the frames that became readings of the table, by cycle, with their times [s].
+
+    A reading is stored behind the bytes that brought it: its frame is the last with its text.
+    """
+    found: dict[int, tuple[float, bytes]] = {}
+    frames: dict[str, bytes] = {}
+    for time, record in _of_axis(path, axis):
+        match record:
+            case {"event": "session"}:
+                decoder, frames = Decoder(dialect), {}
+            case {"event": "in", "hex": str(text)}:
+                heard = decoder.feed(bytes.fromhex(text))
+                frames |= {e.text: e.raw for e in heard if isinstance(e, Reading)}
+            case {"event": "stored", "cycle": int(cycle), "text": str(text), "at": float(at)}:
+                if text not in frames:
+                    raise DataError(
+                        f"cycle {cycle} of {axis} is no reading of {dialect.key}",
+                        where=str(path), remedy="name the driver it was recorded with",
+                    )  # fmt: skip
+                found[cycle] = (time - float(record["t"]) + at, frames[text] + dialect.terminator)
+                frames.clear()
+            case {"event": "void", "cycle": int(cycle), "axes": [*axes]} if axis in axes:
+                found.pop(cycle, None)
+    return [found[cycle] for cycle in sorted(found)]
+
+
+def _received(path: Path, axis: str, *, asked: bool) -> Stream:
     stream = Stream()
     answer: _Chunks | None = None
     asked_at = 0.0
@@ -160,19 +197,19 @@ def _from_tape(path: Path, axis: str, *, asked: bool) -> Stream:
 
 def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
     """Yield the records of one axis with their time, sessions one behind the other."""
-    start = last = 0.0
+    timeline = Timeline()
     axes: Iterable[str] = ()
     for _, record in read_tape(path):
         if record is None:
             continue
         if record["event"] == "session":
-            axes, start = record.get("gauges", {}), last
+            axes = record.get("gauges", {})
             if axis not in axes:
                 raise UsageError(
                     f"no gauge {axis} was recorded, only {', '.join(axes)}",
                     where=str(path),
                     remedy=f"replay:{path}?gauge={next(iter(axes), 'X')}",
                 )
-        last = start + float(record["t"])
-        if record["event"] == "session" or record.get("axis") == axis:
-            yield last, record
+        time = timeline.at(record)
+        if record["event"] in ("session", "void") or record.get("axis") == axis:
+            yield time, record

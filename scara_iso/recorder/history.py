@@ -9,7 +9,6 @@ import math
 from array import array
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator
-from datetime import datetime
 from decimal import Decimal
 from pathlib import Path
 
@@ -17,8 +16,10 @@ import numpy as np
 
 from scara_iso.errors import DataError, Fault
 from scara_iso.ports.tape import SCHEMA, Record, read_tape
+from scara_iso.ports.timeline import Timeline
 from scara_iso.quantities import Dimension, find_unit
 from scara_iso.recorder.plan import Listen
+from scara_iso.recorder.remarks import Remarks
 from scara_iso.recorder.sizes import sizes_of_axis
 from scara_iso.run import Axis, Origin, Run
 
@@ -64,6 +65,10 @@ class Column:
             self.values[cycle - 1] = math.nan
             self.shown = deque((one for one in self.shown if one[0] != cycle), maxlen=VOIDABLE)
 
+    def text(self, cycle: int) -> str:
+        """Return the latest readings' text, and nothing for one that is too old to be struck."""
+        return dict(self.shown).get(cycle, "")
+
     def __contains__(self, cycle: int) -> bool:
         return cycle <= len(self.values) and not math.isnan(self.values[cycle - 1])
 
@@ -80,7 +85,8 @@ class History:
         self.latest: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
         self.damaged: list[int] = []
         self.faults: list[Fault] = []
-        self._start = self._last = 0.0
+        self.timeline = Timeline()
+        self.remarks = Remarks()
         self._trigger = ""
         self._asked: set[str] = set()
 
@@ -90,7 +96,7 @@ class History:
             self.damaged.append(line)
             return
         try:
-            self._last = max(self._last, self._start + float(record["t"]))
+            self.timeline.at(record)
             self._take(record)
         except (ValueError, KeyError, TypeError, ArithmeticError) as error:
             self.faults.append(Fault(f"{record.get('event')}: {error}", line))
@@ -104,11 +110,14 @@ class History:
                     raise ValueError(f"cycle {cycle}")
                 self.columns[axis].put(cycle, record["text"], record["unit"])
                 _grow(self.times, cycle)
-                self.times[cycle - 1] = self._start + record["at"]
+                self.times[cycle - 1] = self.timeline.start + record["at"]
                 self.latest.append((cycle, axis))
                 (self._asked.discard if self._trigger == str(Listen()) else self._asked.add)(axis)
             case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
+                self.remarks.take(record, {axis: self.columns[axis].text(cycle) for axis in axes})
                 self.strike(cycle, axes)
+            case {"event": "note" | "changed"}:
+                self.remarks.take(record, {})
             case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
                 self.troubles[event] += 1
 
@@ -135,7 +144,6 @@ class History:
             self.columns = {str(axis): Column() for axis in record["gauges"]}
         self.header = _merged(self.header, record) if self.header else record
         self._trigger = str(record["trigger"])
-        self._start = max(self._last, _seconds(self.header["wall"], record["wall"]))
 
     @property
     def cycle(self) -> int:
@@ -217,6 +225,9 @@ class History:
             yield "simulated", " ".join(simulated)
         if rows != self.header["cycles"]:
             yield "cycles_planned", str(self.header["cycles"])
+        if jumps := self.timeline.jumps:
+            yield "record_clock", "; ".join(jumps)
+        yield from self.remarks.metadata()
         yield from ((f"record_{kind}", str(n)) for kind, n in sorted(self.troubles.items()))
 
 
@@ -252,12 +263,6 @@ def _merged(first: Record, later: Record) -> Record:
 def _indicator(gauge: Record) -> str:
     unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
     return f"{gauge['dialect']} {gauge['line']} at {gauge['identity']}{unit}"
-
-
-def _seconds(start: str | None, now: str | None) -> float:
-    if start is None or now is None:
-        return 0.0
-    return (datetime.fromisoformat(now) - datetime.fromisoformat(start)).total_seconds()
 
 
 def _grow(values: array[float], size: int) -> None:

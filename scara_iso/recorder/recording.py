@@ -18,7 +18,7 @@ from scara_iso.errors import (
 from scara_iso.ports import Clock, Port, is_device, open_port, refuse_same_device
 from scara_iso.ports.tape import SCHEMA
 from scara_iso.recorder.disk import Disk, write_atomically
-from scara_iso.recorder.events import Done, Operator, Said
+from scara_iso.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.history import History, read_history
 from scara_iso.recorder.journal import Journal
@@ -70,6 +70,9 @@ def record(
         earlier = _read_earlier(job, raw, disk) if job.resume else History(str(raw))
         try:
             gauges = _begin(job, ports, earlier, journal)
+            earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
+            for jump in earlier.timeline.jumps:
+                tell(Noticed("", jump))
             Session(
                 gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
                 position=Position.after(earlier), attended=attended,
@@ -133,6 +136,8 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
     for spec in job.gauges:
         if job.resume and spec.address.startswith("replay:"):
             raise UsageError("a recorded stream begins anew: record it into a new file")
+        if job.plan.stable > 1 and spec.address.startswith("replay:"):
+            raise UsageError("a recorded stream is not asked twice", remedy="leave --stable out")
         asked = not isinstance(job.plan.trigger, Listen)
         port = open_port(spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked)
         stack.callback(port.close)
