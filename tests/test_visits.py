@@ -102,3 +102,13 @@ def test_one_gauge_alone_breaks_nothing():
     visits = Visits("X", present=(), timed=True)
     for time in (1.0, 2.0, 9.0):
         assert visits.hear("X", time, whole=True).broken == ""
+
+
+def test_a_frame_sent_twice_between_two_visits_is_refused():
+    visits = Visits("XY", present=(), timed=True)
+    for time in (0.0, 4.0, 8.0):
+        assert visits.hear("X", time, whole=True).refused == ""
+        assert visits.hear("Y", time + 0.5, whole=True).refused == ""
+        twice = visits.hear("X", time + 1.5, whole=True)
+    assert twice.refused.startswith("X sent twice")
+    assert visits.hear("X", 12.0, whole=True) == visits.hear("Y", 12.5, whole=True)

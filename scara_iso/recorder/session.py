@@ -150,7 +150,7 @@ class Session:
         heard = self._visits.hear(axis, time, whole=whole)
         if heard.broken and self._present:
             self._strike(self._cycle, sorted(self._present), f"{heard.broken}: cycle asked again")
-        return f"the frame of {heard.spoilt} was damaged: send all again" if heard.spoilt else ""
+        return heard.refused
 
     def _attend(self) -> None:
         """Wait for the trigger, then ask every gauge."""

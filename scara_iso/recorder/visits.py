@@ -1,7 +1,8 @@
 """Which readings that come by themselves are of one visit of the pose.
 
 In a visit every gauge speaks once. One that speaks again has begun the next; so has one that
-comes after half the time that lies between two visits. A damaged frame spoils its visit.
+comes after half the time that lies between two visits. A damaged frame spoils its visit. One
+that comes behind a whole visit, within that half of the gauge's last, was sent twice.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ _GAPS = 31
 class Heard:
     """What a frame means: ``broken`` says why the visit before it stays without its readings.
 
-    ``spoilt`` is the gauge whose frame of this visit was damaged, or nothing.
+    ``refused`` says why the frame itself is no reading of a visit, or nothing.
     """
 
     broken: str
-    spoilt: str
+    refused: str
 
 
 class Visits:
@@ -35,12 +36,18 @@ class Visits:
         self._began = 0.0
         self._spoilt = ""
         self._last: dict[str, tuple[float, set[str]]] = {}
+        self._done = False
         self._gaps: deque[float] = deque(maxlen=_GAPS)
 
     def hear(self, axis: str, time: float, *, whole: bool) -> Heard:
         """Take a frame of a gauge, ``whole`` or damaged, at ``time`` [s]."""
+        half = median(self._gaps) / 2 if self._timed and self._gaps else 0.0
+        if self._done and axis in self._last and time - self._last[axis][0] < half:
+            return Heard(
+                "", f"{axis} sent twice, or not in turn: visits are {2 * half:.1f} s apart"
+            )
         self._measure(axis, time)
-        broken = self._next_visit(axis, time)
+        broken = self._next_visit(axis, time, half)
         if broken:
             self._end()
         if not self._spoke:
@@ -49,17 +56,17 @@ class Visits:
         if not whole:
             self._spoilt = axis
             broken = broken or f"the frame of {axis} was damaged"
-        heard = Heard(broken, self._spoilt)
+        refused = f"the frame of {self._spoilt} was damaged: send all again" if self._spoilt else ""
+        self._done = self._spoke == self._axes and not refused
         if self._spoke == self._axes:
             self._end()
-        return heard
+        return Heard(broken, refused)
 
-    def _next_visit(self, axis: str, time: float) -> str:
+    def _next_visit(self, axis: str, time: float, half: float) -> str:
         if axis in self._spoke:
             missing = ", ".join(sorted(self._axes - self._spoke))
             return f"{axis} has sent again, and {missing} had sent none"
-        half = median(self._gaps) / 2 if self._gaps else 0.0
-        if self._timed and self._spoke and 0 < half < time - self._began:
+        if self._spoke and 0 < half < time - self._began:
             return f"{axis} came {time - self._began:.1f} s later, as of the next visit"
         return ""
 
