@@ -95,16 +95,29 @@ def test_a_recorded_stream_is_not_asked_twice(tmp_path, monkeypatch, capsys):
     assert "--stable" in capsys.readouterr().err
 
 
-def test_another_driver_than_that_of_the_recording_is_refused(tmp_path, monkeypatch, capsys):
+def test_another_driver_hears_all_that_was_received(tmp_path, monkeypatch):
+    run_session(
+        tmp_path, [OPTO], ports={"X": lambda c: Script(c, answer=lambda k: [(0.02, line(k))])},
+        monkeypatch=monkeypatch,
+    )  # fmt: skip
+    monkeypatch.undo()
+    gauge = "--gauge=X=opto-rs232-tesa?unit=mm@replay:run.raw.jsonl"
+    assert len(replay(tmp_path, monkeypatch, "data", gauge)) == 1 + 3
+
+
+def test_bytes_that_are_not_there_are_said(tmp_path, monkeypatch, capsys):
     run_session(
         tmp_path, [OPTO], ports={"X": lambda c: Script(c, answer=lambda k: [(0.02, line(k))])},
         monkeypatch=monkeypatch,
     )  # fmt: skip
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
-    gauge = "--gauge=X=mitutoyo-mux?unit=mm@replay:run.raw.jsonl"
+    raw = raw_path(tmp_path / "run.csv")
+    kept = [one for one in raw.read_bytes().splitlines(keepends=True) if b'"event":"in"' not in one]
+    raw.write_bytes(b"".join(kept))
+    gauge = "--gauge=X=opto-rs232?unit=mm@replay:run.raw.jsonl"
     assert main(["record", "again.csv", "--trigger", "data", gauge]) == 65
-    assert "recorded with" in capsys.readouterr().err
+    assert "bytes of cycle 1" in capsys.readouterr().err
 
 
 def test_reasons_and_notes_stand_in_the_table_and_the_report(tmp_path, monkeypatch, capsys):

@@ -1,9 +1,9 @@
 """A recorded stream as a port: ``replay:FILE``, a file of bytes or a raw file of ``record``.
 
 A raw file gives the readings of its table again, at their recorded times or one for each request:
-not what was struck out, refused, or sent before the first cycle. Where none was stored, what was
-recorded after a request is sent after the same request, and what came by itself at its recorded
-time. A file of bytes has no times: its lines come one second apart, or one for each request.
+not what was struck out, refused, or sent before the first cycle. Where none was stored, and
+for another driver than the recording's, what was recorded after a request is sent after the same
+request, and what came by itself at its recorded time. A file of bytes has no times: its lines come one second apart, or one for each request.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ def _lines(data: bytes) -> list[bytes]:
 
 
 def _from_tape(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
-    """Return what was stored; where nothing was, all that was received."""
+    """Return what was stored; all that was received where nothing was, or for another driver."""
     stream = _received(path, axis, asked=asked)
     if stored := _stored(path, dialect, axis):
         stream.pushed, stream.answers = stored, defaultdict(deque)
@@ -157,7 +157,9 @@ def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
     frames: dict[str, bytes] = {}
     for time, record in _of_axis(path, axis):
         match record:
-            case {"event": "session"}:
+            case {"event": "session", "gauges": gauges}:
+                if gauges[axis].get("dialect") != dialect.key:
+                    return []
                 decoder, frames = Decoder(dialect), {}
             case {"event": "in", "hex": str(text)}:
                 heard = decoder.feed(bytes.fromhex(text))
@@ -165,8 +167,8 @@ def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
             case {"event": "stored", "cycle": int(cycle), "text": str(text), "at": float(at)}:
                 if text not in frames:
                     raise DataError(
-                        f"cycle {cycle} of {axis} is no reading of {dialect.key}",
-                        where=str(path), remedy="name the driver it was recorded with",
+                        f"the bytes of cycle {cycle}, axis {axis}, are not there",
+                        where=str(path), remedy="--rebuild makes the table of what was stored",
                     )  # fmt: skip
                 found[cycle] = (time - float(record["t"]) + at, frames[text] + dialect.terminator)
                 frames.clear()
