@@ -1,9 +1,10 @@
 """A recorded stream as a port: ``replay:FILE``, a file of bytes or a raw file of ``record``.
 
 A raw file gives the readings of its table again, at their recorded times or one for each request:
-not what was struck out, refused, or sent before the first cycle. Where none was stored, and
-for another driver than the recording's, what was recorded after a request is sent after the same
-request, and what came by itself at its recorded time. A file of bytes has no times: its lines come one second apart, or one for each request.
+not what was struck out, refused, or sent before the first cycle. Where none was stored, and for
+another driver than the recording's, what was recorded after a request is sent after the same
+request, and what came by itself at its recorded time. A file of bytes has no times: its lines come
+one second apart, or one for each request.
 """
 
 from __future__ import annotations
