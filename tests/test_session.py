@@ -566,3 +566,14 @@ def test_resume_with_another_driver_is_refused(tmp_path, monkeypatch):
             tmp_path, ["X=mitutoyo-mux?unit=mm@script"], ports={"X": script()}, resume=True,
             monkeypatch=monkeypatch,
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("order", [(0.02, 0.5), (0.5, 0.02)])
+def test_a_damaged_answer_and_another_one_are_none(tmp_path, monkeypatch, order):
+    damaged, doubled = order
+    both = [(damaged, b"+000.1x2\r"), (doubled, frame("0.101"))]
+    said = run_session(
+        tmp_path, [OPTO], monkeypatch=monkeypatch,
+        ports={"X": script([(0.6, frame("0.101"))], both, "0.102", "0.103")},
+    )  # fmt: skip
+    assert stored(said) == [(1, "0.101"), (2, "0.102"), (3, "0.103")]

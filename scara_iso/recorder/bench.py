@@ -225,12 +225,13 @@ class Bench:
     def _judge(
         self, taken: Mapping[str, Taken], asked: float, *, ambiguous: bool
     ) -> list[Taken] | None:
+        damaged = [g for g in self.gauges if g.asks and g.axis in self._unreadable]
+        for gauge in damaged:
+            gauge.outstanding = 0
         silent = [gauge for gauge in self.gauges if gauge.axis not in taken]
         for gauge in silent:
-            if gauge.axis in self._unreadable:
-                gauge.outstanding = 0
             self.problem(gauge, "timeout", f"no answer in {gauge.dialect.answer_time_s:g} s")
-        if silent or ambiguous:
+        if silent or damaged or ambiguous:
             why = "another gauge is silent" if silent else "another answer says otherwise"
             self.refuse(taken.values(), why)
             return None
