@@ -92,6 +92,10 @@ def report_command(
 
         write_json(report_json(dossier))
     if not all(check.inside for check in dossier.analysis.limits):
+        from scara_iso.report.analysis import conformity
+
+        said = "; ".join(block.text for block in conformity(dossier.analysis))
+        typer.echo(printable(f"scara-iso: {said}"), err=True)
         raise typer.Exit(OUTSIDE_A_LIMIT)
 
 
