@@ -92,7 +92,7 @@ run()
 
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
 @pytest.mark.parametrize(
-    "name", ["scara_iso.cli", "typer", "inspect", "scara_iso.cli.analyze", "numpy", "pandas"]
+    "name", ["scara_iso.cli", "typer", "inspect", "scara_iso.cli.analyze", "numpy"]
 )
 def test_ctrl_c_within_an_import_ends_with_130_and_no_traceback(tmp_path, name):
     script = INTERRUPT_AT.format(name=name, arguments=["analyze", TABLE])
