@@ -4,6 +4,7 @@ import json
 
 import pytest
 from bench import Orders, kept, run_session
+from disks import UnsyncedDisk
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -166,6 +167,28 @@ def test_a_session_that_a_crash_ended_leaves_the_manifest_of_the_one_before(reco
     resume(recording)
     assert check_manifest(recording / "run.csv") == ()
     assert "doubts" not in read_table(recording / "run.csv").metadata
+
+
+@pytest.mark.parametrize(("again", "nth"), [(False, 1), (True, 0), (True, 1)])
+def test_a_crash_between_table_and_manifest_is_not_doubted(tmp_path, again, nth):
+    class Cut(UnsyncedDisk):
+        left = nth
+
+        def replace(self, source, target):
+            self.left -= 1
+            if self.left < 0:
+                raise KeyboardInterrupt
+            super().replace(source, target)
+
+    if again:
+        run_session(tmp_path, X, cycles=3)
+    with pytest.raises(KeyboardInterrupt):
+        run_session(tmp_path, X, cycles=5, resume=again, disk=Cut())
+    run_session(tmp_path, X, cycles=7, resume=True)
+    table = read_table(tmp_path / "run.csv")
+    assert len(table) == 7
+    assert "doubts" not in table.metadata
+    assert check_manifest(tmp_path / "run.csv") == ()
 
 
 def test_a_table_without_its_manifest_is_not_written_over_where_it_says_something_else(recording):

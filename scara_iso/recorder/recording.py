@@ -272,13 +272,17 @@ def _table_bytes(history: History, excel_locale: str | None = None) -> bytes:
 
 
 def _write(disk: Disk, table: Path, data: bytes, history: History, *, beside: bool) -> None:
-    """Write a table and, where its raw file is ``beside`` it, their manifest."""
-    files = {table: data}
+    """Write a table and, where its raw file is ``beside`` it, their manifest.
+
+    What a crash between the two leaves must not look as if someone had changed it: a new table
+    comes after its manifest, one that is replaced before.
+    """
+    files, manifest = {table: data}, manifest_path(table)
     try:
         if beside:
-            files[manifest_path(table)] = manifest_of(
-                table, data, complete=history.is_complete, doubts=history.doubts
-            )
+            made = manifest_of(table, data, complete=history.is_complete, doubts=history.doubts)
+            both = [(table, data), (manifest, made)]
+            files = dict(both if manifest.exists() else reversed(both))
         write_atomically(disk, files)
     except OSError as error:
         raise _cannot_write(table, error) from error
