@@ -13,8 +13,8 @@ several of these into a `Comparison`; `backlash` runs the paper's two-inertia mo
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False  # the import of typing takes as long as all before it: Ctrl-C waits for it
 if TYPE_CHECKING:
     from scara_iso.analysis import analyze as analyze
     from scara_iso.comparison import Comparison as Comparison

@@ -36,6 +36,12 @@ class LoggedDisk(UnsyncedDisk):
         self.log.append(("open", path, created))
         return file
 
+    def create(self, path):
+        file = super().create(path)
+        self._paths[file] = path
+        self.log.append(("open", path, True))
+        return file
+
     def write(self, file, data):
         taken = super().write(file, data)
         self.log.append(("write", self._paths[file], data[:taken]))
@@ -125,6 +131,10 @@ class FailingDisk(UnsyncedDisk):
     def open(self, path, *, new):
         self._count("open", path)
         return super().open(path, new=new)
+
+    def create(self, path):
+        self._count("create", path)
+        return super().create(path)
 
     def write(self, file, data):
         self._count("write", file)

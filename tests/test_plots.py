@@ -34,7 +34,7 @@ def test_another_plan_gives_another_picture_that_is_well_formed(tmp_path):
 def test_a_picture_that_cannot_be_written_says_why(tmp_path):
     with pytest.raises(UsageError, match="SVG or PNG"):
         plot_plan(PLAN, ARM, tmp_path / "plan.jpg")
-    with pytest.raises(CannotCreateError, match="cannot write the picture"):
+    with pytest.raises(CannotCreateError, match="cannot be written: No such"):
         plot_plan(PLAN, ARM, tmp_path / "nowhere" / "plan.svg")
 
 

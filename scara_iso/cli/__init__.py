@@ -6,10 +6,12 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
 import typer
+from typer._completion_classes import completion_init
 
 from scara_iso import __version__
 from scara_iso.cli.output import settings
@@ -40,12 +42,15 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
     app = typer.Typer(
         name="scara-iso",
         no_args_is_help=True,
+        add_completion=False,  # --install-completion writes a shell's start-up files in place
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
         context_settings={"help_option_names": ["-h", "--help"]},
         help="How repeatable a SCARA is, by ISO 9283 and digital dial indicators, and why.",
     )
     app.callback()(_program)
+    if "_SCARA_ISO_COMPLETE" in os.environ:  # a shell asks
+        completion_init()
     called = _command(arguments)
     for name in [called] if called else COMMANDS:
         module = import_module(COMMANDS[name])
@@ -70,11 +75,6 @@ def _program(
     settings.no_color = no_color
 
 
-def run() -> None:
-    """Run the command with the process' arguments and exit: the console script."""
-    sys.exit(main())
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with ``argv`` and return its exit code; errors go to standard error."""
     # A second thread of the linear algebra gains nothing on thirty readings and costs three times.
@@ -88,16 +88,32 @@ def main(argv: Sequence[str] | None = None) -> int:
         code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
         sys.stdout.flush()
     except SystemExit as leaving:
+        if isinstance(leaving.__context__, OSError):  # the parser's answer to a closed pipe
+            return _lead_nowhere()
         return leaving.code if isinstance(leaving.code, int) else 1
     except (KeyboardInterrupt, typer.Abort):
-        sys.stderr.write("scara-iso: interrupted\n")
+        _say(["scara-iso: interrupted"])
         return INTERRUPTED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return CANNOT_WRITE  # the reader left: nothing to say, but no success either
+        return _lead_nowhere()
     except Exception as error:  # noqa: BLE001 - the one error boundary
         return _tell(error)
     return code if isinstance(code, int) else 0
+
+
+def _lead_nowhere() -> int:
+    """Return the code where the reader left: nothing to say, but no success either.
+
+    What is still to be written must not fail again when the process ends.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        except (ValueError, AttributeError):  # closed by the caller
+            continue
+    return CANNOT_WRITE
 
 
 def _mend_streams(*, reopen: bool) -> None:
@@ -134,9 +150,17 @@ def _tell(error: Exception) -> int:
     lines, code = _explain(error)
     if settings.debug:
         lines = [*"".join(traceback.format_exception(error)).rstrip("\n").split("\n"), *lines]
-    if sys.stderr is not None:  # closed by the caller: the exit code still says it
-        sys.stderr.write("".join(f"{printable(line)}\n" for line in lines))
+    _say([printable(line) for line in lines])
     return code
+
+
+def _say(lines: Sequence[str]) -> None:
+    """Write to standard error; where that is closed, the exit code still says it."""
+    with suppress(OSError, ValueError, AttributeError):
+        sys.stderr.write("".join(f"{line}\n" for line in lines))
+        sys.stderr.flush()
+        return
+    _lead_nowhere()
 
 
 def _explain(error: Exception) -> tuple[list[str], int]:

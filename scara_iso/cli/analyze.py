@@ -76,10 +76,11 @@ def _write(analysis: Analysis, *, as_json: bool) -> None:
 def compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:
     """Return the analysis with a finding for each file that changed since it was recorded."""
     path = Path(table)
-    if table == "-" or not path.with_suffix(".manifest.json").exists():
+    if table == "-":
         return analysis
-    from scara_iso.recorder.manifest import check_manifest
+    from scara_iso.manifest import check_manifest
     from scara_iso.results import Finding
 
-    changed = (Finding("edited", "warning", line) for line in check_manifest(path))
+    said = {finding.message for finding in analysis.findings}
+    changed = [Finding("edited", "warning", e) for e in check_manifest(path) if e not in said]
     return replace(analysis, findings=(*analysis.findings, *changed))

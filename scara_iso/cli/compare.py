@@ -17,7 +17,7 @@ from scara_iso.cli.options import (
     Sheet,
     UnitOfTable,
 )
-from scara_iso.cli.output import write_json, write_report
+from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 
 if TYPE_CHECKING:
@@ -57,6 +57,8 @@ def compare_command(
 
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
+
+    check_outputs([plot], tables)
 
     def read(table: str) -> Analysis:
         run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)

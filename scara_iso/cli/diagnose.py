@@ -18,7 +18,7 @@ from scara_iso.cli.options import (
     Sheet,
     UnitOfTable,
 )
-from scara_iso.cli.output import write_json, write_report
+from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -100,6 +100,7 @@ def diagnose_command(
         raise UsageError("--columns is for --design", remedy="a table names its own columns")
     files = _Files(model, hold_out, save_model, plot, sigma)
     files.check(named)
+    check_outputs([plot, save_model], [*named, model, hold_out])
     if len(named) > 1:
         from scara_iso.cli.diagnose_many import diagnose_many
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from enum import StrEnum
 from typing import Annotated
@@ -11,6 +12,7 @@ import typer
 from scara_iso.errors import UsageError
 
 OUTSIDE_A_LIMIT = 1
+_LIMIT_REMEDY = "write --limit 0.02 for every length, or --limit XY=0.02"
 
 Table = Annotated[
     str, typer.Argument(metavar="TABLE", help="CSV or .xlsx of readings; - is standard input.")
@@ -56,18 +58,38 @@ ExcelLocale = Annotated[
 ]
 
 
-def parse_limits(texts: Sequence[str]) -> dict[str, float]:
-    """Return limits by figure; `UsageError` for one that is no length or is given twice."""
-    from scara_iso.quantities import parse_number
+_FIGURES = {name.lower(): name for name in ("X", "Y", "Z", "theta", "XY", "XYZ")}
+_DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+)")
+_THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
 
+
+def parse_limits(texts: Sequence[str]) -> dict[str, float]:
+    """Return limits by figure, in any case; a decimal comma is read.
+
+    `UsageError` for one that is no length, can be read two ways, or is given twice.
+    """
     limits: dict[str, float] = {}
     for text in texts:
-        figure, _, number = text.rpartition("=")
-        value = parse_number(number)
-        if value is None:
-            remedy = "write --limit 0.02 or --limit XY=0.02"
-            raise UsageError(f"--limit {text!r} is not a length", remedy=remedy)
-        if figure.strip() in limits:
+        figure, equals, number = (part.strip() for part in text.rpartition("="))
+        figure = _FIGURES.get(figure.lower(), figure)
+        if equals and not figure:
+            raise UsageError(f"--limit {text!r} names no figure", remedy=_LIMIT_REMEDY)
+        value = _length(text, number)
+        if figure in limits:
             raise UsageError(f"--limit {text!r}: this figure has a limit already")
-        limits[figure.strip()] = value
+        limits[figure] = value
     return limits
+
+
+def _length(text: str, number: str) -> float:
+    from scara_iso.quantities import parse_number
+
+    if _THOUSANDS.fullmatch(number):
+        point, whole = number.replace(",", "."), number.replace(",", "")
+        raise UsageError(
+            f"--limit {text!r} can be read two ways", remedy=f"write {point} or {whole}"
+        )
+    value = parse_number(_DECIMAL_COMMA.sub(r"\1.\2", number))
+    if value is None:
+        raise UsageError(f"--limit {text!r} is not a length", remedy=_LIMIT_REMEDY)
+    return value

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scara_iso.errors import CannotCreateError, WriteError
+from scara_iso.disk import write_file
+from scara_iso.errors import CannotCreateError, UsageError
 
 if TYPE_CHECKING:
     from scara_iso.report.blocks import Report
@@ -24,8 +25,6 @@ class Settings:
 
 
 settings = Settings()
-_BESIDE_A_RECORDING = {".html", ".md", ".xlsx", ".json", ".pdf"}
-"""Endings of a report, which is no table: it may bear a recording's name."""
 
 
 def write_json(document: Mapping[str, Any]) -> None:
@@ -54,32 +53,44 @@ def write_text(text: str, path: Path | None) -> None:
     elif path is None:
         sys.stdout.write(text)
     else:
-        write_bytes(text.encode("utf-8", "backslashreplace"), path)
+        write_file(path, text.encode("utf-8", "backslashreplace"))
+
+
+def check_outputs(outputs: Sequence[Path | None], inputs: Sequence[str | None]) -> None:
+    """Raise before anything is computed where writing would destroy what is not the user's wish.
+
+    `CannotCreateError` where an output is what the command reads, or of a recording; `UsageError`
+    where two outputs are one file.
+    """
+    named = [path for path in outputs if path is not None]
+    for path in named:
+        if any(_same_file(path, Path(name)) for name in inputs if name not in (None, "-")):
+            raise CannotCreateError(
+                "is what the result is made of", where=str(path), remedy="name another file"
+            )
+        if _of_a_recording(path.resolve()):
+            raise CannotCreateError(
+                "holds a recording", where=str(path),
+                remedy="name another file, or remove it yourself",
+            )  # fmt: skip
+    if len({path.resolve() for path in named}) < len(named):
+        raise UsageError(f"{named[0]} is named twice to be written", remedy="name two files")
+
+
+def _same_file(path: Path, name: Path) -> bool:
+    try:
+        return path.samefile(name) and path.is_file()
+    except OSError:  # one of them is not there
+        return False
 
 
 def _of_a_recording(path: Path) -> bool:
-    """Say whether writing here would replace a recording's table, raw file or manifest."""
-    if path.name.endswith((".raw.jsonl", ".manifest.json")):
-        return path.exists()
-    return (
-        path.suffix.lower() not in _BESIDE_A_RECORDING and path.with_suffix(".raw.jsonl").exists()
-    )
+    """Say whether a recording's raw file or manifest is there, or the place of its table."""
+    from scara_iso.manifest import manifest_path, raw_path
+    from scara_iso.ports.tape import is_tape
 
-
-def write_bytes(content: bytes, path: Path) -> None:
-    """Write a file; `CannotCreateError` where it cannot be, `WriteError` where that fails."""
-    if _of_a_recording(path):
-        raise CannotCreateError(
-            "holds a recording", where=str(path), remedy="name another file, or remove it yourself"
-        )
-    try:
-        file = path.open("wb")
-    except OSError as error:
-        raise CannotCreateError(
-            f"cannot be written: {error.strerror}", where=str(path), remedy="name another place"
-        ) from error
-    try:
-        with file:
-            file.write(content)
-    except OSError as error:
-        raise WriteError(f"cannot be written: {error.strerror}", where=str(path)) from error
+    if path.is_file():
+        with path.open("rb") as file:
+            if is_tape(file.read(16)) or path.name.endswith((".raw.jsonl", ".manifest.json")):
+                return True
+    return raw_path(path).exists() or manifest_path(path).exists()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
-from scara_iso.cli.output import write_json, write_report, write_text
+from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -86,6 +86,7 @@ def plan_command(
     from scara_iso.report.plan import visits_csv
     from scara_iso.tables import find_locale
 
+    check_outputs([picture, output], [model])
     described = read_model(model)
     if described.arm is None:
         raise UsageError(f"{model} holds no arm", remedy="give link lengths and limits in [robot]")

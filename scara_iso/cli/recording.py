@@ -168,6 +168,7 @@ def rebuild_table(raw: Path, table: Path | None, *, excel_locale: str | None, js
 
 
 def _tell_damage(history: History) -> None:
+    sys.stderr.writelines(f"scara-iso: {printable(line)}\n" for line in history.doubts)
     if history.damaged:
         lines = ", ".join(map(str, history.damaged[:_SHOWN]))
         sys.stderr.write(

@@ -25,8 +25,9 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import settings, write_bytes, write_json
-from scara_iso.errors import CannotCreateError, ScaraIsoError, UsageError
+from scara_iso.cli.output import check_outputs, settings, write_json
+from scara_iso.disk import write_file
+from scara_iso.errors import ScaraIsoError, UsageError
 
 if TYPE_CHECKING:
     from scara_iso.closing import CyclesWanted, Reading
@@ -78,18 +79,23 @@ def report_command(
     from scara_iso.report.words import printable
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    write = None if path is None else _writer(path, (table, model), excel_locale)
+    write = None if path is None else _writer(path, excel_locale)
+    check_outputs([path], [table, model])
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
     reading = Reading(unit, resolution, decimal, sheet)
     dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
     if path is not None and write is not None:
-        write_bytes(write(dossier), path)
+        write_file(path, write(dossier))
         typer.echo(printable(f"{path} is written"), err=json)
     if json:
         from scara_iso.render.json_report import report_json
 
         write_json(report_json(dossier))
     if not all(check.inside for check in dossier.analysis.limits):
+        from scara_iso.report.analysis import conformity
+
+        said = "; ".join(block.text for block in conformity(dossier.analysis))
+        typer.echo(printable(f"scara-iso: {said}"), err=True)
         raise typer.Exit(OUTSIDE_A_LIMIT)
 
 
@@ -97,9 +103,7 @@ def _stem(table: str) -> str:
     return "report" if table == "-" else Path(table).stem
 
 
-def _writer(
-    path: Path, inputs: tuple[str | None, ...], locale: str | None
-) -> Callable[[Dossier], bytes]:
+def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     kind = path.suffix.lower()
     if kind not in _ENDINGS:
@@ -107,11 +111,6 @@ def _writer(
             f"{path.name}: a report is written as {', '.join(_ENDINGS)}",
             remedy="let the name end in one of them",
         )
-    for name in inputs:
-        if name not in (None, "-") and _same_file(path, Path(name or "")):
-            raise CannotCreateError(
-                "is what the report is made of", where=str(path), remedy="name another file"
-            )
     if locale is not None and kind != ".csv":
         raise UsageError("--excel-locale spells a .csv", remedy="let the name end in .csv")
     if kind == ".csv":
@@ -120,13 +119,6 @@ def _writer(
         return lambda dossier: _csv(dossier, _title(dossier), find_locale(locale))
     render = _KINDS[kind]
     return lambda dossier: render(dossier, _title(dossier))
-
-
-def _same_file(path: Path, name: Path) -> bool:
-    try:
-        return path.samefile(name)
-    except OSError:  # one of them is not there
-        return False
 
 
 def _title(dossier: Dossier) -> str:
@@ -241,8 +233,8 @@ def _read(table: str, reading: Reading, pose: str | None) -> tuple[Run, InputFil
 
 
 def _read_model(path: str) -> tuple[Model, InputFile]:
+    from scara_iso.manifest import sha256
     from scara_iso.model import read_model
-    from scara_iso.recorder.manifest import sha256
     from scara_iso.report.document import InputFile
 
     model = read_model(path)

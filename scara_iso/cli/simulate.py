@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
-from scara_iso.cli.output import write_json, write_text
+from scara_iso.cli.output import check_outputs, write_json, write_text
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -74,6 +74,7 @@ def simulate_command(
     from scara_iso.render.json import run_json
     from scara_iso.tables import find_locale, write_table
 
+    check_outputs([output], [model])
     covariates = _recorded(temperature, payload, cycles)
     run = _simulated(
         read_model(model), effect or (), covariates, cycles, approach, moving=drivetrain, seed=seed

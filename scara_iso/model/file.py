@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
@@ -11,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.arm import Arm, Elbow
-from scara_iso.errors import CannotCreateError, DataError, Fault, NoInputError, UsageError
+from scara_iso.disk import write_file
+from scara_iso.errors import DataError, Fault, NoInputError, UsageError
 from scara_iso.model.declared import declared_effects
 from scara_iso.model.keys import Faults, number, only, pair, section
 from scara_iso.model.parts import DeclaredEffect, Gearbox, Indicator, Model
@@ -61,7 +60,7 @@ def read_model(path: str | Path) -> Model:
 def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Path) -> None:
     """Write the model file ``path`` to ``to`` with ``effects`` added; comments are kept.
 
-    ``to`` may be ``path`` itself. Raises `CannotCreateError` where ``to`` cannot be written.
+    ``to`` may be ``path`` itself. Raises as `write_file`.
     """
     import tomlkit  # noqa: PLC0415 - only where a model is written
 
@@ -76,29 +75,7 @@ def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Pat
         for name, value in effect.parameters.items():
             table[name] = _inline(value) if isinstance(value, Mapping) else value
         tables.append(table)
-    try:
-        _replace(Path(to), tomlkit.dumps(document))
-    except OSError as error:
-        raise CannotCreateError(f"cannot be written: {error.strerror}", where=str(to)) from error
-
-
-def _replace(path: Path, text: str) -> None:
-    """Put ``text`` at ``path`` in one step: whatever happens, the old or the new file is whole."""
-    target = path.resolve()  # a link goes on pointing to what it names
-    if target.exists() and not target.is_file():  # a pipe or a terminal cannot be replaced
-        target.write_text(text, encoding="utf-8", newline="")
-        return
-    part = target.with_name(f"{target.name}.part")
-    try:
-        with part.open("w", encoding="utf-8", newline="") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        if target.exists():
-            shutil.copymode(target, part)
-        part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)
+    write_file(Path(to), tomlkit.dumps(document).encode())
 
 
 def _inline(values: Mapping[str, float]) -> InlineTable:

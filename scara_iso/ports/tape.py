@@ -3,6 +3,10 @@
 A line proves itself: it is read whole and unharmed, or not at all. What a power cut leaves of
 the last line is therefore seen, and nothing after it is lost.
 
+Each also names the one before it: ``prev`` is its CRC-32, and of the first line zeros. Lines that
+were taken away or changed afterwards are thus seen; what a crash tore off is not linked to. Files
+of older versions have no ``prev``.
+
 Every record has ``event``, ``t`` (seconds of the session's clock) and ``wall`` (UTC or null).
 Bytes are records ``in`` and ``out`` with ``axis``, ``port`` and ``hex``.
 """
@@ -18,6 +22,8 @@ from typing import Any
 from scara_iso.errors import NoInputError
 
 SCHEMA = "scara-iso/raw/1"
+FIRST = "00000000"
+"""What the first line names as the one before it."""
 LONGEST_LINE = 1 << 20
 """A longer line is no line of ours; bounds the memory that a strange file takes [bytes]."""
 
@@ -48,8 +54,13 @@ def decode(line: bytes) -> Record | None:
     return record if isinstance(record, dict) and "event" in record else None
 
 
+def checksum(line: bytes) -> str:
+    """Return the checksum at the end of a whole line, by which the next one names it."""
+    return line.removesuffix(b"\n")[-10:-2].decode("ascii")
+
+
 def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
-    """Yield each line's number (from 1) and record, None where it is torn or damaged.
+    """Yield each line's number (from 1) and record with ``crc``, None where torn or damaged.
 
     Empty lines, which a session that goes on begins with, mean nothing.
 
@@ -61,7 +72,8 @@ def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
             while line := file.readline(LONGEST_LINE):
                 number += 1
                 if line != b"\n":
-                    yield number, decode(line)
+                    record = decode(line)
+                    yield number, record and {**record, "crc": checksum(line)}
     except OSError as error:
         raise NoInputError(
             f"cannot be read: {error.strerror}", where=str(path), remedy="check the file name"

@@ -1,6 +1,7 @@
 """From ports to durable files: port, clock, disk, operator and listener are arguments."""
 
-from scara_iso.recorder.disk import Disk, SystemDisk
+from scara_iso.disk import Disk, SystemDisk
+from scara_iso.manifest import check_manifest, manifest_path, raw_path
 from scara_iso.recorder.events import (
     Command,
     CycleDone,
@@ -25,7 +26,6 @@ from scara_iso.recorder.events import (
     as_json,
 )
 from scara_iso.recorder.history import History, read_history
-from scara_iso.recorder.manifest import check_manifest, manifest_path, raw_path
 from scara_iso.recorder.plan import Enter, Listen, Plan, Timer, Trigger, parse_trigger
 from scara_iso.recorder.recording import Job, rebuild, record, refuse_existing
 from scara_iso.recorder.spec import (

@@ -14,10 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
+from scara_iso.checks.edited import SEPARATOR
 from scara_iso.errors import DataError, Fault
-from scara_iso.ports.tape import SCHEMA, Record, read_tape
+from scara_iso.ports.tape import FIRST, SCHEMA, Record, read_tape
 from scara_iso.ports.timeline import Timeline
-from scara_iso.quantities import Dimension, find_unit
+from scara_iso.quantities import Dimension, find_unit, parse_number
 from scara_iso.recorder.plan import Listen
 from scara_iso.recorder.remarks import Remarks
 from scara_iso.recorder.sizes import sizes_of_axis
@@ -50,6 +51,8 @@ class Column:
             raise ValueError(f"unknown unit {unit!r}")
         if self.dimension not in (None, size.dimension):
             raise ValueError(f"{unit} after {self.dimension.value}")
+        if parse_number(text) is None:
+            raise ValueError(f"{text[:40]!r} is no reading")
         _grow(self.values, cycle)
         if not math.isnan(self.values[cycle - 1]):
             raise ValueError("stored twice")
@@ -87,6 +90,13 @@ class History:
         self.faults: list[Fault] = []
         self.timeline = Timeline()
         self.remarks = Remarks()
+        self.previous = FIRST
+        """Checksum of the last whole line."""
+        self.has_table = False
+        """Whether the last session that ended in good order left a table, and so a manifest."""
+        self._chained = False
+        self._broken: list[int] = []
+        self._inherited: list[str] = []
         self._trigger = ""
         self._asked: set[str] = set()
 
@@ -95,11 +105,36 @@ class History:
         if record is None:
             self.damaged.append(line)
             return
+        if not self._follows(line, record):
+            self._broken.append(line)
+        self.previous, self._chained = record["crc"], "prev" in record
         try:
             self.timeline.at(record)
             self._take(record)
-        except (ValueError, KeyError, TypeError, ArithmeticError) as error:
+        except (ValueError, KeyError, TypeError, ArithmeticError, AttributeError) as error:
             self.faults.append(Fault(f"{record.get('event')}: {error}", line))
+
+    def _follows(self, line: int, record: Record) -> bool:
+        """Say whether nothing was changed before a line: it names the whole one that is there.
+
+        Lines of older versions name none; a crash tears only what stands before a new session.
+        """
+        if "prev" in record or self._chained:
+            return bool(record.get("prev") == self.previous)
+        return line - 1 not in self.damaged[-1:] or record["event"] == "session"
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is known to have been changed after it was recorded, a line each."""
+        name = Path(self.source).name
+        places = ", ".join(map(str, self._broken[:_SHOWN]))
+        places += ", .." if len(self._broken) > _SHOWN else ""
+        found = [f"{name}: lines were changed or taken away before line {places}"] if places else []
+        return tuple(dict.fromkeys((*self._inherited, *found)))
+
+    def inherit(self, doubts: Iterable[str]) -> None:
+        """Take what was found beside the file: it goes on into all that is made of it."""
+        self._inherited += doubts
 
     def _take(self, record: Record) -> None:
         match record:
@@ -118,6 +153,8 @@ class History:
                 self.strike(cycle, axes)
             case {"event": "note" | "changed"}:
                 self.remarks.take(record, {})
+            case {"event": "end"}:
+                self.has_table = bool(self.complete_rows().any())
             case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
                 self.troubles[event] += 1
 
@@ -140,6 +177,7 @@ class History:
         if record["schema"] != SCHEMA:
             raise ValueError(f"schema {record['schema']!r} is not {SCHEMA}")
         _check_header(record)
+        self._inherited += map(str, record.get("doubts", ()))
         if not self.header:
             self.columns = {str(axis): Column() for axis in record["gauges"]}
         self.header = _merged(self.header, record) if self.header else record
@@ -165,6 +203,11 @@ class History:
             here[: len(column.values)] = ~np.isnan(np.array(column.values))
             complete &= here
         return complete
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether as many cycles are complete as the last session planned."""
+        return int(self.complete_rows().sum()) == int(self.header["cycles"])
 
     def readings(self) -> dict[str, dict[int, float]]:
         """Return the readings by axis and cycle [mm or deg]."""
@@ -212,6 +255,8 @@ class History:
         )
 
     def _metadata(self, rows: int) -> Iterator[tuple[str, str]]:
+        if self.doubts:
+            yield "doubts", SEPARATOR.join(self.doubts)
         if self.header.get("wall"):
             yield "recorded", f"{str(self.header['wall'])[:19]}Z"
         yield from ((str(k), str(v)) for k, v in self.header["metadata"].items())

@@ -6,10 +6,10 @@ import contextlib
 import errno
 from pathlib import Path
 
+from scara_iso.disk import Disk, write_whole
 from scara_iso.errors import CannotCreateError, NoInputError, ScaraIsoError, WriteError
 from scara_iso.ports import Clock
-from scara_iso.ports.tape import encode
-from scara_iso.recorder.disk import Disk, write_whole
+from scara_iso.ports.tape import FIRST, checksum, encode
 
 
 class Journal:
@@ -25,6 +25,8 @@ class Journal:
         self.path = path
         self._disk = disk
         self._clock = clock
+        self.previous = FIRST
+        """Checksum of the last whole line; who goes on with a file states it."""
         self._failed: WriteError | None = None
         if not new and not path.exists():
             raise NoInputError("no recording to resume", where=str(path))
@@ -43,14 +45,14 @@ class Journal:
     def append(self, event: str, **fields: object) -> None:
         """Write a record; it is safe after the next `sync`."""
         record = {"event": event, "t": round(self._clock.now(), 6), "wall": self._clock.wall()}
-        line = encode({**record, **fields})
+        line = encode({**record, **fields, "prev": self.previous})
         self._guard()
         data, self._torn = (b"\n" if self._torn else b"") + line, True
         try:
             write_whole(self._disk, self._file, data)
         except OSError as error:
             raise self._fail(error) from error
-        self._torn = False
+        self._torn, self.previous = False, checksum(line)
 
     def sync(self) -> None:
         """Return when every record is on the disk."""

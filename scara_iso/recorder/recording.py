@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from scara_iso.disk import Disk, write_atomically
 from scara_iso.errors import (
     CannotCreateError,
     DataError,
@@ -15,14 +16,13 @@ from scara_iso.errors import (
     UsageError,
     WriteError,
 )
+from scara_iso.manifest import find_doubts, manifest_of, manifest_path, raw_path
 from scara_iso.ports import Clock, Port, is_device, open_port, refuse_same_device
 from scara_iso.ports.tape import SCHEMA
-from scara_iso.recorder.disk import Disk, write_atomically
 from scara_iso.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.history import History, read_history
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.manifest import check_manifest, manifest_path, raw_path, write_manifest
 from scara_iso.recorder.plan import Listen, Plan
 from scara_iso.recorder.position import Position
 from scara_iso.recorder.session import Session
@@ -67,7 +67,8 @@ def record(
         ports = _open_ports(job, clock, stack)
         journal = Journal(raw, disk=disk, clock=clock, new=not job.resume)
         stack.callback(journal.close)
-        earlier = _read_earlier(job, raw, disk) if job.resume else History(str(raw))
+        earlier = _read_earlier(job, raw) if job.resume else History(str(raw))
+        journal.previous = earlier.previous
         try:
             gauges = _begin(job, ports, earlier, journal)
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
@@ -90,7 +91,7 @@ def _begin(job: Job, ports: Sequence[Port], earlier: History, journal: Journal) 
     """Write the header; strike out what a crash left of a cycle whose gauges are asked together."""
     specs = zip(job.gauges, ports, strict=True)
     gauges = [_gauge(spec, port, earlier) for spec, port in specs]
-    _write_header(job, gauges, journal)
+    _write_header(job, gauges, earlier, journal)
     cycle = earlier.cycle
     if cut := earlier.cut_short():
         journal.append("void", cycle=cycle, axes=cut, reason="the cycle was cut short")
@@ -106,23 +107,36 @@ def rebuild(
     Raises `NoInputError`, `DataError`, or `CannotCreateError` where another table is there.
     """
     if table is None:
-        stem = raw.name.removesuffix(".raw.jsonl")
-        if stem == raw.name:
+        table = _table_of(raw)
+        if raw_path(table) != raw:
             raise UsageError(f"{raw.name} is not called NAME.raw.jsonl", remedy="name OUT.csv too")
-        table = raw.with_name(f"{stem}.csv")
     history = read_history(raw)
-    text = _table_bytes(history, excel_locale)
-    if table.exists() and table.read_bytes() != text:
+    found, plain = _doubts_beside(raw, history), _table_bytes(history, excel_locale)
+    history.inherit(found)
+    data = _table_bytes(history, excel_locale)
+    if table.exists() and table.read_bytes() not in (plain, data):
         raise CannotCreateError(
             "is there and says something else", where=str(table), remedy="name another OUT.csv"
         )
-    _write(disk, table, text)
+    _write(disk, table, data, history, beside=raw_path(table).resolve() == raw.resolve())
     return table, history
 
 
+def _table_of(raw: Path) -> Path:
+    return raw.with_name(f"{raw.name.removesuffix('.raw.jsonl')}.csv")
+
+
+def _doubts_beside(raw: Path, history: History) -> tuple[str, ...]:
+    """Return what the manifest beside a raw file says against it, where there should be one."""
+    table = _table_of(raw)
+    if not history.has_table and not manifest_path(table).exists():
+        return ()
+    return find_doubts(table).recording
+
+
 def refuse_existing(table: Path) -> None:
-    """Raise `CannotCreateError` where a table or its raw file is there already."""
-    for path in (table, raw_path(table)):
+    """Raise `CannotCreateError` where a table, its raw file or its manifest is there already."""
+    for path in (table, raw_path(table), manifest_path(table)):
         if path.exists():
             raise CannotCreateError(
                 "exists already", where=str(path),
@@ -160,18 +174,18 @@ def _gauge(spec: GaugeSpec, port: Port, earlier: History) -> Gauge:
     return Gauge(spec.axis, spec.dialect, port, unit=recorded, unit_from="the session before")
 
 
-def _read_earlier(job: Job, raw: Path, disk: Disk) -> History:
-    """Return what was recorded before; its manifest holds no longer."""
-    if job.table.exists() and any(job.table.name in line for line in check_manifest(job.table)):
-        raise CannotCreateError(
-            "was changed after it was recorded", where=str(job.table),
-            remedy="move it away: it would be written anew from the raw file",
-        )  # fmt: skip
+def _read_earlier(job: Job, raw: Path) -> History:
+    """Return what was recorded before; a table that is not made of it is not written over."""
     history = read_history(raw)
     if history.header or history.faults:
         history.check()
         _compare(job, history)
-    _remove(disk, manifest_path(job.table))
+    if job.table.exists() and find_doubts(job.table).table and not _is_made_of(history, job.table):
+        raise CannotCreateError(
+            "was changed after it was recorded", where=str(job.table),
+            remedy="move it away: it would be written anew from the raw file",
+        )  # fmt: skip
+    history.inherit(_doubts_beside(raw, history))
     cycle = history.cycle
     if any(history.present(later) for later in range(cycle + 1, len(history.times) + 1)):
         raise DataError(
@@ -180,6 +194,13 @@ def _read_earlier(job: Job, raw: Path, disk: Disk) -> History:
             remedy="--rebuild the table of what is there, and repeat the test",
         )
     return history
+
+
+def _is_made_of(history: History, table: Path) -> bool:
+    try:
+        return table.read_bytes() == _table_bytes(history)
+    except DataError:  # no cycle is complete
+        return False
 
 
 def _compare(job: Job, history: History) -> None:
@@ -197,7 +218,7 @@ def _listed(gauges: Mapping[str, str]) -> str:
     return ", ".join(f"{axis}={key}" for axis, key in gauges.items())
 
 
-def _write_header(job: Job, gauges: Sequence[Gauge], journal: Journal) -> None:
+def _write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: Journal) -> None:
     stated = {
         gauge.axis: {
             "spec": spec.text,
@@ -213,6 +234,7 @@ def _write_header(job: Job, gauges: Sequence[Gauge], journal: Journal) -> None:
     journal.append(
         "session", schema=SCHEMA, cycles=job.plan.cycles, trigger=str(job.plan.trigger),
         gauges=stated, metadata=dict(job.metadata), excel_locale=job.excel_locale,
+        doubts=list(earlier.doubts),
     )  # fmt: skip
     journal.sync()
 
@@ -229,20 +251,21 @@ def _finish(
             remedy="`scara-iso ports --probe PORT` shows what an indicator sends",
         )
     rows = int(history.complete_rows().sum())
-    complete = rows == job.plan.cycles
-    journal.append("end", complete=complete)
+    journal.append("end", complete=history.is_complete)
     journal.sync()
     if not rows:
-        _remove(disk, job.table)
+        for path in (job.table, manifest_path(job.table)) if job.resume else ():
+            _remove(disk, path)
         return InstrumentError(
             f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
             where=str(job.table), remedy="go on with --resume",
         )  # fmt: skip
-    _write(disk, job.table, _table_bytes(history))
-    try:
-        write_manifest(job.table, complete=complete, disk=disk)
-    except OSError as error:
-        raise _cannot_write(manifest_path(job.table), error) from error
+    if job.table.exists() and not job.resume:
+        raise CannotCreateError(
+            "was written by another program meanwhile", where=str(job.table),
+            remedy=f"scara-iso record --rebuild {journal.path} OTHER.csv makes the table",
+        )  # fmt: skip
+    _write(disk, job.table, _table_bytes(history), history, beside=True)
     tell(Done(rows, job.plan.cycles, str(job.table), str(journal.path)))
     return None
 
@@ -256,11 +279,21 @@ def _table_bytes(history: History, excel_locale: str | None = None) -> bytes:
     return write_table(run, locale).encode("utf-8", "backslashreplace")
 
 
-def _write(disk: Disk, path: Path, data: bytes) -> None:
+def _write(disk: Disk, table: Path, data: bytes, history: History, *, beside: bool) -> None:
+    """Write a table and, where its raw file is ``beside`` it, their manifest.
+
+    What a crash between the two leaves must not look as if someone had changed it: a new table
+    comes after its manifest, one that is replaced before.
+    """
+    files, manifest = {table: data}, manifest_path(table)
     try:
-        write_atomically(disk, path, data)
+        if beside:
+            made = manifest_of(table, data, complete=history.is_complete, doubts=history.doubts)
+            both = [(table, data), (manifest, made)]
+            files = dict(both if manifest.exists() else reversed(both))
+        write_atomically(disk, files)
     except OSError as error:
-        raise _cannot_write(path, error) from error
+        raise _cannot_write(table, error) from error
 
 
 def _remove(disk: Disk, path: Path) -> None:

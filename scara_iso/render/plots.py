@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import warnings
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from scara_iso.arm import Arm
+from scara_iso.disk import write_file
 from scara_iso.drivetrain import DriveTrain, Trajectory
-from scara_iso.errors import CannotCreateError, UsageError
+from scara_iso.errors import UsageError
 from scara_iso.plan import Plan
 from scara_iso.run import FloatArray
 from scara_iso.workspace import Workspace
@@ -28,8 +30,7 @@ CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 def plot_plan(plan: Plan, arm: Arm, path: Path) -> None:
     """Draw the workspace from above, and the solid with its diagonal plane and the poses.
 
-    ``path`` ends in .svg or .png. Raises `UsageError` for another ending and `CannotCreateError`
-    where the file cannot be written.
+    ``path`` ends in .svg or .png. Raises `UsageError` for another ending, and as `write_file`.
     """
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
@@ -123,18 +124,15 @@ def save(figure: Figure, path: Path) -> None:
             f"{path.name}: pictures are written as SVG or PNG",
             remedy="let the name end in .svg or .png",
         )
+    drawn = BytesIO()
     metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
     with (
         mpl.rc_context({"svg.hashsalt": "scara-iso", "svg.fonttype": "path"}),
         warnings.catch_warnings(),
     ):
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a box stands for it
-        try:
-            figure.savefig(path, format=kind, dpi=150, metadata=metadata)
-        except OSError as error:
-            raise CannotCreateError(
-                f"cannot write the picture: {error.strerror or error}", where=str(path)
-            ) from error
+        figure.savefig(drawn, format=kind, dpi=150, metadata=metadata)
+    write_file(path, drawn.getvalue())
 
 
 def _draw_from_above(axes: Axes, plan: Plan, arm: Arm) -> None:

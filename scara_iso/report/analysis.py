@@ -64,6 +64,11 @@ def verdict(analysis: Analysis) -> Iterator[Block]:
         yield Text(_largest(analysis.poses), "strong")
     yield from _warnings(analysis)
     yield Text(_cycles(analysis))
+    yield from conformity(analysis)
+
+
+def conformity(analysis: Analysis) -> Iterator[Text]:
+    """Yield whether the limits are kept, where there are some."""
     if analysis.limits:
         outside = [_checked(check) for check in analysis.limits if not check.inside]
         if outside:

@@ -15,12 +15,6 @@ from scara_iso.errors import UsageError
 from scara_iso.plugins import find_modules
 from scara_iso.report.blocks import Block, Report, Section, Table, Text
 
-_EDITED = """A file of a recording was changed after it was recorded.
-
-The recorder writes a manifest with the hashes of the table and of the raw file; one of them is not
-what it was. ``record --rebuild OUT.raw.jsonl`` makes the table of the raw file anew, to compare.
-"""
-
 
 @dataclass(frozen=True, slots=True)
 class Page:
@@ -37,7 +31,7 @@ def pages() -> dict[str, Page]:
     """Return the pages by code: findings of a table, effects on readings, effects on reversals."""
     modules = find_modules(checks, "scara_iso.checks")
     texts = {module.CODE: module.__doc__ or "" for module in modules}
-    texts |= {**matching.PAGES, "edited": _EDITED}
+    texts |= matching.PAGES
     findings = [_finding(code, text) for code, text in sorted(texts.items())]
     found = [
         _effect(module.EFFECT, module.__doc__ or "")

@@ -1,0 +1,261 @@
+"""What a kill or a full disk leaves of a file that a command was writing: the old or the new one.
+
+Prints the table of docs/durability.md. ``python benchmarks/kills.py --kills 1000``. Needs fork,
+SIGKILL and RLIMIT_FSIZE (Linux, macOS). The processes are forks of this one, which has imported
+everything and diagnosed the table once: a kill meets the writing and not what goes before it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+import random
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import chdir, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+from scara_iso import Run, closing  # noqa: E402
+from scara_iso.cli import main as scara_iso  # noqa: E402
+from scara_iso.disk import SystemDisk  # noqa: E402
+from scara_iso.errors import ScaraIsoError  # noqa: E402
+from scara_iso.manifest import raw_path  # noqa: E402
+from scara_iso.recorder import read_history, rebuild  # noqa: E402
+
+EXAMPLES = ROOT / "examples"
+MODEL, TABLE = str(EXAMPLES / "fum_scara.toml"), str(EXAMPLES / "fum_scara_table1.csv")
+PAIR = [str(EXAMPLES / "before_repair.csv"), str(EXAMPLES / "after_repair.csv")]
+GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
+TIMER = [*GAUGES, "--trigger", "timer:1"]
+
+COMMANDS: dict[str, tuple[str, list[str]]] = {
+    "record": ("run.csv", ["record", "run.csv", *TIMER]),
+    "record --resume": ("run.csv", ["record", "run.csv", *TIMER, "--cycles", "60", "--resume"]),
+    "record --rebuild": ("run.csv", ["record", "--rebuild", "run.raw.jsonl"]),
+    **{
+        f"report {kind}": (f"out{kind}", ["report", TABLE, "--model", MODEL, "-o", f"out{kind}"])
+        for kind in (".html", ".md", ".csv", ".xlsx", ".pdf", ".json")
+    },
+    "simulate": ("out.csv", ["simulate", MODEL, "--cycles", "2000", "-o", "out.csv"]),
+    "plan": ("out.csv", ["plan", MODEL, "-o", "out.csv"]),
+    "plan --picture": ("out.svg", ["plan", MODEL, "--picture", "out.svg"]),
+    "compare --plot": ("out.png", ["compare", *PAIR, "--plot", "out.png"]),
+    "diagnose --plot": ("out.svg", ["diagnose", TABLE, "--plot", "out.svg"]),
+    "diagnose --save-model": (
+        "out.toml",
+        ["diagnose", TABLE, "--model", MODEL, "--save-model", "out.toml"],
+    ),
+}
+"""Each command that writes a file: the file, and the arguments."""
+OPERATIONS = ("create", "write", "sync", "replace", "sync_folder")
+
+
+@dataclass
+class Row:
+    """One line of the table."""
+
+    what: str
+    tries: int = 0
+    failures: int = 0
+
+    def __str__(self) -> str:
+        return f"| {self.what} | {self.tries} | {self.failures} |"
+
+
+class Command:
+    """One command, its file before and after, and how long it takes."""
+
+    def __init__(self, name: str, folder: Path) -> None:
+        self.name = name
+        self.file, self.arguments = COMMANDS[name]
+        self.folder = folder
+        self.before = folder / "before"
+        self.before.mkdir()
+        self._prepare()
+        self.old = self._read(self.before)
+        with chdir(self.place("warm")), redirect_stdout(io.StringIO()):
+            scara_iso(self.arguments)
+        place = self.place("whole")
+        start = time.perf_counter()
+        code = run(lambda: None, self.arguments, place)
+        self.takes_s = time.perf_counter() - start
+        self.new = self._read(place)
+        if code != 0 or self.new is None:
+            raise SystemExit(f"{name}: exit code {code}")
+
+    def _prepare(self) -> None:
+        if not self.name.startswith("record"):
+            (self.before / self.file).write_bytes(b"the old one\n")
+        elif self.name != "record":
+            run(lambda: None, COMMANDS["record"][1], self.before)
+        if self.name == "record --rebuild":
+            (self.before / self.file).unlink()
+
+    def _read(self, place: Path) -> bytes | None:
+        path = place / self.file
+        return path.read_bytes() if path.exists() else None
+
+    def place(self, name: str) -> Path:
+        """Return a new folder as it is before the command."""
+        place = self.folder / name
+        shutil.copytree(self.before, place)
+        return place
+
+    def is_whole(self, place: Path) -> bool:
+        """Say whether the file is the old or the new one and a recording is as it was or more."""
+        found = self._read(place)
+        raw = raw_path(place / self.file)
+        if not raw.exists():
+            return found in (self.old, self.new)
+        history = read_history(raw)
+        if not history.header:
+            return found == self.old
+        if history.doubts or history.faults:
+            return False
+        if found == self.old:
+            return True
+        rebuilt, _ = rebuild(raw, place / "rebuilt.csv", disk=SystemDisk())
+        return found == rebuilt.read_bytes()
+
+
+def run(prepare: Callable[[], object], arguments: list[str], place: Path, life: float = 0) -> int:
+    """Run a command in a fork, killed after ``life`` seconds; return its code, -9 where killed."""
+    child = os.fork()
+    if child == 0:
+        os.chdir(place)
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        for stream in (0, 1, 2):
+            os.dup2(nowhere, stream)
+        prepare()
+        os._exit(scara_iso(arguments))
+    if life:
+        time.sleep(life)
+        os.kill(child, signal.SIGKILL)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def kills(command: Command, count: int, rng: random.Random) -> Row:
+    """Kill at random moments of the time that the command takes."""
+    row = Row(f"kill -9 in `{command.name}`")
+    for k in range(count):
+        place = command.place(f"kill{k}")
+        run(lambda: None, command.arguments, place, rng.uniform(0.001, 1.1 * command.takes_s))
+        judge(row, command, place)
+    return row
+
+
+def judge(row: Row, command: Command, place: Path) -> None:
+    """Count a try."""
+    row.tries += 1
+    try:
+        whole = command.is_whole(place)
+    except (ScaraIsoError, OSError):
+        whole = False
+    row.failures += not whole
+    shutil.rmtree(place)
+
+
+def kills_at_operations(command: Command, row: Row) -> None:
+    """Kill before, within and behind every operation on the disk that writing consists of."""
+    for operation in OPERATIONS:
+        for when in ("before", "within", "behind"):
+            for nth in range(2):
+                place = command.place(f"{operation}-{when}-{nth}")
+                code = run(lambda: _kill_at(operation, when, nth), command.arguments, place)  # noqa: B023
+                if code == -signal.SIGKILL:
+                    judge(row, command, place)
+                else:  # there are not so many of them
+                    shutil.rmtree(place)
+                    break
+
+
+def _kill_at(operation: str, when: str, nth: int) -> None:
+    whole, left = getattr(SystemDisk, operation), [nth]
+
+    def killing(self: SystemDisk, *arguments: object) -> object:
+        left[0] -= 1
+        if left[0] >= 0:
+            return whole(self, *arguments)
+        if when == "within" and operation == "write":
+            file, data = arguments
+            os.write(file, data[: len(data) // 2])  # type: ignore[index, arg-type]
+        if when == "behind":
+            whole(self, *arguments)
+        os.kill(os.getpid(), signal.SIGKILL)
+        return None
+
+    setattr(SystemDisk, operation, killing)
+
+
+def full_disks(command: Command, count: int, rng: random.Random, row: Row) -> None:
+    """Let no file grow beyond a number of bytes that is too small for the new one."""
+    size = len(command.new or b"")
+    for k in range(count):
+        place = command.place(f"full{k}")
+        room = rng.randrange(size)
+        code = run(lambda: _limit(room), command.arguments, place)  # noqa: B023
+        row.failures += code not in (73, 74)
+        judge(row, command, place)
+
+
+def _limit(room: int) -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
+
+
+def _diagnose_once() -> None:
+    """Let the diagnosis of each command be computed once, before the forks."""
+    whole, found = closing.close_the_loop, {}
+
+    def remembered(run: Run, model: object, wanted: object, **options: object) -> object:
+        key = (run.origin.source, model is None)
+        if key not in found:
+            found[key] = whole(run, model, wanted, **options)
+        return found[key]
+
+    closing.close_the_loop = remembered
+
+
+def main() -> int:
+    """Print the table; exit 1 where a file was neither the old nor the new one."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=1000)
+    parser.add_argument("--full", type=int, default=20, help="full disks for each command")
+    parser.add_argument("--only", choices=list(COMMANDS), action="append")
+    options = parser.parse_args()
+    _diagnose_once()
+    names = options.only or list(COMMANDS)
+    rng = random.Random(20261122)  # noqa: S311
+    operations = Row("kill -9 before, within or behind each operation on the disk, all commands")
+    full = Row("disk full after n bytes, all commands")
+    rows = []
+    print("| test | tries | failures |")
+    print("|---|---|---|")
+    for k, name in enumerate(names):
+        with tempfile.TemporaryDirectory() as folder:
+            command = Command(name, Path(folder))
+            count = options.kills // len(names) + (k < options.kills % len(names))
+            rows.append(kills(command, count, rng))
+            print(rows[-1], flush=True)
+            kills_at_operations(command, operations)
+            full_disks(command, options.full, rng, full)
+    total = Row("kill -9 at a random moment, all commands")
+    total.tries = sum(row.tries for row in rows)
+    total.failures = sum(row.failures for row in rows)
+    for row in (total, operations, full):
+        print(row, flush=True)
+    return int(any(row.failures for row in (total, operations, full)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

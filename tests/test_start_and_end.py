@@ -1,0 +1,165 @@
+"""How a command ends: a reader that leaves, Ctrl-C from the first moment on, a limit's reason."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scara_iso.cli import main
+from scara_iso.cli.options import parse_limits
+from scara_iso.errors import UsageError
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = ROOT / "examples"
+TABLE = str(EXAMPLES / "fum_scara_table1.csv")
+MODEL = str(EXAMPLES / "fum_scara.toml")
+WARM_UP = str(EXAMPLES / "warm_up.csv")
+FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
+
+SPEAKING = {
+    "analyze": [TABLE],
+    "analyze --limit": [TABLE, "--limit", "0.0001"],
+    "diagnose": [TABLE],
+    "report --limit": [TABLE, "-o", "out.md", "--limit", "0.0001"],
+    "simulate": [MODEL],
+    "plan": [MODEL],
+    "compare": [str(EXAMPLES / "before_repair.csv"), str(EXAMPLES / "after_repair.csv")],
+    "backlash": FIRST_JOINT,
+    "ports": [],
+    "demo": [],
+    "explain": [],
+    "record": ["run.csv", "--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:1"],
+    "--help": [],
+    "--version": [],
+}
+
+
+def process(*arguments, **options):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.Popen([sys.executable, "-m", "scara_iso", *arguments], env=environment,
+                            stderr=subprocess.PIPE, **options)  # fmt: skip
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a pipe that is closed has another error there")
+@pytest.mark.parametrize("command", SPEAKING)
+@pytest.mark.parametrize("json", [False, True])
+def test_a_closed_pipe_is_an_output_that_cannot_be_written(tmp_path, command, json):
+    if json and command.startswith("--"):
+        pytest.skip("no JSON")
+    reader, writer = os.pipe()
+    os.close(reader)
+    name = [command.split()[0]]
+    arguments = [*name, *SPEAKING[command], *(["--json"] if json else [])]
+    with process(*arguments, stdout=writer, cwd=tmp_path) as started:
+        os.close(writer)
+        err = started.communicate()[1]
+    assert started.returncode == 74
+    assert b"Traceback" not in err
+    assert b"Exception" not in err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a pipe that is closed has another error there")
+def test_an_error_that_nobody_hears_keeps_its_code(tmp_path):
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [sys.executable, "-m", "scara_iso", "analyze", "nowhere.csv"],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stderr=writer, stdout=subprocess.PIPE, check=False, cwd=tmp_path,
+    )  # fmt: skip
+    os.close(writer)
+    assert (done.returncode, done.stdout) == (66, b"")
+
+
+INTERRUPT_AT = """
+import os, signal, sys
+from importlib.abc import MetaPathFinder
+
+class Interrupting(MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name == {name!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.meta_path.insert(0, Interrupting())
+sys.argv = ["scara-iso", *{arguments!r}]
+from scara_iso.__main__ import run
+run()
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs signals")
+@pytest.mark.parametrize(
+    "name", ["scara_iso.cli", "typer", "inspect", "scara_iso.cli.analyze", "numpy"]
+)
+def test_ctrl_c_within_an_import_ends_with_130_and_no_traceback(tmp_path, name):
+    script = INTERRUPT_AT.format(name=name, arguments=["analyze", TABLE])
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, check=False, cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert done.returncode == 130
+    assert done.stdout == b""
+    assert b"Traceback" not in done.stderr
+
+
+def test_the_readme_lists_every_exit_code():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    table = text[text.index("| exit code |") :].split("\n\n")[0]
+    named = {int(word) for row in table.splitlines()[2:] for word in row.split("|")[1].split(", ")}
+    assert named == {0, 1, 2, 65, 66, 69, 70, 73, 74, 130}
+
+
+@pytest.mark.parametrize(
+    ("text", "limits"),
+    [
+        ("XY=0,02", {"XY": 0.02}),
+        ("xy=0.02", {"XY": 0.02}),
+        ("x=,5", {"X": 0.5}),
+        ("Theta = 0,050", {"theta": 0.05}),
+        ("0,020", {"": 0.02}),
+        ("1,5", {"": 1.5}),
+        ("1,0000", {"": 1.0}),
+    ],
+)
+def test_a_limit_is_understood_as_it_is_written(text, limits):
+    assert parse_limits([text]) == limits
+
+
+@pytest.mark.parametrize(
+    ("texts", "word"),
+    [
+        (["x="], "not a length"),
+        (["="], "names no figure"),
+        (["=0.02"], "names no figure"),
+        (["XY=0,02,5"], "not a length"),
+        (["1,000"], "two ways"),
+        (["X=12,345"], "two ways"),
+        (["x=1", "X=2"], "already"),
+        (["0.02mm"], "not a length"),
+        (["nan"], "not a length"),
+    ],
+)
+def test_a_limit_that_is_none_is_refused(texts, word):
+    with pytest.raises(UsageError, match=word):
+        parse_limits(texts)
+
+
+def test_the_remedy_of_a_wrong_limit_works(tmp_path, monkeypatch, capsys):
+    assert main(["analyze", TABLE, "--limit", "x="]) == 2
+    remedy = capsys.readouterr().err.splitlines()[-1]
+    written = [word.rstrip(",") for word in remedy.split() if "0.02" in word]
+    for limit in written:
+        assert main(["analyze", TABLE, "--limit", limit]) in (0, 1)
+
+
+def test_a_report_outside_its_limit_says_why_it_ends_with_1(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", WARM_UP, "--limit", "XY=0.02", "-o", "out.md"]) == 1
+    out, err = capsys.readouterr()
+    assert out == "out.md is written\n"
+    assert err == "scara-iso: OUTSIDE the limit: XY\n"
+    assert main(["report", WARM_UP, "--limit", "XY=9", "-o", "out.md"]) == 0
+    assert capsys.readouterr().err == ""
