@@ -15,7 +15,7 @@ from scara_iso.errors import (
     UsageError,
     WriteError,
 )
-from scara_iso.ports import Clock, Port, is_device, open_port, refuse_same_device
+from scara_iso.ports import Clock, Port, is_device, is_recorded, open_port, refuse_same_device
 from scara_iso.ports.tape import SCHEMA
 from scara_iso.recorder.disk import Disk, write_atomically
 from scara_iso.recorder.events import Done, Operator, Said
@@ -128,7 +128,7 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
     refuse_same_device({g.axis: g.address for g in job.gauges if is_device(g.address)})
     ports = []
     for spec in job.gauges:
-        if job.resume and spec.address.startswith("replay:"):
+        if job.resume and is_recorded(spec.address):
             raise UsageError("a recorded stream begins anew: record it into a new file")
         asked = not isinstance(job.plan.trigger, Listen)
         port = open_port(spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked)
