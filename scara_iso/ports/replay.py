@@ -114,7 +114,7 @@ def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
     data = b"" if tape else read_file(path, _LARGEST)
     try:
         stream = _from_tape(path, axis, asked=asked) if tape else Stream()
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise DataError(f"is no raw file of record ({error})", where=str(path)) from error
     if not tape:
         stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]
