@@ -3,12 +3,14 @@
 import ast
 import importlib
 import io
+import json
 import os
 import pkgutil
 import re
 import subprocess
 import sys
 import warnings
+import zlib
 from pathlib import Path
 
 import pytest
@@ -20,6 +22,7 @@ from scara_iso.cli.keyboard import Lines
 from scara_iso.effects import find_effects
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.plugins import find_modules
+from scara_iso.ports.tape import decode
 from scara_iso.recorder import Quit, Take
 
 ROOT = Path(__file__).parents[1]
@@ -152,7 +155,7 @@ def odd_files(tmp_path):
     if not hasattr(os, "mkfifo"):
         pytest.skip("no named pipes here")
     os.mkfifo(tmp_path / "pipe")
-    return [str(tmp_path / "pipe"), str(tmp_path), "/dev/zero", "", ".", "/", "a\x00b"]
+    return [str(tmp_path / "pipe"), str(tmp_path), "/dev/zero", "", ".", "/", "a\x00b", "a.\ud800"]
 
 
 COMMANDS = [
@@ -268,3 +271,41 @@ def test_more_lines_than_are_taken_wait_for_their_turn():
 def test_a_pipe_of_a_model_is_no_file(odd_files):
     with pytest.raises(NoInputError, match="regular file"):
         read_table(odd_files[0])
+
+
+@pytest.mark.parametrize(
+    ("event", "key", "value"),
+    [("stored", "text", 0.5), ("stored", "unit", []), ("stored", "at", "x"),
+     ("session", "gauges", 5), ("session", "wall", 7), ("session", "metadata", 3), ("session", "cycles", 1e400)],
+)  # fmt: skip
+def test_a_raw_file_with_values_of_another_kind_is_no_defect(
+    tmp_path, monkeypatch, capsys, event, key, value
+):
+    monkeypatch.chdir(tmp_path)
+    gauge = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:0.01", "--cycles", "2"]
+    assert main(["record", "a.csv", *gauge]) == 0
+    raw = tmp_path / "a.raw.jsonl"
+    records = [decode(line) for line in raw.read_bytes().splitlines(keepends=True)]
+    for record in records:
+        if record["event"] == event:
+            record[key] = value
+    raw.write_bytes(b"".join(line_of(record) for record in records))
+    replayed = ["b.csv", "--gauge", "X=opto-rs232@replay:a.raw.jsonl", "--trigger", "data"]
+    for command in (["--rebuild", "a.raw.jsonl", "c.csv"], replayed, ["a.csv", "--resume", *gauge]):
+        assert main(["record", *command]) in (0, 2, 65, 69, 73)
+    assert "defect" not in capsys.readouterr().err
+
+
+def line_of(record):
+    """Return the line of a record, not finite numbers too: ``1e400`` is read as one."""
+    body = json.dumps(record, separators=(",", ":")).encode("ascii")
+    return b'%b,"crc":"%08x"}\n' % (body[:-1], zlib.crc32(body))
+
+
+@pytest.mark.parametrize("ratio", ["1e-320", "1e300"])
+def test_a_sweep_beyond_any_drive_is_refused(tmp_path, capsys, ratio):
+    rows = "".join(f"{k}e-4,4.7,12,-{k}e-4,{ratio}\n" for k in range(1, 9))
+    (tmp_path / "s.csv").write_text(f"Im,IL,arcmin,deviation_rad,ratio\n{rows}")
+    command = ["backlash", "--Im", "1", "--IL", "2", "--arcmin", "3", "--measured"]
+    assert main([*command, str(tmp_path / "s.csv")]) == 65
+    assert "beyond any drive" in capsys.readouterr().err

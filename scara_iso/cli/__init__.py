@@ -90,8 +90,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _call(arguments: Sequence[str]) -> int:
     try:
-        if any("\0" in word for word in arguments):
-            raise UsageError("a NUL character in the arguments")
+        _refuse_what_names_nothing(arguments)
         if sys.stdout is None:
             raise OSError("standard output is closed")
         code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
@@ -107,6 +106,16 @@ def _call(arguments: Sequence[str]) -> int:
     except Exception as error:  # noqa: BLE001 - the one error boundary
         return _tell(error)
     return code if isinstance(code, int) else 0
+
+
+def _refuse_what_names_nothing(arguments: Sequence[str]) -> None:
+    """Raise `UsageError` for characters that no file's name and no shell's word can hold."""
+    try:
+        names = os.fsencode("".join(arguments))
+    except UnicodeEncodeError as error:
+        raise UsageError(f"an argument is no text: {error.reason}") from error
+    if b"\0" in names:
+        raise UsageError("a NUL character in the arguments")
 
 
 def _mend_streams(*, reopen: bool) -> None:
