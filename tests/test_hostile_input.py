@@ -276,7 +276,8 @@ def test_a_pipe_of_a_model_is_no_file(odd_files):
 @pytest.mark.parametrize(
     ("event", "key", "value"),
     [("stored", "text", 0.5), ("stored", "unit", []), ("stored", "at", "x"),
-     ("session", "gauges", 5), ("session", "wall", 7), ("session", "metadata", 3), ("session", "cycles", 1e400)],
+     ("session", "gauges", 5), ("session", "wall", 7), ("session", "metadata", 3),
+     ("session", "cycles", 1e400)],
 )  # fmt: skip
 def test_a_raw_file_with_values_of_another_kind_is_no_defect(
     tmp_path, monkeypatch, capsys, event, key, value
