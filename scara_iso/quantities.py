@@ -81,12 +81,15 @@ _ALIASES = {
 }  # fmt: skip
 _BY_NAME = {unit.name: unit for unit in _UNITS}
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
+_LONGEST = 60
 _SCALED = re.compile(r"([0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]{1,2})?)\s*[x×*]?\s*(\D.*)")
 
 
 def find_unit(text: str) -> Unit | None:
     """Return the unit that ``text`` spells, ``0.01 mm`` and aliases included, or None."""
     name = text.strip().lower()
+    if len(name) > _LONGEST:
+        return None
     plain = _BY_NAME.get(_ALIASES.get(name, name))
     if plain is not None:
         return plain

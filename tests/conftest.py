@@ -6,6 +6,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the program does; befor
 
 import numpy as np
 import pytest
+from hypothesis import settings
+
+settings.register_profile("house", deadline=None)  # a busy machine fails no test
+settings.load_profile("house")
 
 
 @pytest.fixture

@@ -185,3 +185,15 @@ def test_one_reading_that_carries_the_figure_gives_no_interval():
     axis = analyze(run_with([Axis("X", readings)])).poses[0].axes["X"]
     assert axis.RP > 0
     assert axis.RP_interval is None
+
+
+def test_a_radial_figure_states_no_uncertainty_where_one_axis_states_none(rng):
+    readings = rng.normal(0, 0.01, 31)
+    known = Axis("X", readings, resolution=0.01)
+    finer = Axis("Y", readings, resolution=0.001)
+    unknown = Axis("Y", readings)
+    both = analyze(run_with([known, finer])).poses[0].XY
+    assert both.uncertainty == 0.01 / math.sqrt(12)
+    one = analyze(run_with([known, unknown])).poses[0].XY
+    assert one.uncertainty is None
+    assert one.uncertainty_ratio is None

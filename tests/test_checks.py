@@ -260,7 +260,7 @@ def test_mann_kendall_holds_its_level(rng):
 
 
 def test_third_parties_add_checks(monkeypatch, tmp_path):
-    (tmp_path / "their_check.py").write_text("CODE = 'theirs'\n", encoding="utf-8")
+    (tmp_path / "their_check.py").write_text("CODE = 'theirs'\ncheck = iter\n")
     declared = tmp_path / "theirs-1.0.dist-info"
     declared.mkdir()
     (declared / "METADATA").write_text("Metadata-Version: 2.1\nName: theirs\nVersion: 1.0\n")

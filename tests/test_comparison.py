@@ -124,7 +124,7 @@ def test_two_places_between_the_divisions_are_no_difference(rng):
 
 
 @given(st.integers(0, 2**32), st.floats(0.2, 5), st.sampled_from([0.001, 0.5, 1.0]))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_interval_p_value_and_verdict_say_the_same(seed, scale, division):
     rng = np.random.default_rng(seed)
     runs = [

@@ -257,7 +257,7 @@ def test_a_stiff_servo_tends_to_a_motor_that_is_held():
     assert misses[1] < 0.02 * train.gap
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     trains,
     st.floats(0, 1),
@@ -282,7 +282,7 @@ def test_closed_form_and_integration_agree(
         assert getattr(numeric, name)[-1] == pytest.approx(getattr(exact, name)[-1], abs=1e-7)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     st.floats(0, 0.5),
     st.floats(0, 0.5),

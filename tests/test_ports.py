@@ -245,10 +245,11 @@ def test_settings_and_modem_lines_are_set_before_opening(monkeypatch, key, expec
     [serial.SerialException("gone"), OSError(5, "I/O"), TypeError("NoneType"), "termios"],
 )
 @pytest.mark.parametrize("call", ["read", "write", "pulse"])
+@pytest.mark.usefixtures("loop")
 def test_every_kind_of_loss_is_an_instrument_error(monkeypatch, error, call):
     if error == "termios":
         error = pytest.importorskip("termios").error(5, "I/O")
-    port = DevicePort("loop://", LineSettings())
+    port = DevicePort("loop", LineSettings())
 
     def fail(*_):
         raise error
@@ -284,12 +285,44 @@ def test_hardware_that_cannot_do_the_settings_is_said(monkeypatch):
 def test_a_missing_device_and_a_strange_url_are_refused():
     with pytest.raises(InstrumentError):
         DevicePort("/dev/ttyNOTTHERE", OPTO.line)
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "spy://loop://?file=HERE", "spy:///dev/null?file=HERE", "alt://loop://?class=PosixPollSerial",
+        "hwgrep://(((", "hwgrep://.", "loop://", "cp2110://0", "gopher://x", "", " ",
+        "socket://127.0.0.1:1?logging=debug", "rfc2217://127.0.0.1:1?ign_set_control",
+        "socket://127.0.0.1:99999", "socket://user@host:1", "socket://h:1/HERE", "socket://",
+        "file:HERE", "/dev/tty\0S0", "/dev/tty\x1b[2J", "SPY://loop://?file=HERE",
+    ],
+)  # fmt: skip
+def test_a_port_is_what_the_list_of_kinds_holds_and_nothing_else(tmp_path, monkeypatch, address):
+    reached = []
+    monkeypatch.setattr(serial, "serial_for_url", lambda *a, **k: reached.append((a, k)))
     with pytest.raises(UsageError, match="no such kind"):
-        DevicePort("gopher://x", OPTO.line)
+        DevicePort(address.replace("HERE", str(tmp_path / "f")), OPTO.line)
+    assert reached == []
+    assert list(tmp_path.iterdir()) == []
 
 
+def test_a_port_is_no_file(tmp_path):
+    (tmp_path / "notes").write_text("mine")
+    with pytest.raises(InstrumentError, match="no serial device"):
+        DevicePort(str(tmp_path / "notes"), OPTO.line)
+    assert (tmp_path / "notes").read_text() == "mine"
+
+
+@pytest.fixture
+def loop(monkeypatch):
+    """Let the next device be a line that gives back what is sent."""
+    made = serial.serial_for_url("loop://", do_not_open=True)
+    monkeypatch.setattr(serial, "serial_for_url", lambda *_, **__: made)
+
+
+@pytest.mark.usefixtures("loop")
 def test_loop_gives_back_what_is_sent():
-    port = DevicePort("loop://", LineSettings())
+    port = DevicePort("loop", LineSettings())
     assert port.read() == b""
     port.write(b"+001.234\r")
     assert port.read() == b"+001.234\r"
@@ -378,7 +411,7 @@ def test_one_device_by_two_names_is_refused(monkeypatch, tmp_path):
         refuse_same_device({"X": "/dev/null", "Z": "/dev/../dev/null"})
     with pytest.raises(UsageError):
         refuse_same_device({"X": "socket://host:1", "Y": "socket://HOST:1"})
-    refuse_same_device({"X": "/dev/null", "Y": "/dev/zero", "Z": "loop://", "theta": "loop://"})
+    refuse_same_device({"X": "/dev/null", "Y": "/dev/zero"})
 
 
 def test_one_usb_place_under_two_names_is_refused(monkeypatch):

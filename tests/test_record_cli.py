@@ -11,10 +11,10 @@ import pytest
 from rich.console import Console
 
 from scara_iso import read_table
-from scara_iso.cli import main
+from scara_iso.cli import main, recording
 from scara_iso.cli.keyboard import Keys, Lines, parse_line
 from scara_iso.cli.record_screen import Screen
-from scara_iso.ports.tape import encode
+from scara_iso.ports.tape import decode, encode
 from scara_iso.recorder import (
     CycleDone,
     Done,
@@ -198,7 +198,7 @@ def test_errors_say_what_and_what_to_do(run, tmp_path, arguments, code, word):
 def test_nothing_is_overwritten_and_resume_goes_on(run, tmp_path):
     assert run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--meta", "robot=R")[0] == 0
     assert run("record", "a.csv", *X, *TIMER)[0] == 73
-    code, out, _ = run("record", "--resume", "a.csv", "--cycles", "5", "--meta", "operator=O")
+    code, out, _ = run("record", "--resume", "a.csv", *X, "--cycles", "5", "--meta", "operator=O")
     assert code == 0
     assert [e["cycle"] for e in events(out) if e["event"] == "stored"] == [4, 5]
     table = read_table(tmp_path / "a.csv")
@@ -212,7 +212,7 @@ def test_nothing_is_overwritten_and_resume_goes_on(run, tmp_path):
 
 def test_a_table_for_excel_stays_one_on_resume_and_rebuild(run, tmp_path):
     assert run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--excel-locale", "de")[0] == 0
-    assert run("record", "--resume", "a.csv", "--cycles", "5")[0] == 0
+    assert run("record", "--resume", "a.csv", *X, "--cycles", "5")[0] == 0
     text = (tmp_path / "a.csv").read_text(encoding="utf-8")
     assert text.startswith("\ufeff# unit: mm\n")
     assert "\ncycle;X;time_s\n" in text
@@ -443,3 +443,51 @@ def test_a_raw_file_that_lacks_its_fields_is_no_defect(run, tmp_path, record):
     assert run("record", "--rebuild", "odd.raw.jsonl")[0] == 65
     replayed = ("record", "a.csv", "--gauge", "X=opto-rs232@replay:odd.raw.jsonl")
     assert run(*replayed, "--trigger", "data")[0] in (2, 65)
+
+
+def forged(tmp_path, port):
+    """Return the raw file of a recording, changed to name another port."""
+    raw = raw_path(tmp_path / "a.csv")
+    lines = [decode(line) for line in raw.read_bytes().splitlines(keepends=True)]
+    for record in lines:
+        for gauge in record.get("gauges", {}).values():
+            gauge["spec"] = f"X=opto-rs232@{port}"
+    raw.write_bytes(b"".join(encode({k: v for k, v in r.items() if k != "crc"}) for r in lines))
+    (tmp_path / "a.csv").unlink()
+    (tmp_path / "a.manifest.json").unlink()
+    return raw
+
+
+def test_a_raw_file_does_not_choose_a_port_unasked(run, tmp_path):
+    run("record", "a.csv", *X, *TIMER, "--cycles", "3")
+    mine = tmp_path / "mine"
+    mine.write_text("precious")
+    raw = forged(tmp_path, f"spy://loop://?file={mine}")
+    before = raw.read_bytes()
+    code, out, err = run("record", "--resume", "a.csv", "--cycles", "5")
+    assert (code, out) == (2, "")
+    assert f"--gauge 'X=opto-rs232@spy://loop://?file={mine}'" in err
+    assert (
+        run("record", "--resume", "a.csv", "--gauge", f"X=opto-rs232@spy://loop://?file={mine}")[0]
+        == 2
+    )
+    assert mine.read_text() == "precious"
+    assert raw.read_bytes() == before
+    assert run("record", "--resume", "a.csv", *X, "--cycles", "5")[0] == 0
+
+
+@pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("n\n", 2), ("", 2)])
+def test_the_ports_of_a_raw_file_are_shown_and_confirmed(run, tmp_path, monkeypatch, answer, code):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    run("record", "a.csv", *X, *TIMER, "--cycles", "3")
+    asked = []
+    monkeypatch.setattr(recording, "record", lambda job, **_: asked.append(job.gauges[0].address))
+    monkeypatch.setattr(sys, "stdin", Terminal(answer))
+    monkeypatch.setattr(sys, "stdout", shown := Terminal())
+    monkeypatch.setattr(recording, "_operator", lambda *_, **__: None)
+    assert main(["record", "--resume", "a.csv", "--cycles", "5"]) == code
+    assert "X=opto-rs232@sim:?pace=0" in shown.getvalue()
+    assert len(asked) == (code == 0)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from functools import cache
+from types import ModuleType
 
 from scara_iso.plugins import find_modules
 from scara_iso.results import Finding, Measured
@@ -22,3 +23,9 @@ def find_checks() -> tuple[Check, ...]:
     """Return every check there is: those of this folder by name, then those of others."""
     modules = find_modules(sys.modules[__name__], "scara_iso.checks")
     return tuple(module.check for module in modules)
+
+
+def check_shape(module: ModuleType) -> None:
+    """Raise `AttributeError` or `TypeError` unless a module has ``check`` and ``CODE``."""
+    if not (callable(module.check) and isinstance(module.CODE, str)):
+        raise TypeError("check is no function, or CODE no text")

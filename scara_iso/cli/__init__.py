@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
@@ -15,7 +16,7 @@ from typer._completion_classes import completion_init
 
 from scara_iso import __version__
 from scara_iso.cli.output import settings
-from scara_iso.errors import DataError, ScaraIsoError
+from scara_iso.errors import DataError, ScaraIsoError, UsageError
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
 
@@ -82,7 +83,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = _general_first(sys.argv[1:] if argv is None else argv)
     settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
+    with warnings.catch_warnings():
+        warnings.showwarning = _warn
+        return _call(arguments)
+
+
+def _call(arguments: Sequence[str]) -> int:
     try:
+        _refuse_what_names_nothing(arguments)
         if sys.stdout is None:
             raise OSError("standard output is closed")
         code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
@@ -116,6 +124,16 @@ def _lead_nowhere() -> int:
     return CANNOT_WRITE
 
 
+def _refuse_what_names_nothing(arguments: Sequence[str]) -> None:
+    """Raise `UsageError` for characters that no file's name and no shell's word can hold."""
+    try:
+        names = os.fsencode("".join(arguments))
+    except UnicodeEncodeError as error:
+        raise UsageError(f"an argument is no text: {error.reason}") from error
+    if b"\0" in names:
+        raise UsageError("a NUL character in the arguments")
+
+
 def _mend_streams(*, reopen: bool) -> None:
     """Let no character that a stream cannot hold end a command.
 
@@ -142,6 +160,13 @@ def _general_first(arguments: Sequence[str]) -> list[str]:
     end = list(arguments).index("--") if "--" in arguments else len(arguments)
     general = [word for word in arguments[:end] if word in _ANYWHERE]
     return [*general, *(w for w in arguments[:end] if w not in _ANYWHERE), *arguments[end:]]
+
+
+def _warn(message: Warning | str, *_: object, **__: object) -> None:
+    from scara_iso.report.words import printable
+
+    if sys.stderr is not None:
+        sys.stderr.write(f"scara-iso: {printable(str(message))}\n")
 
 
 def _tell(error: Exception) -> int:

@@ -17,6 +17,7 @@ _ASKING: dict[str, tuple[str, Callable[[str], Command]]] = {
     "n": ("Note: ", Note),
 }
 _LONGEST = 1000
+_AHEAD = 1000
 _ENTER = "\r\n "
 _ESCAPE = "\x1b"
 _RUB_OUT = "\x08\x7f"
@@ -79,8 +80,9 @@ class Lines:
     """
 
     def __init__(self, stream: TextIO) -> None:
-        self._lines: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._follow, args=(stream,), daemon=True).start()
+        self._lines: queue.Queue[str] = queue.Queue(_AHEAD)
+        self._follower = threading.Thread(target=self._follow, args=(stream,), daemon=True)
+        self._follower.start()
 
     def poll(self) -> Command | None:
         """Return the command of the next line, if one has come."""
@@ -90,8 +92,12 @@ class Lines:
             return None
 
     def _follow(self, stream: TextIO) -> None:
-        for line in stream:
-            self._lines.put(line)
+        """Hand on the lines, the beginnings of long ones; the queue's bound holds the sender."""
+        begins = True
+        while piece := stream.readline(_LONGEST):
+            if begins:
+                self._lines.put(piece)
+            begins = piece.endswith("\n")
         self._lines.put("q")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import signal
 import sys
 import threading
@@ -14,7 +15,7 @@ from scara_iso.cli.keyboard import Keys, Lines, Nobody, open_keyboard
 from scara_iso.cli.output import settings
 from scara_iso.cli.record_screen import Screen, write_line
 from scara_iso.errors import UsageError
-from scara_iso.ports import choose_clock
+from scara_iso.ports import choose_clock, is_recorded
 from scara_iso.recorder import (
     Done,
     Enter,
@@ -78,7 +79,9 @@ def record_table(options: Options) -> None:
     if earlier is not None:
         _tell_damage(earlier)
     header = earlier.header if earlier else {}
-    recorded = [str(found["spec"]) for found in header.get("gauges", {}).values()]
+    recorded = tuple(str(found["spec"]) for found in header.get("gauges", {}).values())
+    if recorded and not options.gauges:
+        _confirm(recorded, on_terminal=on_terminal)
     specs = parse_gauges(options.gauges or recorded, unit=options.unit)
     trigger = _trigger(options.trigger or header.get("trigger"), on_terminal=on_terminal)
     plan = Plan(
@@ -130,7 +133,7 @@ def _rearm(trigger: Trigger, specs: Sequence[GaugeSpec]) -> float:
     """Return the time; recorded streams and lines of a script say what they mean."""
     if trigger == Enter():
         return _REARM_KEY_S if sys.stdin.isatty() else 0.0
-    recorded = all(spec.address.startswith("replay:") for spec in specs)
+    recorded = all(is_recorded(spec.address) for spec in specs)
     return 0.0 if recorded else _REARM_S
 
 
@@ -142,6 +145,20 @@ def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:
     raise UsageError(
         "no terminal to press Enter on",
         remedy="give --trigger data, timer:SECONDS, or enter for lines of standard input",
+    )
+
+
+def _confirm(recorded: Sequence[str], *, on_terminal: bool) -> None:
+    """Have the ports confirmed that a file names: whoever wrote it chose what they reach."""
+    if on_terminal and sys.stdin.isatty():
+        sys.stdout.write("The recording was made with\n")
+        sys.stdout.writelines(f"  {printable(gauge)}\n" for gauge in recorded)
+        with suppress(EOFError):
+            if input("Go on with these? [y/N] ").strip().lower() in ("y", "yes"):
+                return
+    raise UsageError(
+        "the gauges that the raw file names are not confirmed",
+        remedy="give them: " + " ".join(f"--gauge {shlex.quote(gauge)}" for gauge in recorded),
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from functools import cache
+from types import ModuleType
 
 from scara_iso.effects._effect import (
     Chain,
@@ -44,3 +45,9 @@ def find_gear_effects() -> tuple[GearEffect, ...]:
 def _catalogue() -> tuple[Effect | GearEffect, ...]:
     modules = find_modules(sys.modules[__name__], "scara_iso.effects")
     return tuple(module.EFFECT for module in modules)
+
+
+def check_shape(module: ModuleType) -> None:
+    """Raise `AttributeError` or `TypeError` unless a module has an ``EFFECT``."""
+    if not isinstance(module.EFFECT, Effect | GearEffect):
+        raise TypeError("EFFECT is neither an Effect nor a GearEffect")

@@ -23,6 +23,7 @@ _NEEDED = ("Im", "IL", "arcmin", "deviation_rad")
 _OPTIONAL = ("ratio", "torque_Nm", "u_rad")
 _KNOWN = {name.lower(): name for name in (*_NEEDED, *_OPTIONAL)}
 _POSITIVE = {"Im", "IL", "arcmin", "ratio", "u_rad"}
+_SMALLEST = 1e-30
 _MOST_ROWS = 100_000
 _WHAT = "a sweep of reversals"
 _REMEDY = f"give the columns {', '.join(_NEEDED)} in kg m2, arcmin and rad"
@@ -167,6 +168,8 @@ def _value(
         faults.add(f"{name}: {show(str(cell))} is not a number", *place, remedy=_REMEDY)
     elif name in _POSITIVE and value <= 0 and Mark.BOTH not in marks:
         faults.add(f"{name}: {value:g} is not positive", *place, remedy=_REMEDY)
+    elif value and not _SMALLEST < abs(value) < 1 / _SMALLEST:
+        faults.add(f"{name}: {value:g} is beyond any drive", *place, remedy=_REMEDY)
     return value
 
 

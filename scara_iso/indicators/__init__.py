@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from difflib import get_close_matches
-from types import MappingProxyType
+from types import MappingProxyType, ModuleType
 
 from scara_iso.errors import UsageError
 from scara_iso.indicators._decoder import Decoder, diagnose_parity
@@ -49,7 +49,7 @@ def find_dialects() -> Mapping[str, Dialect]:
     """Return every dialect by its key; `UsageError` where two claim the same key."""
     found: dict[str, Dialect] = {}
     for module in find_modules(sys.modules[__name__], "scara_iso.indicators"):
-        for dialect in getattr(module, "DIALECTS", None) or (module.DIALECT,):
+        for dialect in _dialects(module):
             if dialect.key in found:
                 raise UsageError(
                     f"two dialects are called {dialect.key!r}",
@@ -58,6 +58,16 @@ def find_dialects() -> Mapping[str, Dialect]:
                 )
             found[dialect.key] = dialect
     return MappingProxyType(found)
+
+
+def _dialects(module: ModuleType) -> tuple[Dialect, ...]:
+    return tuple(getattr(module, "DIALECTS", None) or (module.DIALECT,))
+
+
+def check_shape(module: ModuleType) -> None:
+    """Raise `AttributeError` or `TypeError` unless a module has a ``DIALECT`` or ``DIALECTS``."""
+    if not all(isinstance(dialect, Dialect) for dialect in _dialects(module)):
+        raise TypeError("DIALECT is no Dialect")
 
 
 def find_dialect(key: str) -> Dialect:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -10,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from scara_iso.arm import Arm, Elbow
 from scara_iso.disk import write_file
-from scara_iso.errors import DataError, Fault, NoInputError, UsageError
+from scara_iso.errors import DataError, Fault, UsageError
+from scara_iso.files import read_file, read_toml
 from scara_iso.model.declared import declared_effects
 from scara_iso.model.keys import Faults, number, only, pair, section
 from scara_iso.model.parts import DeclaredEffect, Gearbox, Indicator, Model
@@ -32,7 +32,7 @@ def read_model(path: str | Path) -> Model:
     Raises `NoInputError` for a file that cannot be read and `DataError` with every fault, each
     named by its key.
     """
-    document = _load(Path(path))
+    document = read_toml(path)
     faults = Faults()
     faults += [Fault(f"{key}: no such section") for key in document if key not in _SECTIONS]
     robot = section(document, "robot", faults)
@@ -86,24 +86,8 @@ def _inline(values: Mapping[str, float]) -> InlineTable:
     return table
 
 
-def _load(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise DataError(
-            f"no TOML: {error}", where=str(path), remedy="name a model such as fum_scara.toml"
-        ) from error
-    except RecursionError as error:
-        raise DataError("nested deeper than any model", where=str(path)) from error
-
-
 def _text(path: Path) -> str:
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise NoInputError(error.strerror or "cannot be read", where=str(path)) from error
-    if len(data) > _LARGEST:
-        raise DataError("larger than any model", where=str(path))
+    data = read_file(path, _LARGEST)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from scara_iso.indicators import Dialect
 from scara_iso.ports import replay, simulated
+from scara_iso.ports.address import is_device, is_recorded, is_simulated
 from scara_iso.ports.clock import Clock, StreamClock, SystemClock
 from scara_iso.ports.device import DevicePort
 from scara_iso.ports.identity import Device, list_devices, refuse_same_device
@@ -26,22 +27,13 @@ __all__ = [
     "SystemClock",
     "choose_clock",
     "is_device",
+    "is_recorded",
     "is_simulated",
     "list_devices",
     "open_port",
     "refuse_same_device",
     "split_options",
 ]
-
-
-def is_simulated(address: str) -> bool:
-    """Say whether the address names a simulated indicator."""
-    return address.startswith("sim:")
-
-
-def is_device(address: str) -> bool:
-    """Say whether the address names a cable or a URL: neither recorded nor simulated."""
-    return not address.startswith(("sim:", "replay:"))
 
 
 def choose_clock(addresses: Iterable[str]) -> Clock:
@@ -70,6 +62,6 @@ def open_port(
     """
     if is_simulated(address):
         return SimulatedPort(address, dialect, axis=axis, clock=clock, asked=asked, source=source)
-    if not is_device(address):
+    if is_recorded(address):
         return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
     return DevicePort(address, dialect.line)

@@ -10,8 +10,9 @@ from typing import Any
 
 import serial
 
-from scara_iso.errors import InstrumentError, UsageError
+from scara_iso.errors import InstrumentError
 from scara_iso.indicators import LinePulse, LineSettings
+from scara_iso.ports.address import check_device
 from scara_iso.ports.identity import describe
 
 try:
@@ -37,7 +38,8 @@ _CANNOT_DO = 22
 class DevicePort:
     """An open port: exclusive, never waiting, its modem lines set before it was opened.
 
-    Raises `InstrumentError` where the port cannot be opened with these settings.
+    Raises `UsageError` for what is no address of one, and `InstrumentError` where the port cannot
+    be opened with these settings.
     """
 
     unit: str | None = None
@@ -46,6 +48,7 @@ class DevicePort:
     simulated = False
 
     def __init__(self, address: str, line: LineSettings) -> None:
+        check_device(address)
         self.address = address
         self.identity = describe(address)
         self._serial = _prepare(address, line)
@@ -95,14 +98,7 @@ class DevicePort:
 
 
 def _prepare(address: str, line: LineSettings) -> Any:
-    try:
-        port = serial.serial_for_url(address, do_not_open=True)
-    except (ValueError, ImportError, serial.SerialException) as error:
-        raise UsageError(
-            f"no such kind of port ({error})",
-            where=address,
-            remedy="use a device, socket://HOST:PORT, rfc2217://HOST:PORT, replay:FILE or sim:",
-        ) from error
+    port = serial.serial_for_url(address, do_not_open=True)
     port.baudrate, port.bytesize = line.baud, line.data_bits
     port.parity, port.stopbits = line.parity, line.stop_bits
     port.timeout = 0

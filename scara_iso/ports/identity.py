@@ -11,6 +11,7 @@ from pathlib import Path
 from serial.tools.list_ports import comports
 
 from scara_iso.errors import UsageError
+from scara_iso.ports.address import is_url
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +67,8 @@ def refuse_same_device(addresses: Mapping[str, str]) -> None:
 
 def _keys(address: str) -> list[object]:
     """Return what two names of one device have in common."""
-    if "://" in address:
-        return [] if address.startswith("loop://") else [address.partition("?")[0].lower()]
+    if is_url(address):
+        return [address.lower()]
     device = _find(address)
     keys: list[object] = [os.path.normcase(_real(address))]
     keys += [("location", device.location)] if device and device.location else []
@@ -79,7 +80,7 @@ def _keys(address: str) -> list[object]:
 
 
 def _find(address: str) -> Device | None:
-    if "://" in address:
+    if is_url(address):
         return None
     real = os.path.normcase(_real(address))
     return next((d for d in list_devices() if os.path.normcase(_real(d.name)) == real), None)

@@ -17,7 +17,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scara_iso.errors import DataError, NoInputError, UsageError
+from scara_iso.errors import DataError, UsageError
+from scara_iso.files import open_file, read_file
 from scara_iso.indicators import Decoder, Dialect, LinePulse, Reading
 from scara_iso.ports.clock import Clock, StreamClock
 from scara_iso.ports.port import split_options
@@ -31,6 +32,7 @@ OPTIONS = {
 LINE_SPACING_S = 1.0
 """Time between two lines of a file of bytes, which records none [s]."""
 ANSWER_S = 0.02
+_LARGEST = 64 * 2**20
 PULSE = b"(pulse)"
 """Stands for a request made by a modem line."""
 
@@ -110,16 +112,12 @@ def paced(address: str) -> bool:
 
 
 def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
-    try:
-        with path.open("rb") as file:
-            tape = is_tape(file.read(16))
-            file.seek(0)
-            data = b"" if tape else file.read()
-    except OSError as error:
-        raise NoInputError(f"cannot be read ({error.strerror})", where=str(path)) from error
+    with open_file(path) as file:
+        tape = is_tape(file.read(16))
+    data = b"" if tape else read_file(path, _LARGEST)
     try:
         stream = _from_tape(path, dialect, axis, asked=asked) if tape else Stream()
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise DataError(f"is no raw file of record ({error})", where=str(path)) from error
     if not tape:
         stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]

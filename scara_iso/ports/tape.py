@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from scara_iso.errors import NoInputError
+from scara_iso.files import open_file
 
 SCHEMA = "scara-iso/raw/1"
 FIRST = "00000000"
@@ -67,7 +68,7 @@ def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
     Raises `NoInputError` where the file cannot be read.
     """
     try:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             number = 0
             while line := file.readline(LONGEST_LINE):
                 number += 1

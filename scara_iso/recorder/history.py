@@ -27,6 +27,8 @@ from scara_iso.run import Axis, Origin, Run
 VOIDABLE = 100
 """How many readings back an operator may void."""
 _SHOWN = 10
+_DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
+"""What a record raises whose values are of another kind or size."""
 _THEN = ", then "
 _GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
 _MAX_CYCLES = 10_000_000
@@ -111,7 +113,7 @@ class History:
         try:
             self.timeline.at(record)
             self._take(record)
-        except (ValueError, KeyError, TypeError, ArithmeticError, AttributeError) as error:
+        except _DAMAGED as error:
             self.faults.append(Fault(f"{record.get('event')}: {error}", line))
 
     def _follows(self, line: int, record: Record) -> bool:

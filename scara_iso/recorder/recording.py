@@ -17,7 +17,7 @@ from scara_iso.errors import (
     WriteError,
 )
 from scara_iso.manifest import find_doubts, manifest_of, manifest_path, raw_path
-from scara_iso.ports import Clock, Port, is_device, open_port, refuse_same_device
+from scara_iso.ports import Clock, Port, is_device, is_recorded, open_port, refuse_same_device
 from scara_iso.ports.tape import SCHEMA
 from scara_iso.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.recorder.gauge import Gauge
@@ -148,7 +148,7 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
     refuse_same_device({g.axis: g.address for g in job.gauges if is_device(g.address)})
     ports = []
     for spec in job.gauges:
-        if job.resume and spec.address.startswith("replay:"):
+        if job.resume and is_recorded(spec.address):
             raise UsageError("a recorded stream begins anew: record it into a new file")
         if job.plan.stable > 1 and spec.address.startswith("replay:"):
             raise UsageError("a recorded stream is not asked twice", remedy="leave --stable out")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from urllib.parse import quote
 
-from scara_iso.errors import DataError, NoInputError, UsageError
+from scara_iso.errors import DataError, UsageError
+from scara_iso.files import read_toml
 from scara_iso.indicators import Dialect, Parity, find_dialect
 from scara_iso.indicators.generic import make_generic
 from scara_iso.ports import split_options
@@ -137,13 +137,7 @@ def read_metadata(path: Path) -> dict[str, str]:
 
     Raises `NoInputError` where it cannot be read and `DataError` where it is not such a file.
     """
-    try:
-        with path.open("rb") as file:
-            found = tomllib.load(file)
-    except OSError as error:
-        raise NoInputError(f"cannot be read ({error.strerror})", where=str(path)) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DataError(f"is not TOML: {error}", where=str(path)) from error
+    found = read_toml(path)
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
     if nested:
         raise DataError(

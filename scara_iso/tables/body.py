@@ -20,6 +20,8 @@ from scara_iso.tables.statements import is_of_axes
 from scara_iso.tables.text import Row
 
 _NOTES = 50
+_STRANGE = 30_000
+"""Cells in rows that are no readings, beyond which a file is not read on: a few seconds' work."""
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
 
 
@@ -35,6 +37,7 @@ class Body:
         self._cycle = next((c.position for c in layout.of(Kind.CYCLE)), None)
         self._blocks = [0]
         self._labels: set[str] = set()
+        self._strange = 0
 
     @property
     def plain(self) -> bool:
@@ -56,6 +59,7 @@ class Body:
     def sort(self, rows: Iterable[tuple[int, Sequence[Cell]]]) -> Iterator[tuple[int, list[Cell]]]:
         """Yield line and cells of the rows of readings, each as wide as the header."""
         for line, cells in rows:
+            self._count_strange(line, cells)
             texts = [cell if isinstance(cell, str) else repr(cell) for cell in cells]
             comment = bool(texts) and is_comment(_stripped(texts[0]))
             if self._is_numbered(cells) and not comment:
@@ -66,6 +70,16 @@ class Body:
                 self._blocks.append(0)
             elif not self._is_besides(line, texts, text):
                 yield from self._reading(line, cells)
+
+    def _count_strange(self, line: int, cells: Sequence[Cell]) -> None:
+        """Bound the work that a file without readings makes."""
+        if len(cells) == self.layout.width and self._is_numbered(cells):
+            return
+        self._strange += len(cells)
+        if self._strange > _STRANGE:
+            message = f"more than {_STRANGE} cells in rows that are no readings"
+            self.faults.add(message, line, remedy=_ONE_TABLE)
+            self.faults.check()
 
     def _is_besides(self, line: int, texts: list[str], text: str) -> bool:
         """Return whether a row is no reading, and say what it is."""

@@ -1,4 +1,4 @@
-"""Faults of one file: all of them counted, the first thousand kept."""
+"""Faults of one file: counted up to a bound at which reading ends, the first thousand kept."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from collections.abc import Iterable
 from scara_iso.errors import DataError, Fault
 
 KEPT = 1000
-"""Faults that a `DataError` lists; the rest are counted."""
+"""Faults that a `DataError` lists; more are counted."""
+_MOST = 10_000
+"""Faults after which a file is not read on."""
 _SHOWN = 30
 
 
@@ -24,11 +26,16 @@ class Faults:
     def add(
         self, message: str, line: int | None = None, column: int | None = None, *, remedy: str = ""
     ) -> None:
-        """Note one fault; the remedy of the first fault that has one is the error's."""
+        """Note one fault; the remedy of the first fault that has one is the error's.
+
+        Raises `DataError` where there are so many that reading on would tell nothing.
+        """
         self.total += 1
         self._remedy = self._remedy or remedy
         if len(self._kept) < KEPT:
             self._kept.append(Fault(message, line, column))
+        if self.total == _MOST:
+            self.check()
 
     def check(self) -> None:
         """Raise `DataError` if a fault was noted."""
@@ -37,6 +44,7 @@ class Faults:
         faults = sorted(self._kept, key=lambda fault: (fault.line or 0, fault.column or 0))
         count = "1 fault" if self.total == 1 else f"{self.total} faults"
         more = f", the first {KEPT} listed" if self.total > KEPT else ""
+        more += "; not read to its end" if self.total == _MOST else ""
         raise DataError(
             f"cannot be read as {self.what}: {count}{more}",
             where=self.where,

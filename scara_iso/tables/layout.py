@@ -7,7 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from scara_iso.tables.faults import Faults, show
-from scara_iso.tables.names import Column, Kind, clean, read_name, read_names, read_unit, settle
+from scara_iso.tables.names import (
+    LONGEST_NAME,
+    Column,
+    Kind,
+    clean,
+    read_name,
+    read_names,
+    read_unit,
+    settle,
+)
 from scara_iso.tables.numbers import parse_number
 from scara_iso.tables.text import Row
 
@@ -16,10 +25,9 @@ HEAD = 200
 COLUMNS = 1000
 """Columns that a table may have."""
 _ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
-_RULE = re.compile(r"[-=_+*|]{3,}(?:[, ]*[-=_+*|]{3,})*")
-_NAME = 80
+_STROKES = "-=_+*|"
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
-_STATEMENT = re.compile(r"([^\W\d_][^:=]{0,60}?)\s*[:=]\s*(.*)", re.DOTALL)
+_LONGEST_KEY = 61
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +74,7 @@ def find_layout(rows: Sequence[Row]) -> Layout | None:
         if not names_an_axis(row.cells):
             continue
         layout = _layout(rows, k)
-        if layout.sure:
+        if layout.sure or layout.width > COLUMNS:
             return layout
         if best is None or layout.known > best.known:
             best = layout
@@ -86,7 +94,7 @@ def names_an_axis(cells: Sequence[str]) -> bool:
     if not cells or re.match(r"#?\s*[^\W\d_][^:=,;]*[:=]", cells[0]):
         return False
     names = header_cells(cells[: COLUMNS + 1])
-    if any(len(name) > _NAME or parse_number(name) for name in names):
+    if any(len(name) > LONGEST_NAME or parse_number(name) for name in names):
         return False
     return any(read_name(name).kind is Kind.AXIS for name in names)
 
@@ -137,7 +145,8 @@ def is_comment(text: str) -> bool:
 
 def is_rule(text: str) -> bool:
     """Return whether a row is a ruled line, of three strokes or more in every cell."""
-    return bool(_RULE.fullmatch(text))
+    cells = text.replace(",", " ").split()
+    return bool(cells) and all(len(cell) > 2 and not cell.strip(_STROKES) for cell in cells)
 
 
 def _is_unit_row(names: list[str], cells: list[str]) -> bool:
@@ -182,8 +191,11 @@ def read_statement(row: Row) -> tuple[str, str] | None:
     cells = [clean(cell) for cell in row.cells[: _trimmed(row.cells)]]
     if len(cells) == 2 and _KEY.fullmatch(cells[0]):
         return normal_key(cells[0].strip("#:= ")), cells[1]
-    match = _STATEMENT.fullmatch(row.text.lstrip("# "))
-    return (normal_key(match[1]), match[2].strip()) if match else None
+    mark = re.search("[:=]", text := row.text.lstrip("# "))
+    key = text[: mark.start()].rstrip() if mark else ""
+    if not mark or len(key) > _LONGEST_KEY or not key[:1].isalpha():
+        return None
+    return normal_key(key), text[mark.end() :].strip()
 
 
 def normal_key(key: str) -> str:

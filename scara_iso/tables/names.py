@@ -11,6 +11,9 @@ from scara_iso.quantities import Unit, find_unit
 from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.numbers import BLANKS, parse_number
 
+LONGEST_NAME = 80
+"""Characters of the longest name of an axis; a longer one is a covariate's."""
+
 
 class Kind(Enum):
     """What a column holds."""
@@ -78,14 +81,17 @@ _PLAIN_BLANKS = str.maketrans(dict.fromkeys(BLANKS, " "))
 
 def read_unit(text: str) -> Unit | None:
     """Return the unit that a file spells, also ``0,01 mm`` and ``mm x 10^-2``, or None."""
+    if len(text) > _LONGEST_UNIT:
+        return None
     text = clean(text).translate(_SUPERSCRIPT)
     power = _POWER.fullmatch(text)
     if power:
         text = f"1e{power[2] or power[3]} {power[1] or power[4]}"
     text = re.sub(r"^1/(10+) ", lambda m: f"1e-{len(m[1]) - 1} ", text).replace(",", ".")
-    return find_unit(text) if len(text) <= 40 else None
+    return find_unit(text)
 
 
+_LONGEST_UNIT = 40
 _SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
 _POWER = re.compile(r"(\D+?) ?[x×·*] ?10\^?(-?\d)|10\^?(-\d) ?[x×·*]? ?(\D+)", re.ASCII)
 
@@ -95,7 +101,7 @@ def read_name(text: str, unit_below: str = "") -> Column:
     text = clean(text)
     if not text:
         return Column(Kind.NAMELESS, "", unit_below)
-    for pattern in (None, *_SPLITS):
+    for pattern in (None, *_SPLITS) if len(text) <= LONGEST_NAME else ():
         match = pattern.fullmatch(text) if pattern else None
         name, unit = (match[1], match[2].strip()) if match else (text, "")
         if pattern and (match is None or (pattern is not _SPLITS[0] and not read_unit(unit))):

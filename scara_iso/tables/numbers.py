@@ -86,6 +86,14 @@ def _mark_of(digits: str) -> Mark:
             return Mark.NONE
 
 
+def count_decimals(text: str) -> int | None:
+    """Return the digits behind a number's decimal mark; None with an exponent, or for no number."""
+    match = _CELL.fullmatch(text.strip(BLANKS).replace(MINUS, "-"))
+    if match is None or match[3]:
+        return None
+    return len(match[2].replace(",", ".").partition(".")[2])
+
+
 def _with_stated_mark(digits: str, decimal: str) -> str:
     other = "," if decimal == "." else "."
     if other in digits:

@@ -6,6 +6,7 @@ import csv
 import math
 from collections.abc import Iterator
 from itertools import pairwise
+from statistics import median_low
 
 import numpy as np
 
@@ -19,9 +20,10 @@ from scara_iso.tables.layout import (
     HEAD,
     Layout,
     find_layout,
+    read_preamble,
 )
 from scara_iso.tables.names import Kind
-from scara_iso.tables.numbers import Mark
+from scara_iso.tables.numbers import Mark, count_decimals
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     LINE_LIMIT,
@@ -35,6 +37,7 @@ from scara_iso.tables.text import (
     stated_delimiter,
 )
 
+_ABOVE = 200
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 
 
@@ -80,6 +83,7 @@ def read_table(
 
 def _read_text(data: bytes, name: str, options: Options) -> Run:
     text, encoding = decode(data, name)
+    ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
     del data
     faults = Faults(name)
     head = next(chunks(text), (1, [""]))[1][:HEAD]
@@ -91,6 +95,11 @@ def _read_text(data: bytes, name: str, options: Options) -> Run:
     for first, lines in chunks(text):
         skip = max(0, layout.data_line - first)
         _take(first + skip, lines[skip:], delimiter, columns, body)
+    if not ended:
+        stated, _ = read_preamble(rows, layout.header_line, Faults(name))
+        steps = [s.value for key, s in stated.items() if key.startswith("resolution")]
+        steps += [] if options.resolution is None else [str(options.resolution)]
+        _check_end(text, delimiter, columns, body, set(map(count_decimals, steps)))
     how = f"{delimiter.value}, {encoding}, {_said(columns, options.decimal)}"
     run = assemble(rows, columns, body, options, how)
     if delimiter is Delimiter.COMMA and not columns.marks and options.decimal is None:
@@ -110,6 +119,35 @@ def _check_split(run: Run, layout: Layout, name: str) -> None:
         if whole and np.ptp(first) == 0 and np.abs(second).max() >= 10:
             message = f"{left.name} never changes and {right.name} is whole: split decimal commas?"
             raise refuse(name, message, remedy="say --decimal . if the numbers are whole")
+
+
+def _check_end(
+    text: str, delimiter: Delimiter, columns: Columns, body: Body, stated: set[int | None]
+) -> None:
+    """Find a file that was cut inside its last number: no line end, and too few decimals.
+
+    A reading is refused that lacks decimals which a stated resolution and every one above have.
+    Of other readings with fewer than most above, and numbers with fewer than each, a note is made.
+    """
+    line, last = text.count("\n") + 1, columns.layout.columns[-1]
+    if not columns.lines or columns.lines[-1][-1] != line:
+        return
+    above: list[int] = []
+    decimals = None
+    for _, row in _split_each(1, text.rsplit("\n", _ABOVE)[-_ABOVE:], delimiter, Faults("")):
+        if decimals is not None:
+            above.append(decimals)
+        cell = row[last.position] if len(row) > last.position else ""
+        decimals = count_decimals(cell) if isinstance(cell, str) else None
+    usual = median_low(above) if above and last.kind is Kind.AXIS else min(above, default=0)
+    if decimals is None or decimals >= usual:
+        return
+    what = f"no line end, and {decimals} decimals where others have {usual}: is the file cut?"
+    if last.kind is Kind.AXIS and set(above) <= stated:
+        remedy = "get the whole file; if it is whole, end its last line"
+        columns.faults.add(what, line, last.position + 1, remedy=remedy)
+    else:
+        body.note(f"line {line}: {what}")
 
 
 def _check_length(first: int, lines: list[str], faults: Faults) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from scara_iso.errors import NoInputError
+from scara_iso.files import open_file
 from scara_iso.tables.faults import refuse
 
 LIMIT = 256 * 2**20
@@ -57,7 +58,7 @@ def _read(source: Source) -> bytes:
                 raise OSError("standard input is closed")
             return sys.stdin.buffer.read(LIMIT + 1)
         case str() | Path():
-            with Path(source).open("rb") as file:
+            with open_file(source) as file:
                 return file.read(LIMIT + 1)
         case _:
             return source.read(LIMIT + 1)

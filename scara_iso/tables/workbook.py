@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import posixpath
 import re
 import zipfile
@@ -15,8 +16,9 @@ from xml.parsers import expat
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import refuse
 
-_UNPACKED = 512 * 2**20
-_CELLS = 10_000_000
+_UNPACKED_MB = 48
+_CELLS = 1_000_000
+"""Both bound the memory that reading takes: benchmarks/fuzz_tables.py measures it."""
 _PARTS = 1_000_000
 _ERROR = "#VALUE!"
 _REMEDY = "save the sheet with the readings as CSV (UTF-8)"
@@ -50,11 +52,16 @@ def _check(data: bytes, where: str) -> dict[str, list[tuple[int, int]]]:
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            if sum(info.file_size for info in archive.infolist()) > _UNPACKED:
-                raise refuse(where, "a workbook of more than 512 MB", remedy=_REMEDY)
-            return {
-                name: _scan(archive, part, where) for name, part in _worksheets(archive).items()
-            }
+            if sum(info.file_size for info in archive.infolist()) > _UNPACKED_MB * 2**20:
+                message = f"a workbook of more than {_UNPACKED_MB} MB when unpacked"
+                raise refuse(where, message, remedy=_REMEDY)
+            sheets = {name: _scan(archive, part) for name, part in _worksheets(archive).items()}
+            cells = sum(rows * columns for _, rows, columns in sheets.values())
+            if cells > _CELLS:
+                rows, columns = max((s[1:] for s in sheets.values()), key=math.prod)
+                message = f"more than {_CELLS} cells: a sheet of {rows} rows and {columns} columns"
+                raise refuse(where, message, remedy=_REMEDY)
+            return {name: errors for name, (errors, _, _) in sheets.items()}
     except (zipfile.BadZipFile, KeyError, ET.ParseError,
         expat.ExpatError,
         zlib.error, NotImplementedError,
@@ -81,8 +88,8 @@ def _xml(archive: zipfile.ZipFile, part: str) -> ET.Element:
     return ET.fromstring(text)  # noqa: S314 - no document type, so no entities
 
 
-def _scan(archive: zipfile.ZipFile, part: str, where: str) -> list[tuple[int, int]]:
-    """Return the error cells of one sheet; refuse it where its rectangle would be too large."""
+def _scan(archive: zipfile.ZipFile, part: str) -> tuple[list[tuple[int, int]], int, int]:
+    """Return the error cells of one sheet, and the rows and columns of its rectangle."""
     errors: list[tuple[int, int]] = []
     farthest = [0, 0]
 
@@ -104,10 +111,7 @@ def _scan(archive: zipfile.ZipFile, part: str, where: str) -> list[tuple[int, in
     parser.StartDoctypeDeclHandler = refuse_type
     with archive.open(part) as file:
         parser.ParseFile(file)
-    if farthest[0] * farthest[1] > _CELLS:
-        raise refuse(where, f"a sheet of {farthest[0]} rows and {farthest[1]} columns",
-                     remedy=_REMEDY)  # fmt: skip
-    return errors
+    return errors, farthest[0], farthest[1]
 
 
 def _whole(text: str) -> int:

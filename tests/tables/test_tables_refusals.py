@@ -298,7 +298,7 @@ def test_a_cell_far_away_and_a_bomb_are_refused_before_they_fill_the_memory():
     with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
         for k in range(6):
             archive.writestr(f"xl/worksheets/sheet{k}.xml", bytes(100 * 2**20))
-    assert "512 MB" in faults(bomb.getvalue()).what
+    assert "48 MB" in faults(bomb.getvalue()).what
 
 
 @pytest.mark.parametrize(
@@ -336,3 +336,21 @@ def test_decimal_commas_split_into_two_axes_are_asked_about(header, row):
         read_table(text)
     assert "--decimal ." in caught.value.remedy
     assert read_table(text, decimal=".").axes["X"].readings[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("row", "marks"),
+    [
+        ("{k};0,11{k};0.81{k}", {2, 3}),
+        ("{k};0.11{k};0,81{k}", {2, 3}),
+        ("{k};11{k};0.81{k}", set()),
+    ],
+)  # fmt: skip
+def test_points_in_one_column_and_commas_in_another_are_asked_about(row, marks):
+    text = f"{MM}cycle;X;Y\n" + "".join(row.format(k=k) + "\n" for k in range(1, 5))
+    if not marks:
+        assert read_table(text.encode()).axes["Y"].readings[0] == 0.811
+        return
+    error = faults(text)
+    assert {fault.column for fault in error.faults} == marks
+    assert "--decimal" in error.remedy

@@ -190,7 +190,7 @@ def can_be_read(spelling):
     return not (spelling.delimiter == "," and spelling.mark == "," and not spelling.quoted)
 
 
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=100, suppress_health_check=[HealthCheck.filter_too_much])
 @given(tables(), spellings())
 def test_a_random_table_in_a_random_spelling_is_the_same_numbers_or_asked(table, spelling):
     assume(can_be_read(spelling))

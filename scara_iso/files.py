@@ -1,0 +1,63 @@
+"""The one way a file that a user names is opened for reading: regular and of a bounded size.
+
+A pipe or a device would wait or never end.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import tomllib
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from scara_iso.errors import DataError, NoInputError
+
+_LARGEST_TOML = 1_000_000
+_TOML = "examples/fum_scara.toml is such a file"
+_REMEDY = "name a file that can be read"
+
+
+def open_file(path: str | Path) -> BinaryIO:
+    """Open a regular file; `NoInputError` where there is none or it cannot be read."""
+    try:
+        file = open(path, "rb", opener=_open_at_once)  # noqa: SIM115 - the caller closes it
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise NoInputError(reason, where=str(path), remedy=_REMEDY) from error
+    if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        file.close()
+        raise NoInputError(
+            "is no regular file", where=str(path), remedy="save it as a file, and name that"
+        )
+    return file
+
+
+def read_file(path: str | Path, limit: int) -> bytes:
+    """Return the bytes of a regular file; raises as `open_file`, `DataError` beyond ``limit``."""
+    with open_file(path) as file:
+        try:
+            data = file.read(limit + 1)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise NoInputError(reason, where=str(path), remedy=_REMEDY) from error
+    if len(data) > limit:
+        raise DataError(f"larger than {limit} bytes", where=str(path), remedy="name another file")
+    return data
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """Return what a TOML file of at most a megabyte holds; raises as `read_file`, `DataError`."""
+    try:
+        found = tomllib.loads(read_file(path, _LARGEST_TOML).decode("utf-8-sig"))
+        str(found)  # fails where a number has more digits than Python prints
+    except RecursionError as error:
+        raise DataError("nested deeper than any model", where=str(path), remedy=_TOML) from error
+    except ValueError as error:
+        raise DataError(f"is no TOML: {error}", where=str(path), remedy=_TOML) from error
+    return found
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    """Open without waiting for the other end of a pipe."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))

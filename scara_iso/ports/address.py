@@ -1,0 +1,57 @@
+"""What a port may be called: the one list of kinds, so that no address reaches a file or a program.
+
+pyserial knows more kinds of URL than these, and among them some that write files.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from scara_iso.errors import InstrumentError, UsageError
+
+KINDS = "a device, socket://HOST:PORT, rfc2217://HOST:PORT, replay:FILE or sim:"
+_URL = re.compile(
+    r"(?:socket|rfc2217)://(?:[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):([0-9]{1,5})", re.IGNORECASE
+)
+_SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
+
+
+def is_simulated(address: str) -> bool:
+    """Say whether the address names a simulated indicator."""
+    return address.startswith("sim:")
+
+
+def is_recorded(address: str) -> bool:
+    """Say whether the address names a recorded stream."""
+    return address.startswith("replay:")
+
+
+def is_device(address: str) -> bool:
+    """Say whether the address names a cable or a URL: neither recorded nor simulated."""
+    return not (is_simulated(address) or is_recorded(address))
+
+
+def is_url(address: str) -> bool:
+    """Say whether the address names a serial server."""
+    found = _URL.fullmatch(address)
+    return found is not None and int(found[1]) < 65536
+
+
+def check_device(address: str) -> None:
+    """Raise `UsageError` unless the address names a device or a serial server.
+
+    Raises `InstrumentError` for a file that is there and is no device.
+    """
+    named = address.strip() and address.isprintable() and not _SCHEME.match(address)
+    if not named and not is_url(address):
+        raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
+    with suppress(OSError):
+        mode = Path(address).stat().st_mode
+        if named and os.name == "posix" and not stat.S_ISCHR(mode):
+            raise InstrumentError(
+                "is no serial device", where=address, remedy="`scara-iso ports` lists them"
+            )
