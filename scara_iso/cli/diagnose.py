@@ -174,7 +174,7 @@ def _diagnose_table(
 
         plot_diagnosis(diagnosis, files.plot)
     if files.save_model is not None and files.model is not None:
-        said = save_model(diagnosis, run, files.model, files.save_model)
+        said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     _write(diagnosis, run.origin.source, as_json=as_json)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.account import account, repeatabilities, rivals_of, shares_of
+from scara_iso.diagnosis.findings import findings, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
 from scara_iso.diagnosis.problem import Problem, problem_of
@@ -20,13 +20,13 @@ from scara_iso.diagnosis.result import (
     Series,
     Shares,
 )
-from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Stage, find
+from scara_iso.diagnosis.search import Stage, find
+from scara_iso.diagnosis.tuning import FLAG_LEVEL, LEVEL, SEED
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
 from scara_iso.verdict import Rival, Verdict
 
-SEED = 9283
 _MUCH = 0.2
 """Share of the variance from which rounding is worth a line."""
 
@@ -34,7 +34,7 @@ _SAME_SCATTER = 1.6
 """Factor between a stated scatter and the remaining one that thirty readings can account for."""
 
 _WORTH_CHAINS = 0.02
-"""Effects with hidden sides less likely than this on the whole run are not tried in the folds."""
+"""Effects with hidden states less likely than this on the whole run are not tried in the folds."""
 
 
 def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run beside it
@@ -73,10 +73,10 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, catalogue, problem.residual, second)
+        unseen = on_second_run(fitted, catalogue, second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
     return _diagnosis(
-        problem, fitted, stages, unseen, courses, account(problem, fitted, stages, catalogue)
+        problem, fitted, stages, unseen, courses, findings(problem, fitted, stages, catalogue)
     )
 
 
@@ -123,7 +123,7 @@ def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> R
 def _cross_validated(
     problem: Problem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
 ) -> HeldOut:
-    chained = {m.effect for m in problem.members if m.chained}
+    chained = {m.effect for m in problem.members if m.hidden}
     likely = max(
         (stage.choice.probability.get(name, 0.0) for stage in stages if stage.choice
          for name in chained),
@@ -149,7 +149,7 @@ def _candidates(fitted: Fit, stages: Sequence[Stage]) -> tuple[Rival, ...]:
     choice = stages[-1].choice
     if choice is None or not _unexplained(fitted, stages):
         return ()
-    return (Rival(choice.best, choice.probability[choice.best]), *rivals_of(choice))
+    return (choice.ranked[0], *choice.rivals)
 
 
 def _error(residual: Residual, fitted: Fit | None, unseen: FloatArray) -> Error:
@@ -163,7 +163,7 @@ def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
 
 
 def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
-    free = stages[-1].order_free
+    free = stages[-1].marginal
     if free.gaussian_outlier > FLAG_LEVEL:
         return ()
     cycle = int(residual.conditions.cycle[free.outlier_row])

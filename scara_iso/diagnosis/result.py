@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.run import FloatArray, IntArray
@@ -40,6 +40,8 @@ class Found:
     confirm_by: str
     unidentified: tuple[str, ...] = ()
     """Parameters that the data do not determine, one line each."""
+    left_open: Mapping[str, ByAxis] = field(default_factory=dict)
+    """What a model must state beside ``parameters``: the scatter where a change of it begins."""
 
 
 @dataclass(frozen=True, slots=True)

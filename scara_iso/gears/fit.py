@@ -9,8 +9,7 @@ from typing import cast
 
 import numpy as np
 
-from scara_iso.effects import GearEffect, Sweep
-from scara_iso.effects._effect import Sizes
+from scara_iso.effects import GearEffect, Sizes, Sweep
 from scara_iso.run import FloatArray, IntArray
 
 Joint = int | None
@@ -56,7 +55,7 @@ class Reversals:
         for joint, sweep in self.sweeps.items():
             for term, values in changes:
                 if term.joint == joint:
-                    sweep = term.effect.changed(sweep, values)  # noqa: PLW2901 - one after another
+                    sweep = term.effect.changed(sweep, **values)  # noqa: PLW2901 - one after another
             total = total + self.levers[joint] * sweep.deviation
         return np.asarray(np.atleast_2d(total)[:, self.rows] if changes else total[self.rows])
 

@@ -1,4 +1,4 @@
-"""What shuffling cannot see: two levels in any order, and isolated readings.
+"""Marginal tests: what no permutation sees, two levels in any order and isolated readings.
 
 The null is simulated on the dial's grid. Which scatter it has is not known, so several families
 stand for it, and a finding must be rare under each: Gaussian, Student t with 5 and 3 degrees of
@@ -13,17 +13,16 @@ from functools import partial
 
 import numpy as np
 
+from scara_iso.diagnosis.tuning import GAIN, NEIGHBOURS, SIMULATIONS
 from scara_iso.run import FloatArray
 
-SIMULATIONS = 1999
 _FIRST_LOOK, _CLEAR = 199, 0.1
 _FEWEST_ON_A_LEVEL = 4
-_GAIN = 15.0
 _MOST_SKEWED = 2.2
 
 
 @dataclass(frozen=True, slots=True)
-class OrderFreeTest:
+class MarginalTests:
     """Smallest p-values over the axes (Bonferroni), and the axis and row they belong to.
 
     ``gaussian_outlier`` compares with Gaussian scatter only: enough to look at the sheet, not
@@ -38,10 +37,10 @@ class OrderFreeTest:
     outlier_row: int
 
 
-def order_free_test(
+def marginal_tests(
     values: FloatArray, division: FloatArray, rng: np.random.Generator
-) -> OrderFreeTest:
-    """Return the test of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
+) -> MarginalTests:
+    """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
     n, axes = values.shape
     symmetric = _symmetric(n, rng)
     offset = rng.uniform(-0.5, 0.5, size=SIMULATIONS)
@@ -58,7 +57,7 @@ def order_free_test(
         if _adjacent(y, division[a]):
             levels[a] = 1.0
     worst = int(np.argmin(gaussian))
-    return OrderFreeTest(
+    return MarginalTests(
         two_levels=min(1.0, axes * float(levels.min())),
         two_levels_axis=int(np.argmin(levels)),
         outlier=min(1.0, axes * float(outliers.min())),
@@ -75,7 +74,7 @@ def level_statistic(y: FloatArray) -> FloatArray:
     below = np.arange(k, n - k + 1).reshape(-1, *[1] * (y.ndim - 1))
     between = np.cumsum(ranked, axis=0)[k - 1 : n - k] ** 2 * n / (below * (n - below))
     share = between / np.maximum((ranked**2).sum(axis=0), 1e-300)
-    log_bf = -(n - 1) / 2 * np.log(1 - share * _GAIN / (1 + _GAIN))
+    log_bf = -(n - 1) / 2 * np.log(1 - share * GAIN / (1 + GAIN))
     return np.asarray(np.log(np.exp(log_bf).mean(axis=0)))
 
 
@@ -151,4 +150,4 @@ def _share(observed: FloatArray, simulated: FloatArray) -> FloatArray:
 
 def _adjacent(y: FloatArray, division: float) -> bool:
     """Whether the readings are at most three neighbouring divisions: never proof of two levels."""
-    return bool(division) and float(np.ptp(y)) < 2.5
+    return bool(division) and float(np.ptp(y)) < NEIGHBOURS

@@ -1,0 +1,87 @@
+"""Every level, prior and threshold of the diagnosis, and what chose it.
+
+``benchmarks/diagnosis.py --only TABLE`` is meant where only a table is named; its figures stand in
+docs/diagnosis.md, section 7, those of ``benchmarks/gear.py`` in section 5. The weights of single
+effects, chosen on the tables *naming* (prior) and *power* (test), stand in their files.
+"""
+
+from __future__ import annotations
+
+SEED = 9283
+"""Seed of every permutation and simulation unless another is given."""
+
+UNKNOWN = "unknown"
+"""Name of the processes that stand for structure outside the catalogue."""
+
+# levels of the tests
+
+LEVEL = 0.05
+"""Level at which a first effect is admitted."""
+
+FURTHER_LEVEL = 0.01
+"""Level at which a further one is."""
+
+MISFIT_LEVEL = 0.01
+"""Level at which what a fit leaves of reversals is more than their uncertainties (gear.py)."""
+
+FLAG_LEVEL = 0.01
+"""Level at which a reading is flagged, in Gaussian scatter."""
+
+MOST_EFFECTS = 3
+
+ORDER_SHARE, TWO_LEVELS_SHARE, OUTLIER_SHARE = 0.95, 0.15, 0.1
+"""How much of the level each test of readings uses. They add up to 1.2 and LEVEL is no bound. What
+trips one marginal test (skewed scatter the two levels, heavy tails the outlier) hardly ever trips
+the other, and Gaussian scatter trips neither: in table *null*, 38 cells of scatter only, structure
+is found in 4.5 % on average, 6.3 % at most."""
+
+# tests
+
+PERMUTATIONS = 999
+ENOUGH = 50
+"""So many orders with as large a statistic settle that p is above 0.05, whatever follows."""
+
+PERSISTENCE_SHARE = 0.08
+"""Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
+
+SIMULATIONS = 1999
+"""Simulations of the marginal tests' null."""
+
+SWEEP_SIMULATIONS = 499
+"""Simulations of scatter about eq. 16, and permutations of what a fit to a sweep leaves."""
+
+# choice of a name
+
+RIVAL = 0.1
+"""Share of the best effect's probability from which another one is its rival."""
+
+SHARPNESS = 1.4
+"""Power of the evidence that makes stated probabilities come true (table *naming*)."""
+
+GAIN = 15.0
+"""Prior variance of a coefficient over that of the scatter: the g-prior's (table *power*)."""
+
+AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
+"""Factors on the variances beside the scatter, and their prior: most effects are near it, some
+dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
+
+KNOWN_FROM = 30
+"""A scatter that the user states counts as seen in so many cycles on which nothing acted."""
+
+PAIR_WEIGHT = 0.25
+"""How much rarer two effects are than one."""
+
+# the unknown (table *outside*)
+
+SMOOTH_WEIGHT, SMOOTH_LENGTHS, SMOOTH_VARIANCES = 0.4, (1.5, 3.0, 6.0), (0.5, 2.0, 8.0)
+ROUGH_WEIGHT, ROUGH_LENGTHS, ROUGH_VARIANCES = 0.25, (2.0, 5.0), (1.0, 4.0)
+PASSAGE_WEIGHT = 0.4
+LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
+"""Weight of courses of three and of four levels."""
+
+# what a dial shows
+
+NEIGHBOURS = 2.5
+"""Readings within fewer divisions than this are neighbours on the dial: no proof of two levels."""
+
+FEWEST_CYCLES, MOST_CYCLES = 12, 500
