@@ -18,13 +18,11 @@ from scara_iso.diagnosis.hypotheses import (
     extended,
     hypotheses_of,
 )
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEVEL, SEED
+from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray
 
-_POWER = 0.8
-_ALIKE = 0.9
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
 _RUNS = 150
 _NULL_RUNS = 1000
@@ -141,7 +139,7 @@ def collinear(members: Sequence[Hypothesis], conditions: Conditions) -> tuple[Al
         Alike(a, b, max(float(np.linalg.norm(u.T @ v, 2)) for u in bases[a] for v in bases[b]))
         for a, b in combinations(bases, 2)
     ]
-    return tuple(sorted((p for p in pairs if p.cosine >= _ALIKE), key=lambda p: -p.cosine))
+    return tuple(sorted((p for p in pairs if p.cosine >= ALIKE), key=lambda p: -p.cosine))
 
 
 def planned_columns(cycle: IntArray) -> dict[str, FloatArray]:
@@ -220,12 +218,12 @@ def _statistics(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatA
 
 def _crossing(power: FloatArray, travels: FloatArray) -> float | None:
     """Return the travel at which the power passes 80 %, interpolated."""
-    above = np.flatnonzero(power >= _POWER)
+    above = np.flatnonzero(power >= POWER)
     if not len(above):
         return None
     k = int(above[0])
     if k == 0:
         return float(travels[0])
     low, high = power[k - 1], power[k]
-    share = (_POWER - low) / (high - low)
+    share = (POWER - low) / (high - low)
     return float(travels[k - 1] + share * (travels[k] - travels[k - 1]))

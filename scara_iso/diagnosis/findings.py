@@ -14,14 +14,12 @@ from scara_iso.diagnosis.problem import Problem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import ByAxis, Found, Shares
 from scara_iso.diagnosis.search import Stage
-from scara_iso.diagnosis.tuning import UNKNOWN
+from scara_iso.diagnosis.tuning import TWO_DIVISIONS, UNKNOWN
 from scara_iso.effects import Effect, Form, Process, Shape, Spread
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.repeatability import repeatability
 from scara_iso.run import FloatArray
 
-_TWO_DIVISIONS = 1.5
-"""Readings within fewer divisions than this are one division and its neighbour."""
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 
 
@@ -160,7 +158,7 @@ def _unidentified(
     lines = [line for rival, line in effect.unsettled.items() if rival in rivals]
     if UNKNOWN in rivals:
         lines.append("the course may have a form that the catalogue does not hold; repeat the run")
-    two = np.ptp(residual.values, axis=0) < _TWO_DIVISIONS * residual.division
+    two = np.ptp(residual.values, axis=0) < TWO_DIVISIONS * residual.division
     coarse = [residual.axes[a] for a in np.flatnonzero(two & term.moves)]
     if coarse:
         lines.append(

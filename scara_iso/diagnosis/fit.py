@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import log_bayes_of_course
 from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.tuning import TAKES_PART
 from scara_iso.effects import Form, Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
 
@@ -42,10 +43,6 @@ class Fit:
     parts: tuple[FloatArray, ...]
 
 
-_TAKES_PART = np.log(3.0)
-"""Log Bayes factor from which an axis moves with the others: at 0, one still axis in six does."""
-
-
 def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
     """Return the term with the axes that ``form`` moves in ``values`` (rows, axes).
 
@@ -56,7 +53,7 @@ def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: 
     if not isinstance(form, Shape):
         return Term(effect, form, np.ones(axes, dtype=bool))
     log_bf = log_bayes_of_course(form.columns[rows], basis, values)
-    return Term(effect, form, (log_bf > _TAKES_PART) | (log_bf == log_bf.max()))
+    return Term(effect, form, (log_bf > np.log(TAKES_PART)) | (log_bf == log_bf.max()))
 
 
 def spread_term(effect: str, form: Spread, values: FloatArray, rows: IntArray) -> Term:

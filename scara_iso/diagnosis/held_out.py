@@ -15,12 +15,10 @@ from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.problem import Problem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import find_again
+from scara_iso.diagnosis.tuning import FOLDS, REPEATS
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray
-
-FOLDS = 10
-REPEATS = 2
 
 
 @dataclass(frozen=True, eq=False, slots=True)

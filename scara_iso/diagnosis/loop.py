@@ -21,20 +21,18 @@ from scara_iso.diagnosis.result import (
     Shares,
 )
 from scara_iso.diagnosis.search import Stage, find
-from scara_iso.diagnosis.tuning import FLAG_LEVEL, LEVEL, SEED
+from scara_iso.diagnosis.tuning import (
+    FLAG_LEVEL,
+    LEVEL,
+    MUCH_ROUNDING,
+    SAME_SCATTER,
+    SEED,
+    WORTH_CHAINS,
+)
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
 from scara_iso.verdict import Rival, Verdict
-
-_MUCH = 0.2
-"""Share of the variance from which rounding is worth a line."""
-
-_SAME_SCATTER = 1.6
-"""Factor between a stated scatter and the remaining one that thirty readings can account for."""
-
-_WORTH_CHAINS = 0.02
-"""Effects with hidden states less likely than this on the whole run are not tried in the folds."""
 
 
 def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run beside it
@@ -129,7 +127,7 @@ def _cross_validated(
          for name in chained),
         default=0.0,
     )  # fmt: skip
-    return cross_validated(problem, fitted, rng, with_chains=likely > _WORTH_CHAINS)
+    return cross_validated(problem, fitted, rng, with_chains=likely > WORTH_CHAINS)
 
 
 def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:
@@ -176,7 +174,7 @@ def _coarse(shares: Mapping[str, Shares]) -> list[str]:
         f"{axis}: {share.resolution:.0%} of the variance is rounding to the dial's division; "
         "measure with a finer indicator"
         for axis, share in shares.items()
-        if share.resolution > _MUCH
+        if share.resolution > MUCH_ROUNDING
     ]
 
 
@@ -187,7 +185,7 @@ def _other_scatter(problem: Problem, fitted: Fit) -> list[str]:
     return [
         f"{axis}: scatter {scatter:.3g}, not {stated:.3g} as stated: leave the stated one out"
         for axis, scatter, stated in zip(problem.residual.axes, left, known, strict=True)
-        if stated and not 1 / _SAME_SCATTER < scatter / stated < _SAME_SCATTER
+        if stated and not 1 / SAME_SCATTER < scatter / stated < SAME_SCATTER
     ]
 
 

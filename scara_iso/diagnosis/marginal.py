@@ -13,12 +13,16 @@ from functools import partial
 
 import numpy as np
 
-from scara_iso.diagnosis.tuning import GAIN, NEIGHBOURS, SIMULATIONS
+from scara_iso.diagnosis.tuning import (
+    CLEAR,
+    FEWEST_ON_A_LEVEL,
+    FIRST_SIMULATIONS,
+    GAIN,
+    MOST_SKEWED,
+    NEIGHBOURS,
+    SIMULATIONS,
+)
 from scara_iso.run import FloatArray
-
-_FIRST_LOOK, _CLEAR = 199, 0.1
-_FEWEST_ON_A_LEVEL = 4
-_MOST_SKEWED = 2.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +73,7 @@ def marginal_tests(
 
 def level_statistic(y: FloatArray) -> FloatArray:
     """Return the log mean evidence for a step in the *sorted* readings; y has shape (n, ...)."""
-    n, k = len(y), _FEWEST_ON_A_LEVEL
+    n, k = len(y), FEWEST_ON_A_LEVEL
     ranked = np.sort(y - y.mean(axis=0), axis=0)
     below = np.arange(k, n - k + 1).reshape(-1, *[1] * (y.ndim - 1))
     between = np.cumsum(ranked, axis=0)[k - 1 : n - k] ** 2 * n / (below * (n - below))
@@ -107,7 +111,7 @@ def _skewed(y: FloatArray, rng: np.random.Generator) -> FloatArray:
     """
     centred = y - y.mean()
     observed = abs(float((centred**3).mean())) / float((centred**2).mean()) ** 1.5
-    skewness = min(_MOST_SKEWED, 1.5 * observed + 0.6)
+    skewness = min(MOST_SKEWED, 1.5 * observed + 0.6)
     k = 4 / skewness**2
     return np.asarray((rng.gamma(k, size=(len(y), 1, SIMULATIONS)) - k) / np.sqrt(k))
 
@@ -136,11 +140,11 @@ def _p_values(
     """Return the share of simulations at least as extreme, for each family, shape (families,).
 
     A first look at some of them is enough where every share is far above the levels in use. Up to
-    the level _CLEAR that changes no verdict's chance: no p-value stopped there is so small.
+    the level CLEAR that changes no verdict's chance: no p-value stopped there is so small.
     """
     observed = statistic(y)
-    first = _share(observed, statistic(drawn(_FIRST_LOOK)))
-    return first if first.min() > _CLEAR else _share(observed, statistic(drawn(SIMULATIONS)))
+    first = _share(observed, statistic(drawn(FIRST_SIMULATIONS)))
+    return first if first.min() > CLEAR else _share(observed, statistic(drawn(SIMULATIONS)))
 
 
 def _share(observed: FloatArray, simulated: FloatArray) -> FloatArray:

@@ -15,11 +15,9 @@ import numpy.typing as npt
 from scara_iso.diagnosis.choice import Weighed
 from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, extended
-from scara_iso.diagnosis.tuning import AMPLITUDES, PAIR_WEIGHT, UNKNOWN
+from scara_iso.diagnosis.tuning import AMPLITUDES, PAIR_EFFECTS, PAIR_FORMS, PAIR_WEIGHT, UNKNOWN
 from scara_iso.effects import Shape
 from scara_iso.run import FloatArray, IntArray
-
-_MOST_EFFECTS, _MOST_FORMS = 6, 2
 
 
 def pairs(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list[Weighed]:
@@ -45,8 +43,8 @@ def _likeliest(members: Sequence[Hypothesis], strength: FloatArray) -> Iterator[
     by_effect: dict[str, list[int]] = {}
     for i in np.argsort(-strength).tolist():
         by_effect.setdefault(members[i].effect, []).append(i)
-    for forms in list(by_effect.values())[:_MOST_EFFECTS]:
-        yield from forms[:_MOST_FORMS]
+    for forms in list(by_effect.values())[:PAIR_EFFECTS]:
+        yield from forms[:PAIR_FORMS]
 
 
 def _beside(

@@ -47,13 +47,23 @@ PERSISTENCE_SHARE = 0.08
 SIMULATIONS = 1999
 """Simulations of the marginal tests' null."""
 
+FIRST_SIMULATIONS, CLEAR = 199, 0.1
+"""Where so many simulations give every p-value above CLEAR the rest are not made."""
+
+FEWEST_ON_A_LEVEL = 4
+"""Fewer readings than this are no level of their own."""
+
+MOST_SKEWED = 2.2
+"""Skewness of the most skewed scatter that the null of the marginal tests allows for."""
+
 SWEEP_SIMULATIONS = 499
 """Simulations of scatter about eq. 16, and permutations of what a fit to a sweep leaves."""
 
 # choice of a name
 
 RIVAL = 0.1
-"""Share of the best effect's probability from which another one is its rival."""
+"""Share of the best one's probability from which another is its rival: an effect, or a way in
+which unknown scatter may grow with a deviation."""
 
 SHARPNESS = 1.4
 """Power of the evidence that makes stated probabilities come true (table *naming*)."""
@@ -69,7 +79,26 @@ KNOWN_FROM = 30
 """A scatter that the user states counts as seen in so many cycles on which nothing acted."""
 
 PAIR_WEIGHT = 0.25
-"""How much rarer two effects are than one."""
+"""How much rarer two effects are than one (docs/diagnosis.md, section 3)."""
+
+PAIR_EFFECTS, PAIR_FORMS = 6, 2
+"""How many of the likeliest effects, and forms of each, are tried as the stronger of two."""
+
+SPLIT_SCALE = 4.0
+"""Half-normal prior of the distance of two levels, in scatters; below 1 they are one level."""
+
+LEAST_SCATTER = 0.6
+"""Scatter about either of two levels, in divisions: that of a finer one would be the dial's."""
+
+TAKES_PART = 3.0
+"""Bayes factor from which an axis moves with the others: at 1, one still axis in six does."""
+
+FARTHEST_DEG = 15.0
+"""Degrees beyond which no direction is named, however wide the uncertainty."""
+
+SCATTER_POWERS = (0.0, 0.5, 1.0)
+"""A scatter of reversals that is not known may grow with the deviation by any of these powers
+(gear.py, false alarms)."""
 
 # the unknown (table *outside*)
 
@@ -84,4 +113,28 @@ LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
 NEIGHBOURS = 2.5
 """Readings within fewer divisions than this are neighbours on the dial: no proof of two levels."""
 
+TWO_DIVISIONS = 1.5
+"""Readings within fewer divisions than this are one division and its neighbour."""
+
+MUCH_ROUNDING = 0.2
+"""Share of the variance from which rounding is worth a line."""
+
+SAME_SCATTER = 1.6
+"""Factor between a stated scatter and the remaining one that thirty readings can account for."""
+
 FEWEST_CYCLES, MOST_CYCLES = 12, 500
+
+# error on unseen cycles (table *held*)
+
+FOLDS, REPEATS = 10, 2
+
+WORTH_CHAINS = 0.02
+"""Effects with hidden states less likely than this on the whole run are not tried in the folds."""
+
+# a planned test
+
+POWER = 0.8
+"""Share of runs in which the smallest effect that is named would be found."""
+
+ALIKE = 0.9
+"""Cosine of two centred courses from which no number of readings tells them apart."""

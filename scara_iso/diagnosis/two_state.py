@@ -20,7 +20,12 @@ from math import lgamma
 
 import numpy as np
 
-from scara_iso.diagnosis.tuning import KNOWN_FROM
+from scara_iso.diagnosis.tuning import (
+    FEWEST_ON_A_LEVEL,
+    KNOWN_FROM,
+    LEAST_SCATTER,
+    SPLIT_SCALE,
+)
 from scara_iso.effects import Chain
 from scara_iso.run import FloatArray, IntArray
 
@@ -33,12 +38,6 @@ _BEFORE_UNDERFLOW = 8
 _TINY = 1e-300
 _NEGLIGIBLE = 40.0
 """Log of how much less likely than the likeliest a cell is that cannot change a digit."""
-
-_SPLIT_SCALE = 4.0
-"""Half-normal prior of the distance of the levels, in scatters; below 1 they are one level."""
-
-_FEWEST = 4
-_LEAST_SCATTER = 0.6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -94,11 +93,11 @@ def emissions_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Emi
     The scatter is at least 0.6 divisions: that of a finer one would be the dial's alone.
     """
     ranked = np.sort(y - y.mean())
-    n, below = len(y), np.arange(_FEWEST, len(y) - _FEWEST + 1)
+    n, below = len(y), np.arange(FEWEST_ON_A_LEVEL, len(y) - FEWEST_ON_A_LEVEL + 1)
     between = np.cumsum(ranked)[below - 1] ** 2 * n / (below * (n - below))
     k = below[np.argmax(between)]
     within = max(float((ranked**2).sum() - between.max()), 1e-12 * float(ranked @ ranked))
-    scatter = max(np.sqrt(within / (n - 2)), _LEAST_SCATTER * division)
+    scatter = max(np.sqrt(within / (n - 2)), LEAST_SCATTER * division)
     levels = np.array([ranked[:k].mean(), ranked[k:].mean()])[:, np.newaxis]
     log_likelihood = -0.5 * ((y - y.mean() - levels) / scatter) ** 2
     lower, upper = np.exp(log_likelihood - log_likelihood.max(axis=0))
@@ -147,7 +146,7 @@ def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, division / np.sqrt(12))
     a, b = _PAIRS
     distance = (levels[b] - levels[a])[:, np.newaxis] / scatter
-    density = np.log(2 / (_SPLIT_SCALE * np.sqrt(2 * np.pi))) - (distance / _SPLIT_SCALE) ** 2 / 2
+    density = np.log(2 / (SPLIT_SCALE * np.sqrt(2 * np.pi))) - (distance / SPLIT_SCALE) ** 2 / 2
     cell = 2 * np.log(levels[1] - levels[0]) + np.log(np.log(_SCATTERS[1] / _SCATTERS[0]))
     pair, s = np.nonzero(distance >= 1)
     log_prior = density[pair, s] - np.log(scatter[s]) + cell

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.tuning import MISFIT_LEVEL, SWEEP_SIMULATIONS
+from scara_iso.diagnosis.tuning import MISFIT_LEVEL, RIVAL, SWEEP_SIMULATIONS
 from scara_iso.gears.fit import Family, Fitted, Reversals, over_all
 from scara_iso.run import FloatArray
 
 _EXACT = 1e-4
 """A fit this close, as a share of the largest deviation, leaves only digits and grid."""
-_LIKELY = 0.1
-"""Ways in which the scatter may grow are tried if so likely, relative to the likeliest."""
 
 
 def p_value(
@@ -27,7 +25,7 @@ def p_value(
     observed = _gain(data, data.measured[np.newaxis], before, tried)[0]
     scatters, likely = data.scatters(before)
     chances = []
-    for scatter in scatters[likely > _LIKELY * likely.max()]:
+    for scatter in scatters[likely > RIVAL * likely.max()]:
         noise = rng.normal(size=(SWEEP_SIMULATIONS, len(before))) * scatter
         if np.isfinite(data.degrees):
             drawn = rng.chisquare(data.degrees, size=(SWEEP_SIMULATIONS, 1)) / data.degrees
