@@ -22,7 +22,10 @@ from scara_iso.effects import (
     Direction,
     Effect,
     GearEffect,
+    Grid,
+    Parameter,
     Process,
+    RandomCourse,
     Shape,
     Spread,
     Sweep,
@@ -87,6 +90,7 @@ GEAR_FORMULAS = {
     "gap": ({"factor": 1.5}, 1.5 * EQ_16),
 }
 
+MEMORIES = Grid.exact([0.3, 0.8])
 BY_NAME = {effect.name: effect for effect in [*find_effects(), *find_gear_effects()]}
 
 every = pytest.mark.parametrize(
@@ -189,7 +193,7 @@ def test_what_is_searched_is_what_is_simulated(effect):
     """One formula: the columns of a form, times coefficients, are the course of its parameters."""
     for shape in [form for form in effect.forms(RECORDED) if isinstance(form, Shape)]:
         coefficients = np.arange(1.0, shape.columns.shape[1] + 1)
-        values = {**shape.parameters, **effect.linear.said(coefficients)}
+        values = {**shape.parameters, **effect.linear.sizes(coefficients)}
         assert values.keys() == {p.name for p in effect.parameters}
         course = effect.series(RECORDED, values, rng())
         assert shape.columns @ coefficients == pytest.approx(course, abs=1e-12)
@@ -295,6 +299,40 @@ def test_chance_has_the_size_that_is_stated():
     )
     assert not np.any(wider[:10_000])
     assert np.hypot(np.std(wider[10_000:]), 0.5) == pytest.approx(1.5, rel=0.03)
+
+
+def first_order(innovations, *, memory):
+    """Return innovations (n, m) through y_j = memory y_(j-1) + e_j."""
+    course = innovations.copy()
+    for j in range(1, len(course)):
+        course[j] += memory * course[j - 1]
+    return course
+
+
+def test_a_random_course_is_searched_with_the_covariance_of_what_it_draws():
+    """One formula, the filter: of memory a, covariance a^|i-j| (1 - a^2i) / (1 - a^2)."""
+    effect = RandomCourse(
+        name="memory",
+        parameters=(
+            Parameter("size", "s", "reading", "standard deviation of one innovation"),
+            Parameter("memory", "a", "", "kept from cycle to cycle", grid=lambda _: MEMORIES),
+        ),
+        cause="what comes is like what was",
+        confirm_by="wait longer between the cycles",
+        filtered=first_order,
+        variances=(0.5, 2.0),
+    )
+    forms = effect.forms(Conditions(J[:6]))
+    assert [form.parameters["memory"] for form in forms] == [0.3, 0.3, 0.8, 0.8]
+    i = np.arange(1, 7)
+    for form, variance in zip(forms, (0.5, 2.0, 0.5, 2.0), strict=True):
+        a = form.parameters["memory"]
+        earlier = np.minimum.outer(i, i)
+        expected = a ** np.abs(np.subtract.outer(i, i)) * (1 - a ** (2 * earlier)) / (1 - a**2)
+        np.testing.assert_allclose(form.covariance, variance * expected)
+    drawn = effect.series(Conditions(np.arange(20_000)), {"size": 2.0, "memory": 0.8}, rng())
+    assert drawn.std() == pytest.approx(2 / math.sqrt(1 - 0.64), rel=0.05)
+    assert np.corrcoef(drawn[1:], drawn[:-1])[0, 1] == pytest.approx(0.8, abs=0.02)
 
 
 def test_time_is_in_cycles_whatever_the_clock():

@@ -91,7 +91,7 @@ def _parameters(
         case Shape():
             sizes: dict[str, dict[str, float]] = {}
             for a in np.flatnonzero(term.moves):
-                for name, value in effect.linear.said(coefficients[:, a]).items():
+                for name, value in effect.linear.sizes(coefficients[:, a]).items():
                     sizes.setdefault(name, {})[residual.axes[a]] = value
             return {**form.parameters, **sizes}
         case Spread():

@@ -41,10 +41,10 @@ class FoundBy(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Linear:
-    """The parameters in which a course is linear: its coefficients (k,) as they are said."""
+    """The parameters in which a course is linear, and its coefficients (k,)."""
 
     names: tuple[str, ...]
-    said: Callable[[FloatArray], dict[str, float]]
+    sizes: Callable[[FloatArray], dict[str, float]]
     coefficients: Callable[[Sizes], FloatArray]
 
 

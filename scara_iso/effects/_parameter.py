@@ -79,10 +79,10 @@ class Parameter:
 
 
 def combinations(
-    parameters: Sequence[Parameter], seen: object
+    parameters: Sequence[Parameter], conditions: object
 ) -> Iterator[tuple[dict[str, float | str], float]]:
-    """Yield every combination of the values to try under what is ``seen``, and its weight."""
-    searched = [(p.name, p.grid(seen)) for p in parameters if p.grid is not None]
+    """Yield every combination of the values to try under conditions, or of a sweep, and its weight."""
+    searched = [(p.name, p.grid(conditions)) for p in parameters if p.grid is not None]
     for chosen in product(*(grid for _, grid in searched)):
         values = {name: value for (name, _), (value, _) in zip(searched, chosen, strict=True)}
         yield values, math.prod(weight for _, weight in chosen)

@@ -37,7 +37,7 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
     """
     symbol, _, meaning = recorded.partition(": ")
     which = Parameter(
-        "column", symbol, "", meaning, text=True, grid=lambda seen: Grid(seen.named(of))
+        "column", symbol, "", meaning, text=True, grid=lambda conditions: Grid(conditions.named(of))
     )
     return Course(
         name=name,

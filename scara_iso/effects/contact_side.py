@@ -28,8 +28,8 @@ EFFECT = TwoStates(
     confirm_by="preload the joint, or approach the pose from one side only: one level must remain",
     direction=Direction.JOINT,
     by_flank=True,
-    weight=3.3,
-    test_weight=1.2,  # benchmarks/diagnosis.py --only power: see tuning
+    weight=3.3,  # benchmarks/diagnosis.py, table naming
+    test_weight=1.2,  # benchmarks/diagnosis.py, table power
     chains=(
         *(Chain(q, q, 1.3 / len(_STICKY)) for q in _STICKY),
         *(Chain(1 - below, below, 1 / len(_SHARE_BELOW)) for below in _SHARE_BELOW),

@@ -16,6 +16,6 @@ EFFECT = Course(
     cause="a slow thermal trend, or creep of fixture, indicator stand or belt",
     confirm_by="repeat the run after a warm-up: thermal drift has gone, creep has slowed; compare "
     "the slope of a second run",
-    test_weight=1.2,  # benchmarks/diagnosis.py --only power: see tuning
+    test_weight=1.2,  # benchmarks/diagnosis.py, table power
     columns=_columns,
 )

@@ -45,8 +45,8 @@ EFFECT = Course(
     "aliased by the cycle time",
     confirm_by="change the cycle time: the period in cycles must change, the period in minutes "
     "must not",
-    weight=1.3,
-    test_weight=1.3,  # benchmarks/diagnosis.py --only power: see tuning
+    weight=1.3,  # benchmarks/diagnosis.py, table naming
+    test_weight=1.3,  # benchmarks/diagnosis.py, table power
     linear=AMPLITUDE_AND_PHASE,
     columns=_columns,
 )  # fmt: skip

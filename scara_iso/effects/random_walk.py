@@ -16,8 +16,8 @@ EFFECT = RandomCourse(
     parameters=(Parameter("size", "w", "reading", "standard deviation of one step"),),
     cause="a loose part that settles anew each cycle, a stepper losing counts, or slow wandering",
     confirm_by="log the encoders: does the commanded joint angle wander, or only the tool?",
-    weight=0.3,
-    test_weight=0.3,  # benchmarks/diagnosis.py --only power: see tuning
+    weight=0.3,  # benchmarks/diagnosis.py, table naming
+    test_weight=0.3,  # benchmarks/diagnosis.py, table power
     filtered=_filtered,
     variances=(0.03, 0.1, 0.3, 1.0),
 )

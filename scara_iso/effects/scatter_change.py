@@ -31,8 +31,8 @@ EFFECT = ScatterChange(
     ),
     cause="something came loose during the test, or settled",
     confirm_by="check the clamps and repeat the run",
-    weight=0.3,
-    test_weight=2.0,  # benchmarks/diagnosis.py --only power: see tuning
+    weight=0.3,  # benchmarks/diagnosis.py, table naming
+    test_weight=2.0,  # benchmarks/diagnosis.py, table power
     common=False,
     scale=_scale,
 )  # fmt: skip

@@ -26,7 +26,7 @@ EFFECT = Course(
     cause="fixture or indicator slipped, a collision, a skipped tooth, or a re-zeroed indicator",
     confirm_by="check the clamps of fixture and indicator, then repeat the run: the shift must "
     "not come back at the same cycle",
-    weight=1.4,
-    test_weight=0.95,  # benchmarks/diagnosis.py --only power: see tuning
+    weight=1.4,  # benchmarks/diagnosis.py, table naming
+    test_weight=0.95,  # benchmarks/diagnosis.py, table power
     columns=_columns,
 )

@@ -30,7 +30,7 @@ EFFECT = Course(
     cause="motors, gears and links were still reaching their running temperature",
     confirm_by="run the robot for 60 minutes before the test, then start once more cold: the "
     "course must vanish and return",
-    test_weight=1.3,  # benchmarks/diagnosis.py --only power: see tuning
+    test_weight=1.3,  # benchmarks/diagnosis.py, table power
     unsettled={
         linear_drift.EFFECT.name: "tau: the run is too short to tell a warm-up from a drift; run "
         "longer"
