@@ -15,7 +15,7 @@ from scara_iso.diagnosis.evidence import (
     log_bayes,
     log_bayes_of_course,
 )
-from scara_iso.diagnosis.levels import TwoLevels, two_levels
+from scara_iso.diagnosis.levels import TwoLevels, can_show_two, two_levels
 from scara_iso.effects import Chain, Process, Shape
 from scara_iso.run import FloatArray, IntArray
 
@@ -136,10 +136,12 @@ def hidden_sides(
 def _columns(views: Views, division: FloatArray) -> list[tuple[int, float]]:
     """Return the columns in which sides are sought, with the least scatter of their dial.
 
-    Those are the axes and, with several, their principal directions in which anything moves.
+    Those are the axes that can show two and, with several, their principal directions in which
+    anything moves.
     """
     q = views.axes
-    axes = [(int(a), float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
+    dials = [(int(a), float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
+    axes = [(a, least) for a, least in dials if can_show_two(views.columns[:, a], least)]
     moving = np.flatnonzero(views.columns[:, q : 2 * q].any(axis=0))
     return axes if len(axes) < 2 else axes + [(q + int(a), 0.0) for a in moving]
 
