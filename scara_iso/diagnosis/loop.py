@@ -94,6 +94,7 @@ def _diagnosis(
         effects=found,
         candidates=_candidates(fitted, stages),
         p_value=stages[0].p_value,
+        p_value_at_floor=stages[0].p_value_at_floor,
         error_before=_error(problem.residual, None, unseen.before),
         error_after=_error(problem.residual, fitted, unseen.after),
         shares=shares,
@@ -167,7 +168,8 @@ def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
     if free.gaussian_outlier > FLAG_LEVEL:
         return ()
     cycle = int(residual.conditions.cycle[free.outlier_row])
-    return (Flag(residual.axes[free.outlier_axis], cycle, free.gaussian_outlier),)
+    p = free.gaussian_outlier
+    return (Flag(residual.axes[free.outlier_axis], cycle, p, p <= free.floor),)
 
 
 def _coarse(shares: Mapping[str, Shares]) -> list[str]:

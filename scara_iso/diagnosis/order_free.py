@@ -36,6 +36,8 @@ class OrderFreeTest:
     gaussian_outlier: float
     outlier_axis: int
     outlier_row: int
+    floor: float
+    """Smallest p-value that the simulations can give."""
 
 
 def order_free_test(
@@ -65,6 +67,7 @@ def order_free_test(
         gaussian_outlier=min(1.0, axes * float(gaussian.min())),
         outlier_axis=worst,
         outlier_row=int(np.argmax(np.abs(values[:, worst] - np.median(values[:, worst])))),
+        floor=axes / (1 + SIMULATIONS),
     )
 
 

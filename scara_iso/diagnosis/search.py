@@ -49,6 +49,13 @@ class Stage:
         """Smallest of the p-values, each divided by its share of the level."""
         return min(1.0, *_shared(self.order, self.order_free))
 
+    @property
+    def p_value_at_floor(self) -> bool:
+        """Whether the test of the smallest p-value met nothing as far from scatter by chance."""
+        free = self.order_free
+        at_floor = (self.order.at_floor, free.two_levels <= free.floor, free.outlier <= free.floor)
+        return min(zip(_shared(self.order, free), at_floor, strict=True))[1]
+
 
 def _shared(order: OrderTest, free: OrderFreeTest) -> tuple[float, float, float]:
     return (

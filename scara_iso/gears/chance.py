@@ -11,6 +11,8 @@ from scara_iso.run import FloatArray
 
 LEVEL, SECOND_LEVEL, MISFIT_LEVEL = 0.05, 0.01, 0.01
 _SIMULATIONS = 499
+FLOOR = 1 / (1 + _SIMULATIONS)
+"""Smallest p-value that the simulations can give."""
 _EXACT = 1e-4
 """A fit this close, as a share of the largest deviation, leaves only digits and grid."""
 _LIKELY = 0.1

@@ -10,7 +10,7 @@ from scara_iso.comparison.decision import MOST_CYCLES
 from scara_iso.comparison.matching import poses_in_common
 from scara_iso.comparison.result import Ends
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
-from scara_iso.report.digits import decimals
+from scara_iso.report.digits import decimals, p_value
 
 _MOST_FIGURES = 60
 _MOST_NOTICES = 40
@@ -131,7 +131,7 @@ def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
             f"{one.after:.{places}f}",
             f"{one.difference:+.{places}f}",
             _ends(one.interval, places, sign="+"),
-            _p_value(one.p_value),
+            p_value(one),
             _SAID[one.verdict] + ("*" if one.doubts else ""),
         )
         for one in contrasts
@@ -193,10 +193,6 @@ def _ends(ends: Ends, places: int, *, sign: str = "") -> str:
 def _width(one: Contrast) -> float:
     lower, upper = one.interval
     return 10 * (upper - lower) if lower is not None and upper is not None else 0.0
-
-
-def _p_value(p_value: float) -> str:
-    return f"{p_value:.4f}" if p_value < 0.01 else f"{p_value:.2f}"
 
 
 def _needed(cycles: int | None) -> str:
