@@ -51,7 +51,8 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
 ) -> Diagnosis:
     """Return what a model leaves unexplained in a run, which effect it is, and what is gained.
 
-    ``run`` holds one pose without the discarded cycle; ``predicted`` is the model's readings by
+    ``run`` holds one pose without the discarded cycle (`scara_iso.diagnose` applies the cycle rule
+    to a table); ``predicted`` is the model's readings by
     axis, None for a constant pose (a constant is always free: an indicator has no absolute zero).
     ``directions`` names how far each axis moves, such as ``{"joint 1": {"X": .., "Y": ..}}``.
     ``held_out`` is a second run for the error on unseen cycles; without it that is
