@@ -8,12 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from scara_iso.diagnosis import (
-    Diagnosis,
-    Found,
-    diagnose,
-    diagnose_poses,
-)
+from scara_iso.diagnosis import SEED, Diagnosis, Found, diagnose_poses
+from scara_iso.diagnosis import diagnose as diagnose_used
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.gears import diagnose_run_reversals
@@ -74,23 +70,37 @@ class Reading:
         )
 
 
-def close_the_loop_on(
-    table: str,
-    model: str | None,
-    reading: Reading,
-    wanted: CyclesWanted,
+def diagnose(
+    table: Run | Source,
+    model: Model | str | Path | None = None,
     *,
-    hold_out: str | None = None,
-    seed: int,
+    pose: str | None = None,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    hold_out: Run | Source | None = None,
+    sigma: float | None = None,
+    seed: int = SEED,
 ) -> Diagnosis:
-    """Return `close_the_loop` of files, by name."""
+    """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
+
+    Only the cycles that count take part: ``first_cycle_discarded`` and ``cycles`` are as in
+    `iso9283.used_cycles`, here and in the second table ``hold_out``, which measures the error on
+    unseen cycles; ``pose`` names one of several; ``sigma`` is the known scatter in mm. Same
+    arguments, same result. Errors as in `close_the_loop`, and those of `read_table` and
+    `read_model` where a file is named.
+    """
     return close_the_loop(
-        reading.read(table),
-        None if model is None else read_model(model),
-        wanted,
-        hold_out=None if hold_out is None else reading.read(hold_out),
+        _run_of(table),
+        read_model(model) if isinstance(model, str | Path) else model,
+        CyclesWanted(pose, first_cycle_discarded, cycles),
+        hold_out=None if hold_out is None else _run_of(hold_out),
         seed=seed,
+        sigma=sigma,
     )
+
+
+def _run_of(table: Run | Source) -> Run:
+    return table if isinstance(table, Run) else read_table(table)
 
 
 def close_the_loop(
@@ -105,11 +115,12 @@ def close_the_loop(
     """Return what ``model`` (None: a constant pose) leaves unexplained in the rows that count.
 
     ``sigma`` is the known scatter of the readings in mm, of every axis in mm. Errors as in
-    `CyclesWanted.take` and `diagnose`, and `DataError` for a model that has none of the run's axes.
+    `CyclesWanted.take` and `diagnosis.diagnose`, and `DataError` for a model that has none of the
+    run's axes.
     """
     used = wanted.take(run)
     second = None if hold_out is None else wanted.take(hold_out)
-    found = diagnose(
+    found = diagnose_used(
         used,
         _predicted(model, used),
         seed=seed,
@@ -135,7 +146,7 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     if found.reversals is None or not on_gear:
         return found
     known = replace(model, effects=(*model.effects, *on_gear))
-    left = diagnose(used, _predicted(known, used), seed=seed, directions=directions_of(model))
+    left = diagnose_used(used, _predicted(known, used), seed=seed, directions=directions_of(model))
     still = {one.effect for one in left.effects}
     gone = tuple(one.effect for one in found.effects if one.effect not in still)
     effects = {effect.name: effect for effect in find_effects()}
@@ -166,7 +177,7 @@ def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dic
     )
     found = diagnose_poses(
         run.take(chosen.rows.ravel()),
-        lambda single, level: diagnose(single, seed=seed, level=level),
+        lambda single, level: diagnose_used(single, seed=seed, level=level),
     )
     return {str(pose): diagnosis for pose, diagnosis in found.items()}
 

@@ -126,6 +126,15 @@ def test_sides_in_no_order_are_found_on_the_dial(rng):
     assert found.effects[0].parameters["size"]["X"] == pytest.approx(0.04, rel=0.2)
 
 
+def test_a_fold_closer_than_the_dial_rounds_holds_no_sides():
+    # Readings in tenths of the stated division: beside the step, a fold spreads by 0.2 of it.
+    rng = np.random.default_rng(18)
+    at = rng.integers(5, 25)
+    y = np.where(np.arange(30) >= at, 5, 0) + np.round(rng.normal(0, 0.05, 30), 1)
+    found = diagnose(Run(CYCLE, {"X": Axis("X", 0.01 * y, resolution=0.01)}))
+    assert found.effects[0].effect == "step"
+
+
 def test_a_digit_slip_is_an_outlier_and_a_smaller_one_a_flag(rng):
     slip = rng.normal(size=N)
     slip[7] += 60

@@ -17,7 +17,7 @@ from scara_iso.diagnosis.evidence import (
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS
-from scara_iso.diagnosis.two_state import TwoLevels, two_levels
+from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels
 from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.run import FloatArray, IntArray
 from scara_iso.verdict import Rival
@@ -141,10 +141,12 @@ def two_states(
 def _columns(views: Views, division: FloatArray) -> list[tuple[int, float]]:
     """Return the columns in which states are sought, with the least scatter of their dial.
 
-    Those are the axes and, with several, their principal directions in which anything moves.
+    Those are the axes that can show two and, with several, their principal directions in which
+    anything moves.
     """
     q = views.axes
-    axes = [(int(a), float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
+    dials = [(int(a), float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
+    axes = [(a, least) for a, least in dials if can_show_two(views.columns[:, a], least)]
     moving = np.flatnonzero(views.columns[:, q : 2 * q].any(axis=0))
     return axes if len(axes) < 2 else axes + [(q + int(a), 0.0) for a in moving]
 

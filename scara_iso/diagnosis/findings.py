@@ -74,6 +74,7 @@ def _found(
         parameters=_parameters(term, fitted.coefficients[i], residual, effect, left),
         standard_errors=_by_axis(errors[0] if len(errors) else None, residual, term),
         p_value=stage.p_value,
+        p_value_at_floor=stage.p_value_at_floor,
         probability=stage.choice.probability[effect.name],
         rivals=stage.choice.rivals,
         cause=effect.cause,

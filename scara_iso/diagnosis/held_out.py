@@ -37,7 +37,7 @@ def cross_validated(
     with_chains: bool,
     repeats: int = REPEATS,
 ) -> HeldOut:
-    """Return the error by repeated 5-fold cross-validation of the search that gave ``fitted``.
+    """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
 
     Each fold chooses anew as many effects as the whole run's tests admitted. That a fold's fit
     has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its excess over

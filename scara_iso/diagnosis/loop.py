@@ -49,7 +49,8 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
 ) -> Diagnosis:
     """Return what a model leaves unexplained in a run, which effect it is, and what is gained.
 
-    ``run`` holds one pose without the discarded cycle; ``predicted`` is the model's readings by
+    ``run`` holds one pose without the discarded cycle (`scara_iso.diagnose` applies the cycle rule
+    to a table); ``predicted`` is the model's readings by
     axis, None for a constant pose (a constant is always free: an indicator has no absolute zero).
     ``directions`` names how far each axis moves, such as ``{"joint 1": {"X": .., "Y": ..}}``.
     ``held_out`` is a second run for the error on unseen cycles; without it that is
@@ -92,6 +93,7 @@ def _diagnosis(
         effects=found,
         candidates=_candidates(fitted, stages),
         p_value=stages[0].p_value,
+        p_value_at_floor=stages[0].p_value_at_floor,
         error_before=_error(problem.residual, None, unseen.before),
         error_after=_error(problem.residual, fitted, unseen.after),
         shares=shares,
@@ -161,11 +163,12 @@ def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
 
 
 def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
-    free = stages[-1].marginal
-    if free.gaussian_outlier > FLAG_LEVEL:
+    marginal = stages[-1].marginal
+    if marginal.gaussian_outlier > FLAG_LEVEL:
         return ()
-    cycle = int(residual.conditions.cycle[free.outlier_row])
-    return (Flag(residual.axes[free.outlier_axis], cycle, free.gaussian_outlier),)
+    cycle = int(residual.conditions.cycle[marginal.outlier_row])
+    p = marginal.gaussian_outlier
+    return (Flag(residual.axes[marginal.outlier_axis], cycle, p, p <= marginal.floor),)
 
 
 def _coarse(shares: Mapping[str, Shares]) -> list[str]:

@@ -39,6 +39,8 @@ class MarginalTests:
     gaussian_outlier: float
     outlier_axis: int
     outlier_row: int
+    floor: float
+    """Smallest p-value that the simulations can give."""
 
 
 def marginal_tests(
@@ -68,6 +70,7 @@ def marginal_tests(
         gaussian_outlier=min(1.0, axes * float(gaussian.min())),
         outlier_axis=worst,
         outlier_row=int(np.argmax(np.abs(values[:, worst] - np.median(values[:, worst])))),
+        floor=axes / (1 + SIMULATIONS),
     )
 
 

@@ -30,6 +30,8 @@ class OrderTest:
 
     statistic: float
     p_value: float
+    at_floor: bool
+    """No permutation came as far: the chance is at most p."""
 
 
 def order_test(
@@ -58,7 +60,7 @@ def order_test(
         block = slice(1 + len(as_large), 1 + len(as_large) + _BLOCK)
         statistics = log_statistic(hypotheses, views, orders[block], persistent[block])
         as_large = np.concatenate([as_large, statistics >= observed - _EQUAL])
-    return OrderTest(observed, _p_value(as_large))
+    return OrderTest(observed, _p_value(as_large), not as_large.any())
 
 
 def _persistence(emissions: Sequence[Emissions], orders: IntArray) -> FloatArray:

@@ -33,6 +33,8 @@ class Found:
     """Standard error of each size."""
     p_value: float
     """Chance of structure as strong in scatter alone."""
+    p_value_at_floor: bool
+    """None of the permutations or simulations was as far: the chance is at most the p-value."""
     probability: float
     """Posterior probability among the catalogue and the unknown."""
     rivals: tuple[Rival, ...]
@@ -52,6 +54,7 @@ class Flag:
     cycle: int
     p_value: float
     """Chance in Gaussian scatter; heavier tails make such readings common."""
+    p_value_at_floor: bool
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -102,6 +105,7 @@ class Diagnosis:
     """Likeliest explanations of what the last stage still found; empty where it found nothing."""
     p_value: float
     """Smallest p-value of the first stage: is there structure at all?"""
+    p_value_at_floor: bool
     error_before: Error
     error_after: Error
     repeatability: Repeatabilities

@@ -43,6 +43,17 @@ class Stage:
         """Smallest of the p-values, each divided by its share of the level."""
         return min(1.0, *_shared(self.order, self.marginal))
 
+    @property
+    def p_value_at_floor(self) -> bool:
+        """Whether the test of the smallest p-value met nothing as far from scatter by chance."""
+        floor = self.marginal.floor
+        at_floor = (
+            self.order.at_floor,
+            self.marginal.two_levels <= floor,
+            self.marginal.outlier <= floor,
+        )
+        return min(zip(_shared(self.order, self.marginal), at_floor, strict=True))[1]
+
 
 def _shared(order: OrderTest, marginal: MarginalTests) -> tuple[float, float, float]:
     return (

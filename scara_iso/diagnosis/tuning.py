@@ -127,6 +127,7 @@ FEWEST_CYCLES, MOST_CYCLES = 12, 500
 # error on unseen cycles (table *held*)
 
 FOLDS, REPEATS = 10, 2
+"""Those of which docs/diagnosis.md gives the bias."""
 
 WORTH_CHAINS = 0.02
 """Effects with hidden states less likely than this on the whole run are not tried in the folds."""

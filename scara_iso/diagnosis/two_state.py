@@ -27,6 +27,7 @@ from scara_iso.diagnosis.tuning import (
     SPLIT_SCALE,
 )
 from scara_iso.effects import Chain
+from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray
 
 _LEVELS = 14
@@ -104,6 +105,15 @@ def emissions_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Emi
     return Emissions(lower, upper, chains)
 
 
+def can_show_two(y: FloatArray, division: float) -> bool:
+    """Whether readings y (n,) spread as far as the scatter that rounding alone leaves.
+
+    Closer ones, such as what an effect leaves of readings finer than their stated division, lie on
+    one level: `two_levels` has nothing to try.
+    """
+    return float(np.ptp(y)) >= rounding_uncertainty(division)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class _Grid:
     """Levels and scatter of every cell, shape (cells,), and the log of its prior."""
@@ -120,7 +130,8 @@ def two_levels(
     """Return the evidence for two levels in readings y (n,); nan marks a cycle that is not seen.
 
     ``division`` is the dial's: rounding keeps the scatter from being smaller than division /
-    sqrt(12). ``known`` are squares as in `evidence.Views`, 0 for a scatter that is not known.
+    sqrt(12), and y `can_show_two` beside it. ``known`` are squares as in `evidence.Views`, 0 for a
+    scatter that is not known.
     """
     seen = y[np.isfinite(y)]
     grid = _grid(seen, division, known)
@@ -143,7 +154,7 @@ def two_levels(
 
 def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     levels = np.linspace(seen.min(), seen.max(), _LEVELS)
-    scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, division / np.sqrt(12))
+    scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, rounding_uncertainty(division))
     a, b = _PAIRS
     distance = (levels[b] - levels[a])[:, np.newaxis] / scatter
     density = np.log(2 / (SPLIT_SCALE * np.sqrt(2 * np.pi))) - (distance / SPLIT_SCALE) ** 2 / 2

@@ -20,7 +20,7 @@ from scara_iso.gears.fit import (
     pair_families,
     single_families,
 )
-from scara_iso.gears.significance import misfits, p_value, second_p_value, wanders
+from scara_iso.gears.significance import FLOOR, misfits, p_value, second_p_value, wanders
 from scara_iso.gears.unknown import unknown_families
 from scara_iso.run import FloatArray
 from scara_iso.verdict import Rival, Verdict
@@ -50,6 +50,8 @@ class GearDiagnosis:
 
     verdict: Verdict
     p_value: float
+    p_value_at_floor: bool
+    """No simulation came as far: the chance is at most the p-value."""
     effects: tuple[GearFound, ...]
     candidates: tuple[Rival, ...]
     """Nearest effects where the verdict is that none fits."""
@@ -103,8 +105,8 @@ def diagnose_reversals(
     before = data.predict()
     rng = np.random.default_rng(seed)
     chance = p_value(data, before, [*singles, *unknown_families(data)], rng)
-    chance = min(1.0, sides * chance)
-    nothing = _result(data, Verdict.NOTHING, chance, (), None)
+    at_floor, chance = chance <= FLOOR, min(1.0, sides * chance)
+    nothing = _as_predicted(data, chance, at_floor=at_floor)
     if chance > LEVEL:
         return replace(nothing, notes=_notes(data, _hidden(data, nothing)))
     families, choice = _chosen(data, singles)
@@ -117,7 +119,7 @@ def diagnose_reversals(
     found = _found(best, choice, chance)
     unseen = _left_out(data, families)
     return replace(
-        _result(data, Verdict.EXPLAINED, chance, found, best),
+        _explained(nothing, data, found, best),
         held_out_after=unseen,
         notes=_notes(data, _settled_by(choice)),
     )
@@ -233,19 +235,21 @@ def _notes(data: Reversals, settled: Sequence[str]) -> tuple[str, ...]:
     return (*notes, *settled)
 
 
-def _result(
-    data: Reversals,
-    verdict: Verdict,
-    p_value: float,
-    found: tuple[GearFound, ...],
-    fit: Fitted | None,
-) -> GearDiagnosis:
+def _as_predicted(data: Reversals, p_value: float, *, at_floor: bool) -> GearDiagnosis:
     before = data.predict()
-    after = before if fit is None else data.predict(fit.changes)[0]
     rms = float(np.sqrt(((data.measured - before) ** 2).mean()))
-    left = float(np.sqrt(((data.measured - after) ** 2).mean()))
     return GearDiagnosis(
-        verdict=verdict, p_value=p_value, effects=found, candidates=(),
-        rms_before=rms, rms_after=left, held_out_before=rms, held_out_after=rms,
-        measured=data.measured, predicted_before=before, predicted_after=after,
+        verdict=Verdict.NOTHING, p_value=p_value, p_value_at_floor=at_floor, effects=(),
+        candidates=(), rms_before=rms, rms_after=rms, held_out_before=rms, held_out_after=rms,
+        measured=data.measured, predicted_before=before, predicted_after=before,
     )  # fmt: skip
+
+
+def _explained(
+    nothing: GearDiagnosis, data: Reversals, found: tuple[GearFound, ...], fit: Fitted
+) -> GearDiagnosis:
+    after = data.predict(fit.changes)[0]
+    left = float(np.sqrt(((data.measured - after) ** 2).mean()))
+    return replace(
+        nothing, verdict=Verdict.EXPLAINED, effects=found, rms_after=left, predicted_after=after
+    )

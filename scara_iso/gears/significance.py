@@ -10,6 +10,8 @@ from scara_iso.diagnosis.tuning import MISFIT_LEVEL, RIVAL, SWEEP_SIMULATIONS
 from scara_iso.gears.fit import Family, Fitted, Reversals, over_all
 from scara_iso.run import FloatArray
 
+FLOOR = 1 / (1 + SWEEP_SIMULATIONS)
+"""Smallest p-value that the simulations can give."""
 _EXACT = 1e-4
 """A fit this close, as a share of the largest deviation, leaves only digits and grid."""
 
