@@ -55,11 +55,11 @@ class Choice(Generic[AnyForm]):
 
 
 def posterior(evidence: Mapping[str, float], sharpness: float = 1.0) -> dict[str, float]:
-    """Return probabilities from evidence raised to a power, without those that vanish."""
+    """Return probabilities from evidence raised to a power."""
     largest = max(evidence.values())
     sharp = {name: (value / largest) ** sharpness for name, value in evidence.items()}
     whole = sum(sharp.values())
-    return {name: value / whole for name, value in sharp.items() if value > 0}
+    return {name: value / whole for name, value in sharp.items()}
 
 
 def choose(hypotheses: HypothesisSet, views: Views, beside: Sequence[Weighed] = ()) -> Choice[Form]:
@@ -79,9 +79,8 @@ def choose(hypotheses: HypothesisSet, views: Views, beside: Sequence[Weighed] = 
         total[name] = total.get(name, 0.0) + weighed.evidence
         if name not in strongest or weighed.evidence > strongest[name].evidence:
             strongest[name] = weighed
-    return Choice(
-        posterior(total, SHARPNESS), {name: weighed.form for name, weighed in strongest.items()}
-    )
+    probability = {name: p for name, p in posterior(total, SHARPNESS).items() if p > 0}
+    return Choice(probability, {name: weighed.form for name, weighed in strongest.items()})
 
 
 def _evidence(hypotheses: HypothesisSet, views: Views, factor: float, share: float) -> FloatArray:

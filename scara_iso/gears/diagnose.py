@@ -136,12 +136,13 @@ def _chosen(data: Reversals, singles: Sequence[Family]) -> tuple[list[Family], C
 
 
 def _choice(fits: Sequence[Fitted]) -> Choice[Fitted]:
-    most = max(fit.log_evidence for fit in fits)
+    ranked = sorted(fits, key=lambda fit: -fit.log_evidence)
+    forms: dict[str, Fitted] = {}
     evidence: dict[str, float] = {}
-    for fit in fits:
-        name = _label(fit)
-        evidence[name] = evidence.get(name, 0.0) + float(np.exp(fit.log_evidence - most))
-    forms = {_label(fit): fit for fit in sorted(fits, key=lambda fit: fit.log_evidence)}
+    for fit in ranked:
+        name, relative = _label(fit), fit.log_evidence - ranked[0].log_evidence
+        forms.setdefault(name, fit)
+        evidence[name] = evidence.get(name, 0.0) + float(np.exp(relative))
     return Choice(posterior(evidence), forms)
 
 
