@@ -81,7 +81,7 @@ class Parameter:
 def combinations(
     parameters: Sequence[Parameter], conditions: object
 ) -> Iterator[tuple[dict[str, float | str], float]]:
-    """Yield every combination of the values to try under conditions, or of a sweep, and its weight."""
+    """Yield every combination of the values to try under conditions or of a sweep, with weight."""
     searched = [(p.name, p.grid(conditions)) for p in parameters if p.grid is not None]
     for chosen in product(*(grid for _, grid in searched)):
         values = {name: value for (name, _), (value, _) in zip(searched, chosen, strict=True)}
