@@ -34,11 +34,12 @@ from diagnosis_data import (
 )  # fmt: skip
 from diagnosis_rivals import RIVALS
 
-from scara_iso.diagnosis import UNKNOWN, diagnose
+from scara_iso.diagnosis import LEVEL, UNKNOWN, diagnose
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.problem import problem_of
-from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, chosen, find, tested
+from scara_iso.diagnosis.search import chosen, find, tested
+from scara_iso.diagnosis.tuning import FLAG_LEVEL
 from scara_iso.effects import Process, find_effects
 from scara_iso.run import AXES, Axis, Run
 
@@ -79,7 +80,7 @@ def detected(task):
     if problem is None:
         return {"found": False, "flag": False}
     stage = tested(problem, (), rng)
-    flag = stage.order_free.gaussian_outlier <= FLAG_LEVEL
+    flag = stage.marginal.gaussian_outlier <= FLAG_LEVEL
     return {"found": stage.p_value <= LEVEL, "flag": flag}
 
 
@@ -96,7 +97,7 @@ def summary(found):
         return {"found": False, "flag": False, "best": None}
     _, terms, stages = found
     first = stages[0]
-    flag = first.order_free.gaussian_outlier <= FLAG_LEVEL
+    flag = first.marginal.gaussian_outlier <= FLAG_LEVEL
     ended = stages[-1].choice is None or (terms and isinstance(terms[-1].form, Process))
     choice = first.choice
     return {
@@ -104,7 +105,7 @@ def summary(found):
         "flag": flag,
         "best": choice.best if choice else "outlier" if flag else None,
         "p": choice.probability[choice.best] if choice else None,
-        "rivals": [choice.best, *choice.rivals] if choice else ["outlier"],
+        "rivals": [choice.best, *(r.effect for r in choice.rivals)] if choice else ["outlier"],
         "unexplained": choice is not None and not ended,
     }
 
@@ -383,7 +384,7 @@ def said(results, name):
 
 
 def speed(_pool, _runs):
-    """Time of one whole diagnosis: 4 axes, covariates, 999 shuffles, cross-validation."""
+    """Time of one whole diagnosis: 4 axes, covariates, 999 permutations, cross-validation."""
     rng = np.random.default_rng(SEED)
     course = scatter(rng, 4, 0.3) + 3 * shape(rng, "warm_up")[:, None] * [1, 0.7, 0, 0.5]
     columns = np.round(5 * course)

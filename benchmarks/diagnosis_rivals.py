@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import UNKNOWN, members_of
+from scara_iso.diagnosis import UNKNOWN
+from scara_iso.diagnosis.hypotheses import hypotheses_of
 from scara_iso.effects import Conditions, Shape, find_effects
 
 # Parameters of each effect beside its coefficients: position, time constant, period.
@@ -19,7 +20,7 @@ def _least_squares(y):
     """Return (name, residual sum of squares, parameters) for the best shape of each effect."""
     conditions = Conditions(np.arange(2, len(y) + 2))
     best = {}
-    for member in members_of(find_effects(), conditions):
+    for member in hypotheses_of(find_effects(), conditions):
         if isinstance(member.form, Shape) and member.effect != UNKNOWN:
             design = np.column_stack([np.ones(len(y)), member.form.columns])
             left = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]

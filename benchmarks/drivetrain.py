@@ -9,28 +9,29 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from benchmarks.page import DOCS, run
-from scara_iso.drivetrain import (
+from scara_iso.drivetrain import Approach, DriveTrain, Move, arrivals
+from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID, save
+from tests.oracles.integration import integrate
+from tests.oracles.motion import (
     LEFT,
     RIGHT,
-    Approach,
     Drive,
-    DriveTrain,
     Held,
-    Move,
     Servo,
     State,
     Torque,
     Trajectory,
-    arrivals,
-    integrate,
     solve,
 )
-from scara_iso.render.plots import plot_gap
 
+CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 ARM_M = 0.7  # eq. 21
 MEASURED_MM = 0.0141  # radial RP of Table I in the plane, recomputed
 PAPER = DriveTrain(2.65e-4, 4.749, math.radians(12 / 60))  # eq. 17, 18
@@ -220,6 +221,40 @@ def three_states() -> Trajectory:
     """Return a motion to and fro through right contact, no contact and left contact."""
     drive = Torque((0.02, 0.06, 0.05, 0.05), (0.6, -0.6, 0.6, -0.4))
     return solve(GEARED, drive, State(gap_angle=0.0), points=60)
+
+
+def plot_gap(trajectory: Trajectory, train: DriveTrain, path: Path) -> None:
+    """Draw gap angle, motor and load through time, the three contact states in colour."""
+    figure = Figure(figsize=(8, 5.5), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    time = trajectory.time * 1000
+    _shade_contacts(upper, trajectory)
+    for end in (-1, 1):
+        upper.axhline(end * train.gap / 2 * 1000, color=EDGE, lw=0.8, ls="--")
+    upper.plot(time, trajectory.gap_angle * 1000, color=SOLID, lw=1.8)
+    upper.set(ylabel="motor − load [mrad]", title="Gap angle in the three contact states")
+    upper.set_ylim(-0.62 * train.gap * 1000, 0.62 * train.gap * 1000)
+    upper.legend(
+        loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=3, fontsize=8, frameon=False
+    )
+    lower.plot(
+        time, trajectory.motor_angle * 1000, color=PLANE, lw=1.8, label="motor, at the output"
+    )
+    lower.plot(time, trajectory.load_angle * 1000, color=ARM, lw=1.8, label="load")
+    lower.set(xlabel="time [ms]", ylabel="angle [mrad]")
+    lower.legend(fontsize=8, frameon=False)
+    save(figure, path)
+
+
+def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
+    names = {1: "right contact", 0: "no contact", -1: "left contact"}
+    edges = np.flatnonzero(np.diff(trajectory.contact)) + 1
+    ends = np.append(edges, len(trajectory.time)) - 1
+    for first, last in zip(np.append(0, edges), ends, strict=True):
+        side = int(trajectory.contact[first])
+        label = names.pop(side, None)
+        span = trajectory.time[[first, last]] * 1000
+        axes.axvspan(*span, color=CONTACT[side], lw=0, label=label)
 
 
 def picture() -> Iterator[str]:

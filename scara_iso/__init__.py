@@ -6,8 +6,9 @@
     0.01404
 
 `read_table` and `Run.from_frame` give a `Run`; `analyze` turns it into an `Analysis`, `compare`
-several of these into a `Comparison`; `backlash` runs the paper's two-inertia model. Errors are
-`ScaraIsoError`s with what, where and what to do.
+several of these into a `Comparison`, and `diagnose` says which effect moves its readings;
+`backlash` runs the paper's two-inertia model. Errors are `ScaraIsoError`s with what, where and what
+to do.
 """
 
 from __future__ import annotations
@@ -17,8 +18,10 @@ from importlib import import_module
 TYPE_CHECKING = False  # the import of typing takes as long as all before it: Ctrl-C waits for it
 if TYPE_CHECKING:
     from scara_iso.analysis import analyze as analyze
+    from scara_iso.closing import diagnose as diagnose
     from scara_iso.comparison import Comparison as Comparison
     from scara_iso.comparison import compare as compare
+    from scara_iso.diagnosis import Diagnosis as Diagnosis
     from scara_iso.errors import DataError as DataError
     from scara_iso.errors import ScaraIsoError as ScaraIsoError
     from scara_iso.errors import UsageError as UsageError
@@ -39,7 +42,9 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "analyze": "analysis",
+    "diagnose": "closing",
     **dict.fromkeys(("Comparison", "compare"), "comparison"),
+    "Diagnosis": "diagnosis",
     **dict.fromkeys(("DataError", "ScaraIsoError", "UsageError"), "errors"),
     **dict.fromkeys(("Analysis", "AxisResult", "Finding", "PoseResult", "RadialResult"), "results"),
     **dict.fromkeys(("Axis", "Run"), "run"),
@@ -54,6 +59,7 @@ __all__ = [
     "Comparison",
     "Crossing",
     "DataError",
+    "Diagnosis",
     "Finding",
     "PoseResult",
     "RadialResult",
@@ -63,6 +69,7 @@ __all__ = [
     "analyze",
     "backlash",
     "compare",
+    "diagnose",
     "read_table",
     "write_table",
 ]

@@ -8,19 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from scara_iso.diagnosis import (
-    Diagnosis,
-    Found,
-    diagnose,
-    diagnose_poses,
-)
+from scara_iso.diagnosis import SEED, Diagnosis, Found, diagnose_poses
+from scara_iso.diagnosis import diagnose as diagnose_used
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.gears import diagnose_run_reversals
 from scara_iso.iso9283 import used_cycles
 from scara_iso.model import DeclaredEffect, Model, declare, predict, read_model
-from scara_iso.model.parts import Value
-from scara_iso.model.predict import is_chance
+from scara_iso.model.predict import is_random
 from scara_iso.run import Run
 from scara_iso.tables import Source, read_table
 
@@ -75,23 +70,37 @@ class Reading:
         )
 
 
-def close_the_loop_on(
-    table: str,
-    model: str | None,
-    reading: Reading,
-    wanted: CyclesWanted,
+def diagnose(
+    table: Run | Source,
+    model: Model | str | Path | None = None,
     *,
-    hold_out: str | None = None,
-    seed: int,
+    pose: str | None = None,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    hold_out: Run | Source | None = None,
+    sigma: float | None = None,
+    seed: int = SEED,
 ) -> Diagnosis:
-    """Return `close_the_loop` of files, by name."""
+    """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
+
+    Only the cycles that count take part: ``first_cycle_discarded`` and ``cycles`` are as in
+    `iso9283.used_cycles`, here and in the second table ``hold_out``, which measures the error on
+    unseen cycles; ``pose`` names one of several; ``sigma`` is the known scatter in mm. Same
+    arguments, same result. Errors as in `close_the_loop`, and those of `read_table` and
+    `read_model` where a file is named.
+    """
     return close_the_loop(
-        reading.read(table),
-        None if model is None else read_model(model),
-        wanted,
-        hold_out=None if hold_out is None else reading.read(hold_out),
+        _run_of(table),
+        read_model(model) if isinstance(model, str | Path) else model,
+        CyclesWanted(pose, first_cycle_discarded, cycles),
+        hold_out=None if hold_out is None else _run_of(hold_out),
         seed=seed,
+        sigma=sigma,
     )
+
+
+def _run_of(table: Run | Source) -> Run:
+    return table if isinstance(table, Run) else read_table(table)
 
 
 def close_the_loop(
@@ -106,11 +115,12 @@ def close_the_loop(
     """Return what ``model`` (None: a constant pose) leaves unexplained in the rows that count.
 
     ``sigma`` is the known scatter of the readings in mm, of every axis in mm. Errors as in
-    `CyclesWanted.take` and `diagnose`, and `DataError` for a model that has none of the run's axes.
+    `CyclesWanted.take` and `diagnosis.diagnose`, and `DataError` for a model that has none of the
+    run's axes.
     """
     used = wanted.take(run)
     second = None if hold_out is None else wanted.take(hold_out)
-    found = diagnose(
+    found = diagnose_used(
         used,
         _predicted(model, used),
         seed=seed,
@@ -136,10 +146,11 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     if found.reversals is None or not on_gear:
         return found
     known = replace(model, effects=(*model.effects, *on_gear))
-    left = diagnose(used, _predicted(known, used), seed=seed, directions=directions_of(model))
+    left = diagnose_used(used, _predicted(known, used), seed=seed, directions=directions_of(model))
     still = {one.effect for one in left.effects}
     gone = tuple(one.effect for one in found.effects if one.effect not in still)
-    others = [name for name in gone if name not in ("lost_motion", "contact_side")]
+    effects = {effect.name: effect for effect in find_effects()}
+    others = [name for name in gone if not effects[name].by_flank]
     said = (
         f"{', '.join(others)}: gone once the effects on the gear are in the model: that is their "
         "reversal, which differs with the payload"
@@ -166,7 +177,7 @@ def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dic
     )
     found = diagnose_poses(
         run.take(chosen.rows.ravel()),
-        lambda single, level: diagnose(single, seed=seed, level=level),
+        lambda single, level: diagnose_used(single, seed=seed, level=level),
     )
     return {str(pose): diagnosis for pose, diagnosis in found.items()}
 
@@ -211,7 +222,7 @@ def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
 def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
     """Return what was found as effects that a model declares.
 
-    Effects on the gear take the place of the lost motion that they account for, unless the load
+    Effects on the gear take the place of the reversal that they account for, unless the load
     rests where the model cannot put it.
     """
     reversals = diagnosis.reversals
@@ -219,31 +230,19 @@ def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
     on_gear = [] if gear is None else [
         DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
     ]  # fmt: skip
-    gone = () if reversals is None else ("lost_motion", *reversals.accounts_for)
+    recorded = {effect.name for effect in find_effects() if effect.by_flank and effect.needs}
+    gone = set() if reversals is None else recorded | {*reversals.accounts_for}
     kept = [f for f in diagnosis.effects if not (on_gear and f.effect in gone)]
-    return (*(declared(found, diagnosis) for found in kept), *on_gear)
+    return (*(declared(found) for found in kept), *on_gear)
 
 
-def declared(found: Found, diagnosis: Diagnosis) -> DeclaredEffect:
-    """Return a found effect as one that a model declares.
-
-    The search names cycle and ratio of a change of scatter; its size on the narrower side, one for
-    each axis, is that of what the model leaves there.
-    """
-    parameters: dict[str, Value] = dict(found.parameters)
-    if found.effect == "scatter_change":
-        after = diagnosis.series.cycle >= _number(parameters["at_cycle"])
-        narrower = ~after if _number(parameters["ratio"]) > 1 else after
-        left = {
-            name: diagnosis.series.measured[name] - diagnosis.series.predicted_after[name]
-            for name in found.axes
-        }
-        parameters["scatter"] = {n: float(r[narrower].std(ddof=1)) for n, r in left.items()}
-    return DeclaredEffect(found.effect, parameters)
+def declared(found: Found) -> DeclaredEffect:
+    """Return a found effect as one that a model declares."""
+    return DeclaredEffect(found.effect, {**found.parameters, **found.left_open})
 
 
-def save_model(diagnosis: Diagnosis, run: Run, model: str, to: Path) -> tuple[str, ...]:
-    """Write ``model`` with what was found in ``run`` to ``to``; return what of it was declared.
+def save_model(diagnosis: Diagnosis, model: str, to: Path) -> tuple[str, ...]:
+    """Write ``model`` with what was found to ``to``; return what of it was declared.
 
     An effect that does not recur is left out. Raises as `declare`.
     """
@@ -251,11 +250,7 @@ def save_model(diagnosis: Diagnosis, run: Run, model: str, to: Path) -> tuple[st
     recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
     effects = declarations(replace(diagnosis, effects=recurring))
     declare(model, effects, to)
-    conditions = Conditions(run.cycle, run.covariates)
-    said = [
-        f"{to} declares {one.name}{_expectation(one, known.get(one.name), conditions)}"
-        for one in effects
-    ]
+    said = [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
     said += [
         f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
         for found in diagnosis.effects
@@ -264,9 +259,9 @@ def save_model(diagnosis: Diagnosis, run: Run, model: str, to: Path) -> tuple[st
     return tuple(said) or (f"{to} is the model as it was: nothing was found to declare",)
 
 
-def _expectation(one: DeclaredEffect, effect: Effect | None, conditions: Conditions) -> str:
+def _expectation(one: DeclaredEffect, effect: Effect | None) -> str:
     """Return what a model with the effect says of the next table; none is known on the gear."""
-    if effect is not None and is_chance(effect, one, conditions, one.axes[0]):
+    if effect is not None and is_random(effect, one, one.axes[0]):
         return (
             " for simulate only: chance draws it anew in every test, so no prediction moves and "
             "the next table will show it again"
@@ -279,9 +274,3 @@ def _expectation(one: DeclaredEffect, effect: Effect | None, conditions: Conditi
     if "phase" in one.parameters:
         return " with the phase of this table: the next one must begin at the same phase"
     return ": the next table is expected to show it"
-
-
-def _number(value: Value) -> float:
-    if isinstance(value, int | float):
-        return value
-    raise TypeError(f"{value!r} holds for single axes")

@@ -152,7 +152,9 @@ def test_conditions_not_stated(rng, key):
 
 
 def test_a_covariate_states_its_condition(rng):
-    run = clean_run(rng, metadata={"temperature": ""}, covariates={"temperature_C": np.ones(155)})
+    run = clean_run(
+        rng, metadata={"temperature": ""}, covariates={"temperature_C": np.full(155, 21.0)}
+    )
     assert codes(run) == set()
 
 
@@ -269,3 +271,65 @@ def test_third_parties_add_checks(monkeypatch, tmp_path):
     found = find_modules(checks, "scara_iso.checks")
     assert found[:-1] == MODULES
     assert found[-1].CODE == "theirs"
+
+
+def said(rng, metadata, **covariates):
+    columns = {name: np.resize(values, 155).astype(float) for name, values in covariates.items()}
+    found = analyze(clean_run(rng, metadata=metadata, covariates=columns)).findings
+    return {(finding.code, bool(finding.rule)) for finding in found}
+
+
+CONDITIONS = [
+    ({"payload": "2 kg", "rated_payload": "2.0 kg"}, None, False),
+    ({"payload": "0.2 kg", "rated_payload": "2 kg"}, "other-load", True),
+    ({"payload": "200 g", "rated_load": "2 kg"}, "other-load", True),
+    ({"payload": "10 % of rated"}, "other-load", True),
+    ({"payload": "2,0 kg (100 % of rated)", "rated_payload": "2 kg"}, None, False),
+    ({"payload": "2 kg (50 % of rated)"}, "other-load", True),
+    ({"payload": "", "payload_kg": "1.5", "rated_payload_kg": "2"}, "other-load", True),
+    ({"payload": "two kilos", "rated_payload": "2 kg"}, "other-load", False),
+    ({"payload": "1,500 kg"}, "other-load", False),  # a thousand and a half, or one and a half
+    ({"payload": "2"}, "other-load", False),
+    ({"velocity": "50 %"}, None, False),
+    ({"velocity": "80 %"}, "other-velocity", True),
+    ({"velocity": "100 % of rated"}, None, False),
+    ({"velocity": "500 mm/s", "rated_velocity": "1 m/s"}, None, False),
+    ({"velocity": "700 mm/s", "rated_velocity": "1 m/s"}, "other-velocity", True),
+    ({"velocity": "", "velocity_mm_s": "700", "rated_velocity_mm_s": "1000"}, "other-velocity",
+     True),
+    ({"velocity": "fast"}, "other-velocity", False),
+    ({"temperature": "22.0 °C"}, None, False),
+    ({"temperature": "35 C"}, "temperature-limits", True),
+    ({"temperature": "21 ± 2 C"}, "temperature-limits", True),
+    ({"temperature": "18 .. 22 degC"}, None, False),
+    ({"temperature": "35 C", "temperature_limits": "15 .. 40 C"}, None, False),
+    ({"temperature": "20 C", "temperature_limits": "22 ± 1 C"}, "temperature-limits", True),
+    ({"temperature": "warm"}, "temperature-limits", False),
+    ({"temperature": "293 K"}, "temperature-limits", False),
+    ({"dwell": "2 s", "stabilisation_time": "0.8 s"}, None, False),
+    ({"dwell": "500 ms", "stabilisation_time_s": "0.8"}, "short-dwell", True),
+    ({"dwell": "0.5 s"}, None, False),
+    ({"dwell": "a while", "stabilisation_time": "0.8 s"}, "short-dwell", False),
+    ({"calibration_due": "2026-05-12", "date": "2026-05-12"}, None, False),
+    ({"calibration_due": "2026-05-11", "date": "12.05.2026"}, "calibration-date", True),
+    ({"calibration_due": "2025-05-11", "timestamp_start": "2026-05-12T08:00:00"},
+     "calibration-date", True),
+    ({"calibration_date": "2026-06-01", "date": "2026-05-12"}, "calibration-date", True),
+    ({"calibration_date": "2026-01-01", "date": "2026-05-12"}, None, False),
+    ({"calibration_due": "2026-05-11"}, "calibration-date", False),
+    ({"calibration_due": "05/11/2026", "date": "2026-05-12"}, "calibration-date", False),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("metadata", "code", "deviates"), CONDITIONS)
+def test_a_condition_is_compared_or_said_to_be_unclear(rng, metadata, code, deviates):
+    assert said(rng, metadata) == ({(code, deviates)} if code else set())
+
+
+def test_a_column_is_compared_as_a_line_is(rng):
+    assert said(rng, {"rated_payload": "2 kg"}, payload_kg=[2]) == set()
+    assert said(rng, {"rated_payload": "2 kg"}, payload_kg=[1]) == {("other-load", True)}
+    assert said(rng, {}, payload_kg=[1, 2]) == {("other-load", True)}
+    assert said(rng, {}, speed=[100, 250]) == {("other-velocity", True)}
+    assert said(rng, {}, temperature_C=[20, 35]) == {("temperature-limits", True)}
+    assert said(rng, {}, approach=[1, -1]) == {("mixed-approach", True)}

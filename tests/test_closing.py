@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import scara_iso
 from scara_iso.cli import main
 from scara_iso.closing import CyclesWanted, close_the_loop, directions_of
 from scara_iso.diagnosis.design import Plan, smallest_effects
@@ -13,6 +14,7 @@ from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.model import read_model
 from scara_iso.quantities import Dimension
+from scara_iso.render.json_diagnosis import diagnosis_json
 from scara_iso.run import Axis, Run
 
 ROOT = Path(__file__).parents[1]
@@ -56,6 +58,21 @@ def test_table_1_holds_a_shift_in_y_and_nothing_else(call):
     assert after["held_out_rms"]["Y"] < 0.7 * before["held_out_rms"]["Y"]
     assert document["repeatability"]["measured"]["XY"] == pytest.approx(0.0140566, rel=1e-4)
     assert document["series"]["cycle"] == list(range(1, 31))
+
+
+@pytest.mark.parametrize("of_file", [True, False])
+def test_the_library_diagnoses_the_cycles_that_count(call, of_file):
+    warm_up = ROOT / "examples" / "warm_up.csv"  # 31 cycles, of which the first does not count
+    run = warm_up if of_file else scara_iso.read_table(warm_up)
+    assert diagnosis_json(scara_iso.diagnose(run)) == diagnosed(call, warm_up)
+
+
+def test_library_and_command_take_the_same_options(call, tmp_path):
+    table = simulated(call, tmp_path / "run.csv", "step@X:size=0.05,at_cycle=9")
+    other = simulated(call, tmp_path / "other.csv", "step@X:size=0.05,at_cycle=9", seed=2)
+    found = scara_iso.diagnose(table, MODEL, hold_out=other, sigma=0.004, seed=5, cycles=31)
+    options = ("--model", MODEL, "--hold-out", other, "--sigma", 0.004, "--seed", 5, "--cycles", 31)
+    assert diagnosis_json(found) == diagnosed(call, table, *options)
 
 
 def test_the_loop_closes(call, tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import Verdict, diagnose, diagnose_poses, holm
-from scara_iso.effects import Conditions, find_effects, series_by_axis
+from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import Axis, Run
 
@@ -126,6 +126,15 @@ def test_sides_in_no_order_are_found_on_the_dial(rng):
     assert found.effects[0].parameters["size"]["X"] == pytest.approx(0.04, rel=0.2)
 
 
+def test_a_fold_closer_than_the_dial_rounds_holds_no_sides():
+    # Readings in tenths of the stated division: beside the step, a fold spreads by 0.2 of it.
+    rng = np.random.default_rng(18)
+    at = rng.integers(5, 25)
+    y = np.where(np.arange(30) >= at, 5, 0) + np.round(rng.normal(0, 0.05, 30), 1)
+    found = diagnose(Run(CYCLE, {"X": Axis("X", 0.01 * y, resolution=0.01)}))
+    assert found.effects[0].effect == "step"
+
+
 def test_a_digit_slip_is_an_outlier_and_a_smaller_one_a_flag(rng):
     slip = rng.normal(size=N)
     slip[7] += 60
@@ -241,7 +250,10 @@ def test_found_parameters_give_the_course_back(name, rng):
     assert [e.effect for e in found.effects] == [name]
     effect = next(e for e in find_effects() if e.name == name)
     conditions = Conditions(run.cycle, recorded)
-    series = series_by_axis(effect, conditions, found.effects[0].parameters, rng)["X"]
+    given = {
+        k: v["X"] if isinstance(v, dict) else v for k, v in found.effects[0].parameters.items()
+    }
+    series = effect.series(conditions, given, rng)
     predicted = found.series.predicted_after["X"]
     np.testing.assert_allclose(series - series.mean(), predicted - predicted.mean(), atol=1e-9)
 
@@ -418,7 +430,7 @@ def test_an_axis_that_is_largely_rounding_says_so(rng):
     [6 * (1 - np.exp(-J / 7.1)), 3 * np.sin(2 * np.pi * J / 7.7 + 0.5)],
     ids=["warm_up", "periodic"],
 )
-def test_a_second_run_is_met_by_parameters_between_those_of_the_bank(course, rng):
+def test_a_second_run_is_met_by_parameters_between_those_of_the_grid(course, rng):
     first, second = (make_run({"X": course + rng.normal(size=N)}) for _ in "ab")
     found = diagnose(first, held_out=second)
     left = second.axes["X"].readings - found.series.predicted_after["X"]

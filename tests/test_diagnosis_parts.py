@@ -7,19 +7,20 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from scara_iso.diagnosis.bank import EMPHASIS, Member, build, constant, extended, members_of
-from scara_iso.diagnosis.choice import hidden_sides
+from scara_iso.diagnosis.choice import two_states
 from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
-from scara_iso.diagnosis.evidence import KNOWN_FROM, Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.levels import Sides, _at_most_one_change, sides_of, two_levels
-from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
+from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
+from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.problem import Problem
 from scara_iso.diagnosis.residual import Residual, common_step
 from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.search import find, find_again
+from scara_iso.diagnosis.tuning import KNOWN_FROM
+from scara_iso.diagnosis.two_state import Emissions, _at_most_one_change, emissions_of, two_levels
 from scara_iso.effects import (
     Chain,
     Conditions,
@@ -35,12 +36,12 @@ from scara_iso.gears import diagnose_sweep
 
 N = 20
 CONDITIONS = Conditions(np.arange(2, N + 2))
-MEMBERS = members_of(find_effects(), CONDITIONS)
-ORDERED = [member for member in MEMBERS if member.ordered and not member.chained]
+MEMBERS = hypotheses_of(find_effects(), CONDITIONS)
+ORDERED = [member for member in MEMBERS if member.ordered and not member.hidden]
 
 
-def bank_of(members, n=N):
-    return build(members, np.arange(2, n + 2), np.arange(n), constant(n))
+def set_of(members, n=N):
+    return build(members, np.arange(n), constant(n))
 
 
 def log_marginal(y, covariance):
@@ -64,27 +65,27 @@ def test_evidence_is_the_ratio_of_marginal_likelihoods(rng):
     cases = {
         "shape": (Shape(ramp[:, None]), np.eye(N) + 15 * np.outer(unit, unit)),
         "process": (Process(random), np.eye(N) + centre @ random @ centre),
-        "spread": (Spread(10, 2.5), np.diag(wide**2)),
+        "spread": (Spread(wide), np.diag(wide**2)),
     }
-    members = [Member(name, form, 1.0) for name, (form, _) in cases.items()]
-    bank = bank_of([*members, Member("process", Process(random), 1.0)])
-    found = dict(zip([m.effect for m in bank.members], log_bayes(bank, y[:, None])[:, 0],
-                     strict=True))  # fmt: skip
+    members = [Hypothesis(name, form, 1.0) for name, (form, _) in cases.items()]
+    hypotheses = set_of([*members, Hypothesis("process", Process(random), 1.0)])
+    log_bf = log_bayes(hypotheses, y[:, None])[:, 0]
+    found = dict(zip([m.effect for m in hypotheses.members], log_bf, strict=True))
     for name, (_, covariance) in cases.items():
         expected = log_marginal(y, covariance) - log_marginal(y, np.eye(N))
         assert found[name] == pytest.approx(expected, abs=1e-3), name
 
 
 def test_a_known_scatter_counts_as_cycles_on_which_nothing_acted(rng):
-    """Each bank's evidence with those cycles appended, where no effect reaches them."""
+    """The evidence with those cycles appended, where no effect reaches them."""
     y = rng.normal(size=(N, 1))
     y -= y.mean(axis=0)
     views = views_of(y, constant(N), sigma=np.array([0.7]))
     ramp = np.arange(N) - (N - 1) / 2
     unit = ramp / np.linalg.norm(ramp)
-    random = Member("random", Process(np.eye(N)), 1.0)
-    bank = bank_of([Member("ramp", Shape(ramp[:, None]), 1.0), random])
-    found = log_bayes(bank, views.columns, views.known)
+    random = Hypothesis("random", Process(np.eye(N)), 1.0)
+    hypotheses = set_of([Hypothesis("ramp", Shape(ramp[:, None]), 1.0), random])
+    found = log_bayes(hypotheses, views.columns, views.known)
     more = (KNOWN_FROM - 1) * 0.7**2
     nu = N - 1 + KNOWN_FROM - 1
     share = 15 / 16 * (unit @ y[:, 0]) ** 2 / ((y**2).sum() + more)
@@ -101,67 +102,71 @@ def test_two_levels_a_known_scatter_apart_are_no_levels(rng):
     assert wide < free < narrow
 
 
-def test_an_amplified_bank_is_that_of_larger_variances(rng):
+def test_an_amplified_set_is_that_of_larger_variances(rng):
     y = rng.normal(size=(N, 3))
     y -= y.mean(axis=0)
     lag = np.subtract.outer(np.arange(N), np.arange(N))
     kernel = np.exp(-np.abs(lag) / 3.0)
-    small = bank_of([Member("a", Process(kernel), 1.0), Member("b", Shape(lag[:, :1] * 1.0), 1.0)])
-    large = bank_of([Member("a", Process(13 * kernel), 1.0),
-                     Member("b", Shape(lag[:, :1] * 1.0), 1.0, gain=195.0)])  # fmt: skip
+    small = set_of(
+        [Hypothesis("a", Process(kernel), 1.0), Hypothesis("b", Shape(lag[:, :1] * 1.0), 1.0)]
+    )
+    large = set_of([Hypothesis("a", Process(13 * kernel), 1.0),
+                     Hypothesis("b", Shape(lag[:, :1] * 1.0), 1.0, gain=195.0)])  # fmt: skip
     np.testing.assert_allclose(log_bayes(small.amplified(13.0), y), log_bayes(large, y), atol=1e-6)
 
 
-def test_a_bank_ignores_what_is_already_fitted(rng):
+def test_a_set_ignores_what_is_already_fitted(rng):
     trend = np.arange(N, dtype=float)[:, None]
     basis = extended(constant(N), trend)
-    bank = build(ORDERED, np.arange(2, N + 2), np.arange(N), basis)
-    assert np.abs(basis.T @ bank.vectors).max() < 1e-9
-    assert "linear_drift" not in {member.effect for member in bank.members}
+    hypotheses = build(ORDERED, np.arange(N), basis)
+    assert np.abs(basis.T @ hypotheses.vectors).max() < 1e-9
+    assert "linear_drift" not in {member.effect for member in hypotheses.members}
 
 
 def test_the_order_test_is_exact():
     """p <= k / 20 has probability k / 20 in scatter alone, whatever its distribution."""
-    bank = bank_of(ORDERED)
+    hypotheses = set_of(ORDERED)
     p_values = []
     for seed in range(400):
         rng = np.random.default_rng(seed)
         scatter = np.round(rng.standard_t(3, size=(N, 2)) @ [[1, 0.5], [0, 1]])
         views = views_of(scatter, constant(N))
-        p_values.append(order_test(bank, views, rng, shuffles=19).p_value)
+        p_values.append(order_test(hypotheses, views, rng, permutations=19).p_value)
     counts = np.bincount(np.round(np.array(p_values) * 20).astype(int), minlength=21)[1:]
     assert stats.chisquare(counts).pvalue > 0.001
 
 
 def test_shuffling_ends_early_only_where_the_test_stays_quiet():
     rng = np.random.default_rng(4)
-    bank, stopped = bank_of(ORDERED), []
+    hypotheses, stopped = set_of(ORDERED), []
     for _ in range(40):
         views = views_of(rng.normal(size=(N, 1)), constant(N))
-        early = order_test(bank, views, np.random.default_rng(1)).p_value
+        early = order_test(hypotheses, views, np.random.default_rng(1)).p_value
         orders = np.random.default_rng(1)
         order = np.array([orders.permutation(N) for _ in range(999)])
-        observed = log_statistic(bank, views, np.arange(N)[np.newaxis])
-        full = np.mean([1, *(log_statistic(bank, views, order) >= observed - 1e-9)])
+        observed = log_statistic(hypotheses, views, np.arange(N)[np.newaxis])
+        full = np.mean([1, *(log_statistic(hypotheses, views, order) >= observed - 1e-9)])
         stopped.append(early > 0.05)
         assert early == full if full <= 0.05 else early > 0.05
     assert 0 < sum(stopped)
 
 
-def test_hidden_sides_are_not_sought_where_nothing_moves(rng):
+def test_hidden_states_are_not_sought_where_nothing_moves(rng):
     two = rng.normal(size=(N, 2))
     two = np.column_stack([two, np.zeros(N)])
-    views, sticky = views_of(two, constant(N)), Member("sides", Chain(0.1, 0.1, 1.0), 1.0)
-    (found,) = hidden_sides(
+    views, sticky = views_of(two, constant(N)), Hypothesis("sides", Chain(0.1, 0.1, 1.0), 1.0)
+    (found,) = two_states(
         [sticky], views, constant(N), division=np.array([0, 0, np.nan]), rows=np.arange(N), n=N
     )
     assert np.isfinite(found.evidence)
 
 
 def test_the_order_test_sees_a_trend_but_no_constant_scatter(rng):
-    bank = bank_of(ORDERED)
+    hypotheses = set_of(ORDERED)
     trend = rng.normal(size=(N, 1)) + 0.3 * np.arange(N)[:, None]
-    assert order_test(bank, views_of(trend, constant(N)), rng, shuffles=199).p_value < 0.02
+    assert (
+        order_test(hypotheses, views_of(trend, constant(N)), rng, permutations=199).p_value < 0.02
+    )
 
 
 def test_views_of_correlated_axes_are_white(rng):
@@ -180,7 +185,7 @@ def test_joint_evidence_without_any_is_one():
         assert joint_evidence(np.zeros((5, columns, 1)), views) == pytest.approx(1.0)
 
 
-def test_hidden_sides_agree_with_the_sum_over_every_course(rng):
+def test_hidden_states_agree_with_the_sum_over_every_course(rng):
     """The forward algorithm against brute force over all 2^8 courses, levels and scatter given."""
     y = rng.normal(size=8) + 4 * np.array([0, 0, 1, 1, 1, 0, 0, 1])
     chain = Chain(0.2, 0.3)
@@ -198,7 +203,7 @@ def test_hidden_sides_agree_with_the_sum_over_every_course(rng):
     np.testing.assert_array_equal(found.share_upper > 0.5, expected > 0.5)
 
 
-def test_hidden_sides_bridge_cycles_that_were_not_seen(rng):
+def test_hidden_states_bridge_cycles_that_were_not_seen(rng):
     y = rng.normal(size=24) + 8.0 * ((np.arange(24) >= 8) & (np.arange(24) < 18))
     y[[3, 14]] = np.nan
     found = two_levels(y, 0.0, [Chain(0.1, 0.1)])
@@ -239,12 +244,12 @@ def test_courses_with_one_change_or_none_are_summed_as_by_hand(rng):
     assert odds.item() == pytest.approx(prior[settled].sum())
 
 
-def test_stickiness_is_the_likelihood_ratio_against_sides_drawn_anew(rng):
+def test_persistence_is_the_likelihood_ratio_against_sides_drawn_anew(rng):
     chain = Chain(0.2, 0.3)
-    sides = Sides(*rng.uniform(0.1, 1.0, size=(2, 8)), [chain])
+    sides = Emissions(*rng.uniform(0.1, 1.0, size=(2, 8)), [chain])
     courses, prior = courses_of(chain, 8)
     orders = np.array([np.arange(8), rng.permutation(8)])
-    for order, found in zip(orders, sides.stickiness(orders), strict=True):
+    for order, found in zip(orders, sides.persistence(orders), strict=True):
         likelihood = np.stack([sides.lower, sides.upper])[:, order]
         sticky = prior @ likelihood[courses, np.arange(8)].prod(axis=1)
         assert found == pytest.approx(sticky / (0.6 * sides.lower + 0.4 * sides.upper).prod())
@@ -255,23 +260,25 @@ def test_sides_that_stay_add_to_the_test_by_order(rng):
     y = rng.normal(size=N) + 5.0 * (np.arange(N) // 4 % 2)
     values = (y - y.mean())[:, np.newaxis]
     views = views_of(values, constant(N))
-    sides = sides_of(y, 0.0, [Chain(0.16, 0.16)])
+    sides = emissions_of(y, 0.0, [Chain(0.16, 0.16)])
     assert ((sides.upper == 1) == (np.arange(N) // 4 % 2)).all()
-    without = order_test(bank_of(ORDERED), views, np.random.default_rng(1))
-    both = order_test(bank_of(ORDERED), views, np.random.default_rng(1), sides=[sides])
-    sticky = sides.stickiness(np.arange(N)[np.newaxis]).item()
+    without = order_test(set_of(ORDERED), views, np.random.default_rng(1))
+    both = order_test(set_of(ORDERED), views, np.random.default_rng(1), emissions=[sides])
+    sticky = sides.persistence(np.arange(N)[np.newaxis]).item()
     assert sticky > 10
     assert both.statistic == pytest.approx(np.log(np.exp(without.statistic) + 0.08 * sticky))
 
 
-def test_the_test_weighs_effects_by_its_own_table():
-    bank = bank_of(ORDERED)
+def test_the_test_weighs_effects_by_their_own_test_weights():
+    hypotheses = set_of(ORDERED)
     share = Counter()
-    for member, weight in zip(bank.members, bank.test_weights, strict=True):
+    for member, weight in zip(hypotheses.members, hypotheses.test_weights, strict=True):
         share[member.effect] += weight
     assert share.total() == pytest.approx(1.0)
+    effects = {effect.name: effect for effect in find_effects()}
+    periodic, drift = effects["periodic"], effects["linear_drift"]
     assert share["periodic"] / share["linear_drift"] == pytest.approx(
-        1.3 * EMPHASIS["periodic"] / EMPHASIS["linear_drift"]
+        periodic.weight * periodic.test_weight / (drift.weight * drift.test_weight)
     )
 
 
@@ -283,7 +290,7 @@ def test_a_step_between_unseen_cycles_is_half_way_in_a_fold(rng):
     np.testing.assert_array_equal(term.columns[:, 0], [0.0] * 9 + [0.5] + [1.0] * (N - 10))
 
 
-def test_order_free_statistics_ignore_order_shift_and_scale(rng):
+def test_marginal_statistics_ignore_order_shift_and_scale(rng):
     y = rng.normal(size=30)
     for statistic in (level_statistic, outlier_statistic):
         other = statistic(5 - 3 * rng.permutation(y))
@@ -300,8 +307,8 @@ def test_the_outlier_statistic_is_the_distance_from_the_others(rng):
 
 def test_neighbouring_divisions_never_prove_two_levels(rng):
     readings = rng.permutation(np.repeat([0.0, 2.0], 15))[:, None]
-    fine = order_free_test(readings, np.array([0.1]), rng)
-    coarse = order_free_test(readings, np.array([1.0]), rng)
+    fine = marginal_tests(readings, np.array([0.1]), rng)
+    coarse = marginal_tests(readings, np.array([1.0]), rng)
     assert fine.two_levels < 0.01
     assert coarse.two_levels == 1.0
 

@@ -9,22 +9,19 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from scara_iso.drivetrain import (
+from scara_iso.drivetrain import Approach, DriveTrain, Move, arrivals
+from scara_iso.errors import UsageError
+from tests.oracles.integration import integrate
+from tests.oracles.motion import (
     LEFT,
     NO_CONTACT,
     RIGHT,
-    Approach,
-    DriveTrain,
     Held,
-    Move,
     Servo,
     State,
     Torque,
-    arrivals,
-    integrate,
     solve,
 )
-from scara_iso.errors import UsageError
 
 PAPER = DriveTrain(2.65e-4, 4.749, math.radians(12 / 60))  # eq. 17 and 18
 GEARED = replace(PAPER, ratio=50.0)

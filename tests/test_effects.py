@@ -3,23 +3,39 @@
 The known effects are then held against their formulas and limits.
 """
 
+import json
 import math
+import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from scara_iso import effects
+from scara_iso.cli import main
+from scara_iso.diagnosis import diagnose
+from scara_iso.diagnosis.hypotheses import hypotheses_of
 from scara_iso.effects import (
+    Chain,
     Conditions,
     Direction,
     Effect,
     GearEffect,
+    Grid,
+    Parameter,
+    Process,
+    RandomCourse,
+    Shape,
+    Spread,
     Sweep,
     find_effects,
     find_gear_effects,
 )
 from scara_iso.model import predict, read_model
+from scara_iso.report.diagnosis import diagnosis_report
+from scara_iso.report.explain import find_page
+from scara_iso.run import Axis, Run
 
 ON_READINGS = {
     "linear_drift", "warm_up", "step", "periodic", "contact_side", "lost_motion", "temperature",
@@ -52,8 +68,11 @@ FORMULAS = {
     ),
     "contact_side": ({"size": 2.0, "switching": 1.0}, [2.0, 0.0] * 15),
     "lost_motion": ({"size": 2.0}, 2.0 * APPROACH),
-    "temperature": ({"size": 2.0}, 2.0 * (TEMPERATURE - sum(TEMPERATURE) / 30)),
-    "covariate": ({"size": 2.0}, 2.0 * (HUMIDITY - sum(HUMIDITY) / 30)),
+    "temperature": (
+        {"size": 2.0, "column": "temperature_C"},
+        2.0 * (TEMPERATURE - sum(TEMPERATURE) / 30),
+    ),
+    "covariate": ({"size": 2.0, "column": "humidity"}, 2.0 * (HUMIDITY - sum(HUMIDITY) / 30)),
     "compliance": ({"size": 2.0}, 2.0 * (PAYLOAD - sum(PAYLOAD) / 30)),
     "outlier": ({"size": 2.0, "at_cycle": 9.0}, [0.0] * 8 + [2.0] + [0.0] * 21),
     "coast_in_gap": ({"size": 2.0, "full_at": 60.0}, np.resize([2 / 36, 2 * 25 / 36, 2.0], 30)),
@@ -71,6 +90,7 @@ GEAR_FORMULAS = {
     "gap": ({"factor": 1.5}, 1.5 * EQ_16),
 }
 
+MEMORIES = Grid.exact([0.3, 0.8])
 BY_NAME = {effect.name: effect for effect in [*find_effects(), *find_gear_effects()]}
 
 every = pytest.mark.parametrize(
@@ -82,10 +102,12 @@ on_the_gear = pytest.mark.parametrize("effect", find_gear_effects(), ids=lambda 
 
 def values_of(effect):
     """Some value of every parameter, within its limits."""
-    return {p.name: value_of(p) for p in effect.parameters if p.name != "column"}
+    return {p.name: value_of(p) for p in effect.parameters}
 
 
 def value_of(parameter):
+    if parameter.text:
+        return parameter.grid(RECORDED).values[0]
     if parameter.name == "at_cycle":
         return 9.0
     lowest = max(parameter.above, -1.0)
@@ -137,13 +159,23 @@ def test_its_course_is_pure_finite_and_in_proportion_to_its_size(effect):
     assert effect.series(RECORDED, values | sizes, rng()) == pytest.approx(2 * unit)
 
 
+@on_readings
+def test_only_a_random_course_draws(effect):
+    values = values_of(effect)
+    states = []
+    for seed in (1, 2):
+        chance = np.random.default_rng(seed)
+        course = effect.series(RECORDED, values, chance)
+        drawn = chance.bit_generator.state != np.random.default_rng(seed).bit_generator.state
+        states.append((course, drawn))
+    (one, drawn), (other, _) = states
+    assert drawn == effect.is_random(values)
+    assert np.array_equal(one, other) != effect.is_random(values)
+
+
 @pytest.mark.parametrize("name", sorted(ON_READINGS))
-def test_only_effects_of_chance_draw(name):
-    one, other = (
-        BY_NAME[name].series(RECORDED, values_of(BY_NAME[name]), np.random.default_rng(seed))
-        for seed in (1, 2)
-    )
-    assert np.array_equal(one, other) == (name not in CHANCE)
+def test_what_chance_draws_is_declared(name):
+    assert BY_NAME[name].is_random(values_of(BY_NAME[name])) == (name in CHANCE)
 
 
 @pytest.mark.parametrize(
@@ -157,46 +189,95 @@ def test_its_course_is_that_of_its_formula(name):
 
 
 @on_readings
-def test_every_shape_of_the_search_is_a_course(effect):
-    for shape in effect.shapes(RECORDED):
+def test_what_is_searched_is_what_is_simulated(effect):
+    """One formula: the columns of a form, times coefficients, are the course of its parameters."""
+    for shape in [form for form in effect.forms(RECORDED) if isinstance(form, Shape)]:
         coefficients = np.arange(1.0, shape.columns.shape[1] + 1)
-        found = shape.columns @ coefficients
-        named = {k: v for k, v in shape.parameters.items() if k != "column"}
-        values = named | effect.sizes(coefficients)
-        assert set(values) | set(shape.parameters) == {p.name for p in effect.parameters}
-        column = shape.parameters.get("column")
-        seen = {column: RECORDED.covariates[column]} if column else RECORDED.covariates
-        course = effect.series(Conditions(J, seen), values, rng())
-        assert found - found.mean() == pytest.approx(course - course.mean(), abs=1e-9)
-        for p in effect.parameters:
-            if p.name in named:
-                assert p.above < named[p.name] <= p.up_to
+        values = {**shape.parameters, **effect.linear.sizes(coefficients)}
+        assert values.keys() == {p.name for p in effect.parameters}
+        course = effect.series(RECORDED, values, rng())
+        assert shape.columns @ coefficients == pytest.approx(course, abs=1e-12)
+        again = effect.course(RECORDED, shape.parameters)
+        assert (again is None) == (not effect.recurs)
+        assert again is None or np.array_equal(again.columns, shape.columns)
 
 
 @on_readings
-def test_what_is_searched_has_a_row_for_each_cycle(effect):
-    for shape in effect.shapes(RECORDED):
-        assert len(shape.columns) == len(RECORDED)
-        assert np.all(np.isfinite(shape.columns))
-        assert shape.weight > 0
-    for process in effect.processes(RECORDED):
-        assert process.covariance.shape == (30, 30)
-        assert np.linalg.eigvalsh(process.covariance).min() > -1e-9
-    for spread in effect.spreads(RECORDED):
-        assert spread.at_cycle in J
-        assert spread.ratio > 0
-    for chain in effect.chains:
-        assert 0 < chain.leave_lower <= 1
-        assert 0 < chain.leave_upper <= 1
+def test_every_form_is_sound_and_within_the_limits_of_its_parameters(effect):
+    known = {p.name: p for p in effect.parameters}
+    forms = effect.forms(RECORDED)
+    for form in forms:
+        assert form.weight > 0
+        if not isinstance(form, Chain):
+            for name, value in form.parameters.items():
+                p = known[name]
+                assert isinstance(value, str) if p.text else p.above < value <= p.up_to
+        match form:
+            case Shape():
+                assert len(form.columns) == 30
+                assert np.all(np.isfinite(form.columns))
+            case Process():
+                assert form.covariance.shape == (30, 30)
+                assert np.linalg.eigvalsh(form.covariance).min() > -1e-9
+            case Spread():
+                assert form.scale.shape == (30,)
+                assert form.scale[0] == 1
+                assert np.all(form.scale > 0)
+            case Chain():
+                assert 0 < form.leave_lower <= 1
+                assert 0 < form.leave_upper <= 1
+
+
+@on_readings
+def test_forms_nearby_lie_between_those_of_the_grid(effect):
+    shapes = [form for form in effect.forms(RECORDED) if isinstance(form, Shape)]
+    for shape in shapes[1:-1]:
+        for near in effect.near(RECORDED, shape.parameters):
+            assert near.parameters.keys() == shape.parameters.keys()
+            assert near.columns.shape == shape.columns.shape
+
+
+@on_readings
+def test_it_declares_the_columns_that_it_needs(effect):
+    """Without them nothing is searched; with them, and no other, its course is the same."""
+    if not effect.needs:
+        assert effect.columns_needed(values_of(effect)) == ()
+        return
+    assert effect.forms(Conditions(J)) == ()
+    values = values_of(effect)
+    needed = effect.columns_needed(values)
+    assert needed
+    assert all(effect.takes(name) for name in needed)
+    only = Conditions(J, {name: RECORDED.covariates[name] for name in needed})
+    assert np.array_equal(
+        effect.series(only, values, rng()), effect.series(RECORDED, values, rng())
+    )
 
 
 @pytest.mark.parametrize("name", sorted(ON_READINGS))
 def test_without_its_column_it_searches_nothing(name):
-    effect = BY_NAME[name]
     through = {"lost_motion", "temperature", "covariate", "compliance", "coast_in_gap"}
-    searched = effect.shapes(Conditions(J)) or effect.processes(Conditions(J))
-    searched = searched or effect.chains or effect.spreads(Conditions(J))
-    assert bool(searched) == (effect.name not in through | {"resolution"})
+    searched = bool(BY_NAME[name].forms(Conditions(J)))
+    assert searched == (name not in through | {"resolution"})
+
+
+@on_readings
+def test_its_weights_are_positive_and_its_rivals_known(effect):
+    assert effect.weight > 0
+    assert effect.test_weight > 0
+    assert effect.gain > 0
+    assert effect.unsettled.keys() <= BY_NAME.keys()
+
+
+def test_no_effect_is_named_outside_its_file():
+    """Neither where it is looked for nor where it is spoken of: the code asks its contract."""
+    package = Path(effects.__file__).parents[1]
+    common = {"step", "gap", "resolution", "temperature", "covariate"}  # words of other things too
+    words = {*ON_READINGS, *ON_THE_GEAR} - common
+    pattern = re.compile("|".join(rf"[\"']{name}[\"']" for name in sorted(words)))
+    for path in package.rglob("*.py"):
+        if path.stem not in words:
+            assert not pattern.findall(path.read_text(encoding="utf-8")), path
 
 
 def test_contact_sides_are_two_levels_that_switch_as_often_as_stated():
@@ -220,6 +301,40 @@ def test_chance_has_the_size_that_is_stated():
     assert np.hypot(np.std(wider[10_000:]), 0.5) == pytest.approx(1.5, rel=0.03)
 
 
+def first_order(innovations, *, memory):
+    """Return innovations (n, m) through y_j = memory y_(j-1) + e_j."""
+    course = innovations.copy()
+    for j in range(1, len(course)):
+        course[j] += memory * course[j - 1]
+    return course
+
+
+def test_a_random_course_is_searched_with_the_covariance_of_what_it_draws():
+    """One formula, the filter: of memory a, covariance a^|i-j| (1 - a^2i) / (1 - a^2)."""
+    effect = RandomCourse(
+        name="memory",
+        parameters=(
+            Parameter("size", "s", "reading", "standard deviation of one innovation"),
+            Parameter("memory", "a", "", "kept from cycle to cycle", grid=lambda _: MEMORIES),
+        ),
+        cause="what comes is like what was",
+        confirm_by="wait longer between the cycles",
+        filtered=first_order,
+        variances=(0.5, 2.0),
+    )
+    forms = effect.forms(Conditions(J[:6]))
+    assert [form.parameters["memory"] for form in forms] == [0.3, 0.3, 0.8, 0.8]
+    i = np.arange(1, 7)
+    for form, variance in zip(forms, (0.5, 2.0, 0.5, 2.0), strict=True):
+        a = form.parameters["memory"]
+        earlier = np.minimum.outer(i, i)
+        expected = a ** np.abs(np.subtract.outer(i, i)) * (1 - a ** (2 * earlier)) / (1 - a**2)
+        np.testing.assert_allclose(form.covariance, variance * expected)
+    drawn = effect.series(Conditions(np.arange(20_000)), {"size": 2.0, "memory": 0.8}, rng())
+    assert drawn.std() == pytest.approx(2 / math.sqrt(1 - 0.64), rel=0.05)
+    assert np.corrcoef(drawn[1:], drawn[:-1])[0, 1] == pytest.approx(0.8, abs=0.02)
+
+
 def test_time_is_in_cycles_whatever_the_clock():
     steady = Conditions(J, {"time_s": 100 + 12.5 * J})
     np.testing.assert_allclose(Conditions(J).time, steady.time)
@@ -232,16 +347,26 @@ def test_time_in_seconds_takes_the_place_of_cycles():
 
 
 @pytest.mark.parametrize("name", ["speed_mm_s", "approach_angle", "payload_g", "humidity"])
-def test_whatever_else_was_recorded_is_a_covariate(name):
-    (shape,) = BY_NAME["covariate"].shapes(
-        Conditions(J, {name: HUMIDITY, "time_s": J * 1.0, "speed": SPEED})
-    )
-    assert shape.parameters["column"] == name
+def test_whatever_no_other_effect_acts_through_is_a_covariate(name):
+    recorded = {name: HUMIDITY, "time_s": J * 1.0, "speed": SPEED, "Temperature_in": TEMPERATURE}
+    members = hypotheses_of(find_effects(), Conditions(J, recorded))
+    (found,) = [member.form for member in members if member.effect == "covariate"]
+    assert found.parameters["column"] == name
+
+
+@pytest.mark.parametrize(("ratio", "wider"), [(3.0, slice(12, 30)), (0.25, slice(0, 12))])
+def test_scatter_is_added_on_the_wider_side_only(ratio, wider):
+    values = {"at_cycle": 13.0, "ratio": ratio, "scatter": 0.5}
+    added = BY_NAME["scatter_change"].series(RECORDED, values, rng())
+    inside = np.zeros(30, dtype=bool)
+    inside[wider] = True
+    assert np.array_equal(added != 0, inside)
 
 
 @on_the_gear
 def test_a_gear_effect_changes_eq_16(effect):
     assert effect.deviation(GEAR, values_of(effect)).shape == (2,)
+    assert effect.changed(GEAR, **values_of(effect)).I_L is GEAR.I_L
     for values in effect.candidates(GEAR):
         assert set(values) == {p.name for p in effect.parameters}
         assert all(p.above < values[p.name] <= p.up_to for p in effect.parameters)
@@ -272,19 +397,25 @@ def test_gear_effects_reach_their_limits():
 
 
 THIRD_PARTY = """
-from scara_iso.effects import Effect, Parameter
+\"\"\"The moon pulls: as the square of the cycles since the first.\"\"\"
 
-EFFECT = Effect(
+from scara_iso.effects import Course, Parameter, as_column
+
+EFFECT = Course(
     name="moon_phase",
     parameters=(Parameter("size", "m", "reading", "pull"),),
     cause="the moon pulls at the robot",
     confirm_by="measure again after two weeks",
-    series=lambda conditions, values, rng: values["size"] * conditions.elapsed**2,
+    weight=5.0,
+    columns=lambda conditions: as_column((conditions.elapsed / 29) ** 6),
 )
 """
+PULL = ((J - 1) / 29) ** 6
 
 
-def test_an_effect_of_a_third_party_is_met_by_all(tmp_path, monkeypatch):
+@pytest.fixture
+def moon(tmp_path, monkeypatch):
+    """Return the effect of a package that was never heard of."""
     (tmp_path / "lunar.py").write_text(THIRD_PARTY, encoding="utf-8")
     declared = tmp_path / "lunar-1.0.dist-info"
     declared.mkdir()
@@ -292,16 +423,41 @@ def test_an_effect_of_a_third_party_is_met_by_all(tmp_path, monkeypatch):
     (declared / "entry_points.txt").write_text("[scara_iso.effects]\nmoon = lunar\n")
     monkeypatch.syspath_prepend(tmp_path)
     effects._catalogue.cache_clear()
-    try:
-        found = next(e for e in find_effects() if e.name == "moon_phase")
-        test_it_says_what_it_is(found)
-        test_its_course_is_pure_finite_and_in_proportion_to_its_size(found)
-        model = tmp_path / "m.toml"
-        model.write_text("[indicator.X]\n[[effect]]\nname='moon_phase'\nsize={X=0.5}\n")
-        readings = predict(read_model(model), Conditions(J)).axes["X"].readings
-        assert readings == pytest.approx(0.5 * (J - 1.0) ** 2)
-    finally:
-        effects._catalogue.cache_clear()
-        sys.modules.pop("lunar", None)
-    assert isinstance(found, Effect)
-    assert not isinstance(found, GearEffect)
+    yield next(e for e in find_effects() if e.name == "moon_phase")
+    effects._catalogue.cache_clear()
+    sys.modules.pop("lunar", None)
+
+
+def test_an_effect_of_a_third_party_keeps_the_contract(moon):
+    assert isinstance(moon, Effect)
+    assert not isinstance(moon, GearEffect)
+    for contract in (
+        test_it_says_what_it_is,
+        test_its_course_is_pure_finite_and_in_proportion_to_its_size,
+        test_only_a_random_course_draws,
+        test_what_is_searched_is_what_is_simulated,
+        test_every_form_is_sound_and_within_the_limits_of_its_parameters,
+        test_it_declares_the_columns_that_it_needs,
+        test_its_weights_are_positive_and_its_rivals_known,
+    ):
+        contract(moon)
+
+
+@pytest.mark.usefixtures("moon")
+def test_an_effect_of_a_third_party_is_met_by_all(tmp_path, capsys):
+    readings = 0.5 * PULL + 0.02 * rng().normal(size=30)
+    found = diagnose(Run(J, {"X": Axis("X", readings)}))
+    assert found.effects[0].effect == "moon_phase"
+    assert found.effects[0].parameters["size"]["X"] == pytest.approx(0.5, abs=0.05)
+    said = repr(diagnosis_report(found, "t"))
+    assert "the moon pulls at the robot" in said
+    assert find_page("moon-phase").title.startswith("The moon pulls")
+    model = tmp_path / "m.toml"
+    model.write_text("[indicator.X]\n[[effect]]\nname='moon_phase'\nsize={X=0.5}\n")
+    expected = predict(read_model(model), Conditions(J)).axes["X"].readings
+    assert expected == pytest.approx(0.5 * PULL)
+    model.write_text("[indicator.X]\n")
+    effect = ["--effect", "moon_phase:size=0.5", "--cycles", "30"]
+    assert main(["simulate", str(model), *effect, "--json"]) == 0
+    simulated = json.loads(capsys.readouterr().out)["axes"]["X"]["readings"]
+    assert simulated == pytest.approx(0.5 * PULL, abs=1e-6)

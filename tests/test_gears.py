@@ -103,7 +103,7 @@ def test_a_known_ratio_is_used(rng):
 def test_the_rotor_is_not_reflected_twice():
     sweep = sweep_of(LOADS, ratio=np.full(6, 50.0))
     effect = EFFECTS["reflected_inertia"]
-    once = effect.changed(sweep, {"N": 50.0})
+    once = effect.changed(sweep, N=50.0)
     np.testing.assert_allclose(once.deviation, [free_motor(load, ratio=50) for load in LOADS])
     assert np.median([values["N"] for values in effect.candidates(once)]) == pytest.approx(1)
 

@@ -5,10 +5,9 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from scara_iso.arm import Arm
-from scara_iso.drivetrain import DriveTrain, State, Torque, solve
 from scara_iso.errors import CannotCreateError, UsageError
 from scara_iso.plan import make_plan
-from scara_iso.render.plots import plot_gap, plot_plan
+from scara_iso.render.plots import plot_plan
 
 ARM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))
 PLAN = make_plan(ARM)
@@ -36,12 +35,3 @@ def test_a_picture_that_cannot_be_written_says_why(tmp_path):
         plot_plan(PLAN, ARM, tmp_path / "plan.jpg")
     with pytest.raises(CannotCreateError, match="cannot be written: No such"):
         plot_plan(PLAN, ARM, tmp_path / "nowhere" / "plan.svg")
-
-
-def test_the_gap_through_time_is_drawn(tmp_path):
-    train = DriveTrain(1.0, 2.0, 0.02)
-    run = solve(train, Torque((0.3, 0.3), (0.5, -0.5)), State(), points=20)
-    assert set(run.contact) == {-1, 0, 1}
-    plot_gap(run, train, tmp_path / "a.svg")
-    plot_gap(run, train, tmp_path / "b.svg")
-    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()

@@ -288,6 +288,22 @@ def test_several_poses_are_reported_each(five_poses, tmp_path, monkeypatch):
     assert [d["pose"] for d in document_["diagnoses"]] == [f"P{k}" for k in range(1, 6)]
 
 
+def test_every_limit_of_five_poses_is_in_the_report(tmp_path, monkeypatch, rng, capsys):
+    lines = ["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y,Z"]
+    for pose in range(1, 6):
+        readings = rng.normal(0, 0.005, (31, 3)).round(3).tolist()
+        lines += [f"P{pose},{k},{x},{y},{z}" for k, (x, y, z) in enumerate(readings, start=1)]
+    (tmp_path / "five.csv").write_text("\n".join(lines) + "\n")
+    monkeypatch.chdir(tmp_path)
+    assert main(["analyze", "five.csv", "--limit", "1", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["limits"]) == 25
+    for kind in ("md", "csv", "html"):
+        assert main(["report", "five.csv", "--limit", "1", "-o", f"report.{kind}"]) == 0
+        text = Path(f"report.{kind}").read_text(encoding="utf-8-sig")
+        assert "--json" not in text
+        assert text.count("inside") >= 25
+
+
 def test_one_pose_of_several_may_be_named(five_poses, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["report", str(five_poses), "--pose", "P3", "--json"]) == 0

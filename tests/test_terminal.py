@@ -79,3 +79,29 @@ def test_the_largest_of_several_angles_is_named():
     opening = analysis_report(analyze(read_table(table)))[0]
     said = [block.text for block in opening.blocks if isinstance(block, Text)]
     assert [text for text in said if text.startswith("3 poses; the largest figure at P3")]
+
+
+def test_a_screen_shows_a_part_and_counts_the_rest():
+    rows = tuple((str(k), "1") for k in range(103))
+    assert "\n  3 more; --json gives them all" in shown(Table(("a", "b"), rows))
+    notices = [Notice("info", "code", "", f"notice {k}") for k in range(45)]
+    text = shown(*notices, Text("the end", "strong"))
+    assert "notice 39" in text
+    assert "notice 40" not in text
+    assert "  5 more; --json gives them all\n  the end" in text
+    assert "7 more; --json" in shown(*[Text(f"note {k}", "quiet") for k in range(13)])
+    assert "--json gives all" in shown(Text("word " * 1000))
+
+
+def test_of_many_poses_the_first_are_shown_and_what_follows_them():
+    sections = [
+        Section(f"{name} of P{k}", (Text(f"{name} {k}"),), f"P{k}")
+        for k in range(12)
+        for name in ("figures", "course")
+    ]
+    stream = io.StringIO()
+    show((*sections, Section("findings", (Text("last"),))), open_console(stream))
+    text = stream.getvalue()
+    assert "course 9" in text
+    assert "figures 10" not in text
+    assert text.index("2 more like these; --json gives them all") < text.index("last")

@@ -2,7 +2,8 @@
 
 ISO 9283 has load, velocity and ambient conditions stated in the report and held constant during
 a test; a figure without its instrument and its calibration cannot be traced. Add them as
-``# key: value`` lines at the head of the table.
+``# key: value`` lines at the head of the table. What is stated is compared with rated values and
+limits by `other-load`, `other-velocity`, `temperature-limits`, `short-dwell`, `calibration-date`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from scara_iso.results import Finding, Measured
 
 CODE = "not-stated"
 _CONDITIONS = {
-    "load": {"payload", "load", "payload_kg", "load_kg"},
+    "load": {"payload", "load", "payload_kg", "load_kg", "payload_percent", "load_percent"},
     "velocity": {"velocity", "speed", "velocity_mm_s", "speed_mm_s", "velocity_percent"},
     "ambient temperature": {"temperature", "temperature_c", "ambient_temperature"},
     "instrument": {"indicator", "instrument", "dial"},

@@ -37,4 +37,5 @@ def check(measured: Measured) -> Iterator[Finding]:
                 "the pose is approached from both sides: RP includes the reversal; --definitions "
                 "gives each direction",
                 pose=pose.label,
+                rule="good practice (no clause verified): every visit comes from the same side",
             )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -153,8 +153,7 @@ class _Files:
 def _diagnose_table(
     table: str, files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
 ) -> None:
-    from scara_iso.closing import close_the_loop, save_model
-    from scara_iso.model import read_model
+    from scara_iso.closing import diagnose, save_model
 
     run = reading.read(table)
     if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
@@ -162,10 +161,10 @@ def _diagnose_table(
 
         diagnose_poses_of(run, wanted, seed=seed, as_json=as_json)
         return
-    diagnosis = close_the_loop(
+    diagnosis = diagnose(
         run,
-        None if files.model is None else read_model(files.model),
-        wanted,
+        files.model,
+        **asdict(wanted),
         hold_out=None if files.hold_out is None else reading.read(files.hold_out),
         seed=seed,
         sigma=files.sigma,
@@ -175,7 +174,7 @@ def _diagnose_table(
 
         plot_diagnosis(diagnosis, files.plot)
     if files.save_model is not None and files.model is not None:
-        said = save_model(diagnosis, run, files.model, files.save_model)
+        said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     _write(diagnosis, run.origin.source, as_json=as_json)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
 from functools import partial
 
 import typer
@@ -14,7 +15,7 @@ from scara_iso.closing import (
     CyclesWanted,
     Reading,
     close_the_loop_at_poses,
-    close_the_loop_on,
+    diagnose,
 )
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.errors import ScaraIsoError
@@ -65,7 +66,7 @@ def _diagnose_one(
     table: str, *, model: str | None, reading: Reading, wanted: CyclesWanted, seed: int
 ) -> Diagnosis | Failure:
     try:
-        return close_the_loop_on(table, model, reading, wanted, seed=seed)
+        return diagnose(reading.read(table), model, **asdict(wanted), seed=seed)
     except ScaraIsoError as error:
         return Failure(str(error), error.exit_code)
 

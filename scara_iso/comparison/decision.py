@@ -46,6 +46,7 @@ class Decision:
 
     verdict: Verdict
     p_value: float
+    p_value_at_floor: bool
     p_value_alone: float
     critical: float
     cycles_needed: int | None
@@ -70,6 +71,7 @@ class Chance:
         return Decision(
             verdict=_verdict(distance, apart, critical),
             p_value=min(_share(self.dealt.max(axis=0), apart) * self.pairs, 1.0),
+            p_value_at_floor=bool(np.all(self.dealt < apart)),
             p_value_alone=_share(self.dealt[k], apart),
             critical=critical,
             cycles_needed=None if apart > critical else _cycles(apart, critical, cycles),

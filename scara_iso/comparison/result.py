@@ -44,6 +44,8 @@ class Contrast:
     """Of after over before; None for a mean."""
     p_value: float
     """Among all figures of this quantity and all pairs."""
+    p_value_at_floor: bool
+    """No deal came as far apart: the chance is at most the p-value."""
     p_value_alone: float
     """As if no other figure had been looked at."""
     verdict: Verdict

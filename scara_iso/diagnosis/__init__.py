@@ -1,8 +1,7 @@
 """Close the loop: what a model leaves unexplained in a run, and which effect it is."""
 
-from scara_iso.diagnosis.bank import UNKNOWN
 from scara_iso.diagnosis.design import Alike, Change, Design, Plan, Smallest, design
-from scara_iso.diagnosis.loop import SEED, diagnose
+from scara_iso.diagnosis.loop import diagnose
 from scara_iso.diagnosis.poses import diagnose_poses, holm
 from scara_iso.diagnosis.result import (
     Diagnosis,
@@ -13,10 +12,11 @@ from scara_iso.diagnosis.result import (
     Series,
     Shares,
 )
+from scara_iso.diagnosis.tuning import LEVEL, SEED, UNKNOWN
 from scara_iso.verdict import Rival, Verdict
 
 __all__ = [
-    "SEED", "UNKNOWN", "Alike", "Change", "Design", "Diagnosis", "Error", "Flag", "Found", "Plan",
-    "Repeatabilities", "Rival", "Series", "Shares", "Smallest", "Verdict", "design", "diagnose",
-    "diagnose_poses", "holm",
+    "LEVEL", "SEED", "UNKNOWN", "Alike", "Change", "Design", "Diagnosis", "Error", "Flag", "Found",
+    "Plan", "Repeatabilities", "Rival", "Series", "Shares", "Smallest", "Verdict", "design",
+    "diagnose", "diagnose_poses", "holm",
 ]  # fmt: skip

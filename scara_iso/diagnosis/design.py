@@ -9,16 +9,20 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import Bank, Member, build, constant, extended, members_of
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
-from scara_iso.diagnosis.residual import FEWEST_CYCLES
-from scara_iso.diagnosis.search import LEVEL
+from scara_iso.diagnosis.hypotheses import (
+    Hypothesis,
+    HypothesisSet,
+    build,
+    constant,
+    extended,
+    hypotheses_of,
+)
+from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray
 
-_POWER = 0.8
-_ALIKE = 0.9
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
 _RUNS = 150
 _NULL_RUNS = 1000
@@ -80,7 +84,7 @@ class Design:
     changes: tuple[Change, ...]
 
 
-def design(plan: Plan, *, seed: int = 9283, effects: Sequence[Effect] | None = None) -> Design:
+def design(plan: Plan, *, seed: int = SEED, effects: Sequence[Effect] | None = None) -> Design:
     """Return what ``plan`` will be able to tell, by simulated runs under the test by order.
 
     Two levels in no order are not found by it: one pair 4 to 5 sigma apart is found without a
@@ -93,7 +97,7 @@ def design(plan: Plan, *, seed: int = 9283, effects: Sequence[Effect] | None = N
             remedy=f"plan at least {FEWEST_CYCLES} beside a discarded one, better 30",
         )
     catalogue = tuple(find_effects() if effects is None else effects)
-    members = members_of(catalogue, plan.conditions)
+    members = hypotheses_of(catalogue, plan.conditions)
     return Design(
         smallest=smallest_effects(plan, catalogue, np.random.default_rng(seed)),
         alike=collinear(members, plan.conditions),
@@ -108,24 +112,24 @@ def smallest_effects(
     plan: Plan, effects: Sequence[Effect], rng: np.random.Generator
 ) -> tuple[Smallest, ...]:
     """Return the smallest travel found in 80 % of runs for every effect with a known course."""
-    members = members_of(effects, plan.conditions)
+    members = hypotheses_of(effects, plan.conditions)
     travels = _TRAVELS * min(1.0, math.sqrt(50 / len(plan.conditions)))
-    ordered = [m for m in members if m.ordered and not m.chained]
+    ordered = [m for m in members if m.ordered and not m.hidden]
     n = len(plan.conditions)
-    bank = build(ordered, plan.conditions.cycle, np.arange(n), constant(n))
-    null = _statistics(bank, [_readings(plan, None, 0.0, rng) for _ in range(_NULL_RUNS)])
+    hypotheses = build(ordered, np.arange(n), constant(n))
+    null = _statistics(hypotheses, [_readings(plan, None, 0.0, rng) for _ in range(_NULL_RUNS)])
     critical = float(np.quantile(null, 1 - LEVEL))
     found = []
     for name in dict.fromkeys(m.effect for m in ordered if m.named):
         shapes = [m for m in ordered if m.effect == name and isinstance(m.form, Shape)]
         if shapes:
-            power = [_power(bank, plan, shapes, travel, critical, rng) for travel in travels]
+            power = [_power(hypotheses, plan, shapes, travel, critical, rng) for travel in travels]
             found.append(Smallest(name, _crossing(np.array(power), travels * plan.sigma)))
     return tuple(found)
 
 
-def collinear(members: Sequence[Member], conditions: Conditions) -> tuple[Alike, ...]:
-    """Return pairs of effects whose likest shapes have a cosine of at least 0.9, likest first."""
+def collinear(members: Sequence[Hypothesis], conditions: Conditions) -> tuple[Alike, ...]:
+    """Return pairs of effects with shapes of a cosine of at least 0.9, the largest first."""
     pose = constant(len(conditions))
     bases: dict[str, list[FloatArray]] = {}
     for m in members:
@@ -135,7 +139,7 @@ def collinear(members: Sequence[Member], conditions: Conditions) -> tuple[Alike,
         Alike(a, b, max(float(np.linalg.norm(u.T @ v, 2)) for u in bases[a] for v in bases[b]))
         for a, b in combinations(bases, 2)
     ]
-    return tuple(sorted((p for p in pairs if p.cosine >= _ALIKE), key=lambda p: -p.cosine))
+    return tuple(sorted((p for p in pairs if p.cosine >= ALIKE), key=lambda p: -p.cosine))
 
 
 def planned_columns(cycle: IntArray) -> dict[str, FloatArray]:
@@ -173,9 +177,9 @@ def _longer(conditions: Conditions) -> Conditions:
 
 
 def _power(
-    bank: Bank,
+    hypotheses: HypothesisSet,
     plan: Plan,
-    shapes: Sequence[Member],
+    shapes: Sequence[Hypothesis],
     travel: float,
     critical: float,
     rng: np.random.Generator,
@@ -183,11 +187,11 @@ def _power(
     weights = np.array([m.weight for m in shapes])
     drawn = rng.choice(len(shapes), _RUNS, p=weights / weights.sum())
     runs = [_readings(plan, shapes[k], travel, rng) for k in drawn]
-    return float(np.mean(_statistics(bank, runs) > critical))
+    return float(np.mean(_statistics(hypotheses, runs) > critical))
 
 
 def _readings(
-    plan: Plan, member: Member | None, travel: float, rng: np.random.Generator
+    plan: Plan, member: Hypothesis | None, travel: float, rng: np.random.Generator
 ) -> FloatArray:
     """Return one simulated run (n, axes), in sigmas."""
     n = len(plan.conditions)
@@ -202,24 +206,24 @@ def _readings(
     return np.asarray(np.round(readings / division + rng.uniform(-0.5, 0.5)) * division)
 
 
-def _statistics(bank: Bank, runs: Sequence[FloatArray]) -> FloatArray:
+def _statistics(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatArray:
     """Return the log of the mean Bayes factor of each run, shape (runs,)."""
-    seen = [views_of(values, bank.basis).columns for values in runs]
+    seen = [views_of(values, hypotheses.basis).columns for values in runs]
     columns = np.stack(seen, axis=2)
     n, v, count = columns.shape
-    log_bf = log_bayes(bank, columns.reshape(n, -1)).reshape(-1, v, count)
+    log_bf = log_bayes(hypotheses, columns.reshape(n, -1)).reshape(-1, v, count)
     views = Views(columns[:, :, 0], runs[0].shape[1])
-    return np.asarray(np.log(bank.test_weights @ joint_evidence(log_bf, views)))
+    return np.asarray(np.log(hypotheses.test_weights @ joint_evidence(log_bf, views)))
 
 
 def _crossing(power: FloatArray, travels: FloatArray) -> float | None:
     """Return the travel at which the power passes 80 %, interpolated."""
-    above = np.flatnonzero(power >= _POWER)
+    above = np.flatnonzero(power >= POWER)
     if not len(above):
         return None
     k = int(above[0])
     if k == 0:
         return float(travels[0])
     low, high = power[k - 1], power[k]
-    share = (_POWER - low) / (high - low)
+    share = (POWER - low) / (high - low)
     return float(travels[k - 1] + share * (travels[k] - travels[k - 1]))

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scara_iso.diagnosis.tuning import FARTHEST_DEG
 from scara_iso.run import FloatArray
-
-_FARTHEST = 15.0
-"""Degrees beyond which no direction is named, however wide the uncertainty."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +34,7 @@ def match(
     fitting = [
         name
         for name, along in directions.items()
-        if angles[name] <= _FARTHEST and _agrees(movement, uncertainty, along)
+        if angles[name] <= FARTHEST_DEG and _agrees(movement, uncertainty, along)
     ]
     return Match(fitting[0] if len(fitting) == 1 else None, angles)
 

@@ -1,4 +1,4 @@
-"""Evidence: log Bayes factors of every member of a bank against scatter alone.
+"""Evidence: log Bayes factors of every hypothesis against scatter alone.
 
 For covariance C = I + U diag(s) U' beside scatter of unknown width, and a flat prior on what is
 fitted: BF = |C|^(-1/2) (1 - sum w (u'y)^2 / y'y)^(-nu/2), w = s / (1 + s), nu = n - f. A scatter
@@ -13,20 +13,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import Bank, extended
+from scara_iso.diagnosis.hypotheses import HypothesisSet, extended
+from scara_iso.diagnosis.tuning import GAIN, KNOWN_FROM
 from scara_iso.run import FloatArray, IntArray
 
 LARGEST_LOG = 600.0
 """Logarithms of Bayes factors are cut here, so that sums and products stay finite."""
 _SMALLEST_SHARE = 1e-12
-_GAIN = 15.0
-KNOWN_FROM = 30
-"""A scatter that the user states counts as seen in so many cycles on which nothing acted."""
 _TINY = 1e-300
 
 np.empty(2**21)
 """Once so much is freed, glibc keeps as much for the next arrays, which it otherwise gives back to
-the system and fetches anew for every block of shuffles: half of the time."""
+the system and fetches anew for every block of permutations: half of the time."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,7 +53,7 @@ def views_of(
 
     ``directions`` maps a name to how far each axis moves, shape (axes,); ``sigma`` (axes,) is the
     known scatter, 0 where it is not. Whitening uses the covariance over the cycles, which no
-    shuffling of them changes.
+    permutation of them changes.
     """
     free = values - basis @ (basis.T @ values)
     scaled = free / np.maximum(np.linalg.norm(free, axis=0), _TINY)
@@ -83,23 +81,25 @@ def _known_squares(free: FloatArray, sigma: FloatArray | None, views: int) -> Fl
     return known
 
 
-def log_bayes(bank: Bank, columns: FloatArray, known: FloatArray | None = None) -> FloatArray:
-    """Return log Bayes factors (members, m) for residuals (n, m) orthogonal to the bank's basis.
+def log_bayes(
+    hypotheses: HypothesisSet, columns: FloatArray, known: FloatArray | None = None
+) -> FloatArray:
+    """Return log Bayes factors (members, m) for residuals (n, m) orthogonal to the set's basis.
 
     ``known`` (m,) as in `Views`.
     """
     beside = np.zeros(columns.shape[1]) if known is None else known
-    nu = len(columns) - bank.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
+    nu = len(columns) - hypotheses.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
     power = np.maximum((columns**2).sum(axis=0), _TINY) + beside
-    squared = (bank.vectors * np.sqrt(bank.shrink)).T @ columns
+    squared = (hypotheses.vectors * np.sqrt(hypotheses.shrink)).T @ columns
     squared *= squared
-    explained = np.add.reduceat(squared, bank.first, axis=0) / power
+    explained = np.add.reduceat(squared, hypotheses.first, axis=0) / power
     shaped = np.log(np.maximum(1 - explained, _SMALLEST_SHARE))
     shaped *= -nu / 2
-    shaped -= bank.penalty[:, np.newaxis] / 2
-    if not len(bank.split):
+    shaped -= hypotheses.penalty[:, np.newaxis] / 2
+    if not len(hypotheses.scales):
         return np.asarray(shaped)
-    return np.concatenate([shaped, _log_bayes_of_spreads(bank, columns, nu, beside)])
+    return np.concatenate([shaped, _log_bayes_of_spreads(hypotheses.scales, columns, nu, beside)])
 
 
 def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArray) -> FloatArray:
@@ -108,28 +108,24 @@ def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArr
     free = columns - basis @ (basis.T @ columns)
     explained = ((beside.T @ free) ** 2).sum(axis=0) / np.maximum((free**2).sum(axis=0), _TINY)
     nu, k = len(columns) - basis.shape[1], beside.shape[1]
-    left = np.maximum(1 - explained * _GAIN / (1 + _GAIN), _SMALLEST_SHARE)
-    return np.asarray(-nu / 2 * np.log(left) - k / 2 * np.log1p(_GAIN))
+    left = np.maximum(1 - explained * GAIN / (1 + GAIN), _SMALLEST_SHARE)
+    return np.asarray(-nu / 2 * np.log(left) - k / 2 * np.log1p(GAIN))
 
 
 def _log_bayes_of_spreads(
-    bank: Bank, columns: FloatArray, nu: IntArray, known: FloatArray
+    scales: FloatArray, columns: FloatArray, nu: IntArray, known: FloatArray
 ) -> FloatArray:
-    """Return log Bayes factors of scatter ``ratio`` times as wide from ``split`` on.
+    """Return log Bayes factors (m, columns) of scatter that is ``scales`` r (m, n) times as wide.
 
     The mean is integrated out under either width: S = sum y^2 / r^2 - (sum y / r^2)^2 / sum 1/r^2.
     """
-    n, k = len(columns), bank.split
-    weight = (1 / bank.ratio**2)[:, np.newaxis]
-    zero = np.zeros((1, columns.shape[1]))
-    sums = np.concatenate([zero, np.cumsum(columns, axis=0)])
-    squares = np.concatenate([zero, np.cumsum(columns**2, axis=0)])
-    total = (k[:, np.newaxis] + (n - k)[:, np.newaxis] * weight) * np.ones_like(zero)
-    mean = sums[k] + weight * (sums[n] - sums[k])
-    S = squares[k] + weight * (squares[n] - squares[k]) - mean**2 / total + known
-    alone = np.maximum(squares[n] - sums[n] ** 2 / n + known, _TINY)
+    n, weight = len(columns), 1 / scales**2
+    squared = columns**2
+    total = weight.sum(axis=1, keepdims=True)
+    S = weight @ squared - (weight @ columns) ** 2 / total + known
+    alone = np.maximum(squared.sum(axis=0) - columns.sum(axis=0) ** 2 / n + known, _TINY)
     share = np.maximum(S / alone, _SMALLEST_SHARE)
-    determinant = ((n - k) * np.log(bank.ratio))[:, np.newaxis]
+    determinant = np.log(scales).sum(axis=1, keepdims=True)
     return np.asarray(-determinant - 0.5 * np.log(total / n) - nu / 2 * np.log(share))
 
 

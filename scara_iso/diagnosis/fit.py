@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.bank import Form, constant, extended
 from scara_iso.diagnosis.evidence import log_bayes_of_course
-from scara_iso.effects import Process, Shape, Spread
+from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.tuning import TAKES_PART
+from scara_iso.effects import Form, Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
 
 
@@ -42,10 +43,6 @@ class Fit:
     parts: tuple[FloatArray, ...]
 
 
-_TAKES_PART = np.log(3.0)
-"""Log Bayes factor from which an axis moves with the others: at 0, one still axis in six does."""
-
-
 def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
     """Return the term with the axes that ``form`` moves in ``values`` (rows, axes).
 
@@ -56,18 +53,18 @@ def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: 
     if not isinstance(form, Shape):
         return Term(effect, form, np.ones(axes, dtype=bool))
     log_bf = log_bayes_of_course(form.columns[rows], basis, values)
-    return Term(effect, form, (log_bf > _TAKES_PART) | (log_bf == log_bf.max()))
+    return Term(effect, form, (log_bf > np.log(TAKES_PART)) | (log_bf == log_bf.max()))
 
 
-def spread_term(effect: str, form: Spread, values: FloatArray, cycle: IntArray) -> Term:
+def spread_term(effect: str, form: Spread, values: FloatArray, rows: IntArray) -> Term:
     """Return the term with the axes whose scatter ``form`` changes in ``values`` (rows, axes).
 
     Those are the axes that are likelier with the change than without; the likeliest always is one.
     """
-    scale = np.where(cycle >= form.at_cycle, form.ratio, 1.0)[:, np.newaxis]
+    scale = form.scale[rows, np.newaxis]
     left = values - values.mean(axis=0)
     as_is, even = ((r**2).mean(axis=0) + np.finfo(float).tiny for r in (left, left / scale))
-    gain = len(cycle) / 2 * np.log(as_is / even) - np.log(scale).sum()
+    gain = len(rows) / 2 * np.log(as_is / even) - np.log(scale).sum()
     return Term(effect, form, (gain > 0) | (gain == gain.max()))
 
 
@@ -96,16 +93,15 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
     return Fit(tuple(terms), predicted, tuple(coefficients), tuple(parts))
 
 
-def row_scale(terms: Sequence[Term], cycle: IntArray) -> FloatArray:
-    """Return how wide the scatter of each cycle is by the terms that change it.
+def row_scale(terms: Sequence[Term], n: int) -> FloatArray:
+    """Return how wide the scatter of each of n cycles is by the terms that change it.
 
     Its shape is (n, axes), or (n, 1) where none does.
     """
-    scale = np.ones((len(cycle), 1))
+    scale = np.ones((n, 1))
     for term in terms:
         if isinstance(term.form, Spread):
-            wider = (cycle >= term.form.at_cycle)[:, np.newaxis] & term.moves
-            scale = scale * np.where(wider, term.form.ratio, 1.0)
+            scale = scale * np.where(term.moves, term.form.scale[:, np.newaxis], 1.0)
     return scale
 
 

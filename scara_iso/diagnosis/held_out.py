@@ -6,23 +6,19 @@ beforehand it would flatter.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import members_of
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.problem import Problem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import find_again
+from scara_iso.diagnosis.tuning import FOLDS, REPEATS
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray
-
-FOLDS = 10
-REPEATS = 2
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -41,7 +37,7 @@ def cross_validated(
     with_chains: bool,
     repeats: int = REPEATS,
 ) -> HeldOut:
-    """Return the error by repeated 5-fold cross-validation of the search that gave ``fitted``.
+    """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
 
     Each fold chooses anew as many effects as the whole run's tests admitted. That a fold's fit
     has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its excess over
@@ -73,17 +69,14 @@ def _error(values: FloatArray, predicted: FloatArray, excess: list[FloatArray]) 
     return np.asarray(np.sqrt(np.maximum(seen, seen + np.mean(excess, axis=0))))
 
 
-def on_second_run(
-    fitted: Fit, effects: Mapping[str, Effect], first: Residual, second: Residual
-) -> HeldOut:
+def on_second_run(fitted: Fit, effects: Mapping[str, Effect], second: Residual) -> HeldOut:
     """Return the error on another run of the same axes, its pose left free.
 
-    Courses that belong to the first run's readings (sides of contact, single readings, random
-    walks) say nothing about another run. Raises `DataError` where ``second`` lacks a column through
-    which one of the ``effects`` (by name) acts.
+    What chance drew in the first run, and its accidents, say nothing about another run. Raises
+    `DataError` where ``second`` lacks a column through which one of the ``effects`` (by name) acts.
     """
     for term in fitted.terms:
-        missing = _columns_of(term, effects, first.conditions) - second.conditions.covariates.keys()
+        missing = _columns_needed(term, effects) - second.conditions.covariates.keys()
         if missing:
             raise DataError(
                 f"the second table lacks {', '.join(sorted(missing))}, through which the "
@@ -106,39 +99,13 @@ def on_second_run(
 def _transferred(
     term: Term, coefficients: FloatArray, effects: Mapping[str, Effect], conditions: Conditions
 ) -> FloatArray:
-    shape = _shape_in(term, effects, conditions)
-    return np.zeros(coefficients.shape[1]) if shape is None else shape.columns @ coefficients
-
-
-def _columns_of(term: Term, effects: Mapping[str, Effect], conditions: Conditions) -> set[str]:
-    """Return the covariates without which the term's course is not known."""
-    if _shape_in(term, effects, conditions) is None:
-        return set()
-    every = conditions.covariates
-    without = {
-        name: Conditions(conditions.cycle, {k: v for k, v in every.items() if k != name})
-        for name in every
-    }
-    return {name for name, fewer in without.items() if _shape_in(term, effects, fewer) is None}
-
-
-def _shape_in(term: Term, effects: Mapping[str, Effect], conditions: Conditions) -> Shape | None:
-    """Return the shape of the term's parameters under other conditions; None where it has none."""
     if not isinstance(term.form, Shape):
-        return None
-    effect, parameters = effects[term.effect], term.form.parameters
-    numbers = {k: v for k, v in parameters.items() if not isinstance(v, str)}
-    known = [m.form for m in members_of((effect,), conditions) if m.ordered]
-    near = effect.nearby(conditions, numbers)
-    shapes = (form for form in (*known, *near) if isinstance(form, Shape))
-    return next((s for s in shapes if _alike(s.parameters, parameters)), None)
+        return np.zeros(coefficients.shape[1])
+    known = effects[term.effect].course(conditions, term.form.parameters)
+    return np.zeros(coefficients.shape[1]) if known is None else known.columns @ coefficients
 
 
-def _alike(a: Mapping[str, float | str], b: Mapping[str, float | str]) -> bool:
-    """Whether all parameters are the same but for rounding."""
-    return a.keys() == b.keys() and all(
-        value == b[name]
-        if isinstance(value, str)
-        else math.isclose(value, float(b[name]), rel_tol=1e-9)
-        for name, value in a.items()
-    )
+def _columns_needed(term: Term, effects: Mapping[str, Effect]) -> set[str]:
+    if not isinstance(term.form, Shape):
+        return set()
+    return set(effects[term.effect].columns_needed(term.form.parameters))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.account import account, repeatabilities, rivals_of, shares_of
+from scara_iso.diagnosis.findings import findings, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
 from scara_iso.diagnosis.problem import Problem, problem_of
@@ -20,21 +20,19 @@ from scara_iso.diagnosis.result import (
     Series,
     Shares,
 )
-from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Stage, find
+from scara_iso.diagnosis.search import Stage, find
+from scara_iso.diagnosis.tuning import (
+    FLAG_LEVEL,
+    LEVEL,
+    MUCH_ROUNDING,
+    SAME_SCATTER,
+    SEED,
+    WORTH_CHAINS,
+)
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
 from scara_iso.verdict import Rival, Verdict
-
-SEED = 9283
-_MUCH = 0.2
-"""Share of the variance from which rounding is worth a line."""
-
-_SAME_SCATTER = 1.6
-"""Factor between a stated scatter and the remaining one that thirty readings can account for."""
-
-_WORTH_CHAINS = 0.02
-"""Effects with hidden sides less likely than this on the whole run are not tried in the folds."""
 
 
 def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run beside it
@@ -51,7 +49,8 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
 ) -> Diagnosis:
     """Return what a model leaves unexplained in a run, which effect it is, and what is gained.
 
-    ``run`` holds one pose without the discarded cycle; ``predicted`` is the model's readings by
+    ``run`` holds one pose without the discarded cycle (`scara_iso.diagnose` applies the cycle rule
+    to a table); ``predicted`` is the model's readings by
     axis, None for a constant pose (a constant is always free: an indicator has no absolute zero).
     ``directions`` names how far each axis moves, such as ``{"joint 1": {"X": .., "Y": ..}}``.
     ``held_out`` is a second run for the error on unseen cycles; without it that is
@@ -73,10 +72,10 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, catalogue, problem.residual, second)
+        unseen = on_second_run(fitted, catalogue, second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
     return _diagnosis(
-        problem, fitted, stages, unseen, courses, account(problem, fitted, stages, catalogue)
+        problem, fitted, stages, unseen, courses, findings(problem, fitted, stages, catalogue)
     )
 
 
@@ -94,6 +93,7 @@ def _diagnosis(
         effects=found,
         candidates=_candidates(fitted, stages),
         p_value=stages[0].p_value,
+        p_value_at_floor=stages[0].p_value_at_floor,
         error_before=_error(problem.residual, None, unseen.before),
         error_after=_error(problem.residual, fitted, unseen.after),
         shares=shares,
@@ -123,13 +123,13 @@ def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> R
 def _cross_validated(
     problem: Problem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
 ) -> HeldOut:
-    chained = {m.effect for m in problem.members if m.chained}
+    chained = {m.effect for m in problem.members if m.hidden}
     likely = max(
         (stage.choice.probability.get(name, 0.0) for stage in stages if stage.choice
          for name in chained),
         default=0.0,
     )  # fmt: skip
-    return cross_validated(problem, fitted, rng, with_chains=likely > _WORTH_CHAINS)
+    return cross_validated(problem, fitted, rng, with_chains=likely > WORTH_CHAINS)
 
 
 def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:
@@ -149,7 +149,7 @@ def _candidates(fitted: Fit, stages: Sequence[Stage]) -> tuple[Rival, ...]:
     choice = stages[-1].choice
     if choice is None or not _unexplained(fitted, stages):
         return ()
-    return (Rival(choice.best, choice.probability[choice.best]), *rivals_of(choice))
+    return (choice.ranked[0], *choice.rivals)
 
 
 def _error(residual: Residual, fitted: Fit | None, unseen: FloatArray) -> Error:
@@ -163,11 +163,12 @@ def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
 
 
 def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
-    free = stages[-1].order_free
-    if free.gaussian_outlier > FLAG_LEVEL:
+    marginal = stages[-1].marginal
+    if marginal.gaussian_outlier > FLAG_LEVEL:
         return ()
-    cycle = int(residual.conditions.cycle[free.outlier_row])
-    return (Flag(residual.axes[free.outlier_axis], cycle, free.gaussian_outlier),)
+    cycle = int(residual.conditions.cycle[marginal.outlier_row])
+    p = marginal.gaussian_outlier
+    return (Flag(residual.axes[marginal.outlier_axis], cycle, p, p <= marginal.floor),)
 
 
 def _coarse(shares: Mapping[str, Shares]) -> list[str]:
@@ -176,7 +177,7 @@ def _coarse(shares: Mapping[str, Shares]) -> list[str]:
         f"{axis}: {share.resolution:.0%} of the variance is rounding to the dial's division; "
         "measure with a finer indicator"
         for axis, share in shares.items()
-        if share.resolution > _MUCH
+        if share.resolution > MUCH_ROUNDING
     ]
 
 
@@ -187,7 +188,7 @@ def _other_scatter(problem: Problem, fitted: Fit) -> list[str]:
     return [
         f"{axis}: scatter {scatter:.3g}, not {stated:.3g} as stated: leave the stated one out"
         for axis, scatter, stated in zip(problem.residual.axes, left, known, strict=True)
-        if stated and not 1 / _SAME_SCATTER < scatter / stated < _SAME_SCATTER
+        if stated and not 1 / SAME_SCATTER < scatter / stated < SAME_SCATTER
     ]
 
 

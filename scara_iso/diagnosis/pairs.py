@@ -12,50 +12,46 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.bank import UNKNOWN, Bank, Member, build, extended
-from scara_iso.diagnosis.choice import AMPLITUDES, Hypothesis
+from scara_iso.diagnosis.choice import Weighed
 from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
+from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, extended
+from scara_iso.diagnosis.tuning import AMPLITUDES, PAIR_EFFECTS, PAIR_FORMS, PAIR_WEIGHT, UNKNOWN
 from scara_iso.effects import Shape
 from scara_iso.run import FloatArray, IntArray
 
-_PAIR_WEIGHT = 0.25
-"""How much rarer two effects are than one."""
-_MOST_EFFECTS, _MOST_FORMS = 6, 2
 
-
-def pairs(bank: Bank, views: Views, cycle: IntArray, rows: IntArray) -> list[Hypothesis]:
+def pairs(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list[Weighed]:
     """Return the evidence of pairs of shapes, each under the name and form of its stronger one.
 
-    ``rows`` are those of the run's cycles, ``cycle`` (n,), that ``bank`` and ``views`` hold. As the
-    stronger one the likeliest forms of the likeliest effects are tried, as the other any shape.
+    ``rows`` are those of the run's cycles that both arguments hold. As the stronger one the
+    likeliest forms of the likeliest effects are tried, as the other any shape.
     """
-    shaped = [m for m in bank.members if isinstance(m.form, Shape) and m.effect != UNKNOWN]
-    alone = build(shaped, cycle, rows, bank.basis)
+    shaped = [m for m in hypotheses.members if isinstance(m.form, Shape) and m.effect != UNKNOWN]
+    alone = build(shaped, rows, hypotheses.basis)
     joint = joint_evidence(log_bayes(alone, views.columns, views.known)[:, :, np.newaxis], views)
     strength = alone.weights * joint[:, 0]
     found = []
     for first in _likeliest(alone.members, strength):
-        evidence = _beside(alone, first, strength <= strength[first], views, cycle, rows)
+        evidence = _beside(alone, first, strength <= strength[first], views, rows)
         member = alone.members[first]
-        weight = _PAIR_WEIGHT * member.weight / alone.weights.sum()
-        found.append(Hypothesis(member.effect, member.form, weight * evidence))
+        weight = PAIR_WEIGHT * member.weight / alone.weights.sum()
+        found.append(Weighed(member.effect, member.form, weight * evidence))
     return found
 
 
-def _likeliest(members: Sequence[Member], strength: FloatArray) -> Iterator[int]:
+def _likeliest(members: Sequence[Hypothesis], strength: FloatArray) -> Iterator[int]:
     by_effect: dict[str, list[int]] = {}
     for i in np.argsort(-strength).tolist():
         by_effect.setdefault(members[i].effect, []).append(i)
-    for forms in list(by_effect.values())[:_MOST_EFFECTS]:
-        yield from forms[:_MOST_FORMS]
+    for forms in list(by_effect.values())[:PAIR_EFFECTS]:
+        yield from forms[:PAIR_FORMS]
 
 
 def _beside(
-    alone: Bank,
+    alone: HypothesisSet,
     first: int,
     weaker: npt.NDArray[np.bool_],
     views: Views,
-    cycle: IntArray,
     rows: IntArray,
 ) -> float:
     """Return the weighted Bayes factor of one member together with each of the weaker ones."""
@@ -64,7 +60,7 @@ def _beside(
         return 0.0
     basis = extended(alone.basis, form.columns[rows])
     others = [m for m, use in zip(alone.members, weaker, strict=True) if use]
-    beside = build(others, cycle, rows, basis)
+    beside = build(others, rows, basis)
     place = {id(member): i for i, member in enumerate(alone.members)}
     second = [place[id(member)] for member in beside.members]
     columns = views.columns[:, :q]

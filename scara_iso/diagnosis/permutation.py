@@ -1,8 +1,8 @@
-"""Is there an order in the cycles? An exact test by shuffling them.
+"""Is there an order in the cycles? An exact test by permuting them.
 
 Where there is nothing but scatter the cycles are exchangeable, whatever the distribution, rounding
 and correlation of the axes; so the statistic of the cycles as measured ranks among those of
-shuffled ones by chance. After a fit the residuals are shuffled (Freedman and Lane 1983).
+permuted ones by chance. After a fit the residuals are permuted (Freedman and Lane 1983).
 """
 
 from __future__ import annotations
@@ -13,17 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.bank import Bank
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
-from scara_iso.diagnosis.levels import Sides
+from scara_iso.diagnosis.hypotheses import HypothesisSet
+from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE
+from scara_iso.diagnosis.two_state import Emissions
 from scara_iso.run import FloatArray, IntArray
-
-SHUFFLES = 999
-ENOUGH = 50
-"""So many orders with as large a statistic settle that p is above 0.05, whatever follows."""
-
-_SIDES_SHARE = 0.08
-"""Weight of sides that stay for some cycles over that of all other members of the bank."""
 
 _EQUAL = 1e-9
 _BLOCK = 32
@@ -36,42 +30,45 @@ class OrderTest:
 
     statistic: float
     p_value: float
+    at_floor: bool
+    """No permutation came as far: the chance is at most p."""
 
 
 def order_test(
-    bank: Bank,
+    hypotheses: HypothesisSet,
     views: Views,
     rng: np.random.Generator,
     *,
-    sides: Sequence[Sides] = (),
-    shuffles: int = SHUFFLES,
+    emissions: Sequence[Emissions] = (),
+    permutations: int = PERMUTATIONS,
 ) -> OrderTest:
-    """Return the test of the views' cycles against ``shuffles`` random orders of them.
+    """Return the test of the views' cycles against ``permutations`` of them.
 
-    ``sides`` are those of each axis that may show two levels.
+    ``emissions`` are those of each axis that may show two states.
 
-    Axes stay together: one order serves all. Exact at any level when the bank's basis is the
-    constant pose; p is at least 1 / (shuffles + 1). Shuffling ends with the ENOUGHth order whose
+    Axes stay together: one order serves all. Exact at any level when the set's basis is the
+    constant pose; p is at least 1 / (permutations + 1). It ends with the ENOUGHth order whose
     statistic is as large, the l-th say: p = ENOUGH / l, no less valid for that (Besag and
     Clifford 1991), and below 0.05 just where all the orders would put it there.
     """
     n = len(views.columns)
-    orders = np.array([np.arange(n), *(rng.permutation(n) for _ in range(shuffles))])
-    sticky = _stickiness(sides, orders)
-    observed = float(log_statistic(bank, views, orders[:1], sticky[:1])[0])
+    orders = np.array([np.arange(n), *(rng.permutation(n) for _ in range(permutations))])
+    persistent = _persistence(emissions, orders)
+    observed = float(log_statistic(hypotheses, views, orders[:1], persistent[:1])[0])
     as_large = np.zeros(0, dtype=bool)
-    while len(as_large) < shuffles and as_large.sum() < ENOUGH:
+    while len(as_large) < permutations and as_large.sum() < ENOUGH:
         block = slice(1 + len(as_large), 1 + len(as_large) + _BLOCK)
-        statistics = log_statistic(bank, views, orders[block], sticky[block])
+        statistics = log_statistic(hypotheses, views, orders[block], persistent[block])
         as_large = np.concatenate([as_large, statistics >= observed - _EQUAL])
-    return OrderTest(observed, _p_value(as_large))
+    return OrderTest(observed, _p_value(as_large), not as_large.any())
 
 
-def _stickiness(sides: Sequence[Sides], orders: IntArray) -> FloatArray:
-    """Return the evidence that sides stay, for each order, beside that of the bank."""
-    if not sides:
+def _persistence(emissions: Sequence[Emissions], orders: IntArray) -> FloatArray:
+    """Return the evidence that states persist, for each order, beside that of the set."""
+    if not emissions:
         return np.zeros(len(orders))
-    return np.asarray(_SIDES_SHARE * np.mean([side.stickiness(orders) for side in sides], axis=0))
+    ratios = [each.persistence(orders) for each in emissions]
+    return np.asarray(PERSISTENCE_SHARE * np.mean(ratios, axis=0))
 
 
 def _p_value(as_large: npt.NDArray[np.bool_]) -> float:
@@ -82,15 +79,18 @@ def _p_value(as_large: npt.NDArray[np.bool_]) -> float:
 
 
 def log_statistic(
-    bank: Bank, views: Views, orders: IntArray, sticky: FloatArray | float = 0.0
+    hypotheses: HypothesisSet,
+    views: Views,
+    orders: IntArray,
+    beside: FloatArray | float = 0.0,
 ) -> FloatArray:
     """Return the log of the mean Bayes factor for each order of the cycles, shape (orders,).
 
-    ``sticky`` is evidence that comes from outside the bank.
+    ``beside`` is evidence that comes from outside the set.
     """
     n, v = views.columns.shape
-    shuffled = np.moveaxis(views.columns[orders], 0, 2).reshape(n, -1)
-    if bank.basis.shape[1] > 1:
-        shuffled = shuffled - bank.basis @ (bank.basis.T @ shuffled)
-    log_bf = log_bayes(bank, shuffled).reshape(-1, v, len(orders))
-    return np.asarray(np.log(bank.test_weights @ joint_evidence(log_bf, views) + sticky))
+    permuted = np.moveaxis(views.columns[orders], 0, 2).reshape(n, -1)
+    if hypotheses.basis.shape[1] > 1:
+        permuted = permuted - hypotheses.basis @ (hypotheses.basis.T @ permuted)
+    log_bf = log_bayes(hypotheses, permuted).reshape(-1, v, len(orders))
+    return np.asarray(np.log(hypotheses.test_weights @ joint_evidence(log_bf, views) + beside))

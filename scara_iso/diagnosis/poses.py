@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from scara_iso.diagnosis.result import Diagnosis
-from scara_iso.diagnosis.search import LEVEL
+from scara_iso.diagnosis.tuning import LEVEL
 from scara_iso.run import Run
 
 Pose = str | None

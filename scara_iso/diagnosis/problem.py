@@ -1,4 +1,4 @@
-"""What the search is about: a residual, every hypothesis on it, and one look at what is left."""
+"""What the search is about: a residual, the hypotheses on it, and what fitted terms leave."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.bank import Bank, Member, build, members_of
 from scara_iso.diagnosis.evidence import Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
+from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
 from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
+from scara_iso.diagnosis.tuning import NEIGHBOURS
 from scara_iso.effects import Chain, Effect, Spread
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray, Run
 
 _DUST = 1e-9
-_ADJACENT = 2.5
-"""Readings within fewer divisions than this are neighbours on the dial: no proof of two sides."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -31,7 +30,7 @@ class Problem:
     """
 
     residual: Residual
-    members: tuple[Member, ...]
+    members: tuple[Hypothesis, ...]
     directions: Mapping[str, FloatArray] = field(default_factory=dict)
     effects: Mapping[str, Effect] = field(default_factory=dict)
     sigma: FloatArray | None = None
@@ -59,7 +58,7 @@ def problem_of(
         for name, movement in directions.items()
     }
     usable = {name: vector for name, vector in along.items() if np.any(vector)}
-    members = members_of(effects, residual.conditions)
+    members = hypotheses_of(effects, residual.conditions)
     if all(neighbours(residual)):
         members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
     wrong = [value for value in (sigma or {}).values() if not 0 < value < math.inf]
@@ -74,12 +73,12 @@ def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
 
     Rounding alone makes such readings look like two states, or like a changing scatter.
     """
-    return np.asarray(np.ptp(residual.values, axis=0) < _ADJACENT * residual.division)
+    return np.asarray(np.ptp(residual.values, axis=0) < NEIGHBOURS * residual.division)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Look:
-    """One look at what is left: residual values (rows, axes), their views, what is fitted.
+class Remainder:
+    """What fitted terms leave: residual values (rows, axes), their views, what is fitted.
 
     ``members`` are the hypotheses that are still open.
     """
@@ -88,23 +87,23 @@ class Look:
     basis: FloatArray
     views: Views
     values: FloatArray
-    members: tuple[Member, ...]
+    members: tuple[Hypothesis, ...]
 
-    def bank(self, cycle: IntArray, members: Sequence[Member]) -> Bank:
-        """Return the bank of some of the members beside what is fitted."""
-        return build(members, cycle, self.rows, self.basis)
+    def set_of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
+        """Return the set of some of the members beside what is fitted."""
+        return build(members, self.rows, self.basis)
 
 
-def look(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Look:
+def remainder(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Remainder:
     """Return what ``terms`` leave of ``rows`` and what could explain it."""
     residual = problem.residual
-    scale = row_scale(terms, residual.conditions.cycle)
+    scale = row_scale(terms, len(residual))
     fitted = fit(terms, residual.values[rows], rows, len(residual))
     values = _without_dust((residual.values - fitted.predicted)[rows] / scale[rows], residual)
     basis = fitted_basis(terms, rows)
     spread = any(isinstance(term.form, Spread) for term in terms)
     members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
-    return Look(
+    return Remainder(
         rows, basis, views_of(values, basis, problem.directions, problem.sigma), values, members
     )
 

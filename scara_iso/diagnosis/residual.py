@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.diagnosis.tuning import FEWEST_CYCLES, MOST_CYCLES
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
@@ -15,7 +16,6 @@ from scara_iso.run import FloatArray, Run
 Prediction = Mapping[str, npt.ArrayLike]
 """Predicted readings (n,) by axis."""
 
-FEWEST_CYCLES, MOST_CYCLES = 12, 500
 _SAME = 0.9999
 """Correlation from which two columns count as copies of each other."""
 _EXACT = 1e-6
@@ -146,7 +146,9 @@ def _informative(run: Run) -> tuple[dict[str, FloatArray], list[str]]:
         elif np.ptp(series) == 0:
             notes.append(f"{name} is constant: it can explain nothing")
         elif _same(series, run.cycle.astype(np.float64)):
-            notes.append(f"{name} only copies the cycle number: its effect would be linear_drift")
+            notes.append(
+                f"{name} only copies the cycle number: its effect would be a drift over the cycles"
+            )
         else:
             kept[name] = series
             notes += [f"{name} and {c} are exact functions of each other" for c in copied]

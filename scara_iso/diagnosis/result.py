@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.run import FloatArray, IntArray
@@ -33,6 +33,8 @@ class Found:
     """Standard error of each size."""
     p_value: float
     """Chance of structure as strong in scatter alone."""
+    p_value_at_floor: bool
+    """None of the permutations or simulations was as far: the chance is at most the p-value."""
     probability: float
     """Posterior probability among the catalogue and the unknown."""
     rivals: tuple[Rival, ...]
@@ -40,6 +42,8 @@ class Found:
     confirm_by: str
     unidentified: tuple[str, ...] = ()
     """Parameters that the data do not determine, one line each."""
+    left_open: Mapping[str, ByAxis] = field(default_factory=dict)
+    """What a model must state beside ``parameters``: the scatter where a change of it begins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +54,7 @@ class Flag:
     cycle: int
     p_value: float
     """Chance in Gaussian scatter; heavier tails make such readings common."""
+    p_value_at_floor: bool
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -100,6 +105,7 @@ class Diagnosis:
     """Likeliest explanations of what the last stage still found; empty where it found nothing."""
     p_value: float
     """Smallest p-value of the first stage: is there structure at all?"""
+    p_value_at_floor: bool
     error_before: Error
     error_after: Error
     repeatability: Repeatabilities

@@ -2,38 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import UNKNOWN, Form, Member
-from scara_iso.diagnosis.choice import Choice, choose, hidden_sides
+from scara_iso.diagnosis.choice import Choice, choose, two_states
 from scara_iso.diagnosis.evidence import log_bayes
 from scara_iso.diagnosis.fit import Term, spread_term, term_of
-from scara_iso.diagnosis.levels import Sides, sides_of
-from scara_iso.diagnosis.order_free import OrderFreeTest, order_free_test
+from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_test
-from scara_iso.diagnosis.problem import Look, Problem, look, neighbours
+from scara_iso.diagnosis.problem import Problem, Remainder, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.effects import Chain, Process, Shape, Spread
+from scara_iso.diagnosis.tuning import (
+    FURTHER_LEVEL,
+    LEVEL,
+    MOST_EFFECTS,
+    ORDER_SHARE,
+    OUTLIER_SHARE,
+    TWO_LEVELS_SHARE,
+    UNKNOWN,
+)
+from scara_iso.diagnosis.two_state import Emissions, emissions_of
+from scara_iso.effects import Chain, Effect, Form, FoundBy, Process, Shape, Spread
 from scara_iso.run import IntArray
-
-LEVEL = 0.05
-"""Family-wise level at which a first effect is admitted."""
-
-FURTHER_LEVEL = 0.01
-"""Level at which a further one is."""
-
-_ORDER_SHARE, _TWO_LEVELS_SHARE, _OUTLIER_SHARE = 0.95, 0.15, 0.1
-"""How much of the level each test may use. What trips one order-free test (skewed scatter the two
-levels, heavy tails the outlier) hardly ever trips the other, and Gaussian scatter trips neither,
-so no scatter uses up more than about the whole."""
-
-FLAG_LEVEL = 0.01
-"""Level of a flagged reading in Gaussian scatter."""
-MOST_EFFECTS = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -41,20 +35,31 @@ class Stage:
     """One round: the tests, and what was chosen (None where the tests were quiet)."""
 
     order: OrderTest
-    order_free: OrderFreeTest
-    choice: Choice | None
+    marginal: MarginalTests
+    choice: Choice[Form] | None
 
     @property
     def p_value(self) -> float:
         """Smallest of the p-values, each divided by its share of the level."""
-        return min(1.0, *_shared(self.order, self.order_free))
+        return min(1.0, *_shared(self.order, self.marginal))
+
+    @property
+    def p_value_at_floor(self) -> bool:
+        """Whether the test of the smallest p-value met nothing as far from scatter by chance."""
+        floor = self.marginal.floor
+        at_floor = (
+            self.order.at_floor,
+            self.marginal.two_levels <= floor,
+            self.marginal.outlier <= floor,
+        )
+        return min(zip(_shared(self.order, self.marginal), at_floor, strict=True))[1]
 
 
-def _shared(order: OrderTest, free: OrderFreeTest) -> tuple[float, float, float]:
+def _shared(order: OrderTest, marginal: MarginalTests) -> tuple[float, float, float]:
     return (
-        order.p_value / _ORDER_SHARE,
-        free.two_levels / _TWO_LEVELS_SHARE,
-        free.outlier / _OUTLIER_SHARE,
+        order.p_value / ORDER_SHARE,
+        marginal.two_levels / TWO_LEVELS_SHARE,
+        marginal.outlier / OUTLIER_SHARE,
     )
 
 
@@ -70,12 +75,12 @@ def find(
     terms: tuple[Term, ...] = ()
     stages: list[Stage] = []
     while True:
-        stage, now = chosen(problem, terms, rng, min(level, FURTHER_LEVEL) if terms else level)
+        stage, left = chosen(problem, terms, rng, min(level, FURTHER_LEVEL) if terms else level)
         stages.append(stage)
         full = len(terms) == MOST_EFFECTS
         if stage.choice is None or stage.choice.best == UNKNOWN or full:
             return terms, tuple(stages)
-        terms = (*terms, _term(problem, stage.choice.best, stage.choice, now))
+        terms = (*terms, _term(problem, stage.choice.best, stage.choice, left))
         if isinstance(terms[-1].form, Process):  # a random course explains any further order
             return terms, tuple(stages)
 
@@ -89,118 +94,123 @@ def find_again(
     """
     terms: tuple[Term, ...] = ()
     for _ in range(count):
-        now = look(problem, terms, rows)
-        now = replace(now, members=tuple(m for m in now.members if not _unknown_shape(m)))
-        choice = _choice(problem, now, with_chains=with_chains)
+        left = remainder(problem, terms, rows)
+        left = replace(left, members=tuple(m for m in left.members if not _unknown_shape(m)))
+        choice = _choice(problem, left, with_chains=with_chains)
         named = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
         if not named:
             return terms
-        term = _term(problem, max(named, key=named.__getitem__), choice, now)
-        terms = (*terms, replace(term, form=_undecided(term, now)))
+        term = _term(problem, max(named, key=named.__getitem__), choice, left)
+        terms = (*terms, replace(term, form=_undecided(term, left)))
     return terms
 
 
-def _unknown_shape(member: Member) -> bool:
+def _unknown_shape(member: Hypothesis) -> bool:
     return member.effect == UNKNOWN and isinstance(member.form, Shape)
 
 
-def _undecided(term: Term, now: Look) -> Form:
-    """Return the mean of all forms that do not differ on the rows looked at.
+def _undecided(term: Term, left: Remainder) -> Form:
+    """Return the mean of all forms that do not differ on the rows that are seen.
 
     Where a step lies between two seen cycles, those between them are half way.
     """
     if not isinstance(term.form, Shape):
         return term.form
-    seen = term.form.columns[now.rows]
+    seen = term.form.columns[left.rows]
     alike = [
         member.form.columns
-        for member in now.members
+        for member in left.members
         if member.effect == term.effect
         and isinstance(member.form, Shape)
-        and np.array_equal(member.form.columns[now.rows], seen)
+        and np.array_equal(member.form.columns[left.rows], seen)
     ]
     return replace(term.form, columns=np.mean(alike, axis=0)) if alike else term.form
 
 
 def tested(problem: Problem, terms: Sequence[Term], rng: np.random.Generator) -> Stage:
     """Return both tests of what ``terms`` leave, and no choice yet."""
-    return _tests(problem, terms, look(problem, terms, problem.rows), rng)
+    return _tests(problem, terms, remainder(problem, terms, problem.rows), rng)
 
 
-def _tests(problem: Problem, terms: Sequence[Term], now: Look, rng: np.random.Generator) -> Stage:
-    ordered = [member for member in now.members if member.ordered]
-    sides = [] if terms else _sides(problem.residual, ordered)
-    bank = now.bank(problem.residual.conditions.cycle, ordered)
-    order = order_test(bank, now.views, rng, sides=sides)
-    return Stage(order, order_free_test(now.values, problem.residual.division, rng), None)
+def _tests(
+    problem: Problem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
+) -> Stage:
+    ordered = [member for member in left.members if member.ordered]
+    emissions = [] if terms else _emissions(problem.residual, ordered)
+    order = order_test(left.set_of(ordered), left.views, rng, emissions=emissions)
+    return Stage(order, marginal_tests(left.values, problem.residual.division, rng), None)
 
 
 def chosen(
     problem: Problem, terms: Sequence[Term], rng: np.random.Generator, level: float = LEVEL
-) -> tuple[Stage, Look]:
+) -> tuple[Stage, Remainder]:
     """Return the tests of what ``terms`` leave, and the choice where they pass ``level``."""
-    now = look(problem, terms, problem.rows)
-    stage = _tests(problem, terms, now, rng)
-    by_order, by_levels, by_outlier = _shared(stage.order, stage.order_free)
+    left = remainder(problem, terms, problem.rows)
+    stage = _tests(problem, terms, left, rng)
+    by_order, by_levels, by_outlier = _shared(stage.order, stage.marginal)
+    isolated = _isolated(problem.effects)
     if min(by_order, by_levels) <= level:
-        stage = replace(stage, choice=_choice(problem, now, with_chains=True))
-    elif by_outlier <= level:
-        stage = replace(stage, choice=_outlier(problem, stage.order_free))
-    return stage, now
+        stage = replace(stage, choice=_choice(problem, left, with_chains=True))
+    elif by_outlier <= level and isolated is not None:
+        form = _at_row(isolated, problem, stage.marginal.outlier_row)
+        stage = replace(stage, choice=Choice({isolated.name: 1.0}, {isolated.name: form}))
+    return stage, left
 
 
-def _sides(residual: Residual, members: Sequence[Member]) -> list[Sides]:
-    """Return the sides of contact on each axis that can show two, if some effect has any."""
+def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissions]:
+    """Return the two states of each axis that can show them, if those of some effect persist."""
     chains = [member.form for member in members if isinstance(member.form, Chain)]
-    sticky = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
+    persistent = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
     return [
-        sides_of(residual.values[:, a], residual.division[a], sticky)
+        emissions_of(residual.values[:, a], residual.division[a], persistent)
         for a in np.flatnonzero(~neighbours(residual))
-        if sticky
+        if persistent
     ]
 
 
-def _choice(problem: Problem, now: Look, *, with_chains: bool) -> Choice:
-    chains = [member for member in now.members if member.chained] if with_chains else []
-    named = [member for member in now.members if member.named]
+def _choice(problem: Problem, left: Remainder, *, with_chains: bool) -> Choice[Form]:
+    chains = [member for member in left.members if member.hidden] if with_chains else []
+    named = [member for member in left.members if member.named]
     residual = problem.residual
-    length = np.maximum(np.linalg.norm(now.values, axis=0), 1e-300)
+    length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
     coarse = neighbours(residual)
-    division = np.where(coarse | ~now.values.any(axis=0), np.nan, residual.division / length)
-    sides = hidden_sides(
-        chains, now.views, now.basis, division=division, rows=now.rows, n=len(residual)
+    division = np.where(coarse | ~left.values.any(axis=0), np.nan, residual.division / length)
+    hidden = two_states(
+        chains, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
     )
-    cycle = residual.conditions.cycle
-    bank = now.bank(cycle, named)
-    choice = choose(bank, now.views, sides)
+    hypotheses = left.set_of(named)
+    choice = choose(hypotheses, left.views, hidden)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
-    return choose(bank, now.views, [*sides, *pairs(bank, now.views, cycle, now.rows)])
+    return choose(hypotheses, left.views, [*hidden, *pairs(hypotheses, left.views, left.rows)])
 
 
-def _outlier(problem: Problem, free: OrderFreeTest) -> Choice:
-    alone = np.zeros((len(problem.residual), 1))
-    alone[free.outlier_row] = 1.0
-    cycle = int(problem.residual.conditions.cycle[free.outlier_row])
-    return Choice({"outlier": 1.0}, {"outlier": Shape(alone, {"at_cycle": cycle})})
+def _isolated(effects: Mapping[str, Effect]) -> Effect | None:
+    """Return the effect that an isolated reading is evidence for, if one is known."""
+    return next((e for e in effects.values() if e.found_by is FoundBy.ISOLATED_READING), None)
 
 
-def _term(problem: Problem, name: str, choice: Choice, now: Look) -> Term:
-    form = _refined(problem, name, choice.forms[name], now)
+def _at_row(effect: Effect, problem: Problem, row: int) -> Form:
+    """Return the form of an effect that moves the reading of one row most."""
+    forms = effect.forms(problem.residual.conditions)
+    shapes = [form for form in forms if isinstance(form, Shape)]
+    return max(shapes, key=lambda shape: float(np.abs(shape.columns[row]).sum()))
+
+
+def _term(problem: Problem, name: str, choice: Choice[Form], left: Remainder) -> Term:
+    form = _refined(problem, name, choice.forms[name], left)
     if isinstance(form, Spread):
-        return spread_term(name, form, now.values, problem.residual.conditions.cycle[now.rows])
-    return term_of(name, form, now.values, now.rows, now.basis)
+        return spread_term(name, form, left.values, left.rows)
+    return term_of(name, form, left.values, left.rows, left.basis)
 
 
-def _refined(problem: Problem, name: str, form: Form, now: Look) -> Form:
-    """Return the likeliest of the shapes near ``form``, where its effect knows nearer ones."""
+def _refined(problem: Problem, name: str, form: Form, left: Remainder) -> Form:
+    """Return the likeliest of the forms near ``form``, where its effect knows nearer ones."""
     if name not in problem.effects or not isinstance(form, Shape):
         return form
-    numbers = {key: value for key, value in form.parameters.items() if not isinstance(value, str)}
-    near = problem.effects[name].nearby(problem.residual.conditions, numbers)
+    near = problem.effects[name].near(problem.residual.conditions, form.parameters)
     if not near:
         return form
-    cycle = problem.residual.conditions.cycle
-    bank = now.bank(cycle, [Member(name, shape, 1.0) for shape in near])
-    log_bf = log_bayes(bank, now.views.columns[:, : now.views.axes])
-    return bank.members[int(np.argmax(log_bf.sum(axis=1)))].form
+    hypotheses = left.set_of([Hypothesis(name, one, 1.0) for one in near])
+    log_bf = log_bayes(hypotheses, left.views.columns[:, : left.views.axes])
+    return hypotheses.members[int(np.argmax(log_bf.sum(axis=1)))].form

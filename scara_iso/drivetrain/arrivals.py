@@ -71,7 +71,7 @@ def arrivals(
     The motor drives the load at speed, brakes and stands; the load goes on through the gap as
     friction, load torque and the flanks let it, until it rests. The motor follows its command
     whatever the load does (`Held`), so that its own inertia plays no part. Raises `UsageError` for
-    viscous friction or a compliant gear, which `integrate` takes, and for a move without speed.
+    viscous friction or a compliant gear, and for a move without speed.
     """
     _check(train, move, count)
     side = sides(approach, count, rng) if isinstance(approach, Approach) else approach.copy()
@@ -103,7 +103,7 @@ def _check(train: DriveTrain, move: Move, count: int) -> None:
     if train.viscous or not train.rigid:
         raise UsageError(
             "arrivals are followed in closed form, without viscous friction or compliance",
-            remedy="leave them out, or integrate single arrivals",
+            remedy="leave them out",
         )
     numbers = (move.speed, move.deceleration)
     if count < 1 or not all(0 < v < np.inf for v in numbers):

@@ -13,16 +13,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.drivetrain.train import (
-    Drive,
-    DriveTrain,
-    Held,
-    Servo,
-    State,
-    Torque,
-    Trajectory,
-    check_drive,
-)
 from scara_iso.errors import UsageError
 from scara_iso.run import FloatArray, IntArray
 
@@ -61,58 +51,6 @@ class Constants:
     """Acceleration that the load torque gives the free load [rad/s²]."""
     friction: float | FloatArray
     """Deceleration that Coulomb friction gives the free load [rad/s²]."""
-
-
-def solve(train: DriveTrain, drive: Drive, start: State, *, points: int = 2) -> Trajectory:
-    """Return what a rigid train does under ``drive``, exact to rounding.
-
-    ``points`` is the number of samples in each phase between two events (Trajectory). Source: eq.
-    7-9 with plastic impacts; Coulomb friction and load torque are added to the load's equation.
-    Raises `UsageError` for viscous friction, compliance or a servo of finite gain, which have no
-    closed form here, and for a state outside the gap.
-    """
-    check_drive(drive)
-    if isinstance(drive, Servo) or train.viscous or not train.rigid:
-        raise UsageError(
-            "no closed form for viscous friction, a compliant gear or a servo of finite gain",
-            remedy="use integrate, or leave them out",
-        )
-    if abs(start.gap_angle) > train.gap / 2 * (1 + 1e-12):
-        raise UsageError(f"start lies outside the gap: {start.gap_angle:g} rad")
-    accelerations = np.array(motor_accelerations(train, drive))[:, None]
-    state = Moving(
-        load_angle=np.array([start.load_angle]),
-        load_velocity=np.array([start.load_velocity]),
-        gap_angle=np.array([start.gap_angle]),
-        motor_velocity=np.array([start.load_velocity + start.gap_velocity]),
-        contact=np.array([start.contact(train)]),
-    )
-    durations = np.array(drive.durations)[:, None]
-    phases = run_events(constants(train, drive), durations, accelerations, state)
-    return Trajectory.joined(_sample(phase, points) for phase in phases if phase.duration[0] > 0)
-
-
-def constants(train: DriveTrain, drive: Drive) -> Constants:
-    """Return the numbers that the equations of motion of ``train`` need."""
-    total = train.reflected_inertia + train.load_inertia
-    return Constants(
-        half_gap=train.gap / 2,
-        motor_share=1.0 if isinstance(drive, Held) else train.reflected_inertia / total,
-        load_push=train.load_torque / train.load_inertia,
-        friction=train.coulomb / train.load_inertia,
-    )
-
-
-def motor_accelerations(train: DriveTrain, drive: Torque | Held) -> tuple[float, ...]:
-    """Return the free motor's acceleration in each piece, at the output [rad/s²].
-
-    A torque T_m at the motor shaft is N T_m at the output, where the rotor is N² I_m.
-    """
-    match drive:
-        case Held():
-            return drive.accelerations
-        case Torque():
-            return tuple(t * train.ratio / train.reflected_inertia for t in drive.torques)
 
 
 def run_events(
@@ -252,17 +190,3 @@ def _advance(
         ),
         contact=np.where(flank, side, state.contact),
     )
-
-
-def _sample(phase: Phase, points: int) -> tuple[FloatArray, int, FloatArray]:
-    t = np.linspace(0.0, phase.duration[0], points)
-    angle, velocity, gap, motor, contact = (values[0] for values in phase.state)
-    a_load = phase.load_acceleration[0]
-    a_gap, gap_velocity = phase.motor_acceleration[0] - a_load, motor - velocity
-    states = np.array([
-        angle + (velocity + a_load * t / 2) * t,
-        velocity + a_load * t,
-        gap + (gap_velocity + a_gap * t / 2) * t,
-        gap_velocity + a_gap * t,
-    ])  # fmt: skip
-    return phase.start[0] + t, int(contact), states

@@ -1,7 +1,7 @@
 """The catalogue: one file for each effect that readings or reversals may hold.
 
-A file defines ``EFFECT``, an `Effect` or a `GearEffect`. Third parties add modules of that kind
-through the entry-point group ``scara_iso.effects``.
+A file defines ``EFFECT``, an `Effect` of one of four kinds or a `GearEffect`. Third parties add
+modules of that kind through the entry-point group ``scara_iso.effects``.
 """
 
 from __future__ import annotations
@@ -10,24 +10,31 @@ import sys
 from functools import cache
 from types import ModuleType
 
+from scara_iso.effects._conditions import Conditions
 from scara_iso.effects._effect import (
-    Chain,
-    Conditions,
+    AMPLITUDE_AND_PHASE,
+    SIZE,
+    Course,
     Direction,
     Effect,
-    GearEffect,
-    Parameter,
-    Process,
-    Shape,
-    Spread,
-    Sweep,
-    series_by_axis,
+    FoundBy,
+    Linear,
+    RandomCourse,
+    ScatterChange,
+    TwoStates,
+    as_column,
 )
+from scara_iso.effects._forms import Chain, Form, Process, Shape, Spread
+from scara_iso.effects._gear import GearEffect, Sweep
+from scara_iso.effects._parameter import Grid, Parameter, Sizes, Values
+from scara_iso.effects._proportional import proportional
 from scara_iso.plugins import find_modules
 
 __all__ = [
-    "Chain", "Conditions", "Direction", "Effect", "GearEffect", "Parameter", "Process", "Shape",
-    "Spread", "Sweep", "find_effects", "find_gear_effects", "series_by_axis",
+    "AMPLITUDE_AND_PHASE", "SIZE", "Chain", "Conditions", "Course", "Direction", "Effect", "Form",
+    "FoundBy", "GearEffect", "Grid", "Linear", "Parameter", "Process", "RandomCourse",
+    "ScatterChange", "Shape", "Sizes", "Spread", "Sweep", "TwoStates", "Values", "as_column",
+    "find_effects", "find_gear_effects", "proportional",
 ]  # fmt: skip
 
 

@@ -1,25 +1,26 @@
-"""What an effect is: its parameters, its shape over the cycles, its cause and what confirms it.
+"""What an effect on readings is. Its formula stands once, in its own file.
 
-Two kinds exist. An `Effect` acts on the readings of a test, cycle by cycle; a `GearEffect` changes
-the load deviation that the two-inertia model gives at a reversal.
+An effect is one of four kinds, by how chance takes part in it: a `Course` is known once its
+parameters are, a `RandomCourse` is drawn anew in each test, `TwoStates` are drawn by a Markov
+chain, a `ScatterChange` moves no mean. Each kind derives from the one formula what the search
+compares (`forms`, `near`), what a simulation and a model add to readings (`series`), and the course
+of known parameters under other conditions (`course`).
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
-from scara_iso.errors import DataError
-from scara_iso.run import FloatArray, IntArray
-
-Sizes = Mapping[str, float]
-"""Parameter values by name."""
+from scara_iso.effects._conditions import Conditions, fits, is_open
+from scara_iso.effects._forms import Chain, Form, Process, Shape, Spread
+from scara_iso.effects._parameter import Parameter, Sizes, Values, combinations
+from scara_iso.run import FloatArray
 
 
 class Direction(Enum):
@@ -31,218 +32,273 @@ class Direction(Enum):
     ARM = "along the arm"
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """A number that describes an effect; ``unit`` "reading" is the unit of the axis."""
+class FoundBy(Enum):
+    """Which test can find an effect."""
 
-    name: str
-    symbol: str
-    unit: str
-    meaning: str
-    above: float = -math.inf
-    """The value is larger than this, and finite."""
-    up_to: float = math.inf
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Conditions:
-    """What is known of each cycle beside its reading; every array has shape (n,).
-
-    ``time`` is in cycles: the cycle number, or where ``time_s`` was recorded the same clock in
-    units of its median interval.
-    """
-
-    cycle: IntArray
-    covariates: Mapping[str, FloatArray] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "covariates", MappingProxyType(dict(self.covariates)))
-
-    @property
-    def elapsed(self) -> FloatArray:
-        """Cycles since the first one, shape (n,)."""
-        return np.asarray(self.cycle - self.cycle[0], dtype=np.float64)
-
-    @property
-    def time(self) -> FloatArray:
-        """Time since the first cycle in cycles, from ``time_s`` where it is there and increases."""
-        seconds = self.covariates.get("time_s")
-        if seconds is None or len(seconds) < 2 or np.any(np.diff(seconds) <= 0):
-            return self.elapsed
-        return np.asarray((seconds - seconds[0]) / np.median(np.diff(seconds)))
-
-    def __len__(self) -> int:
-        return len(self.cycle)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Shape:
-    """One member of an effect's family: its columns (n, k) at unit size, and its parameters.
-
-    ``weight`` is its prior probability within the effect, up to a common factor. A shape without
-    columns (k = 0) moves no reading.
-    """
-
-    columns: FloatArray
-    parameters: Mapping[str, float | str] = field(default_factory=dict)
-    weight: float = 1.0
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Process:
-    """A random course: covariance (n, n) in units of the scatter's variance.
-
-    ``scale`` is the standard deviation, in scatters, of what its size means (such as one step) at
-    ``amplitude`` 1; the search tries larger amplitudes too.
-    """
-
-    covariance: FloatArray
-    scale: float = 1.0
-    amplitude: float = 1.0
+    ORDER = "the order of the cycles"
+    ISOLATED_READING = "one reading apart from all others, whatever their order"
 
 
 @dataclass(frozen=True, slots=True)
-class Chain:
-    """A hidden two-state Markov chain: probabilities of leaving the lower and the upper state."""
+class Linear:
+    """The parameters in which a course is linear, and its coefficients (k,)."""
 
-    leave_lower: float
-    leave_upper: float
-    weight: float = 1.0
-    """Prior probability within the effect, up to the factor that its shapes have too."""
-
-
-@dataclass(frozen=True, slots=True)
-class Spread:
-    """Scatter that is ``ratio`` times as wide from cycle number ``at_cycle`` on."""
-
-    at_cycle: int
-    ratio: float
+    names: tuple[str, ...]
+    sizes: Callable[[FloatArray], dict[str, float]]
+    coefficients: Callable[[Sizes], FloatArray]
 
 
-def _no_shapes(_: Conditions) -> tuple[Shape, ...]:
-    return ()
+def _polar(coefficients: FloatArray) -> dict[str, float]:
+    sine, cosine = float(coefficients[0]), float(coefficients[1])
+    return {"size": math.hypot(sine, cosine), "phase": math.atan2(cosine, sine)}
 
 
-def _no_processes(_: Conditions) -> tuple[Process, ...]:
-    return ()
+SIZE = Linear(("size",), lambda c: {"size": float(c[0])}, lambda v: np.array([v["size"]]))
+"""One column, times ``size``."""
 
-
-def _no_spreads(_: Conditions) -> tuple[Spread, ...]:
-    return ()
-
-
-def _none_nearby(_: Conditions, __: Sizes) -> tuple[Shape, ...]:
-    return ()
-
-
-def first_size(coefficients: FloatArray) -> dict[str, float]:
-    """Return ``{"size": c}`` of a single coefficient, shape (1,)."""
-    return {"size": float(coefficients[0])}
+AMPLITUDE_AND_PHASE = Linear(
+    ("size", "phase"),
+    _polar,
+    lambda v: v["size"] * np.array([math.cos(v["phase"]), math.sin(v["phase"])]),
+)
+"""A sine and a cosine: size sin(angle + phase)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Effect:
-    """Something that moves readings over the cycles of a test.
+class Effect(ABC):
+    """Something that moves or widens readings over the cycles of a test.
 
-    ``series(conditions, values, rng)`` returns its contribution, shape (n,), for parameter values
-    by name; only effects with a chance element use ``rng``. What the search tries: ``shapes`` of
-    unit size, random ``processes``, hidden ``chains``, ``spreads``. ``nearby`` refines the chosen
-    shape where ``shapes`` are a coarse grid. ``sizes`` turns the fitted
-    coefficients (k,) of a shape into named sizes. ``weight`` is the effect's prior weight.
+    Of its ``parameters`` those with a grid are searched and those in the unit of a reading are
+    estimated, one for each axis.
     """
 
     name: str
     parameters: tuple[Parameter, ...]
     cause: str
     confirm_by: str
-    series: Callable[[Conditions, Sizes, np.random.Generator], FloatArray]
+    needs: tuple[str, ...] = ()
+    """Recorded columns through which it acts; one that ends in ``*`` leaves open which."""
     direction: Direction = Direction.FREE
     weight: float = 1.0
-    shapes: Callable[[Conditions], tuple[Shape, ...]] = _no_shapes
-    nearby: Callable[[Conditions, Sizes], tuple[Shape, ...]] = _none_nearby
-    """Shapes between that of these parameters and its neighbours in ``shapes``."""
-    sizes: Callable[[FloatArray], dict[str, float]] = first_size
-    processes: Callable[[Conditions], tuple[Process, ...]] = _no_processes
-    spreads: Callable[[Conditions], tuple[Spread, ...]] = _no_spreads
-    chains: tuple[Chain, ...] = ()
-    ordered: bool = True
-    """False where shuffling the cycles leaves the evidence for the effect as it is."""
+    """Prior weight among all effects in the choice of a name."""
+    test_weight: float = 1.0
+    """Weight in the test over that in naming. The test asks whether there is anything, so a course
+    that other effects' forms see as well needs less weight of its own."""
+    found_by: FoundBy = FoundBy.ORDER
     common: bool = True
     """Whether chance draws one course for all axes; else each axis has its own."""
     recurs: bool = True
     """False for an accident of one test: no model expects it in the next."""
+    by_flank: bool = False
+    """Whether it is the flank of a gear's gap on which the load rests: a reversal in readings."""
     gain: float = 15.0
     """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
+    unsettled: Mapping[str, str] = field(default_factory=dict)
+    """By the name of a rival: what the data then leave open, and what would settle it."""
+    linear: Linear = SIZE
 
+    @abstractmethod
+    def forms(self, conditions: Conditions) -> tuple[Form, ...]:
+        """Return what the search compares under ``conditions``."""
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Sweep:
-    """Measured reversals: one entry for each, all of shape (m,).
+    @abstractmethod
+    def series(
+        self, conditions: Conditions, values: Values, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return what the effect adds to the readings of one axis, shape (n,).
 
-    Inertias in kg m2, full gap 2D in rad, ``torque`` in N m and ``ratio`` None where not given.
-    """
+        ``values`` are those of all its parameters; only where `is_random` says so ``rng`` is used.
+        """
 
-    I_m: FloatArray
-    I_L: FloatArray
-    gap: FloatArray
-    torque: FloatArray | None = None
-    ratio: FloatArray | None = None
+    def is_random(self, _values: Values, /) -> bool:
+        """Return whether chance draws the course of parameter ``values`` anew in every test."""
+        return True
+
+    def near(self, _conditions: Conditions, _parameters: Values, /) -> tuple[Form, ...]:
+        """Return forms between that of these parameters and its neighbours in `forms`."""
+        return ()
+
+    def course(self, _conditions: Conditions, _parameters: Values, /) -> Shape | None:
+        """Return the shape of searched parameters; None where no test foretells it."""
+        return None
+
+    def columns_needed(self, values: Values) -> tuple[str, ...]:
+        """Return the recorded columns without which the course of ``values`` is not known."""
+        named = [values.get(p.name) for p in self.parameters if p.text]
+        fixed = [name for name in self.needs if not is_open(name)]
+        return (*fixed, *(str(name) for name in named if name is not None))
+
+    def takes(self, column: str) -> bool:
+        """Return whether the effect may act through a column of this name."""
+        return any(fits(column, pattern) for pattern in self.needs)
 
     @property
-    def deviation(self) -> FloatArray:
-        """Load deviation in rad, shape (m,): -2D / (1 + I_L / I_m), paper eq. 16.
-
-        An infinite ``I_m`` is a motor that is held.
-        """
-        return np.asarray(-self.gap / (1 + self.I_L / self.I_m))
+    def size_name(self) -> str:
+        """Name of the parameter that each axis has for itself."""
+        return next(p.name for p in self.parameters if p.per_axis)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class GearEffect:
-    """A change of the two-inertia model: ``changed(sweep, values)`` is the sweep that eq. 16 sees.
+class Course(Effect):
+    """A course that is known once its parameters are.
 
-    Values are numbers or columns of shape (k, 1), for k sweeps at once. ``candidates(sweep)`` are
-    the parameter values to try, in order and equally likely beforehand; none where the sweep lacks
-    what the effect acts through.
+    ``columns(conditions, **parameters)`` gives it at unit size, shape (n, k), for values of the
+    parameters in which it is not ``linear``.
     """
 
-    name: str
-    parameters: tuple[Parameter, ...]
-    cause: str
-    confirm_by: str
-    changed: Callable[[Sweep, Sizes], Sweep]
-    candidates: Callable[[Sweep], tuple[Sizes, ...]]
+    columns: Callable[..., FloatArray]
 
-    def deviation(self, sweep: Sweep, values: Sizes) -> FloatArray:
-        """Return eq. 16's load deviation with the effect, in rad, shape (m,)."""
-        return self.changed(sweep, values).deviation
+    def forms(self, conditions: Conditions) -> tuple[Form, ...]:
+        """Return the shapes of every combination of the parameters' grids."""
+        if not all(conditions.named(pattern) for pattern in self.needs):
+            return ()
+        return tuple(
+            Shape(self.columns(conditions, **values), values, weight)
+            for values, weight in combinations(self.parameters, conditions)
+        )
+
+    def near(self, conditions: Conditions, parameters: Values, /) -> tuple[Form, ...]:
+        """Return the shapes near one, along each parameter whose grid is coarse."""
+        return tuple(
+            Shape(self.columns(conditions, **changed), changed)
+            for parameter in self.parameters
+            if parameter.grid is not None and not parameter.text
+            for value in parameter.grid(conditions).near(float(parameters[parameter.name])).tolist()
+            for changed in [{**parameters, parameter.name: value}]
+        )
+
+    def course(self, conditions: Conditions, parameters: Values, /) -> Shape | None:
+        """Return the shape of searched parameters; None for an accident of one test."""
+        if not self.recurs:
+            return None
+        return Shape(self.columns(conditions, **parameters), parameters)
+
+    def series(
+        self, conditions: Conditions, values: Values, _rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return the columns times the coefficients of ``values``."""
+        shape = {name: v for name, v in values.items() if name not in self.linear.names}
+        sizes = {name: float(values[name]) for name in self.linear.names}
+        columns = self.columns(conditions, **shape)
+        return np.asarray(columns @ self.linear.coefficients(sizes), dtype=np.float64)
+
+    def is_random(self, _values: Values, /) -> bool:
+        """Return that it does not."""
+        return False
 
 
-def column(values: npt.ArrayLike) -> FloatArray:
+def _normal(rng: np.random.Generator, n: int) -> FloatArray:
+    return rng.normal(size=n)
+
+
+def _independent(innovations: FloatArray) -> FloatArray:
+    return innovations
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RandomCourse(Effect):
+    """A course that is drawn anew in each test: a linear filter of independent innovations.
+
+    ``filtered(innovations, **parameters)`` gives courses (n, m) of innovations (n, m); its response
+    to unit innovations F makes the covariance F F' that the search compares, at the innovations'
+    ``variances`` over the scatter's. Without variances it is simulated and not searched.
+    """
+
+    filtered: Callable[..., FloatArray] = _independent
+    innovations: Callable[[np.random.Generator, int], FloatArray] = _normal
+    variances: tuple[float, ...] = ()
+
+    def forms(self, conditions: Conditions) -> tuple[Form, ...]:
+        """Return processes of every combination of parameters and variances."""
+        found: list[Form] = []
+        if not self.variances:
+            return ()
+        for values, weight in combinations(self.parameters, conditions):
+            response = self.filtered(np.eye(len(conditions)), **values)
+            together = response @ response.T
+            found += [
+                Process(variance * together, values, weight, scale=variance**0.5)
+                for variance in self.variances
+            ]
+        return tuple(found)
+
+    def series(
+        self, conditions: Conditions, values: Values, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return one draw."""
+        shape = {name: v for name, v in values.items() if name != self.size_name}
+        drawn = self.innovations(rng, len(conditions))[:, np.newaxis]
+        return float(values[self.size_name]) * self.filtered(drawn, **shape)[:, 0]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class TwoStates(Effect):
+    """Two levels, ``size`` apart, between which a Markov chain switches.
+
+    In a simulation either state is left with probability ``switching``; at 1 the upper level is
+    that of odd cycles, a known course. The search compares that course and ``chains``.
+    """
+
+    chains: tuple[Chain, ...]
+
+    def forms(self, conditions: Conditions) -> tuple[Form, ...]:
+        """Return alternation, the one course that is known beforehand, and the chains."""
+        return (Shape(_alternating(conditions), {"switching": 1.0}), *self.chains)
+
+    def course(self, conditions: Conditions, parameters: Values, /) -> Shape | None:
+        """Return alternation; None where the states are drawn by chance."""
+        if self.is_random(parameters):
+            return None
+        return Shape(_alternating(conditions), parameters)
+
+    def series(
+        self, conditions: Conditions, values: Values, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return one draw of the states, times their distance."""
+        if not self.is_random(values):
+            return float(values["size"]) * _alternating(conditions)[:, 0]
+        switches = rng.random(len(conditions)) < float(values["switching"])
+        switches[0] = rng.random() < 0.5
+        states = np.cumsum(switches) % 2
+        return np.asarray(float(values["size"]) * states, dtype=np.float64)
+
+    def is_random(self, values: Values, /) -> bool:
+        """Return whether the states do not simply alternate."""
+        return float(values["switching"]) < 1
+
+
+def _alternating(conditions: Conditions) -> FloatArray:
+    return as_column(conditions.cycle % 2)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ScatterChange(Effect):
+    """Scatter that differs from cycle to cycle while the mean stays.
+
+    ``scale(conditions, **parameters)`` is how wide it is in each cycle, shape (n,), the narrowest
+    1. The size is the standard deviation where it is narrowest; a simulation adds what makes the
+    readings' own scatter, of that size, as wide as stated.
+    """
+
+    scale: Callable[..., FloatArray]
+
+    def forms(self, conditions: Conditions) -> tuple[Form, ...]:
+        """Return the scales, that of the first cycle 1, of every combination of the grids."""
+        found = (
+            (self.scale(conditions, **values), values, weight)
+            for values, weight in combinations(self.parameters, conditions)
+        )
+        return tuple(Spread(scale / scale[0], values, weight) for scale, values, weight in found)
+
+    def series(
+        self, conditions: Conditions, values: Values, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return scatter that is added where it is wider, independent of that of the readings."""
+        shape = {name: v for name, v in values.items() if name != self.size_name}
+        added = float(values[self.size_name]) * np.sqrt(self.scale(conditions, **shape) ** 2 - 1)
+        return np.asarray(added * rng.normal(size=len(conditions)))
+
+
+def as_column(values: object) -> FloatArray:
     """Return values (n,) as one column (n, 1) of floats."""
     return np.asarray(values, dtype=np.float64)[:, np.newaxis]
-
-
-def series_by_axis(
-    effect: Effect,
-    conditions: Conditions,
-    parameters: Mapping[str, float | str | Sizes],
-    rng: np.random.Generator,
-) -> dict[str, FloatArray]:
-    """Return what ``effect`` adds to each axis that ``parameters`` give a size, shape (n,) each.
-
-    Parameters are as a diagnosis finds them: a number, one number for each axis, or (``column``)
-    the covariate that acts. Raises `DataError` where that covariate was not recorded.
-    """
-    name = parameters.get("column")
-    if isinstance(name, str):
-        if name not in conditions.covariates:
-            raise DataError(f"{effect.name}: no column {name!r} in this table")
-        conditions = Conditions(conditions.cycle, {name: conditions.covariates[name]})
-    per_axis = {k: v for k, v in parameters.items() if isinstance(v, Mapping)}
-    common = {k: float(v) for k, v in parameters.items() if isinstance(v, int | float)}
-    axes = dict.fromkeys(axis for sizes in per_axis.values() for axis in sizes)
-    return {
-        axis: effect.series(conditions, common | {k: v[axis] for k, v in per_axis.items()}, rng)
-        for axis in axes
-    }

@@ -5,51 +5,39 @@ searched: the square of the speed, saturating once the whole gap is crossed.
 """
 
 import numpy as np
-from numpy.random import Generator
 
-from scara_iso.effects._effect import (
-    Conditions,
-    Direction,
-    Effect,
-    Parameter,
-    Shape,
-    Sizes,
-    column,
-)
+from scara_iso.effects._conditions import Conditions
+from scara_iso.effects._effect import Course, Direction, as_column
+from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
 _COLUMN = "speed"
-_SATURATION = tuple(share / 20 for share in range(6, 21))
+_SATURATION = np.arange(6, 21) / 20
 """Speeds tried at which the whole gap is crossed, as a share of the largest one recorded."""
 
 
-def _series(conditions: Conditions, values: Sizes, _: Generator) -> FloatArray:
-    return values["size"] * _course(conditions.covariates[_COLUMN], values["full_at"])
+def _columns(conditions: Conditions, *, full_at: float) -> FloatArray:
+    return as_column(np.minimum(1.0, (conditions.covariates[_COLUMN] / full_at) ** 2))
 
 
-def _course(speed: FloatArray, full_at: float) -> FloatArray:
-    return np.asarray(np.minimum(1.0, (speed / full_at) ** 2))
+def _speeds(conditions: Conditions) -> Grid:
+    top = float(np.abs(conditions.covariates[_COLUMN]).max())
+    return Grid.exact(_SATURATION * top if top else [])
 
 
-def _shapes(conditions: Conditions) -> tuple[Shape, ...]:
-    speed = conditions.covariates.get(_COLUMN)
-    if speed is None or not np.any(speed):
-        return ()
-    top = float(np.abs(speed).max())
-    full = [share * top for share in _SATURATION if np.ptp(_course(speed, share * top)) > 0]
-    return tuple(Shape(column(_course(speed, f)), {"full_at": f}) for f in full)
-
-
-EFFECT = Effect(
+EFFECT = Course(
     name="coast_in_gap",
     parameters=(
         Parameter("size", "2D", "reading", "travel across the whole gap, at the tool"),
-        Parameter("full_at", "w", "speed", "speed from which the whole gap is crossed", above=0),
+        Parameter(
+            "full_at", "w", "speed", "speed from which the whole gap is crossed", above=0,
+            grid=_speeds,
+        ),
     ),
     cause="the load coasts on through the gap until Coulomb friction stops it",
     confirm_by="run at 10, 50 and 100 % of the speed: the shift must grow with its square until "
     "the whole gap is crossed",
-    series=_series,
+    needs=(_COLUMN,),
     direction=Direction.JOINT,
-    shapes=_shapes,
-)
+    columns=_columns,
+)  # fmt: skip

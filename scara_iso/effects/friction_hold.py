@@ -7,30 +7,31 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.effects._effect import GearEffect, Parameter, Sizes, Sweep
+from scara_iso.effects._gear import GearEffect, Sweep
+from scara_iso.effects._parameter import Grid, Parameter
 
 
-def _changed(sweep: Sweep, values: Sizes) -> Sweep:
+def _changed(sweep: Sweep, *, held: float) -> Sweep:
     """Return the sweep with the share of the gap that is crossed.
 
     The source gives no formula; a load that friction holds leaves ``held`` 2D uncrossed.
     """
-    return replace(sweep, gap=(1 - values["held"]) * sweep.gap)
+    return replace(sweep, gap=(1 - held) * sweep.gap)
 
 
-def _candidates(_: Sweep) -> tuple[Sizes, ...]:
-    return tuple({"held": float(held)} for held in np.linspace(0.001, 0.999, 999))
+def _shares(_: Sweep) -> Grid:
+    return Grid.exact(np.linspace(0.001, 0.999, 999))
 
 
 EFFECT = GearEffect(
     name="friction_hold",
     parameters=(
         Parameter(
-            "held", "h", "", "share of the gap that friction keeps from crossing", above=0, up_to=1
+            "held", "h", "", "share of the gap that friction keeps from crossing", above=0, up_to=1,
+            grid=_shares,
         ),
     ),
     cause="friction of seal, bearing or mesh holds the load inside the gap",
     confirm_by="vary the approach speed: a held load comes to rest elsewhere",
     changed=_changed,
-    candidates=_candidates,
-)
+)  # fmt: skip

@@ -4,22 +4,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.effects._effect import GearEffect, Parameter, Sizes, Sweep
+from scara_iso.effects._gear import GearEffect, Sweep
+from scara_iso.effects._parameter import Grid, Parameter
 
 
-def _changed(sweep: Sweep, values: Sizes) -> Sweep:
-    return replace(sweep, gap=values["factor"] * sweep.gap)
+def _changed(sweep: Sweep, *, factor: float) -> Sweep:
+    return replace(sweep, gap=factor * sweep.gap)
 
 
-def _candidates(_: Sweep) -> tuple[Sizes, ...]:
-    return tuple({"factor": float(factor)} for factor in np.geomspace(0.2, 5.0, 1200))
+def _factors(_: Sweep) -> Grid:
+    return Grid.exact(np.geomspace(0.2, 5.0, 1200))
 
 
 EFFECT = GearEffect(
     name="gap",
-    parameters=(Parameter("factor", "f", "", "true gap over the stated one", above=0),),
+    parameters=(
+        Parameter("factor", "f", "", "true gap over the stated one", above=0, grid=_factors),
+    ),
     cause="the gear's backlash is not the catalogue's: wear, assembly, or a wrong figure",
     confirm_by="hold the motor and measure the free play of the output directly",
     changed=_changed,
-    candidates=_candidates,
 )

@@ -4,15 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.effects._effect import GearEffect, Sizes, Sweep
+from scara_iso.effects._gear import GearEffect, Sweep
 
 
-def _changed(sweep: Sweep, _: Sizes) -> Sweep:
+def _changed(sweep: Sweep) -> Sweep:
     return replace(sweep, I_m=np.full_like(sweep.I_m, np.inf))
-
-
-def _candidates(_: Sweep) -> tuple[Sizes, ...]:
-    return ({},)
 
 
 EFFECT = GearEffect(
@@ -21,5 +17,4 @@ EFFECT = GearEffect(
     cause="servo or brake holds the motor while the load is pushed across the whole gap",
     confirm_by="measure with the servo on and off",
     changed=_changed,
-    candidates=_candidates,
 )

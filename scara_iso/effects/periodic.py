@@ -4,18 +4,11 @@ Not gear transmission error: at one commanded pose every visit has the same join
 error is a constant there.
 """
 
-import math
-
 import numpy as np
-from numpy.random import Generator
 
-from scara_iso.effects._effect import (
-    Conditions,
-    Effect,
-    Parameter,
-    Shape,
-    Sizes,
-)
+from scara_iso.effects._conditions import Conditions
+from scara_iso.effects._effect import AMPLITUDE_AND_PHASE, Course
+from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
 _SHORTEST, _LONGEST = 2.3, 18.0
@@ -24,42 +17,26 @@ _SHORTEST, _LONGEST = 2.3, 18.0
 _FINER = 10
 
 
-def _series(conditions: Conditions, values: Sizes, _: Generator) -> FloatArray:
-    angle = 2 * np.pi * conditions.time / values["period"] + values["phase"]
-    return np.asarray(values["size"] * np.sin(angle))
+def _columns(conditions: Conditions, *, period: float) -> FloatArray:
+    angle = 2 * np.pi * conditions.time / period
+    return np.stack([np.sin(angle), np.cos(angle)], axis=1)
 
 
-def _shapes(conditions: Conditions) -> tuple[Shape, ...]:
-    """Frequencies at half the spacing of the Fourier ones, as likely in period as 1 / P."""
-    frequencies = np.arange(1 / _LONGEST, 1 / _SHORTEST, _spacing(conditions))
-    return tuple(_shape(conditions.time, float(f)) for f in frequencies)
+def _periods(conditions: Conditions) -> Grid:
+    """Return frequencies at half the spacing of the Fourier ones, as likely in period as 1 / P."""
+    apart = 1 / (2 * max(len(conditions), 2))
+    frequencies = np.arange(1 / _LONGEST, 1 / _SHORTEST, apart)
+    periods = (1 / frequencies).tolist()
+    steps = apart * np.arange(1 - _FINER, _FINER) / _FINER
+    return Grid(periods, weights=periods, near=lambda period: 1 / (1 / period + steps))
 
 
-def _nearby(conditions: Conditions, values: Sizes) -> tuple[Shape, ...]:
-    apart = _spacing(conditions) * np.arange(1 - _FINER, _FINER) / _FINER
-    return tuple(_shape(conditions.time, 1 / values["period"] + float(d)) for d in apart)
-
-
-def _spacing(conditions: Conditions) -> float:
-    return 1 / (2 * max(len(conditions), 2))
-
-
-def _shape(time: FloatArray, frequency: float) -> Shape:
-    angle = 2 * np.pi * frequency * time
-    columns = np.stack([np.sin(angle), np.cos(angle)], axis=1)
-    return Shape(columns, {"period": 1 / frequency}, weight=1 / frequency)
-
-
-def _sizes(coefficients: FloatArray) -> dict[str, float]:
-    sine, cosine = float(coefficients[0]), float(coefficients[1])
-    return {"size": math.hypot(sine, cosine), "phase": math.atan2(cosine, sine)}
-
-
-EFFECT = Effect(
+EFFECT = Course(
     name="periodic",
     parameters=(
         Parameter(
-            "period", "P", "cycles", "period; in median intervals if time_s is there", above=0
+            "period", "P", "cycles", "period; in median intervals if time_s is there", above=0,
+            grid=_periods,
         ),
         Parameter("size", "A", "reading", "amplitude"),
         Parameter("phase", "φ", "rad", "phase at the first cycle"),
@@ -68,9 +45,8 @@ EFFECT = Effect(
     "aliased by the cycle time",
     confirm_by="change the cycle time: the period in cycles must change, the period in minutes "
     "must not",
-    series=_series,
-    weight=1.3,
-    shapes=_shapes,
-    nearby=_nearby,
-    sizes=_sizes,
-)
+    weight=1.3,  # benchmarks/diagnosis.py, table naming
+    test_weight=1.3,  # benchmarks/diagnosis.py, table power
+    linear=AMPLITUDE_AND_PHASE,
+    columns=_columns,
+)  # fmt: skip

@@ -7,16 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.diagnosis.choice import Choice, posterior
+from scara_iso.diagnosis.tuning import FURTHER_LEVEL, LEVEL, SEED, UNKNOWN
 from scara_iso.effects import GearEffect, Sweep, find_gear_effects
 from scara_iso.errors import DataError
-from scara_iso.gears.chance import (
-    LEVEL,
-    SECOND_LEVEL,
-    misfits,
-    p_value,
-    second_p_value,
-    wanders,
-)
 from scara_iso.gears.fit import (
     Family,
     Fitted,
@@ -26,12 +20,12 @@ from scara_iso.gears.fit import (
     pair_families,
     single_families,
 )
-from scara_iso.gears.unknown import UNKNOWN, unknown_families
+from scara_iso.gears.significance import FLOOR, misfits, p_value, second_p_value, wanders
+from scara_iso.gears.unknown import unknown_families
 from scara_iso.run import FloatArray
 from scara_iso.verdict import Rival, Verdict
 
 _FEWEST = 3
-_RIVAL = 0.1
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,6 +50,8 @@ class GearDiagnosis:
 
     verdict: Verdict
     p_value: float
+    p_value_at_floor: bool
+    """No simulation came as far: the chance is at most the p-value."""
     effects: tuple[GearFound, ...]
     candidates: tuple[Rival, ...]
     """Nearest effects where the verdict is that none fits."""
@@ -75,7 +71,7 @@ def diagnose_sweep(
     measured: FloatArray,
     *,
     uncertainty: FloatArray | None = None,
-    seed: int = 9283,
+    seed: int = SEED,
     effects: Sequence[GearEffect] | None = None,
 ) -> GearDiagnosis:
     """Return what eq. 16 leaves of measured load deviations (m,) in rad, and which effect it is.
@@ -109,45 +105,47 @@ def diagnose_reversals(
     before = data.predict()
     rng = np.random.default_rng(seed)
     chance = p_value(data, before, [*singles, *unknown_families(data)], rng)
-    chance = min(1.0, sides * chance)
-    nothing = _result(data, Verdict.NOTHING, chance, (), None)
+    at_floor, chance = chance <= FLOOR, min(1.0, sides * chance)
+    nothing = _as_predicted(data, chance, at_floor=at_floor)
     if chance > LEVEL:
         return replace(nothing, notes=_notes(data, _hidden(data, nothing)))
-    families, fits = _chosen(data, singles)
-    best, ranked = fits[0], _probabilities(fits)
-    unknown = any(term.effect.name == UNKNOWN for term in best.family)
-    if unknown or misfits(data, best) or wanders(data, best, rng):
-        near = tuple(r for r in ranked if UNKNOWN not in r.effect)[:3]
+    families, choice = _chosen(data, singles)
+    best = choice.forms[choice.best]
+    if choice.best == UNKNOWN or misfits(data, best) or wanders(data, best, rng):
+        near = tuple(rival for rival in choice.ranked if rival.effect != UNKNOWN)[:3]
         return replace(
             nothing, verdict=Verdict.UNEXPLAINED, candidates=near, notes=_notes(data, ())
         )
-    found = _found(best, ranked, chance)
+    found = _found(best, choice, chance)
     unseen = _left_out(data, families)
     return replace(
-        _result(data, Verdict.EXPLAINED, chance, found, best),
+        _explained(nothing, data, found, best),
         held_out_after=unseen,
-        notes=_notes(data, _settled_by(best, fits[1:], ranked)),
+        notes=_notes(data, _settled_by(choice)),
     )
 
 
-def _chosen(data: Reversals, singles: Sequence[Family]) -> tuple[list[Family], list[Fitted]]:
-    """Return the families that compete, one effect or two, and their fits, the likeliest first."""
+def _chosen(data: Reversals, singles: Sequence[Family]) -> tuple[list[Family], Choice[Fitted]]:
+    """Return the families that compete, one effect or two, and the choice among their fits."""
     one = [fit_family(data, family) for family in singles]
     rows, conditions = len(data.measured), distinct_conditions(data)
     pairs = [*pair_families(singles, conditions, rows)]
     pairs += unknown_families(data) if min(rows - 1, conditions) >= 2 else []
     two = [fit_family(data, family) for family in pairs]
-    if two and second_p_value(data, one, two) <= SECOND_LEVEL:
-        return pairs, sorted(two, key=lambda f: -f.log_evidence)
-    return list(singles), sorted(one, key=lambda f: -f.log_evidence)
+    if two and second_p_value(data, one, two) <= FURTHER_LEVEL:
+        return pairs, _choice(two)
+    return list(singles), _choice(one)
 
 
-def _probabilities(fits: Sequence[Fitted]) -> list[Rival]:
-    log = np.array([fit.log_evidence for fit in fits])
-    weight = np.exp(log - log.max())
-    return [
-        Rival(_label(fit), float(w)) for fit, w in zip(fits, weight / weight.sum(), strict=True)
-    ]
+def _choice(fits: Sequence[Fitted]) -> Choice[Fitted]:
+    ranked = sorted(fits, key=lambda fit: -fit.log_evidence)
+    forms: dict[str, Fitted] = {}
+    evidence: dict[str, float] = {}
+    for fit in ranked:
+        name, relative = _label(fit), fit.log_evidence - ranked[0].log_evidence
+        forms.setdefault(name, fit)
+        evidence[name] = evidence.get(name, 0.0) + float(np.exp(relative))
+    return Choice(posterior(evidence), forms)
 
 
 def _label(fit: Fitted) -> str:
@@ -159,9 +157,7 @@ def _label(fit: Fitted) -> str:
     )  # fmt: skip
 
 
-def _found(best: Fitted, ranked: Sequence[Rival], p_value: float) -> tuple[GearFound, ...]:
-    first, *others = ranked
-    rivals = tuple(r for r in others if r.probability >= _RIVAL * first.probability)
+def _found(best: Fitted, choice: Choice[Fitted], p_value: float) -> tuple[GearFound, ...]:
     return tuple(
         GearFound(
             effect=term.effect.name,
@@ -169,8 +165,8 @@ def _found(best: Fitted, ranked: Sequence[Rival], p_value: float) -> tuple[GearF
             parameters=values,
             intervals=spread,
             p_value=p_value,
-            probability=first.probability,
-            rivals=rivals,
+            probability=choice.probability[choice.best],
+            rivals=choice.rivals,
             cause=term.effect.cause,
             confirm_by=term.effect.confirm_by,
         )
@@ -204,15 +200,16 @@ def distinct_conditions(data: Reversals) -> int:
     return len(np.unique(np.round(np.stack(columns, axis=1), 12), axis=0))
 
 
-def _settled_by(best: Fitted, others: Sequence[Fitted], ranked: Sequence[Rival]) -> list[str]:
+def _settled_by(choice: Choice[Fitted]) -> list[str]:
     """Return one line for each rival: what would tell it from the effects found."""
-    own = {term.effect.name for term in best.family}
+    best = choice.forms[choice.best].family
+    own = {term.effect.name for term in best}
     lines = []
-    for fit, rival in zip(others, ranked[1:], strict=True):
-        if rival.probability >= _RIVAL * ranked[0].probability:
-            ways = [t.effect.confirm_by for t in fit.family if t.effect.name not in own]
-            ways = ways or [term.effect.confirm_by for term in best.family]
-            lines.append(f"{ranked[0].effect} or {rival.effect}: {'; '.join(dict.fromkeys(ways))}")
+    for rival in choice.rivals:
+        family = choice.forms[rival.effect].family
+        ways = [t.effect.confirm_by for t in family if t.effect.name not in own]
+        ways = ways or [term.effect.confirm_by for term in best]
+        lines.append(f"{choice.best} or {rival.effect}: {'; '.join(dict.fromkeys(ways))}")
     return lines
 
 
@@ -239,19 +236,21 @@ def _notes(data: Reversals, settled: Sequence[str]) -> tuple[str, ...]:
     return (*notes, *settled)
 
 
-def _result(
-    data: Reversals,
-    verdict: Verdict,
-    p_value: float,
-    found: tuple[GearFound, ...],
-    fit: Fitted | None,
-) -> GearDiagnosis:
+def _as_predicted(data: Reversals, p_value: float, *, at_floor: bool) -> GearDiagnosis:
     before = data.predict()
-    after = before if fit is None else data.predict(fit.changes)[0]
     rms = float(np.sqrt(((data.measured - before) ** 2).mean()))
-    left = float(np.sqrt(((data.measured - after) ** 2).mean()))
     return GearDiagnosis(
-        verdict=verdict, p_value=p_value, effects=found, candidates=(),
-        rms_before=rms, rms_after=left, held_out_before=rms, held_out_after=rms,
-        measured=data.measured, predicted_before=before, predicted_after=after,
+        verdict=Verdict.NOTHING, p_value=p_value, p_value_at_floor=at_floor, effects=(),
+        candidates=(), rms_before=rms, rms_after=rms, held_out_before=rms, held_out_after=rms,
+        measured=data.measured, predicted_before=before, predicted_after=before,
     )  # fmt: skip
+
+
+def _explained(
+    nothing: GearDiagnosis, data: Reversals, found: tuple[GearFound, ...], fit: Fitted
+) -> GearDiagnosis:
+    after = data.predict(fit.changes)[0]
+    left = float(np.sqrt(((data.measured - after) ** 2).mean()))
+    return replace(
+        nothing, verdict=Verdict.EXPLAINED, effects=found, rms_after=left, predicted_after=after
+    )

@@ -9,15 +9,13 @@ from typing import cast
 
 import numpy as np
 
-from scara_iso.effects import GearEffect, Sweep
-from scara_iso.effects._effect import Sizes
+from scara_iso.diagnosis.tuning import SCATTER_POWERS
+from scara_iso.effects import GearEffect, Sizes, Sweep
 from scara_iso.run import FloatArray, IntArray
 
 Joint = int | None
 """A joint's number; None for a sweep, which has one joint only."""
 
-_POWERS = (0.0, 0.5, 1.0)
-"""A scatter that is not known may grow with the deviation by any of these powers."""
 _RELATIVE_FLOOR = 1e-6
 """A reversal is not known better than this share of the largest one."""
 _SMALLEST = 1e-3
@@ -56,7 +54,7 @@ class Reversals:
         for joint, sweep in self.sweeps.items():
             for term, values in changes:
                 if term.joint == joint:
-                    sweep = term.effect.changed(sweep, values)  # noqa: PLW2901 - one after another
+                    sweep = term.effect.changed(sweep, **values)  # noqa: PLW2901 - one after another
             total = total + self.levers[joint] * sweep.deviation
         return np.asarray(np.atleast_2d(total)[:, self.rows] if changes else total[self.rows])
 
@@ -92,7 +90,7 @@ class Reversals:
         if self.uncertainty is not None:
             yield _squares(readings, predictions, np.asarray(1 / self.scale))
             return
-        for power in _POWERS:
+        for power in SCATTER_POWERS:
             yield _squares(readings, predictions, _weight(predictions, power))
 
     def _log(self, readings: FloatArray, squares: FloatArray) -> FloatArray:
@@ -106,7 +104,7 @@ class Reversals:
         if self.uncertainty is not None:
             return self.scale[np.newaxis], np.ones(1)
         left, m = self.measured[self.rows] - predicted, len(self.rows)
-        weights = np.stack([_weight(predicted[np.newaxis], power)[0] for power in _POWERS])
+        weights = np.stack([_weight(predicted[np.newaxis], power)[0] for power in SCATTER_POWERS])
         size = np.sqrt(((left * weights) ** 2).mean(axis=1)) + np.finfo(float).tiny
         likely = np.exp(-m * (np.log(size) - np.log(size.min())))
         return size[:, np.newaxis] / weights, likely / likely.sum()

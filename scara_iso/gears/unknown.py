@@ -6,11 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.effects import GearEffect, Parameter, Sweep
-from scara_iso.effects._effect import Sizes
+from scara_iso.diagnosis.tuning import UNKNOWN
+from scara_iso.effects import GearEffect, Grid, Parameter, Sweep
 from scara_iso.gears.fit import Family, Reversals, single_families
-
-UNKNOWN = "unknown"
 
 
 def unknown_families(data: Reversals) -> list[Family]:
@@ -19,32 +17,30 @@ def unknown_families(data: Reversals) -> list[Family]:
     return [(*level, *power) for level, power in zip(*shapes, strict=True)] if all(shapes) else []
 
 
-def _at_level(sweep: Sweep, values: Sizes) -> Sweep:
-    return replace(
-        sweep, I_m=np.full_like(sweep.I_m, np.inf), gap=sweep.gap * np.exp(values["level"])
-    )
+def _at_level(sweep: Sweep, *, level: float) -> Sweep:
+    return replace(sweep, I_m=np.full_like(sweep.I_m, np.inf), gap=sweep.gap * np.exp(level))
 
 
-def _at_power(sweep: Sweep, values: Sizes) -> Sweep:
+def _at_power(sweep: Sweep, *, power: float) -> Sweep:
     log = np.log(sweep.I_L)
-    return replace(sweep, gap=sweep.gap * np.exp(values["power"] * (log - log.mean())))
+    return replace(sweep, gap=sweep.gap * np.exp(power * (log - log.mean())))
+
+
+def _levels(_: Sweep) -> Grid:
+    return Grid.exact(np.linspace(-14.0, 2.0, 201))
+
+
+def _powers(sweep: Sweep) -> Grid:
+    return Grid.exact(np.linspace(-2.0, 2.0, 201) if np.ptp(sweep.I_L) else [])
 
 
 _LEVEL_OF_ANY, _POWER_OF_ANY = (
     GearEffect(
         name=UNKNOWN,
-        parameters=(Parameter(name, name, "", "of a deviation of unknown cause"),),
+        parameters=(Parameter(name, name, "", "of a deviation of unknown cause", grid=grid),),
         cause="none known",
         confirm_by="measure at more inertias, several times at each",
         changed=changed,
-        candidates=candidates,
     )
-    for name, changed, candidates in (
-        ("level", _at_level, lambda _: _tried("level", -14.0, 2.0)),
-        ("power", _at_power, lambda s: _tried("power", -2.0, 2.0) if np.ptp(s.I_L) else ()),
-    )
+    for name, changed, grid in (("level", _at_level, _levels), ("power", _at_power, _powers))
 )
-
-
-def _tried(name: str, low: float, high: float) -> tuple[Sizes, ...]:
-    return tuple({name: float(value)} for value in np.linspace(low, high, 201))

@@ -8,11 +8,6 @@ from scara_iso.effects import Effect, GearEffect, Parameter, find_effects, find_
 from scara_iso.model.keys import Faults, is_number, only
 from scara_iso.model.parts import DeclaredEffect, Gearbox, Indicator
 
-READING = "reading"
-"""Unit of a parameter that has a value for each axis; ``reading/cycle`` and the like as well."""
-COLUMN = "column"
-"""The one parameter that is a text: the name of a recorded column."""
-
 
 def declared_effects(
     entries: object,
@@ -60,7 +55,7 @@ def _check(
     for axis in by_axis:
         if axis not in indicators:
             faults.add(f"{key}.{axis}", f"no indicator {axis}")
-    if not by_axis and parameter.unit.startswith(READING):
+    if not by_axis and parameter.per_axis:
         faults.add(key, "give a value for each axis it acts on, such as { X = 0.03 }")
         return
     parts = {f"{key}.{axis}": part for axis, part in by_axis.items()} or {key: value}
@@ -78,7 +73,7 @@ def _check_axes(values: Mapping[str, object], where: str, faults: Faults) -> Non
 
 def why_not(parameter: Parameter, value: object) -> str:
     """Return why ``value`` cannot be that of a parameter; empty where it can."""
-    if parameter.name == COLUMN:
+    if parameter.text:
         return "" if isinstance(value, str) else f"{repr(value)[:40]} is not the name of a column"
     if not is_number(value):
         return f"{repr(value)[:40]} is not a finite number"

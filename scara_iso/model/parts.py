@@ -65,15 +65,12 @@ class DeclaredEffect:
         maps = (value for value in self.parameters.values() if isinstance(value, Mapping))
         return tuple(next(maps, {}))
 
-    def on_axis(self, axis: str) -> dict[str, float]:
-        """Return the parameters that hold for one axis, text left out."""
-        chosen: dict[str, float] = {}
-        for name, value in self.parameters.items():
-            if isinstance(value, Mapping):
-                chosen[name] = value[axis]
-            elif not isinstance(value, str):
-                chosen[name] = value
-        return chosen
+    def on_axis(self, axis: str) -> dict[str, float | str]:
+        """Return the parameters that hold for one axis."""
+        return {
+            name: value[axis] if isinstance(value, Mapping) else value
+            for name, value in self.parameters.items()
+        }
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,7 +44,7 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
             effect = known.get(declared.name)
             if effect is None or name not in declared.axes:
                 continue
-            if not is_chance(effect, declared, procedure, name):
+            if not is_random(effect, declared, name):
                 readings += course(effect, declared, procedure, name)
         axes[name] = Axis(
             name, readings, indicator.dimension, indicator.resolution, indicator.uncertainty
@@ -58,12 +58,9 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
     )
 
 
-def is_chance(effect: Effect, declared: DeclaredEffect, procedure: Conditions, axis: str) -> bool:
-    """Return whether the course of an effect is drawn by chance: whether it draws at all."""
-    chance = np.random.default_rng(0)
-    before = chance.bit_generator.state
-    course(effect, declared, procedure, axis, chance)
-    return chance.bit_generator.state != before
+def is_random(effect: Effect, declared: DeclaredEffect, axis: str) -> bool:
+    """Return whether chance draws the course of an effect anew in every test."""
+    return effect.is_random(_values(effect, declared, axis))
 
 
 def course(
@@ -74,32 +71,25 @@ def course(
     rng: np.random.Generator | None = None,
 ) -> FloatArray:
     """Return what one effect adds to the readings of one axis, shape (n,), in the axis' unit."""
-    values = declared.on_axis(axis)
+    values = _values(effect, declared, axis)
+    for column in effect.columns_needed(values):
+        if column not in procedure.covariates or not effect.takes(column):
+            raise UsageError(
+                f"effect {declared.name} needs the column {column}, which the test does not have",
+                remedy="record it, simulate it, or take the effect out of the model",
+            )
+    # A course that is not random draws nothing: any generator gives the same.
+    return effect.series(procedure, values, np.random.default_rng(0) if rng is None else rng)
+
+
+def _values(effect: Effect, declared: DeclaredEffect, axis: str) -> dict[str, float | str]:
     missing = [p.name for p in effect.parameters if p.name not in declared.parameters]
     if missing:
         raise UsageError(
             f"effect {declared.name}: {', '.join(missing)} not given",
             remedy=f"it takes {', '.join(p.name for p in effect.parameters)}",
         )
-    # A course without chance draws nothing: any generator gives the same.
-    chance = rng if rng is not None else np.random.default_rng(0)
-    try:
-        return effect.series(_of_column(procedure, declared), values, chance)
-    except (KeyError, StopIteration) as error:
-        column = declared.parameters.get("column") or next(iter(error.args), "that it acts through")
-        raise UsageError(
-            f"effect {declared.name} needs the column {column}, which the test does not have",
-            remedy="record it, simulate it, or take the effect out of the model",
-        ) from error
-
-
-def _of_column(procedure: Conditions, declared: DeclaredEffect) -> Conditions:
-    """Return the conditions with only the column that the effect names, if it names one."""
-    column = declared.parameters.get("column")
-    if not isinstance(column, str):
-        return procedure
-    named = {name: v for name, v in procedure.covariates.items() if name in (column, "time_s")}
-    return Conditions(procedure.cycle, named)
+    return declared.on_axis(axis)
 
 
 def _reversal(model: Model, procedure: Conditions, axis: str) -> FloatArray:
@@ -165,7 +155,7 @@ def sweep_of(model: Model, joint: int, payload: FloatArray | None = None) -> Swe
         ratio=None if gear.ratio is None else gear.ratio * one,
     )
     for effect, declared in _gear_effects(model, joint):
-        sweep = effect.changed(sweep, declared.on_axis(""))
+        sweep = effect.changed(sweep, **declared.on_axis(""))
     return sweep
 
 

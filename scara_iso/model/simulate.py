@@ -10,7 +10,7 @@ import numpy as np
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import UsageError
 from scara_iso.model.parts import DeclaredEffect, Indicator, Model
-from scara_iso.model.predict import course, is_chance, predict
+from scara_iso.model.predict import course, is_random, predict
 from scara_iso.run import FloatArray, Run
 
 
@@ -41,7 +41,7 @@ def simulate(
             readings[name] += moved
     for effect, declared in [
         *((known[d.name], d) for d in undeclared),
-        *_of_chance(model, known, procedure),
+        *_random(model, known),
     ]:
         for name, moved in _courses(effect, declared, procedure, rng):
             readings[name] += moved
@@ -52,13 +52,11 @@ def simulate(
     return replace(expected, axes=axes)
 
 
-def _of_chance(
-    model: Model, known: Mapping[str, Effect], procedure: Conditions
-) -> Iterator[tuple[Effect, DeclaredEffect]]:
+def _random(model: Model, known: Mapping[str, Effect]) -> Iterator[tuple[Effect, DeclaredEffect]]:
     """Yield the declared effects that the prediction leaves out because chance draws them."""
     for declared in model.effects:
         effect = known.get(declared.name)
-        if effect is not None and is_chance(effect, declared, procedure, declared.axes[0]):
+        if effect is not None and is_random(effect, declared, declared.axes[0]):
             yield effect, declared
 
 

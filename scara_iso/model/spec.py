@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from scara_iso.effects import Effect, Parameter, find_effects
 from scara_iso.errors import UsageError
-from scara_iso.model.declared import COLUMN, READING, why_not
+from scara_iso.model.declared import why_not
 from scara_iso.model.parts import DeclaredEffect, Model, Value
 from scara_iso.quantities import Dimension
 from scara_iso.tables.numbers import parse_clean
@@ -40,7 +40,7 @@ def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
             )
         if key in values:
             raise UsageError(f"effect {text!r}: {key} is given twice")
-        values[key] = value if key == COLUMN else _value(text, wanted[key], value)
+        values[key] = value if wanted[key].text else _value(text, wanted[key], value)
     missing = sorted(set(wanted) - set(values))
     if missing:
         raise UsageError(
@@ -68,7 +68,7 @@ def _axes(text: str, model: Model) -> list[str]:
 def _by_axis(
     values: Mapping[str, float | str], effect: Effect, axes: list[str]
 ) -> dict[str, Value]:
-    sizes = {p.name for p in effect.parameters if p.unit.startswith(READING)}
+    sizes = {p.name for p in effect.parameters if p.per_axis}
     return {
         key: dict.fromkeys(axes, value) if key in sizes and isinstance(value, float) else value
         for key, value in values.items()

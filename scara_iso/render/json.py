@@ -175,6 +175,7 @@ def gear_json(closed: GearDiagnosis) -> Json:
     return {
         "verdict": closed.verdict.value,
         "p_value": closed.p_value,
+        "p_value_at_floor": closed.p_value_at_floor,
         "effects": [
             {
                 "effect": found.effect,

@@ -54,6 +54,7 @@ def _contrast(one: Contrast) -> Json:
         "difference_interval": one.interval,
         **({} if one.quantity == "mean" else spread),
         "p_value": one.p_value,
+        "p_value_at_floor": one.p_value_at_floor,
         "p_value_alone": one.p_value_alone,
         "verdict": one.verdict.value,
         "cycles_needed": one.cycles_needed,

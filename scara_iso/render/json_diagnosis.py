@@ -19,6 +19,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
         "unit": "mm",
         "verdict": diagnosis.verdict.value,
         "p_value": diagnosis.p_value,
+        "p_value_at_floor": diagnosis.p_value_at_floor,
         "effects": [_found(found) for found in diagnosis.effects],
         "candidates": rivals_json(diagnosis.candidates),
         "error": {
@@ -44,7 +45,13 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
         },
         "series": _series(diagnosis.series),
         "flags": [
-            {"axis": f.axis, "cycle": f.cycle, "p_value": f.p_value} for f in diagnosis.flags
+            {
+                "axis": f.axis,
+                "cycle": f.cycle,
+                "p_value": f.p_value,
+                "p_value_at_floor": f.p_value_at_floor,
+            }
+            for f in diagnosis.flags
         ],
         "notes": list(diagnosis.notes),
         **({} if diagnosis.reversals is None else {"gear": _gear(diagnosis.reversals)}),
@@ -93,6 +100,7 @@ def _found(found: Found) -> Json:
         },
         "standard_errors": {name: dict(value) for name, value in found.standard_errors.items()},
         "p_value": found.p_value,
+        "p_value_at_floor": found.p_value_at_floor,
         "probability": found.probability,
         "rivals": rivals_json(found.rivals),
         "cause": found.cause,

@@ -11,7 +11,6 @@ import numpy as np
 
 from scara_iso.arm import Arm
 from scara_iso.disk import write_file
-from scara_iso.drivetrain import DriveTrain, Trajectory
 from scara_iso.errors import UsageError
 from scara_iso.plan import Plan
 from scara_iso.run import FloatArray
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import Diagnosis
 
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
-CONTACT = {1: "#cfe8d5", 0: "#f2f2f2", -1: "#f6d9d0"}
 
 
 def plot_plan(plan: Plan, arm: Arm, path: Path) -> None:
@@ -40,34 +38,6 @@ def plot_plan(plan: Plan, arm: Arm, path: Path) -> None:
     spec = right.get_subplotspec()
     right.remove()
     _draw_solid(figure.add_subplot(spec, projection="3d"), plan)
-    save(figure, path)
-
-
-def plot_gap(trajectory: Trajectory, train: DriveTrain, path: Path) -> None:
-    """Draw gap angle, motor and load through time, the three contact states in colour.
-
-    Errors as in `plot_plan`.
-    """
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
-
-    figure = Figure(figsize=(8, 5.5), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    time = trajectory.time * 1000
-    _shade_contacts(upper, trajectory)
-    for end in (-1, 1):
-        upper.axhline(end * train.gap / 2 * 1000, color=EDGE, lw=0.8, ls="--")
-    upper.plot(time, trajectory.gap_angle * 1000, color=SOLID, lw=1.8)
-    upper.set(ylabel="motor − load [mrad]", title="Gap angle in the three contact states")
-    upper.set_ylim(-0.62 * train.gap * 1000, 0.62 * train.gap * 1000)
-    upper.legend(
-        loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=3, fontsize=8, frameon=False
-    )
-    lower.plot(
-        time, trajectory.motor_angle * 1000, color=PLANE, lw=1.8, label="motor, at the output"
-    )
-    lower.plot(time, trajectory.load_angle * 1000, color=ARM, lw=1.8, label="load")
-    lower.set(xlabel="time [ms]", ylabel="angle [mrad]")
-    lower.legend(fontsize=8, frameon=False)
     save(figure, path)
 
 
@@ -101,17 +71,6 @@ def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
             loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3, fontsize=8, frameon=False
         )
     save(figure, path)
-
-
-def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
-    names = {1: "right contact", 0: "no contact", -1: "left contact"}
-    edges = np.flatnonzero(np.diff(trajectory.contact)) + 1
-    ends = np.append(edges, len(trajectory.time)) - 1
-    for first, last in zip(np.append(0, edges), ends, strict=True):
-        side = int(trajectory.contact[first])
-        label = names.pop(side, None)
-        span = trajectory.time[[first, last]] * 1000
-        axes.axvspan(*span, color=CONTACT[side], lw=0, label=label)
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -1,11 +1,15 @@
 """Reports on a terminal: the one home of rich.
 
 Text from files is never markup, and its control characters are shown, not obeyed. A table that is
-too wide for the terminal is printed row by row, one figure a line.
+too wide for the terminal is printed row by row, one figure a line. A report has everything; a
+screen has room for so much of it, and what is left out is counted.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import groupby
 from typing import TextIO
 
 from rich.box import SIMPLE_HEAD
@@ -15,7 +19,7 @@ from rich.table import Table as RichTable
 from rich.text import Text as RichText
 
 from scara_iso.render.strips import LEVELS, sparkline
-from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
+from scara_iso.report.blocks import Block, Figure, Notice, Report, Section, Strip, Table, Text
 from scara_iso.report.words import printable
 
 _STYLES = {
@@ -30,6 +34,8 @@ _MARKS = {"error": ("x", "bold red"), "warning": ("!", "yellow"), "info": ("-", 
 _BLOCKS, _DIGITS = LEVELS, "0123456789"
 _INDENT = 2
 _ENDLESS = 10_000
+_MOST_POSES, _MOST_ROWS, _MOST_NOTICES, _MOST_NOTES, _LONGEST = 10, 100, 40, 6, 2000
+"""Poses (or tables) of a report, rows of a table, texts in a row, quiet ones, letters of one."""
 
 
 def open_console(stream: TextIO, *, no_color: bool = False) -> Console:
@@ -45,20 +51,51 @@ def open_console(stream: TextIO, *, no_color: bool = False) -> Console:
 
 
 def show(report: Report, console: Console) -> None:
-    """Print a report."""
-    for section in report:
+    """Print a report, as much of it as a screen has room for."""
+    for section in _shortened(report):
         if section.heading:
             console.print(RichText(printable(section.heading), "bold underline"))
         label_width = max((len(b.label) for b in section.blocks if isinstance(b, Strip)), default=0)
-        for block in section.blocks:
+        for block in _some(section.blocks):
             _show_block(block, console, label_width)
         console.print()
+
+
+def _shortened(report: Report) -> Iterator[Section]:
+    for _, sections in groupby(report, key=lambda section: bool(section.one_of)):
+        like = list(sections)
+        names = list(dict.fromkeys(section.one_of for section in like))
+        yield from (section for section in like if section.one_of in names[:_MOST_POSES])
+        if len(names) > _MOST_POSES:
+            yield Section("", (_left_out(names[_MOST_POSES:], "more like these"),))
+
+
+def _some(blocks: Sequence[Block]) -> Iterator[Block]:
+    for (_, most), group in groupby(blocks, key=lambda block: (type(block), _most(block))):
+        like = list(group)
+        yield from like[:most]
+        if len(like) > most:
+            yield _left_out(like[most:])
+
+
+def _most(block: Block) -> int:
+    """Return how many such blocks in a row a screen has room for."""
+    match block:
+        case Text(tone="quiet"):
+            return _MOST_NOTES
+        case Notice() | Text(tone="plain"):
+            return _MOST_NOTICES
+    return _ENDLESS
+
+
+def _left_out(what: Sequence[object], said: str = "more") -> Text:
+    return Text(f"{len(what)} {said}; --json gives them all", "quiet")
 
 
 def _show_block(block: Block, console: Console, label_width: int) -> None:
     match block:
         case Text():
-            _print_indented(RichText(printable(block.text), _STYLES[block.tone]), console)
+            _print_indented(RichText(_cut(printable(block.text)), _STYLES[block.tone]), console)
         case Table():
             _show_table(block, console)
         case Strip():
@@ -69,13 +106,20 @@ def _show_block(block: Block, console: Console, label_width: int) -> None:
             _print_indented(RichText(printable(f"{block.title}: {block.caption}"), "dim"), console)
 
 
-def _show_table(table: Table, console: Console) -> None:
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ...; --json gives all of it"
+
+
+def _show_table(whole: Table, console: Console) -> None:
+    table = replace(whole, rows=whole.rows[:_MOST_ROWS])
     grid = _grid(table)
     unbounded = console.options.update(max_width=_ENDLESS)
     if Measurement.get(console, unbounded, grid).maximum <= console.width:
         console.print(grid)
     else:
         _show_rows(table, console)
+    if len(whole.rows) > _MOST_ROWS:
+        _show_block(_left_out(whole.rows[_MOST_ROWS:]), console, 0)
     if table.note:
         _print_indented(RichText(printable(table.note), "dim"), console)
 

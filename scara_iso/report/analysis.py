@@ -15,33 +15,26 @@ from scara_iso.results import (
     PoseResult,
 )
 
-_MOST_POSES = 10
-_MOST_NOTES = 5
-_MOST_LIMITS = 20
-_MOST_NOTICES = 40
+_NAMED_FIRST = 5
+"""So many warnings are named at the top; of more, their number is said there."""
 _GRAVITY = {"error": 0, "warning": 1, "info": 2}
 
 
 def analysis_report(analysis: Analysis) -> Report:
     """Return what is said of an analysis."""
     sections = [Section("", (*_origin(analysis), *verdict(analysis)))]
-    for pose in analysis.poses[:_MOST_POSES]:
-        name = "" if pose.label is None else f"pose {pose.label}: "
-        sections.append(Section(f"{name}repeatability", tuple(pose_figures(pose))))
-        sections.append(Section(f"{name}readings over the cycles", tuple(_strips(pose))))
-    hidden = len(analysis.poses) - _MOST_POSES
-    if hidden > 0:
-        sections.append(
-            Section("", (Text(f"{hidden} more poses; --json gives them all", "quiet"),))
-        )
+    for pose in analysis.poses:
+        label = pose.label or ""
+        name = f"pose {label}: " if label else ""
+        sections.append(Section(f"{name}repeatability", tuple(pose_figures(pose)), label))
+        sections.append(Section(f"{name}readings over the cycles", tuple(_strips(pose)), label))
     return (*sections, *limits(analysis), *findings(analysis))
 
 
 def limits(analysis: Analysis) -> Iterator[Section]:
     """Yield the figures against their limits, where the user gave any."""
     if analysis.limits:
-        shown = analysis.limits[:_MOST_LIMITS]
-        yield Section("limits", (_limits_table(shown), *_more(analysis.limits, shown)))
+        yield Section("limits", (_limits_table(analysis.limits),))
 
 
 def _origin(analysis: Analysis) -> Iterator[Block]:
@@ -50,10 +43,7 @@ def _origin(analysis: Analysis) -> Iterator[Block]:
     yield Text(f"ISO 9283 repeatability{f' of {title}' if title else ''}", "strong")
     if origin.understood:
         yield Text(f"read as {origin.understood}", "quiet")
-    for note in origin.notes[:_MOST_NOTES]:
-        yield Text(note, "quiet")
-    if len(origin.notes) > _MOST_NOTES:
-        yield Text(f"and {len(origin.notes) - _MOST_NOTES} more such notes", "quiet")
+    yield from (Text(note, "quiet") for note in origin.notes)
 
 
 def verdict(analysis: Analysis) -> Iterator[Block]:
@@ -72,7 +62,7 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     if analysis.limits:
         outside = [_checked(check) for check in analysis.limits if not check.inside]
         if outside:
-            yield Text(f"OUTSIDE the limit: {_listed(outside)}", "bad")
+            yield Text(f"OUTSIDE the limit: {', '.join(outside)}", "bad")
         else:
             yield Text("inside the limits", "good")
 
@@ -85,7 +75,7 @@ def _warnings(analysis: Analysis) -> Iterator[Block]:
     if grave:
         said = "; ".join(f"{name}: {', '.join(codes)}" for name, codes in by_subject.items())
         count = f"{len(grave)} warning{'s' if len(grave) > 1 else ''}"
-        yield Text(f"{count} - {said}" if len(grave) <= _MOST_NOTES else f"{count}, below", "warn")
+        yield Text(f"{count} - {said}" if len(grave) <= _NAMED_FIRST else f"{count}, below", "warn")
 
 
 def _cycles(analysis: Analysis) -> str:
@@ -249,26 +239,13 @@ def findings(analysis: Analysis) -> Iterator[Section]:
     """Yield the deviations from the standard, and what else was found."""
     if analysis.deviations:
         rows = sorted({(finding.rule, _said(finding)) for finding in analysis.deviations})
-        shown = rows[:_MOST_NOTICES]
-        blocks = [Text(f"{rule} - {said}") for rule, said in shown]
-        yield Section("deviations from ISO 9283", (*blocks, *_more(rows, shown)))
+        said = tuple(Text(f"{rule} - {what}") for rule, what in rows)
+        yield Section("deviations from ISO 9283", said)
     others = [finding for finding in analysis.findings if not finding.rule]
     others.sort(key=lambda finding: _GRAVITY[finding.severity])
-    notices = [_notice(finding) for finding in others[:_MOST_NOTICES]]
-    if notices:
+    if others:
         how = Text("scara-iso explain CODE says more of each", "quiet")
-        yield Section("findings", (*notices, *_more(others, notices), how))
-
-
-def _more(all_of_them: Sequence[object], shown: Sequence[object]) -> Iterator[Block]:
-    hidden = len(all_of_them) - len(shown)
-    if hidden > 0:
-        yield Text(f"{hidden} more; --json gives them all", "quiet")
-
-
-def _listed(names: Sequence[str]) -> str:
-    hidden = len(names) - _MOST_LIMITS
-    return ", ".join(names[:_MOST_LIMITS]) + (f" and {hidden} more" if hidden > 0 else "")
+        yield Section("findings", (*map(_notice, others), how))
 
 
 def _notice(finding: Finding) -> Notice:

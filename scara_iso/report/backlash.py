@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from scara_iso.report.blocks import Block, Report, Section, Table, Text
-from scara_iso.report.digits import four_digits
+from scara_iso.report.digits import four_digits, p_equals
 from scara_iso.report.words import words
 from scara_iso.results import PoseResult
 from scara_iso.two_inertia import Backlash, Crossing
@@ -104,7 +104,7 @@ def gear_blocks(closed: GearDiagnosis) -> Iterator[Block]:
     """Yield verdict and effects of a diagnosis of reversals."""
     near = ", ".join(words(r.effect) for r in closed.candidates)
     yield Text(
-        f"{words(closed.verdict.value)} (p = {closed.p_value:.2g})"
+        f"{words(closed.verdict.value)} ({p_equals(closed)})"
         + (f": structure that no known effect fits; nearest: {near}" if near else ""),
         "strong",
     )

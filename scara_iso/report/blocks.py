@@ -104,6 +104,8 @@ class Section:
 
     heading: str
     blocks: tuple[Block, ...]
+    one_of: str = ""
+    """Which of several poses or tables it is about; the same for all sections of one of them."""
 
 
 Report = tuple[Section, ...]

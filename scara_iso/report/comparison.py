@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from scara_iso.comparison import Comparison, Contrast, Pair, Verdict
 from scara_iso.comparison.decision import MOST_CYCLES
 from scara_iso.comparison.matching import poses_in_common
 from scara_iso.comparison.result import Ends
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
-from scara_iso.report.digits import decimals
+from scara_iso.report.digits import decimals, p_value
 
-_MOST_FIGURES = 60
-_MOST_NOTICES = 40
-_MOST_PAIRS = 20
-_MOST_NAMED = 8
 _CHANGED = (Verdict.LESS, Verdict.MORE)
 _SAID = {
     Verdict.LESS: "less",
@@ -31,13 +28,11 @@ def comparison_report(comparison: Comparison) -> Report:
     head = [Text(f"comparison with {_name(first.run.origin.source)}", "strong")]
     if len(comparison.pairs) > 1:
         head.append(Text(f"{len(comparison.pairs)} tables, each against this first one", "quiet"))
-    shown = comparison.pairs[:_MOST_PAIRS]
     sections = [Section("", tuple(head))]
-    for pair in shown:
-        sections += _pair(pair)
-    hidden = len(comparison.pairs) - len(shown)
-    more = (Text(f"{hidden} more tables; --json gives them all", "quiet"),) if hidden else ()
-    return (*sections, Section("", (*more, Text(_method(comparison), "quiet"))))
+    for pair in comparison.pairs:
+        name = _name(pair.after.run.origin.source)
+        sections += [replace(section, one_of=name) for section in _pair(pair)]
+    return (*sections, Section("", (Text(_method(comparison), "quiet"),)))
 
 
 def headline(pair: Pair) -> str:
@@ -48,8 +43,6 @@ def headline(pair: Pair) -> str:
     said = []
     for what, contrasts in (("repeatability", pair.spreads), ("mean", pair.means)):
         changed = [_changed(one) for one in contrasts if one.verdict in _CHANGED and _live(one)]
-        if len(changed) > _MOST_NAMED:
-            changed[_MOST_NAMED:] = [f"and {len(changed) - _MOST_NAMED} more"]
         said += [f"{what}: {', '.join(changed)}"] if changed else []
     if any(one.verdict not in _CHANGED for one in every if _live(one)):
         said += [f"{'else ' if said else ''}no difference that {_cycles(pair)} can show"]
@@ -80,12 +73,11 @@ def _pair(pair: Pair) -> Iterator[Section]:
     yield Section("repeatability", tuple(_tables(pair.spreads)))
     yield Section("mean", tuple(_tables(pair.means)))
     yield Section("readings before and after", tuple(_strips(pair)))
-    notices = [Notice(f.severity, f.code, _subject(f.pose, f.axis), f.message)
-               for f in pair.findings[:_MOST_NOTICES]]  # fmt: skip
-    hidden = len(pair.findings) - len(notices)
-    more = [Text(f"{hidden} more; --json gives them all", "quiet")] if hidden > 0 else []
+    notices = [
+        Notice(f.severity, f.code, _subject(f.pose, f.axis), f.message) for f in pair.findings
+    ]
     if notices:
-        yield Section("to be read with it", (*notices, *more))
+        yield Section("to be read with it", tuple(notices))
 
 
 def _caution(pair: Pair) -> Iterator[Block]:
@@ -111,15 +103,11 @@ def _names(contrasts: Iterable[Contrast]) -> str:
 
 
 def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
-    shown = contrasts[:_MOST_FIGURES]
     for unit in ("mm", "deg"):
-        of_unit = [one for one in shown if one.unit == unit]
+        of_unit = [one for one in contrasts if one.unit == unit]
         if of_unit:
             yield _figures(of_unit, unit)
-    yield _power(shown)
-    if len(contrasts) > _MOST_FIGURES:
-        hidden = len(contrasts) - _MOST_FIGURES
-        yield Text(f"{hidden} more figures; --json gives them all", "quiet")
+    yield _power(contrasts)
 
 
 def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
@@ -131,7 +119,7 @@ def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
             f"{one.after:.{places}f}",
             f"{one.difference:+.{places}f}",
             _ends(one.interval, places, sign="+"),
-            _p_value(one.p_value),
+            p_value(one),
             _SAID[one.verdict] + ("*" if one.doubts else ""),
         )
         for one in contrasts
@@ -193,10 +181,6 @@ def _ends(ends: Ends, places: int, *, sign: str = "") -> str:
 def _width(one: Contrast) -> float:
     lower, upper = one.interval
     return 10 * (upper - lower) if lower is not None and upper is not None else 0.0
-
-
-def _p_value(p_value: float) -> str:
-    return f"{p_value:.4f}" if p_value < 0.01 else f"{p_value:.2f}"
 
 
 def _needed(cycles: int | None) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
 from scara_iso.effects import find_effects
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
-from scara_iso.report.digits import decimals
+from scara_iso.report.digits import decimals, p_equals, p_value
 from scara_iso.report.reversals import reversals_section
 from scara_iso.report.words import words
 
@@ -59,7 +59,12 @@ def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, ...]:
     if isinstance(one, Failure):
         return (table, "not diagnosed", "", "")
     effects = "; ".join(_sureness(found) for found in one.effects)
-    return (table, one.verdict.value, effects, f"{one.p_value:.2g}")
+    return (
+        table,
+        one.verdict.value,
+        effects,
+        p_value(one),
+    )
 
 
 def diagnosis_verdict(diagnosis: Diagnosis) -> str:
@@ -71,7 +76,7 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
     match diagnosis.verdict:
         case Verdict.NOTHING:
             yield Text(
-                f"nothing to explain: no structure beyond chance (p = {diagnosis.p_value:.2g})",
+                f"nothing to explain: no structure beyond chance ({p_equals(diagnosis)})",
                 "good",
             )
             yield Text(
@@ -83,7 +88,7 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
             yield Text(f"explained: {said}", "strong")
         case Verdict.UNEXPLAINED:
             yield Text(
-                f"unexplained: structure is there (p = {diagnosis.p_value:.2g}), and no known "
+                f"unexplained: structure is there ({p_equals(diagnosis)}), and no known "
                 "effect accounts for it",
                 "warn",
             )
@@ -107,7 +112,7 @@ def _rivals(rivals: Sequence[Rival]) -> str:
 
 def _effect(found: Found) -> Iterator[Block]:
     yield Text(
-        f"p = {found.p_value:.2g}, probability {found.probability:.0%}"
+        f"{p_equals(found)}, probability {found.probability:.0%}"
         + (f"; not excluded: {_rivals(found.rivals)}" if found.rivals else "")
     )
     yield Text(", ".join(_parameter(k, v, found) for k, v in found.parameters.items()))
@@ -217,7 +222,7 @@ def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
             "warning",
             "check-the-sheet",
             flag.axis,
-            f"the reading of cycle {flag.cycle} stands apart (p = {flag.p_value:.1g} in Gaussian "
+            f"the reading of cycle {flag.cycle} stands apart ({p_equals(flag)} in Gaussian "
             "scatter): look at the raw record",
         )
     for note in diagnosis.notes:

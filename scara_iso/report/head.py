@@ -36,11 +36,20 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
     "authorized by": ("authorized_by", "approved_by"),
     "ambient temperature": ("temperature", "temperature_c", "ambient_temperature"),
     "humidity": ("humidity", "humidity_percent", "relative_humidity"),
-    "payload": ("payload", "load", "payload_kg", "load_kg"),
+    "payload": ("payload", "load", "payload_kg", "load_kg", "payload_percent", "load_percent"),
+    "rated load": ("rated_payload", "rated_load", "rated_payload_kg", "rated_load_kg"),
     "velocity": ("velocity", "speed", "velocity_mm_s", "speed_mm_s", "velocity_percent"),
+    "rated velocity": (
+        "rated_velocity",
+        "rated_speed",
+        "rated_velocity_mm_s",
+        "rated_speed_mm_s",
+    ),
+    "dwell": ("dwell", "dwell_s", "dwell_time", "dwell_time_s"),
     "instrument": ("indicator", "instrument", "dial"),
     "instrument's serial number": ("indicator_serial_number", "indicator_serial"),
     "calibration date": ("calibration_date", "calibrated"),
+    "calibration due": ("calibration_due", "calibration_valid_until", "next_calibration"),
     "calibration certificate": ("calibration_certificate", "certificate", "calibration"),
 }
 """Each field and the keys that may state it, the first of them found taken."""

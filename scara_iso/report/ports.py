@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from scara_iso.indicators import Dialect, Event, Garbage, InstrumentFault, Notice, Reading
 from scara_iso.report.blocks import Block, Report, Section, Table, Text
 
-_SHOWN = 8
-
 
 @dataclass(frozen=True, slots=True)
 class Probe:
@@ -80,8 +78,8 @@ def probe_report(probe: Probe) -> Report:
     if not probe.received:
         text = "Nothing was received. Press DATA on the indicator, or ask: --ask opto-rs232"
         return (Section(heading, (Text(text, "bad"),)),)
-    blocks: list[Block] = [Text(f"{len(probe.received)} bytes: {_bytes(probe.received[:200])}"),
-                           Text(probe.received[:200].hex(" "), "quiet")]  # fmt: skip
+    blocks: list[Block] = [Text(f"{len(probe.received)} bytes: {_bytes(probe.received)}"),
+                           Text(probe.received.hex(" "), "quiet")]  # fmt: skip
     blocks += [_match(key, probe.events[key]) for key in probe.matches()]
     if not probe.matches():
         blocks.append(Text("No dialect understands this.", "bad"))
@@ -91,7 +89,7 @@ def probe_report(probe: Probe) -> Report:
 
 
 def _match(key: str, events: Sequence[Event]) -> Text:
-    said = [_said(event) for event in events[:_SHOWN]]
+    said = [_said(event) for event in events]
     return Text(f"{key}: {', '.join(filter(None, said))}", "good")
 
 

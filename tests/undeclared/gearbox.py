@@ -3,19 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from oracles.integration import integrate
+from oracles.motion import RIGHT, Held, State, Torque, solve
 
-from scara_iso.drivetrain import (
-    RIGHT,
-    Approach,
-    DriveTrain,
-    Held,
-    Move,
-    State,
-    Torque,
-    arrivals,
-    integrate,
-    solve,
-)
+from scara_iso.drivetrain import Approach, DriveTrain, Move, arrivals
 from undeclared.dial import CYCLES, on_dial
 
 _ARM_MM = 700.0

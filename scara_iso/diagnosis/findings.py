@@ -6,26 +6,24 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.bank import UNKNOWN, constant, extended
 from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.direction import match
 from scara_iso.diagnosis.fit import Fit, Term
+from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.problem import Problem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import ByAxis, Found, Shares
 from scara_iso.diagnosis.search import Stage
-from scara_iso.effects import Effect, Process, Shape, Spread
+from scara_iso.diagnosis.tuning import TWO_DIVISIONS, UNKNOWN
+from scara_iso.effects import Effect, Form, Process, Shape, Spread
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.repeatability import repeatability
 from scara_iso.run import FloatArray
-from scara_iso.verdict import Rival
 
-_TWO_DIVISIONS = 1.5
-"""Readings within fewer divisions than this are one division and its neighbour."""
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 
 
-def account(
+def findings(
     problem: Problem, fitted: Fit, stages: Sequence[Stage], effects: Mapping[str, Effect]
 ) -> tuple[Found, ...]:
     """Return what was found, one for each term of the fit, in the order of the search."""
@@ -34,11 +32,6 @@ def account(
         _found(problem, fitted, i, stage, effects[fitted.terms[i].effect], left)
         for i, stage in enumerate(stages[: len(fitted.terms)])
     )
-
-
-def rivals_of(choice: Choice) -> tuple[Rival, ...]:
-    """Return the rivals of the best effect, likeliest first."""
-    return tuple(Rival(name, p) for name, p in choice.rivals.items())
 
 
 def repeatabilities(readings: Mapping[str, FloatArray]) -> dict[str, float]:
@@ -81,11 +74,13 @@ def _found(
         parameters=_parameters(term, fitted.coefficients[i], residual, effect, left),
         standard_errors=_by_axis(errors[0] if len(errors) else None, residual, term),
         p_value=stage.p_value,
+        p_value_at_floor=stage.p_value_at_floor,
         probability=stage.choice.probability[effect.name],
-        rivals=rivals_of(stage.choice),
+        rivals=stage.choice.rivals,
         cause=effect.cause,
         confirm_by=effect.confirm_by,
-        unidentified=_unidentified(stage.choice, term, residual),
+        unidentified=_unidentified(stage.choice, effect, term, residual),
+        left_open=_left_open(term, residual, effect, left),
     )
 
 
@@ -97,16 +92,29 @@ def _parameters(
         case Shape():
             sizes: dict[str, dict[str, float]] = {}
             for a in np.flatnonzero(term.moves):
-                for name, value in effect.sizes(coefficients[:, a]).items():
+                for name, value in effect.linear.sizes(coefficients[:, a]).items():
                     sizes.setdefault(name, {})[residual.axes[a]] = value
             return {**form.parameters, **sizes}
         case Spread():
-            return {"at_cycle": form.at_cycle, "ratio": form.ratio}
+            return dict(form.parameters)
         case Process():
             size = left.std(axis=0, ddof=1) * form.scale * form.amplitude
-            return {"size": dict(zip(residual.axes, map(float, size), strict=True))}
+            sized = dict(zip(residual.axes, map(float, size), strict=True))
+            return {**form.parameters, effect.size_name: sized}
         case _:
             return {}
+
+
+def _left_open(
+    term: Term, residual: Residual, effect: Effect, left: FloatArray
+) -> dict[str, ByAxis]:
+    """Return the scatter (of what is ``left``) where a term that changes it is narrowest."""
+    if not isinstance(term.form, Spread):
+        return {}
+    narrowest = left[term.form.scale == term.form.scale.min()]
+    scatter = narrowest.std(axis=0, ddof=1)
+    moved = np.flatnonzero(term.moves)
+    return {effect.size_name: {residual.axes[a]: float(scatter[a]) for a in moved}}
 
 
 def _standard_errors(fitted: Fit, i: int, left: FloatArray) -> FloatArray:
@@ -143,14 +151,15 @@ def _by_axis(errors: FloatArray | None, residual: Residual, term: Term) -> dict[
     return {"size": {residual.axes[a]: float(errors[a]) for a in moved}}
 
 
-def _unidentified(choice: Choice, term: Term, residual: Residual) -> tuple[str, ...]:
+def _unidentified(
+    choice: Choice[Form], effect: Effect, term: Term, residual: Residual
+) -> tuple[str, ...]:
     """Return which parameters the data leave open, and what would settle them."""
-    lines = []
-    if term.effect == "warm_up" and "linear_drift" in choice.rivals:
-        lines.append("tau: the run is too short to tell a warm-up from a drift; run longer")
-    if UNKNOWN in choice.rivals:
+    rivals = {rival.effect for rival in choice.rivals}
+    lines = [line for rival, line in effect.unsettled.items() if rival in rivals]
+    if UNKNOWN in rivals:
         lines.append("the course may have a form that the catalogue does not hold; repeat the run")
-    two = np.ptp(residual.values, axis=0) < _TWO_DIVISIONS * residual.division
+    two = np.ptp(residual.values, axis=0) < TWO_DIVISIONS * residual.division
     coarse = [residual.axes[a] for a in np.flatnonzero(two & term.moves)]
     if coarse:
         lines.append(

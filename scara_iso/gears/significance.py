@@ -6,15 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from scara_iso.diagnosis.tuning import MISFIT_LEVEL, RIVAL, SWEEP_SIMULATIONS
 from scara_iso.gears.fit import Family, Fitted, Reversals, over_all
 from scara_iso.run import FloatArray
 
-LEVEL, SECOND_LEVEL, MISFIT_LEVEL = 0.05, 0.01, 0.01
-_SIMULATIONS = 499
+FLOOR = 1 / (1 + SWEEP_SIMULATIONS)
+"""Smallest p-value that the simulations can give."""
 _EXACT = 1e-4
 """A fit this close, as a share of the largest deviation, leaves only digits and grid."""
-_LIKELY = 0.1
-"""Ways in which the scatter may grow are tried if so likely, relative to the likeliest."""
 
 
 def p_value(
@@ -28,14 +27,14 @@ def p_value(
     observed = _gain(data, data.measured[np.newaxis], before, tried)[0]
     scatters, likely = data.scatters(before)
     chances = []
-    for scatter in scatters[likely > _LIKELY * likely.max()]:
-        noise = rng.normal(size=(_SIMULATIONS, len(before))) * scatter
+    for scatter in scatters[likely > RIVAL * likely.max()]:
+        noise = rng.normal(size=(SWEEP_SIMULATIONS, len(before))) * scatter
         if np.isfinite(data.degrees):
-            drawn = rng.chisquare(data.degrees, size=(_SIMULATIONS, 1)) / data.degrees
+            drawn = rng.chisquare(data.degrees, size=(SWEEP_SIMULATIONS, 1)) / data.degrees
             noise /= np.sqrt(drawn)
         pieces = np.array_split(before + noise, 10)
         gains = np.concatenate([_gain(data, piece, before, tried) for piece in pieces])
-        chances.append((1 + (gains >= observed).sum()) / (1 + _SIMULATIONS))
+        chances.append((1 + (gains >= observed).sum()) / (1 + SWEEP_SIMULATIONS))
     return float(max(chances))
 
 
@@ -83,7 +82,7 @@ def misfits(data: Reversals, fit: Fitted) -> bool:
 def wanders(data: Reversals, fit: Fitted, rng: np.random.Generator) -> bool:
     """Return whether what a fit leaves follows the inertia, where the scatter is not known.
 
-    Neighbours in the order of I_L differ less than they do when shuffled (von Neumann 1941).
+    Neighbours in the order of I_L differ less than they do when permuted (von Neumann 1941).
     """
     if data.uncertainty is not None:
         return False
@@ -95,7 +94,7 @@ def wanders(data: Reversals, fit: Fitted, rng: np.random.Generator) -> bool:
     left = left / scatters[int(np.argmax(likely))]
     (sweep,) = data.sweeps.values()
     left = left[np.argsort(sweep.I_L[data.rows], kind="stable")]
-    shuffled = rng.permuted(np.tile(left, (_SIMULATIONS, 1)), axis=1)
-    steps = (np.diff(np.vstack([left, shuffled]), axis=1) ** 2).sum(axis=1)
-    chance = (1 + (steps[1:] <= steps[0]).sum()) / (1 + _SIMULATIONS)
+    permuted = rng.permuted(np.tile(left, (SWEEP_SIMULATIONS, 1)), axis=1)
+    steps = (np.diff(np.vstack([left, permuted]), axis=1) ** 2).sum(axis=1)
+    chance = (1 + (steps[1:] <= steps[0]).sum()) / (1 + SWEEP_SIMULATIONS)
     return bool(chance < MISFIT_LEVEL)

@@ -1,4 +1,4 @@
-"""The bank: every shape, process and spread of the catalogue, made ready for fast comparison.
+"""The hypothesis set: every form of every effect, made ready for fast comparison.
 
 A deterministic shape under a g-prior and a random process are one thing here: a covariance
 I + U diag(s) U' of the readings beside their scatter, U orthonormal. What was already fitted (at
@@ -13,79 +13,64 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.effects import Chain, Conditions, Effect, Process, Shape, Spread
+from scara_iso.diagnosis.tuning import (
+    GAIN,
+    LEVELS_WEIGHT,
+    PASSAGE_WEIGHT,
+    ROUGH_LENGTHS,
+    ROUGH_VARIANCES,
+    ROUGH_WEIGHT,
+    SMOOTH_LENGTHS,
+    SMOOTH_VARIANCES,
+    SMOOTH_WEIGHT,
+    UNKNOWN,
+)
+from scara_iso.effects import Chain, Conditions, Effect, Form, FoundBy, Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
 
-Form = Shape | Process | Spread | Chain
-"""How an effect shows: a known course, a random one, another scatter, or hidden sides."""
-
-UNKNOWN = "unknown"
-"""Name of the smooth process that stands for structure outside the catalogue."""
-
-EMPHASIS = {
-    "step": 0.95,
-    "linear_drift": 1.2,
-    "warm_up": 1.3,
-    "contact_side": 1.2,
-    "periodic": 1.3,
-    "random_walk": 0.3,
-    "scatter_change": 2.0,
-}
-"""Weight of an effect in the test over that in naming, 1 for others. The test asks whether there is
-anything, so a course that another effect's shapes see as well needs less weight of its own."""
-
 _TINY = 1e-9
-_SMOOTH_WEIGHT = 0.4
-_SMOOTH_LENGTHS = (1.5, 3.0, 6.0)
-_SMOOTH_VARIANCES = (0.5, 2.0, 8.0)
-_ROUGH_WEIGHT = 0.25
-_ROUGH_LENGTHS = (2.0, 5.0)
-_ROUGH_VARIANCES = (1.0, 4.0)
-_PASSAGE_WEIGHT = 0.4
-_LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
-"""Weight of courses of three and of four levels."""
-
 _LEAST_EIGENVALUE = 1e-4
+_EVERY = "*"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Member:
-    """One hypothesis: an effect (or UNKNOWN) in one of its forms.
+class Hypothesis:
+    """An effect (or UNKNOWN) in one of its forms.
 
-    ``weight`` is its prior weight among all members. ``ordered`` members count in the test by
-    shuffling, ``named`` ones in the choice of a name.
+    ``weight`` is its prior weight among all hypotheses, ``test_weight`` that in the test over it.
+    ``ordered`` ones count in the test by permutation, ``named`` ones in the choice of a name.
     """
 
     effect: str
     form: Form
     weight: float
-    gain: float = 15.0
+    test_weight: float = 1.0
+    gain: float = GAIN
     ordered: bool = True
     named: bool = True
 
     @property
-    def chained(self) -> bool:
+    def hidden(self) -> bool:
         """Whether its course is hidden and must be inferred from the readings."""
         return isinstance(self.form, Chain)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Bank:
-    """Members over n cycles, orthogonal to ``basis`` (n, f), which holds what is fitted.
+class HypothesisSet:
+    """Hypotheses over n cycles, orthogonal to ``basis`` (n, f), which holds what is fitted.
 
     ``vectors`` (n, m) are the members' orthonormal columns side by side, beginning at ``first``
     (one for each); ``shrink`` (m,) is s / (1 + s) of each column, ``penalty`` the members' log
-    determinants. Spreads come last and have ``split`` (row) and ``ratio`` instead.
+    determinants. Spreads come last and have ``scales`` (spreads, n) instead.
     """
 
-    members: tuple[Member, ...]
+    members: tuple[Hypothesis, ...]
     basis: FloatArray
     vectors: FloatArray
     shrink: FloatArray
     first: IntArray
     penalty: FloatArray
-    split: IntArray
-    ratio: FloatArray
+    scales: FloatArray
 
     @property
     def weights(self) -> FloatArray:
@@ -95,102 +80,119 @@ class Bank:
     @property
     def test_weights(self) -> FloatArray:
         """Weight of each member in the test, together 1."""
-        tested = self.weights * [EMPHASIS.get(member.effect, 1.0) for member in self.members]
+        tested = self.weights * [member.test_weight for member in self.members]
         return np.asarray(tested / tested.sum())
 
-    def amplified(self, factor: float) -> Bank:
-        """Return the bank with every variance beside the scatter ``factor`` times as large."""
+    def amplified(self, factor: float) -> HypothesisSet:
+        """Return the set with every variance beside the scatter ``factor`` times as large."""
         s = self.shrink / (1 - self.shrink) * factor
         return replace(self, shrink=s / (1 + s), penalty=np.add.reduceat(np.log1p(s), self.first))
 
 
-def members_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Member, ...]:
-    """Return every hypothesis about readings taken under ``conditions``, the unknown included."""
-    known = [member for effect in effects for member in _of_effect(effect, conditions)]
+def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis, ...]:
+    """Return every hypothesis about readings taken under ``conditions``, the unknown included.
+
+    An effect of any column takes those through which no other effect acts.
+    """
+    others = [effect for effect in effects if _EVERY not in effect.needs]
+    free = conditions.without(
+        {name for name in conditions.covariates if any(effect.takes(name) for effect in others)}
+    )
+    known = [
+        hypothesis
+        for effect in effects
+        for hypothesis in _of_effect(effect, free if _EVERY in effect.needs else conditions)
+    ]
     return (*known, *_unknown(conditions), *_passages(conditions), *_levels(conditions))
 
 
-def _of_effect(effect: Effect, conditions: Conditions) -> list[Member]:
-    shapes = [s for s in effect.shapes(conditions) if np.ptp(s.columns, axis=0).all()]
-    forms: list[Form] = [
-        *shapes, *effect.processes(conditions), *effect.spreads(conditions), *effect.chains
-    ]  # fmt: skip
-    parts = [form.weight if isinstance(form, Shape | Chain) else 1.0 for form in forms]
+def _of_effect(effect: Effect, conditions: Conditions) -> list[Hypothesis]:
+    forms = [form for form in effect.forms(conditions) if not _still(form)]
+    total = sum(form.weight for form in forms)
+    ordered = effect.found_by is FoundBy.ORDER
     return [
-        Member(effect.name, form, effect.weight * part / sum(parts), effect.gain, effect.ordered)
-        for form, part in zip(forms, parts, strict=True)
-    ]
+        Hypothesis(
+            effect.name, form, effect.weight * form.weight / total, effect.test_weight,
+            effect.gain, ordered,
+        )
+        for form in forms
+    ]  # fmt: skip
 
 
-def _unknown(conditions: Conditions) -> list[Member]:
+def _still(form: Form) -> bool:
+    """Return whether a shape moves nothing beside the pose."""
+    return isinstance(form, Shape) and not np.ptp(form.columns, axis=0).all()
+
+
+def _unknown(conditions: Conditions) -> list[Hypothesis]:
     """Return smooth (squared-exponential) and rough (exponential) processes over the cycles."""
     lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
-    smooth = [np.exp(-0.5 * (lag / length) ** 2) for length in _SMOOTH_LENGTHS]
-    rough = [np.exp(-lag / length) for length in _ROUGH_LENGTHS]
+    smooth = [np.exp(-0.5 * (lag / length) ** 2) for length in SMOOTH_LENGTHS]
+    rough = [np.exp(-lag / length) for length in ROUGH_LENGTHS]
     return [
-        *_processes(smooth, _SMOOTH_VARIANCES, _SMOOTH_WEIGHT),
-        *_processes(rough, _ROUGH_VARIANCES, _ROUGH_WEIGHT),
+        *_processes(smooth, SMOOTH_VARIANCES, SMOOTH_WEIGHT),
+        *_processes(rough, ROUGH_VARIANCES, ROUGH_WEIGHT),
     ]
 
 
 def _processes(
     correlations: Sequence[FloatArray], variances: Sequence[float], weight: float
-) -> list[Member]:
+) -> list[Hypothesis]:
     each = weight / (len(correlations) * len(variances))
-    return [Member(UNKNOWN, Process(v * c), each) for c in correlations for v in variances]
+    return [Hypothesis(UNKNOWN, Process(v * c), each) for c in correlations for v in variances]
 
 
-def _passages(conditions: Conditions) -> list[Member]:
+def _passages(conditions: Conditions) -> list[Hypothesis]:
     """Return levels that come and go again: they help the test to see, and carry no name."""
     n = len(conditions)
     row = np.arange(n)[:, np.newaxis]
     stride = max(2, n // 15)
     spans = [(a, b) for a in range(2, n - 3, stride) for b in range(a + 2, n - 1, stride)]
     return [
-        Member(UNKNOWN, Shape(np.where((row >= a) & (row < b), 1.0, 0.0)),
-               _PASSAGE_WEIGHT / len(spans), named=False)
+        Hypothesis(UNKNOWN, Shape(np.where((row >= a) & (row < b), 1.0, 0.0)),
+               PASSAGE_WEIGHT / len(spans), named=False)
         for a, b in spans
     ]  # fmt: skip
 
 
-def _levels(conditions: Conditions) -> list[Member]:
+def _levels(conditions: Conditions) -> list[Hypothesis]:
     """Return courses of three and four levels: more than any one named effect has."""
     n = len(conditions)
     row = np.arange(n)[:, np.newaxis]
     members = []
-    for levels, weight in _LEVELS_WEIGHT.items():
+    for levels, weight in LEVELS_WEIGHT.items():
         stride = max(levels - 1, (levels - 1) * n // 30)
         changes = list(combinations(range(levels - 1, n - levels + 2, stride), levels - 1))
         shapes = [Shape(np.where(row >= at, 1.0, 0.0)) for at in changes]
-        members += [Member(UNKNOWN, s, weight / len(shapes), ordered=False) for s in shapes]
+        members += [Hypothesis(UNKNOWN, s, weight / len(shapes), ordered=False) for s in shapes]
     return members
 
 
-def build(members: Sequence[Member], cycle: IntArray, rows: IntArray, basis: FloatArray) -> Bank:
-    """Return the bank of ``members`` on ``rows`` of the run, free of the orthonormal ``basis``.
+def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> HypothesisSet:
+    """Return the set of ``members`` on ``rows`` of the run, free of the orthonormal ``basis``.
 
-    ``cycle`` (n,) numbers the whole run, ``basis`` has shape (rows, f). Members that say nothing
-    beside it are left out, and so are chains, which are searched in the readings themselves.
+    ``basis`` has shape (rows, f). Members that say nothing beside it are left out, and so are
+    chains, which are searched in the readings themselves.
     """
     groups = [*_shape_groups(members, rows, basis), *_process_groups(members, rows, basis)]
     spreads = [(m, m.form) for m in members if isinstance(m.form, Spread)]
-    return Bank(
+    scales = [np.empty((0, len(rows))), *(form.scale[np.newaxis, rows] for _, form in spreads)]
+    return HypothesisSet(
         members=(*(m for group in groups for m in group.members), *(m for m, _ in spreads)),
         basis=basis,
         vectors=np.concatenate([np.empty((len(basis), 0)), *(g.vectors for g in groups)], axis=1),
         shrink=np.concatenate([np.empty(0), *(group.shrink for group in groups)]),
         first=_starts([width for group in groups for width in group.widths]),
         penalty=np.concatenate([np.empty(0), *(group.penalty for group in groups)]),
-        split=np.searchsorted(cycle[rows], [s.at_cycle for _, s in spreads]).astype(np.int64),
-        ratio=np.array([s.ratio for _, s in spreads], dtype=np.float64),
+        scales=np.concatenate(scales),
     )
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Group:
-    """Members of one kind with their columns side by side; fields as in `Bank`."""
+    """Members of one kind with their columns side by side; fields as in `HypothesisSet`."""
 
-    members: tuple[Member, ...]
+    members: tuple[Hypothesis, ...]
     vectors: FloatArray
     shrink: FloatArray
     widths: tuple[int, ...]
@@ -201,20 +203,20 @@ def _starts(widths: Sequence[int]) -> IntArray:
     return np.cumsum([0, *widths])[:-1]
 
 
-def _shape_groups(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> list[_Group]:
+def _shape_groups(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> list[_Group]:
     shaped = [(m, m.form.columns) for m in members if isinstance(m.form, Shape)]
     widths = sorted({columns.shape[1] for _, columns in shaped})
     return [_shape_group([s for s in shaped if s[1].shape[1] == k], rows, basis) for k in widths]
 
 
 def _shape_group(
-    shaped: Sequence[tuple[Member, FloatArray]], rows: IntArray, basis: FloatArray
+    shaped: Sequence[tuple[Hypothesis, FloatArray]], rows: IntArray, basis: FloatArray
 ) -> _Group:
     columns = np.stack([columns for _, columns in shaped])[:, rows]
     vectors, usable = _orthonormal(columns, basis)
     members = tuple(m for (m, _), use in zip(shaped, usable, strict=True) if use)
     k = vectors.shape[2]
-    gain = np.array([m.gain for m in members])
+    gain = np.array([m.gain for m in members], dtype=np.float64)
     return _Group(
         members=members,
         vectors=np.moveaxis(vectors, 0, 1).reshape(len(basis), -1),
@@ -239,13 +241,15 @@ def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, li
     return free[usable], [bool(u) for u in usable]
 
 
-def _process_groups(members: Sequence[Member], rows: IntArray, basis: FloatArray) -> list[_Group]:
+def _process_groups(
+    members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray
+) -> list[_Group]:
     chosen = [(m, m.form.covariance) for m in members if isinstance(m.form, Process)]
     return [_process_group(chosen, rows, basis)] if chosen else []
 
 
 def _process_group(
-    chosen: Sequence[tuple[Member, FloatArray]], rows: IntArray, basis: FloatArray
+    chosen: Sequence[tuple[Hypothesis, FloatArray]], rows: IntArray, basis: FloatArray
 ) -> _Group:
     projector = np.eye(len(rows)) - basis @ basis.T
     covariance = np.stack([c for _, c in chosen])[:, rows[:, np.newaxis], rows]

@@ -1,4 +1,4 @@
-"""What shuffling cannot see: two levels in any order, and isolated readings.
+"""Marginal tests: what no permutation sees, two levels in any order and isolated readings.
 
 The null is simulated on the dial's grid. Which scatter it has is not known, so several families
 stand for it, and a finding must be rare under each: Gaussian, Student t with 5 and 3 degrees of
@@ -13,17 +13,20 @@ from functools import partial
 
 import numpy as np
 
+from scara_iso.diagnosis.tuning import (
+    CLEAR,
+    FEWEST_ON_A_LEVEL,
+    FIRST_SIMULATIONS,
+    GAIN,
+    MOST_SKEWED,
+    NEIGHBOURS,
+    SIMULATIONS,
+)
 from scara_iso.run import FloatArray
-
-SIMULATIONS = 1999
-_FIRST_LOOK, _CLEAR = 199, 0.1
-_FEWEST_ON_A_LEVEL = 4
-_GAIN = 15.0
-_MOST_SKEWED = 2.2
 
 
 @dataclass(frozen=True, slots=True)
-class OrderFreeTest:
+class MarginalTests:
     """Smallest p-values over the axes (Bonferroni), and the axis and row they belong to.
 
     ``gaussian_outlier`` compares with Gaussian scatter only: enough to look at the sheet, not
@@ -36,12 +39,14 @@ class OrderFreeTest:
     gaussian_outlier: float
     outlier_axis: int
     outlier_row: int
+    floor: float
+    """Smallest p-value that the simulations can give."""
 
 
-def order_free_test(
+def marginal_tests(
     values: FloatArray, division: FloatArray, rng: np.random.Generator
-) -> OrderFreeTest:
-    """Return the test of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
+) -> MarginalTests:
+    """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
     n, axes = values.shape
     symmetric = _symmetric(n, rng)
     offset = rng.uniform(-0.5, 0.5, size=SIMULATIONS)
@@ -58,24 +63,25 @@ def order_free_test(
         if _adjacent(y, division[a]):
             levels[a] = 1.0
     worst = int(np.argmin(gaussian))
-    return OrderFreeTest(
+    return MarginalTests(
         two_levels=min(1.0, axes * float(levels.min())),
         two_levels_axis=int(np.argmin(levels)),
         outlier=min(1.0, axes * float(outliers.min())),
         gaussian_outlier=min(1.0, axes * float(gaussian.min())),
         outlier_axis=worst,
         outlier_row=int(np.argmax(np.abs(values[:, worst] - np.median(values[:, worst])))),
+        floor=axes / (1 + SIMULATIONS),
     )
 
 
 def level_statistic(y: FloatArray) -> FloatArray:
     """Return the log mean evidence for a step in the *sorted* readings; y has shape (n, ...)."""
-    n, k = len(y), _FEWEST_ON_A_LEVEL
+    n, k = len(y), FEWEST_ON_A_LEVEL
     ranked = np.sort(y - y.mean(axis=0), axis=0)
     below = np.arange(k, n - k + 1).reshape(-1, *[1] * (y.ndim - 1))
     between = np.cumsum(ranked, axis=0)[k - 1 : n - k] ** 2 * n / (below * (n - below))
     share = between / np.maximum((ranked**2).sum(axis=0), 1e-300)
-    log_bf = -(n - 1) / 2 * np.log(1 - share * _GAIN / (1 + _GAIN))
+    log_bf = -(n - 1) / 2 * np.log(1 - share * GAIN / (1 + GAIN))
     return np.asarray(np.log(np.exp(log_bf).mean(axis=0)))
 
 
@@ -108,7 +114,7 @@ def _skewed(y: FloatArray, rng: np.random.Generator) -> FloatArray:
     """
     centred = y - y.mean()
     observed = abs(float((centred**3).mean())) / float((centred**2).mean()) ** 1.5
-    skewness = min(_MOST_SKEWED, 1.5 * observed + 0.6)
+    skewness = min(MOST_SKEWED, 1.5 * observed + 0.6)
     k = 4 / skewness**2
     return np.asarray((rng.gamma(k, size=(len(y), 1, SIMULATIONS)) - k) / np.sqrt(k))
 
@@ -137,11 +143,11 @@ def _p_values(
     """Return the share of simulations at least as extreme, for each family, shape (families,).
 
     A first look at some of them is enough where every share is far above the levels in use. Up to
-    the level _CLEAR that changes no verdict's chance: no p-value stopped there is so small.
+    the level CLEAR that changes no verdict's chance: no p-value stopped there is so small.
     """
     observed = statistic(y)
-    first = _share(observed, statistic(drawn(_FIRST_LOOK)))
-    return first if first.min() > _CLEAR else _share(observed, statistic(drawn(SIMULATIONS)))
+    first = _share(observed, statistic(drawn(FIRST_SIMULATIONS)))
+    return first if first.min() > CLEAR else _share(observed, statistic(drawn(SIMULATIONS)))
 
 
 def _share(observed: FloatArray, simulated: FloatArray) -> FloatArray:
@@ -151,4 +157,4 @@ def _share(observed: FloatArray, simulated: FloatArray) -> FloatArray:
 
 def _adjacent(y: FloatArray, division: float) -> bool:
     """Whether the readings are at most three neighbouring divisions: never proof of two levels."""
-    return bool(division) and float(np.ptp(y)) < 2.5
+    return bool(division) and float(np.ptp(y)) < NEIGHBOURS

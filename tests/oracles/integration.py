@@ -13,18 +13,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from scara_iso.drivetrain.train import (
-    Drive,
-    DriveTrain,
-    Held,
-    Servo,
-    State,
-    Torque,
-    Trajectory,
-    check_drive,
-)
+from scara_iso.drivetrain import DriveTrain
 from scara_iso.errors import UsageError
 from scara_iso.run import FloatArray
+
+from .motion import Drive, Held, Servo, State, Torque, Trajectory, check_drive
 
 _MOST_EVENTS = 10_000
 _STICTION = 1e-6

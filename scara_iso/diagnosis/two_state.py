@@ -1,7 +1,15 @@
-"""Two levels under a hidden chain of sides: evidence, and the course of sides.
+"""A two-state hidden Markov model: the load rests on either of two flanks, unseen.
 
-The load rests on either of two flanks; which one is a two-state Markov chain (`Chain`). Both
-levels and the scatter are integrated out on a grid, the sides by the forward algorithm.
+The state s_j in {lower, upper} of cycle j is a Markov chain (`Chain`), p = P(lower -> upper),
+q = P(upper -> lower), that starts in its stationary distribution, P(upper) = p / (p + q). A reading
+is y_j = m(s_j) + sigma e_j, e_j normal. With a_j(s) = P(y_1 .. y_j, s_j = s) the likelihood
+comes by the forward algorithm,
+
+    a_j(s) = P(y_j | s) sum_r a_(j-1)(r) P(r -> s),    P(y | p, q, m, sigma) = sum_s a_n(s),
+
+and P(s_j | y) by the backward one (Rabiner 1989, eq. 19-27). Both levels m and sigma are integrated
+out on a grid; courses with one change of state or none belong to the step and to scatter, and their
+part is taken off in closed form.
 """
 
 from __future__ import annotations
@@ -12,8 +20,14 @@ from math import lgamma
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import KNOWN_FROM
+from scara_iso.diagnosis.tuning import (
+    FEWEST_ON_A_LEVEL,
+    KNOWN_FROM,
+    LEAST_SCATTER,
+    SPLIT_SCALE,
+)
 from scara_iso.effects import Chain
+from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray
 
 _LEVELS = 14
@@ -26,20 +40,14 @@ _TINY = 1e-300
 _NEGLIGIBLE = 40.0
 """Log of how much less likely than the likeliest a cell is that cannot change a digit."""
 
-_SPLIT_SCALE = 4.0
-"""Half-normal prior of the distance of the levels, in scatters; below 1 they are one level."""
-
-_FEWEST = 4
-_LEAST_SCATTER = 0.6
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TwoLevels:
     """Log Bayes factor of each chain against scatter alone, and the likeliest course.
 
-    The chain changes sides twice at least: a course with one change is a step, with none scatter.
+    The chain changes its state twice at least: one change is a step, none is scatter.
 
-    ``switching`` is the posterior mean probability that the side changes from one cycle to the
+    ``switching`` is the posterior mean probability that the state changes from one cycle to the
     next; ``lower``, ``upper`` (n,) and ``leave`` (2,) are those of the likeliest levels and chain.
     """
 
@@ -56,8 +64,8 @@ class TwoLevels:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Sides:
-    """Likelihood (n,) of each reading on the lower and the upper level, the larger of them 1.
+class Emissions:
+    """Likelihood (n,) of each reading in the lower and the upper state, the larger of them 1.
 
     Levels and scatter are those of the best split of the sorted readings, which no order changes.
     """
@@ -66,10 +74,10 @@ class Sides:
     upper: FloatArray
     chains: Sequence[Chain]
 
-    def stickiness(self, orders: IntArray) -> FloatArray:
-        """Return how much likelier sides under the chains make each order (m, n), shape (m,).
+    def persistence(self, orders: IntArray) -> FloatArray:
+        """Return how much likelier states under the chains make each order (m, n), shape (m,).
 
-        Against sides drawn anew in each cycle: the mean likelihood ratio over the chains.
+        Against states drawn anew in each cycle: the mean likelihood ratio over the chains.
         """
         weight = np.array([chain.weight for chain in self.chains])
         p = np.array([[chain.leave_lower] for chain in self.chains])
@@ -80,21 +88,30 @@ class Sides:
         return np.asarray(weight / weight.sum() @ np.exp(log_order - none))
 
 
-def sides_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Sides:
-    """Return how likely each of the readings y (n,) is on either level.
+def emissions_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Emissions:
+    """Return how likely each of the readings y (n,) is in either state.
 
     The scatter is at least 0.6 divisions: that of a finer one would be the dial's alone.
     """
     ranked = np.sort(y - y.mean())
-    n, below = len(y), np.arange(_FEWEST, len(y) - _FEWEST + 1)
+    n, below = len(y), np.arange(FEWEST_ON_A_LEVEL, len(y) - FEWEST_ON_A_LEVEL + 1)
     between = np.cumsum(ranked)[below - 1] ** 2 * n / (below * (n - below))
     k = below[np.argmax(between)]
     within = max(float((ranked**2).sum() - between.max()), 1e-12 * float(ranked @ ranked))
-    scatter = max(np.sqrt(within / (n - 2)), _LEAST_SCATTER * division)
+    scatter = max(np.sqrt(within / (n - 2)), LEAST_SCATTER * division)
     levels = np.array([ranked[:k].mean(), ranked[k:].mean()])[:, np.newaxis]
     log_likelihood = -0.5 * ((y - y.mean() - levels) / scatter) ** 2
     lower, upper = np.exp(log_likelihood - log_likelihood.max(axis=0))
-    return Sides(lower, upper, chains)
+    return Emissions(lower, upper, chains)
+
+
+def can_show_two(y: FloatArray, division: float) -> bool:
+    """Whether readings y (n,) spread as far as the scatter that rounding alone leaves.
+
+    Closer ones, such as what an effect leaves of readings finer than their stated division, lie on
+    one level: `two_levels` has nothing to try.
+    """
+    return float(np.ptp(y)) >= rounding_uncertainty(division)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -113,7 +130,8 @@ def two_levels(
     """Return the evidence for two levels in readings y (n,); nan marks a cycle that is not seen.
 
     ``division`` is the dial's: rounding keeps the scatter from being smaller than division /
-    sqrt(12). ``known`` are squares as in `evidence.Views`, 0 for a scatter that is not known.
+    sqrt(12), and y `can_show_two` beside it. ``known`` are squares as in `evidence.Views`, 0 for a
+    scatter that is not known.
     """
     seen = y[np.isfinite(y)]
     grid = _grid(seen, division, known)
@@ -136,10 +154,10 @@ def two_levels(
 
 def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     levels = np.linspace(seen.min(), seen.max(), _LEVELS)
-    scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, division / np.sqrt(12))
+    scatter = np.maximum(seen.std(ddof=1) * _SCATTERS, rounding_uncertainty(division))
     a, b = _PAIRS
     distance = (levels[b] - levels[a])[:, np.newaxis] / scatter
-    density = np.log(2 / (_SPLIT_SCALE * np.sqrt(2 * np.pi))) - (distance / _SPLIT_SCALE) ** 2 / 2
+    density = np.log(2 / (SPLIT_SCALE * np.sqrt(2 * np.pi))) - (distance / SPLIT_SCALE) ** 2 / 2
     cell = 2 * np.log(levels[1] - levels[0]) + np.log(np.log(_SCATTERS[1] / _SCATTERS[0]))
     pair, s = np.nonzero(distance >= 1)
     log_prior = density[pair, s] - np.log(scatter[s]) + cell
@@ -151,7 +169,7 @@ def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
 def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return likelihoods of either level, (n, cells), the larger 1, and the log of their scale.
 
-    The scale, the prior included, is the log of the most that a cell can weigh. Even sides drawn
+    The scale, the prior included, is the log of the most that a cell can weigh. Even states drawn
     by lot reach that times 2^-n, so cells far below it are left out.
     """
     unseen = ~np.isfinite(y)
@@ -201,9 +219,9 @@ def _at_most_one_change(
 
 
 def _odds_of_one(leave: FloatArray, back: FloatArray, n: int) -> FloatArray:
-    """Return the probability (chains, n) of k = 1 .. n cycles on one side, the rest on the other.
+    """Return the probability (chains, n) of k = 1 .. n cycles in one state, the rest in the other.
 
-    ``leave`` and ``back`` (chains,) are the chances of leaving either side.
+    ``leave`` and ``back`` (chains,) are the chances of leaving either state.
     """
     k = np.arange(1, n + 1)
     leave, back = leave[:, np.newaxis], back[:, np.newaxis]

@@ -1,0 +1,100 @@
+"""Conditions in a table's ``key: value`` lines, read strictly: what is not clear is no quantity."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import date, datetime
+
+from scara_iso.run import Run
+
+Units = Mapping[str, float]
+"""Spellings of a unit and its size in the first of them."""
+
+PERCENT = {"%": 1.0, "% of rated": 1.0, "percent": 1.0}
+MASS = {"kg": 1.0, "g": 1e-3}
+SPEED = {"mm/s": 1.0, "m/s": 1000.0}
+SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0}
+CELSIUS = {"c": 1.0, "°c": 1.0, "degc": 1.0}
+
+_NUMBER = r"[+-]?\d+(?:\.\d+|,\d{1,2}(?!\d))?"  # 2,0 is a decimal comma, 1,500 may be either
+_PLAIN = re.compile(rf"({_NUMBER})\s*(\D*)")
+_BRACKETED = re.compile(r"(.*?)\s*\(([^()]*)\)")
+_ABOUT = re.compile(rf"({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*(\D*)")
+_BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
+_DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})")
+_SHOWN = 30
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """A line that states a condition."""
+
+    key: str
+    text: str
+
+    def __str__(self) -> str:
+        """Return the line as it may be quoted."""
+        return f"{self.key} {self.text if len(self.text) <= _SHOWN else self.text[:_SHOWN] + '…'}"
+
+    def value(self, units: Units) -> float | None:
+        """Return the number in the first of ``units``; None where it is not clearly one.
+
+        The unit stands behind the number or at the end of the key (``payload_kg``). Of
+        ``2 kg (100 % of rated)`` each part may be asked for.
+        """
+        bracketed = _BRACKETED.fullmatch(self.text)
+        for part in bracketed.groups() if bracketed else (self.text,):
+            found = _PLAIN.fullmatch(part.strip().lower())
+            if found and (size := self._size(found[2], units)) is not None:
+                return _float(found[1]) * size
+        return None
+
+    def ends(self, units: Units) -> tuple[float, float] | None:
+        """Return the least and the largest value of ``18 .. 22 C``, ``20 ± 2 C`` or ``20 C``."""
+        text = self.text.lower()
+        for pattern in (_ABOUT, _BETWEEN):
+            found = pattern.fullmatch(text)
+            if found and (size := self._size(found[3], units)) is not None:
+                a, b = _float(found[1]) * size, _float(found[2]) * size
+                low, high = (a - b, a + b) if pattern is _ABOUT else (a, b)
+                return (low, high) if low <= high else None
+        single = self.value(units)
+        return None if single is None else (single, single)
+
+    def day(self) -> date | None:
+        """Return the day of ``2026-05-12``, also with a time, or of ``12.05.2026``; else None."""
+        german = _DAY.fullmatch(self.text)
+        text = f"{german[3]}-{german[2]:>02}-{german[1]:>02}" if german else self.text
+        try:
+            return datetime.fromisoformat(text).date()
+        except ValueError:
+            return None
+
+    def _size(self, unit: str, units: Units) -> float | None:
+        spelled = unit.strip()
+        if not spelled:
+            of_key = (name for name in units if self.key.lower().endswith(_of_key(name)))
+            spelled = next(of_key, "")
+        return units.get(spelled)
+
+
+def stated(run: Run, keys: Collection[str]) -> Iterator[Stated]:
+    """Yield the lines of a run's head that have one of the keys and say something."""
+    for key, text in run.metadata.items():
+        if key.strip().lower() in keys and text.strip():
+            yield Stated(key, text.strip())
+
+
+def first(run: Run, keys: Collection[str]) -> Stated | None:
+    """Return the first of those lines."""
+    return next(stated(run, keys), None)
+
+
+def _of_key(unit: str) -> str:
+    return "_" + {"%": "percent", "mm/s": "mm_s", "m/s": "m_s"}.get(unit, unit)
+
+
+def _float(text: str) -> float:
+    return float(text.replace(",", "."))

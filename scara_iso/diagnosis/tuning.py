@@ -1,0 +1,141 @@
+"""Every level, prior and threshold of the diagnosis, and what chose it.
+
+``benchmarks/diagnosis.py --only TABLE`` is meant where only a table is named; its figures stand in
+docs/diagnosis.md, section 7, those of ``benchmarks/gear.py`` in section 5. The weights of single
+effects, chosen on the tables *naming* (prior) and *power* (test), stand in their files.
+"""
+
+from __future__ import annotations
+
+SEED = 9283
+"""Seed of every permutation and simulation unless another is given."""
+
+UNKNOWN = "unknown"
+"""Name of the processes that stand for structure outside the catalogue."""
+
+# levels of the tests
+
+LEVEL = 0.05
+"""Level at which a first effect is admitted."""
+
+FURTHER_LEVEL = 0.01
+"""Level at which a further one is."""
+
+MISFIT_LEVEL = 0.01
+"""Level at which what a fit leaves of reversals is more than their uncertainties (gear.py)."""
+
+FLAG_LEVEL = 0.01
+"""Level at which a reading is flagged, in Gaussian scatter."""
+
+MOST_EFFECTS = 3
+
+ORDER_SHARE, TWO_LEVELS_SHARE, OUTLIER_SHARE = 0.95, 0.15, 0.1
+"""How much of the level each test of readings uses. They add up to 1.2 and LEVEL is no bound. What
+trips one marginal test (skewed scatter the two levels, heavy tails the outlier) hardly ever trips
+the other, and Gaussian scatter trips neither: in table *null*, 38 cells of scatter only, structure
+is found in 4.5 % on average, 6.3 % at most."""
+
+# tests
+
+PERMUTATIONS = 999
+ENOUGH = 50
+"""So many orders with as large a statistic settle that p is above 0.05, whatever follows."""
+
+PERSISTENCE_SHARE = 0.08
+"""Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
+
+SIMULATIONS = 1999
+"""Simulations of the marginal tests' null."""
+
+FIRST_SIMULATIONS, CLEAR = 199, 0.1
+"""Where so many simulations give every p-value above CLEAR the rest are not made."""
+
+FEWEST_ON_A_LEVEL = 4
+"""Fewer readings than this are no level of their own."""
+
+MOST_SKEWED = 2.2
+"""Skewness of the most skewed scatter that the null of the marginal tests allows for."""
+
+SWEEP_SIMULATIONS = 499
+"""Simulations of scatter about eq. 16, and permutations of what a fit to a sweep leaves."""
+
+# choice of a name
+
+RIVAL = 0.1
+"""Share of the best one's probability from which another is its rival: an effect, or a way in
+which unknown scatter may grow with a deviation."""
+
+SHARPNESS = 1.4
+"""Power of the evidence that makes stated probabilities come true (table *naming*)."""
+
+GAIN = 15.0
+"""Prior variance of a coefficient over that of the scatter: the g-prior's (table *power*)."""
+
+AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
+"""Factors on the variances beside the scatter, and their prior: most effects are near it, some
+dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
+
+KNOWN_FROM = 30
+"""A scatter that the user states counts as seen in so many cycles on which nothing acted."""
+
+PAIR_WEIGHT = 0.25
+"""How much rarer two effects are than one (docs/diagnosis.md, section 3)."""
+
+PAIR_EFFECTS, PAIR_FORMS = 6, 2
+"""How many of the likeliest effects, and forms of each, are tried as the stronger of two."""
+
+SPLIT_SCALE = 4.0
+"""Half-normal prior of the distance of two levels, in scatters; below 1 they are one level."""
+
+LEAST_SCATTER = 0.6
+"""Scatter about either of two levels, in divisions: that of a finer one would be the dial's."""
+
+TAKES_PART = 3.0
+"""Bayes factor from which an axis moves with the others: at 1, one still axis in six does."""
+
+FARTHEST_DEG = 15.0
+"""Degrees beyond which no direction is named, however wide the uncertainty."""
+
+SCATTER_POWERS = (0.0, 0.5, 1.0)
+"""A scatter of reversals that is not known may grow with the deviation by any of these powers
+(gear.py, false alarms)."""
+
+# the unknown (table *outside*)
+
+SMOOTH_WEIGHT, SMOOTH_LENGTHS, SMOOTH_VARIANCES = 0.4, (1.5, 3.0, 6.0), (0.5, 2.0, 8.0)
+ROUGH_WEIGHT, ROUGH_LENGTHS, ROUGH_VARIANCES = 0.25, (2.0, 5.0), (1.0, 4.0)
+PASSAGE_WEIGHT = 0.4
+LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
+"""Weight of courses of three and of four levels."""
+
+# what a dial shows
+
+NEIGHBOURS = 2.5
+"""Readings within fewer divisions than this are neighbours on the dial: no proof of two levels."""
+
+TWO_DIVISIONS = 1.5
+"""Readings within fewer divisions than this are one division and its neighbour."""
+
+MUCH_ROUNDING = 0.2
+"""Share of the variance from which rounding is worth a line."""
+
+SAME_SCATTER = 1.6
+"""Factor between a stated scatter and the remaining one that thirty readings can account for."""
+
+FEWEST_CYCLES, MOST_CYCLES = 12, 500
+
+# error on unseen cycles (table *held*)
+
+FOLDS, REPEATS = 10, 2
+"""Those of which docs/diagnosis.md gives the bias."""
+
+WORTH_CHAINS = 0.02
+"""Effects with hidden states less likely than this on the whole run are not tried in the folds."""
+
+# a planned test
+
+POWER = 0.8
+"""Share of runs in which the smallest effect that is named would be found."""
+
+ALIKE = 0.9
+"""Cosine of two centred courses from which no number of readings tells them apart."""

@@ -1,0 +1,57 @@
+"""How an effect may show in the readings: the forms that a search compares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from scara_iso.effects._parameter import Values
+from scara_iso.run import FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shape:
+    """A known course: its columns (n, k) at unit size, and the parameters that give it.
+
+    ``weight`` is its prior probability within the effect, up to a factor common to its forms; so
+    it is for the other forms. A shape without columns (k = 0) moves no reading.
+    """
+
+    columns: FloatArray
+    parameters: Values = field(default_factory=dict)
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Process:
+    """A random course: covariance (n, n) in units of the scatter's variance.
+
+    ``scale`` is the standard deviation, in scatters, of what its size means (such as one step) at
+    ``amplitude`` 1; the search tries larger amplitudes too.
+    """
+
+    covariance: FloatArray
+    parameters: Values = field(default_factory=dict)
+    weight: float = 1.0
+    scale: float = 1.0
+    amplitude: float = 1.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Spread:
+    """Scatter that is ``scale`` (n,) times as wide in each cycle as in the first; no mean moves."""
+
+    scale: FloatArray
+    parameters: Values = field(default_factory=dict)
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """A two-state Markov chain: probabilities of leaving the lower and the upper state."""
+
+    leave_lower: float
+    leave_upper: float
+    weight: float = 1.0
+
+
+Form = Shape | Process | Spread | Chain

@@ -1,0 +1,1 @@
+"""Independent computations that the tests and benchmarks hold the program against."""
