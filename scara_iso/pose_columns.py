@@ -36,7 +36,7 @@ def number_cycles(
         return numbers
     _, place, visits = np.unique(pose, return_inverse=True, return_counts=True)
     poses = len(visits)
-    if poses < 2:
+    if poses < 2 or visits.max() < 2:
         return numbers
     if counted is not None:
         turn = numbers - min(int(numbers[0]), 1)

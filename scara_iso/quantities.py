@@ -151,6 +151,14 @@ def unwrap(angles: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     return np.where(turns == 0, angles, np.round(angles - TURN * turns, 9))
 
 
+def same_turn(
+    angles: npt.NDArray[np.float64], others: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """Return angles [deg] with the whole turns that bring their mean nearest to that of others."""
+    turns = round(float(others.mean() - angles.mean()) / TURN)
+    return angles if turns == 0 else angles + TURN * turns
+
+
 def within_half_a_turn(difference: float) -> float:
     """Return a difference of angles [deg] without whole turns: between -180 and 180."""
     return math.remainder(difference, TURN)

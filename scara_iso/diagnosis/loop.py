@@ -23,6 +23,7 @@ from scara_iso.diagnosis.result import (
 from scara_iso.diagnosis.search import FLAG_LEVEL, LEVEL, Stage, find
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
+from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import FloatArray, Run
 from scara_iso.verdict import Rival, Verdict
 
@@ -116,6 +117,12 @@ def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> R
         )
     model = predicted or {}
     columns = [run.axes[name].readings - np.asarray(model.get(name, 0.0)) for name in first.axes]
+    columns = [
+        same_turn(column, first.values[:, k])
+        if run.axes[name].dimension is Dimension.ANGLE
+        else column
+        for k, (name, column) in enumerate(zip(first.axes, columns, strict=True))
+    ]
     conditions = Conditions(run.cycle, run.covariates)
     return Residual(first.axes, np.stack(columns, axis=1), first.division, conditions)
 

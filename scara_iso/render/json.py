@@ -56,7 +56,6 @@ def analysis_json(analysis: Analysis) -> Json:
             "read": cycles.read,
             "discarded": list(cycles.discarded),
             "used": cycles.used,
-            "all_count": cycles.all_count,
         },
         "poses": [_pose(pose) for pose in analysis.poses],
         "limits": [_limit(check) for check in analysis.limits],
