@@ -20,6 +20,7 @@ CONDITIONS = frozenset({"approach", "payload_kg", "speed", "temperature_C", "tim
 
 
 _FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
+_SAMPLE = 999  # rows that show whether a column has few values
 _FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
 
 
@@ -74,7 +75,7 @@ def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> 
     """
     stated = {name.strip().lower() for name in run.metadata.get("covariates", "").split(",")}
     for name, values in columns.items():
-        if name in CONDITIONS or name.lower() in stated:
+        if name in CONDITIONS or name.lower() in stated or not _is_few(values[:_SAMPLE]):
             continue
         for _, rows in run.rows_by_pose():
             for axis in run.axes.values():
@@ -89,6 +90,10 @@ def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> 
                     )
 
 
+def _is_few(levels: npt.NDArray[np.generic]) -> bool:
+    return _FEWEST_ROWS * len(np.unique(levels)) <= len(levels)
+
+
 def _apart(
     readings: npt.NDArray[np.float64], levels: npt.NDArray[np.generic], division: float | None
 ) -> tuple[float, float] | None:
@@ -99,7 +104,7 @@ def _apart(
     as the spread at a usual level, or as ``division`` of the dial.
     """
     _, inverse, counts = np.unique(levels, return_inverse=True, return_counts=True)
-    if len(counts) < 2 or 3 * len(counts) > len(levels) or np.ptp(readings) == 0:
+    if len(counts) < 2 or not _is_few(levels) or np.ptp(readings) == 0:
         return None
     parts = [readings[inverse == k] for k in np.flatnonzero(counts >= _FEWEST_ROWS)]
     if len(parts) < 2:

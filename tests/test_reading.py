@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 
 import scara_iso
 from scara_iso.cli import main
+from scara_iso.cli.record_screen import _analyze, _on_one_turn
 from scara_iso.comparison import compare
 from scara_iso.errors import DataError, UsageError
 from scara_iso.pose_columns import number_cycles
 from scara_iso.quantities import Dimension, unwrap
+from scara_iso.recorder.events import Done
 from scara_iso.repeats import REPEATED_BY_CHANCE, find_repeats
 from scara_iso.run import Axis, Run
 
@@ -471,3 +473,20 @@ def test_a_recording_that_was_cut_short_names_resume(rng):
 def test_a_covariate_that_is_missing_is_refused():
     with pytest.raises(DataError, match="speed: a value is missing or not finite"):
         Run(np.arange(1, 3), {"X": Axis("X", [0.1, 0.2])}, covariates={"speed": [1.0, np.nan]})
+
+
+def test_the_hint_after_a_recording_of_five_cycles_works(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    gauge = "X=opto-rs232@sim:?pace=0"
+    words = ["record", "run.csv", "--gauge", gauge, "--trigger", "timer:0.01", "--cycles", "5"]
+    assert main([*words, "--json"]) == 0
+    hint = _analyze(Done(5, 5, "run.csv", "run.raw.jsonl"))
+    capsys.readouterr()
+    assert main([*hint.split(), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["cycles"]["used"] == 4
+    assert _analyze(Done(31, 31, "run.csv", "run.raw.jsonl")) == "analyze run.csv"
+
+
+def test_a_theta_that_jumps_is_shown_on_one_turn_while_it_is_recorded():
+    assert _on_one_turn((359.99, 0.01)) == (-0.01, 0.01)
+    assert _on_one_turn((0.0, 120.0, 240.0)) == (0.0, 120.0, 240.0)

@@ -19,6 +19,7 @@ from scara_iso.tables.numbers import BLANKS, Mark, Number, parse_clean, parse_nu
 Cell = str | float
 """A cell of a text file is text; a numeric cell of a workbook is its number."""
 _LABEL = 64
+_REMARK = 24  # enough to tell the remarks of two poses apart
 _LARGEST = 2**53
 
 
@@ -69,7 +70,7 @@ class Columns:
                 return part if part is not None and _are_counts(part[0]) else None
             case Kind.POSE | Kind.COMMENT:
                 remark = column.kind is Kind.COMMENT
-                labels = [cell.strip(BLANKS)[: _LABEL if remark else None] for cell in cells]
+                labels = [cell.strip(BLANKS)[: _REMARK if remark else None] for cell in cells]
                 clean = remark or not any(_label_fault(x) or x[0] == "'" for x in set(labels))
                 return (np.array(labels), Mark.NONE) if clean else None
             case Kind.TIMESTAMP:

@@ -25,14 +25,18 @@ def find_pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | N
     for column in columns.layout.of(Kind.POSE):
         labels = columns.labels(column)
         name = columns.layout.header[column.position]
-        numbers = [parse_number(label, columns.decimal) for label in labels.tolist()]
-        if not name.lower().startswith("pose") and 2 * len(set(labels.tolist())) > len(labels):
-            values = [number.value for number in numbers if number is not None and not number.unit]
-            if len(values) == len(labels):
-                covariates[name] = np.array(values)
-                return None
-        return labels
+        often = 2 * len(set(labels.tolist())) <= len(labels)
+        numbers = None if often or name.lower().startswith("pose") else _numbers(columns, labels)
+        if numbers is None:
+            return labels
+        covariates[name] = numbers
     return None
+
+
+def _numbers(columns: Columns, labels: Labels) -> FloatArray | None:
+    found = [parse_number(label, columns.decimal) for label in labels.tolist()]
+    values = [number.value for number in found if number is not None and not number.unit]
+    return np.array(values) if len(values) == len(labels) else None
 
 
 def find_commands(
