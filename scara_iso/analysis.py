@@ -59,6 +59,7 @@ def analyze(
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` where the run
     breaks the cycle rule and `UsageError` for a limit of a figure that the run does not have.
     """
+    run = run.unwrapped()
     chosen = used_cycles(
         run,
         first_cycle_discarded=first_cycle_discarded,

@@ -49,6 +49,7 @@ class CyclesWanted:
 
     def take(self, run: Run) -> Run:
         """Return the rows of one pose that count; `DataError` where several poses are there."""
+        run = run.unwrapped()
         chosen = self.used(run)
         labels = list(chosen.poses)
         if self.pose is not None and self.pose not in labels:
@@ -171,6 +172,7 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
 
 def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
     """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979)."""
+    run = run.unwrapped()
     found = diagnose_poses(
         run.take(np.concatenate(wanted.used(run).rows)),
         lambda single, level: diagnose(single, seed=seed, level=level),

@@ -77,9 +77,8 @@ class Run:
 
     ``cycle`` has shape (rows,); every axis, ``pose`` (labels) and each covariate as well.
     ``lines`` are the rows' line numbers in their file, where there is one. ``metadata`` holds the
-    table's ``key: value`` lines as text. Angles are taken off whole turns, pose by pose
-    (`quantities.unwrap`). Raises `DataError` where shapes differ, no axis is there, a value is not
-    finite, or angles scatter over more than half a turn.
+    table's ``key: value`` lines as text. Raises `DataError` where shapes differ, no axis is
+    there, or a value is not finite.
     """
 
     cycle: IntArray
@@ -103,31 +102,6 @@ class Run:
         if self.lines is not None:
             set_(self, "lines", _frozen(self.lines, np.int64))
         self._check_shapes()
-        self._unwrap_angles()
-
-    def _unwrap_angles(self) -> None:
-        moved = {}
-        for name, axis in self.axes.items():
-            if axis.dimension is Dimension.ANGLE and np.ptp(axis.readings) > TURN / 2:
-                readings = axis.readings.copy()
-                for label, rows in self.rows_by_pose():
-                    readings[rows] = self._unwrapped(axis, label, rows)
-                if not np.array_equal(readings, axis.readings):
-                    moved[name] = replace(axis, readings=readings)
-        if moved:
-            said = f"{', '.join(moved)} passes a full turn and is unwrapped about its mean"
-            understood = "; ".join(part for part in (self.origin.understood, said) if part)
-            origin = replace(self.origin, understood=understood)
-            object.__setattr__(self, "axes", MappingProxyType({**self.axes, **moved}))
-            object.__setattr__(self, "origin", origin)
-
-    def _unwrapped(self, axis: Axis, label: str | None, rows: IntArray) -> FloatArray:
-        try:
-            return unwrap(axis.readings[rows])
-        except DataError as error:
-            what = f"{axis.name}{'' if label is None else f' at pose {label}'}: {error.what}"
-            remedy = "check its unit, and the readings that are far from the others"
-            raise DataError(what, where=self.origin.source, remedy=remedy) from error
 
     def _check_shapes(self) -> None:
         if not self.axes:
@@ -173,6 +147,31 @@ class Run:
             lines=None if self.lines is None else self.lines[rows],
         )
 
+    def unwrapped(self) -> Run:
+        """Return the run with the angles of each pose on one turn (`quantities.unwrap`).
+
+        The run itself where they are; `DataError` where they scatter over more than half a turn.
+        """
+        moved = {}
+        for name, axis in self.axes.items():
+            if axis.dimension is Dimension.ANGLE and np.ptp(axis.readings) > TURN / 2:
+                readings = axis.readings.copy()
+                for label, rows in self.rows_by_pose():
+                    try:
+                        readings[rows] = unwrap(axis.readings[rows])
+                    except DataError as error:
+                        what = f"{name}{f' at pose {label}' if label else ''}: {error.what}"
+                        where, remedy = self.origin.source, "check its unit and its far readings"
+                        raise DataError(what, where=where, remedy=remedy) from error
+                if not np.array_equal(readings, axis.readings):
+                    moved[name] = replace(axis, readings=readings)
+        if not moved:
+            return self
+        said = f"{', '.join(moved)} passes a full turn and is unwrapped about its mean"
+        understood = "; ".join(part for part in (self.origin.understood, said) if part)
+        origin = replace(self.origin, understood=understood)
+        return replace(self, axes={**self.axes, **moved}, origin=origin)
+
     def command_of(self, axis: str, label: str | None) -> float | None:
         """Return the command coordinate of an axis at a pose, None where none is stated for it."""
         stated = self.axes[axis].command
@@ -183,7 +182,7 @@ class Run:
 
     @property
     def dial_zero_is_command(self) -> bool:
-        """Whether ``# dial_zero: command`` refers the dials' zero to the command pose."""
+        """Whether ``# dial_zero: command`` is stated: AP means something only then."""
         return self.metadata.get("dial_zero", "").strip().lower() == "command"
 
     def rows_by_pose(self) -> Iterator[tuple[str | None, IntArray]]:
@@ -202,8 +201,7 @@ class Run:
     def to_frame(self) -> pd.DataFrame:
         """Return the run as a pandas table; `from_frame` reads it back to the same run.
 
-        Columns: ``cycle``, ``pose`` if there, the axes, the covariates. Lengths in mm, angles in
-        degrees; the metadata are in ``attrs``.
+        Columns: ``cycle``, ``pose`` if there, axes [mm, deg], covariates; metadata in ``attrs``.
         """
         import pandas as pd  # noqa: PLC0415 - half a second that the command line need not pay
 
@@ -253,7 +251,7 @@ class Run:
             covariates=numbers,
             metadata=frame.attrs.get("metadata", {}) if metadata is None else metadata,
             origin=Origin(source="data frame"),
-        )
+        ).unwrapped()
         check_clusters(run, run.covariates)
         return run
 

@@ -99,7 +99,8 @@ def test_frames_and_models_are_unwrapped_too_and_poses_each_by_itself(rng):
         assert found.axes["theta"].three_sigma == pytest.approx(3 * s)
         assert found.axes["theta"].mean == pytest.approx(about, abs=0.01)
     built = Run(np.arange(1, 4), {"theta": Axis("theta", [359.9, 0.1, 0.2], Dimension.ANGLE)})
-    assert built.axes["theta"].readings.tolist() == [-0.1, 0.1, 0.2]
+    assert built.unwrapped().axes["theta"].readings.tolist() == [-0.1, 0.1, 0.2]
+    assert built.axes["theta"].readings[0] == 359.9  # as it was shown: the recorder writes it so
 
 
 def test_a_scatter_of_more_than_half_a_turn_is_refused(rng):

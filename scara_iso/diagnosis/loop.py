@@ -64,6 +64,7 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
     Raises `DataError` for fewer than 12 cycles or more than 500, several poses, no axis that
     moves, a prediction that does not belong to the run, or a sigma that is not positive.
     """
+    run = run.unwrapped()
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
     rng = np.random.default_rng(seed)
     known = tuple(catalogue.values())
@@ -108,6 +109,7 @@ def _diagnosis(
 def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> Residual | None:
     if run is None:
         return None
+    run = run.unwrapped()
     missing = [name for name in first.axes if name not in run.axes]
     if missing:
         raise DataError(

@@ -166,7 +166,7 @@ def _run(
         metadata=metadata,
         lines=lines,
         origin=Origin(faults.where),
-    )
+    ).unwrapped()
 
 
 def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
