@@ -11,11 +11,15 @@ import numpy as np
 from scara_iso.checks import find_checks
 from scara_iso.definitions import definitions
 from scara_iso.errors import DataError
-from scara_iso.iso9283 import UsedCycles, used_cycles
+from scara_iso.iso9283 import Rows, UsedCycles, used_cycles
 from scara_iso.limits import check_limits
-from scara_iso.quantities import Dimension, parse_number, rounding_uncertainty
+from scara_iso.quantities import (
+    Dimension,
+    parse_number,
+    rounding_uncertainty,
+    within_half_a_turn,
+)
 from scara_iso.repeatability import (
-    Repeatability,
     repeatability,
     rp_interval,
     standard_deviation,
@@ -42,25 +46,34 @@ def analyze(
     *,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
     limits: Mapping[str, float] | None = None,
     other_definitions: bool = False,
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a run, with intervals and findings.
 
-    Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``first_cycle_discarded`` and ``cycles`` are
-    as in `used_cycles`. ``limits`` are in mm (degrees for an angle) by figure (``X``, ``XY``...);
-    the key `limits.EVERY_LENGTH` holds for every length. ``other_definitions`` adds half range,
-    2 s, 3 s and ISO 230-2. Raises `DataError` where the run breaks the cycle rule and `UsageError`
-    for a limit of a figure that the run does not have.
+    Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``first_cycle_discarded``, ``cycles``,
+    ``all_count`` and ``allow_gaps`` are as in `used_cycles`. ``limits`` are in mm (degrees for an
+    angle) by figure (``X``, ``XY``...); the key `limits.EVERY_LENGTH` holds for every length.
+    ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` where the run
+    breaks the cycle rule and `UsageError` for a limit of a figure that the run does not have.
     """
-    chosen = used_cycles(run, first_cycle_discarded=first_cycle_discarded, cycles=cycles)
+    run = run.unwrapped()
+    chosen = used_cycles(
+        run,
+        first_cycle_discarded=first_cycle_discarded,
+        cycles=cycles,
+        all_count=all_count,
+        allow_gaps=allow_gaps,
+    )
     if chosen.used < _FEWEST_CYCLES:
         raise DataError(
             f"{chosen.used} cycle counts: no scatter can be computed", where=run.origin.source
         )
     measured = Measured(
         run=run,
-        cycles=Cycles(chosen.read, chosen.discarded, chosen.used),
+        cycles=Cycles(chosen.read, chosen.discarded, chosen.used, all_count=chosen.all_count),
         poses=_pose_results(run, chosen, other_definitions=other_definitions),
     )
     return Analysis(
@@ -75,6 +88,16 @@ def analyze(
 def _pose_results(
     run: Run, chosen: UsedCycles, *, other_definitions: bool
 ) -> tuple[PoseResult, ...]:
+    missing = dict(zip(chosen.poses, chosen.missing, strict=True))
+    found = {
+        pose.label: replace(pose, missing=missing[pose.label])
+        for rows in chosen.of_equal_length()
+        for pose in _results_together(run, rows, other_definitions=other_definitions)
+    }
+    return tuple(found[label] for label in chosen.poses)
+
+
+def _results_together(run: Run, chosen: Rows, *, other_definitions: bool) -> tuple[PoseResult, ...]:
     axes = {name: _axis_results(run, axis, chosen) for name, axis in run.axes.items()}
     if other_definitions:
         axes = {name: _with_definitions(run, chosen, found) for name, found in axes.items()}
@@ -92,7 +115,7 @@ def _pose_results(
     )
 
 
-def _axis_results(run: Run, axis: Axis, chosen: UsedCycles) -> list[AxisResult]:
+def _axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
     readings = axis.readings[chosen.rows]
     positions = readings[:, np.newaxis, :]
     folded = repeatability(positions)
@@ -113,11 +136,19 @@ def _axis_results(run: Run, axis: Axis, chosen: UsedCycles) -> list[AxisResult]:
             three_sigma=3 * float(deviations[k]),
             resolution=axis.resolution,
             uncertainty=uncertainty,
-            accuracy=None if axis.command is None else float(folded.mean[k, 0]) - axis.command,
+            accuracy=_accuracy(run, axis, chosen.poses[k], float(folded.mean[k, 0])),
             angle=_theta_angle(float(folded.RP[k]), 3 * float(deviations[k]), radius),
         )
         for k in range(len(readings))
     ]
+
+
+def _accuracy(run: Run, axis: Axis, pose: str | None, mean: float) -> float | None:
+    """Return mean minus command (7.2.1), where the dial's zero is referred to the command pose."""
+    command = run.command_of(axis.name, pose)
+    if command is None or not run.dial_zero_is_command:
+        return None
+    return within_half_a_turn(mean - command) if axis.unit == "deg" else mean - command
 
 
 def reading_uncertainty(axis: Axis) -> float | None:
@@ -151,9 +182,7 @@ def _theta_angle(RP: float, three_sigma: float, radius: float | None) -> ThetaAn
     return ThetaAngle(radius, math.degrees(RP / radius), math.degrees(three_sigma / radius))
 
 
-def _with_definitions(
-    run: Run, chosen: UsedCycles, found: Sequence[AxisResult]
-) -> list[AxisResult]:
+def _with_definitions(run: Run, chosen: Rows, found: Sequence[AxisResult]) -> list[AxisResult]:
     approach = run.covariates.get("approach")
     return [
         replace(
@@ -164,14 +193,17 @@ def _with_definitions(
     ]
 
 
-def _radial_results(run: Run, chosen: UsedCycles, names: str) -> Sequence[RadialResult | None]:
+def _radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult | None]:
     axes = [run.axes[name] for name in names if name in run.axes]
     if len(axes) < len(names) or any(axis.dimension is not Dimension.LENGTH for axis in axes):
         return [None] * len(chosen.poses)
     positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
     folded = repeatability(positions)
     intervals = _intervals(positions, axes)
-    accuracy = _distance_to_command(folded, axes)
+    offsets = [
+        [_accuracy(run, axis, pose, mean) for axis, mean in zip(axes, means, strict=True)]
+        for pose, means in zip(chosen.poses, folded.mean.tolist(), strict=True)
+    ]
     parts = [u for u in map(reading_uncertainty, axes) if u is not None]
     rss = _root_sum_of_squares(positions) if len(axes) == 2 else None
     return [
@@ -183,7 +215,7 @@ def _radial_results(run: Run, chosen: UsedCycles, names: str) -> Sequence[Radial
             RP_rss=None if rss is None else float(rss[k]),
             # A distance to the barycentre is no less certain than its least certain axis.
             uncertainty=max(parts) if len(parts) == len(axes) else None,
-            accuracy=None if accuracy is None else float(accuracy[k]),
+            accuracy=_distance(offsets[k]),
         )
         for k in range(len(positions))
     ]
@@ -194,11 +226,9 @@ def _root_sum_of_squares(positions: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt((repeatability(positions[:, :, np.newaxis, :]).RP ** 2).sum(axis=1)))
 
 
-def _distance_to_command(folded: Repeatability, axes: Sequence[Axis]) -> FloatArray | None:
-    command = [axis.command for axis in axes if axis.command is not None]
-    if len(command) < len(axes):
-        return None
-    return np.asarray(np.linalg.norm(folded.mean - np.array(command), axis=-1))
+def _distance(offsets: Sequence[float | None]) -> float | None:
+    known = [offset for offset in offsets if offset is not None]
+    return math.hypot(*known) if len(known) == len(offsets) else None
 
 
 def _intervals(positions: FloatArray, axes: Sequence[Axis]) -> Sequence[Interval | None]:

@@ -13,7 +13,7 @@ from scara_iso.diagnosis import diagnose as diagnose_used
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.gears import diagnose_run_reversals
-from scara_iso.iso9283 import used_cycles
+from scara_iso.iso9283 import UsedCycles, used_cycles
 from scara_iso.model import DeclaredEffect, Model, declare, predict, read_model
 from scara_iso.model.predict import is_random
 from scara_iso.run import Run
@@ -29,12 +29,23 @@ class CyclesWanted:
     pose: str | None = None
     first_cycle_discarded: bool = False
     cycles: int | None = None
+    all_count: bool = False
+    allow_gaps: bool = False
+
+    def used(self, run: Run) -> UsedCycles:
+        """Return the rows of every pose that count."""
+        return used_cycles(
+            run,
+            first_cycle_discarded=self.first_cycle_discarded,
+            cycles=self.cycles,
+            all_count=self.all_count,
+            allow_gaps=self.allow_gaps,
+        )
 
     def take(self, run: Run) -> Run:
         """Return the rows of one pose that count; `DataError` where several poses are there."""
-        chosen = used_cycles(
-            run, first_cycle_discarded=self.first_cycle_discarded, cycles=self.cycles
-        )
+        run = run.unwrapped()
+        chosen = self.used(run)
         labels = list(chosen.poses)
         if self.pose is not None and self.pose not in labels:
             raise UsageError(
@@ -172,11 +183,9 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
 
 def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
     """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979)."""
-    chosen = used_cycles(
-        run, first_cycle_discarded=wanted.first_cycle_discarded, cycles=wanted.cycles
-    )
+    run = run.unwrapped()
     found = diagnose_poses(
-        run.take(chosen.rows.ravel()),
+        run.take(np.concatenate(wanted.used(run).rows)),
         lambda single, level: diagnose_used(single, seed=seed, level=level),
     )
     return {str(pose): diagnosis for pose, diagnosis in found.items()}

@@ -18,7 +18,7 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import UsageError
+from scara_iso.errors import DataError, UsageError
 
 Number = TypeVar("Number", float, npt.NDArray[np.float64])
 
@@ -127,6 +127,44 @@ def parse_number(text: str) -> float | None:
         return None
     value = float(text)
     return value if math.isfinite(value) else None
+
+
+TURN = 360.0
+"""A full turn in degrees."""
+
+
+def unwrap(angles: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return angles [deg], shape (n,), with whole turns taken off so that they lie together.
+
+    Angles within half a turn stay as they are. Others are taken within half a turn of their
+    circular mean, which is put between -90 and 270 degrees: far from 0/360 and +/-180, where
+    instruments jump. Raises `DataError` where they scatter over more than half a turn.
+    """
+    if len(angles) == 0 or np.ptp(angles) <= TURN / 2:
+        return angles
+    around = np.sort(angles % TURN)
+    gaps = np.diff(around, append=around[0] + TURN)
+    widest = int(np.argmax(gaps))
+    if gaps[widest] < TURN / 2:
+        raise DataError("the readings scatter over more than half a turn")
+    middle = around[widest] + gaps[widest] / 2 + TURN / 2
+    centre = middle - TURN * math.ceil((middle - 270) / TURN)
+    turns = np.round((angles - centre) / TURN)
+    # Rounded: 359.99 - 360 is meant as -0.01, on the same divisions as its neighbours.
+    return np.where(turns == 0, angles, np.round(angles - TURN * turns, 9))
+
+
+def same_turn(
+    angles: npt.NDArray[np.float64], others: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """Return angles [deg] with the whole turns that bring their mean nearest to that of others."""
+    turns = round(float(others.mean() - angles.mean()) / TURN)
+    return angles if turns == 0 else angles + TURN * turns
+
+
+def within_half_a_turn(difference: float) -> float:
+    """Return a difference of angles [deg] without whole turns: between -180 and 180."""
+    return math.remainder(difference, TURN)
 
 
 def rounding_uncertainty(resolution: float) -> float:

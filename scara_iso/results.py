@@ -57,7 +57,8 @@ class AxisResult:
     uncertainty: float | None
     """Standard uncertainty of one reading: resolution and indicator combined (GUM 5.1.2)."""
     accuracy: float | None = None
-    """Mean minus command pose, ISO 9283 7.2.1; None where no command pose is stated."""
+    """Mean minus command pose, ISO 9283 7.2.1; None where no command pose is stated, or the dial's
+    zero is not referred to it."""
     angle: ThetaAngle | None = None
     definitions: tuple[Definition, ...] = ()
 
@@ -110,6 +111,8 @@ class PoseResult:
     axes: Mapping[str, AxisResult]
     XY: RadialResult | None
     XYZ: RadialResult | None
+    missing: tuple[tuple[int, int], ...] = ()
+    """First and last number of each gap in the cycles."""
 
     @property
     def figures(self) -> Mapping[str, AxisResult | RadialResult]:
@@ -120,11 +123,16 @@ class PoseResult:
 
 @dataclass(frozen=True, slots=True)
 class Cycles:
-    """How many cycles each pose has in the table, which were left out, how many count."""
+    """How many cycles each pose has in the table, which were left out, how many count.
+
+    Where gaps are allowed: of the pose with the fewest.
+    """
 
     read: int
     discarded: tuple[int, ...]
     used: int
+    all_count: bool = False
+    """Whether it is stated that every row counts: none was discarded, here or before."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
-from scara_iso.quantities import Dimension, parse_unit
+from scara_iso.pose_columns import Command, by_pose, check_clusters, number_cycles
+from scara_iso.quantities import TURN, Dimension, parse_unit, unwrap
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,7 +45,8 @@ class Axis:
 
     ``readings`` has shape (rows,), in mm where ``dimension`` is a length and in degrees where it
     is an angle; ``resolution``, ``uncertainty`` (standard uncertainty of the indicator, from its
-    certificate) and ``command`` (the command pose) are in the same unit, None where not stated.
+    certificate) and ``command`` are in the same unit, None where not stated. ``command`` is the
+    coordinate of the command pose: a number for a run of one pose, else numbers by pose.
     """
 
     name: str
@@ -52,10 +54,12 @@ class Axis:
     dimension: Dimension = Dimension.LENGTH
     resolution: float | None = None
     uncertainty: float | None = None
-    command: float | None = None
+    command: Command = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
+        if isinstance(self.command, Mapping):
+            object.__setattr__(self, "command", MappingProxyType(dict(self.command)))
         stated = {"resolution": self.resolution, "uncertainty": self.uncertainty}
         for name, value in stated.items():
             if value is not None and not 0 < value < FARTHEST:
@@ -73,8 +77,8 @@ class Run:
 
     ``cycle`` has shape (rows,); every axis, ``pose`` (labels) and each covariate as well.
     ``lines`` are the rows' line numbers in their file, where there is one. ``metadata`` holds the
-    table's ``key: value`` lines as text. Raises `DataError` where shapes differ or no axis is
-    there.
+    table's ``key: value`` lines as text. Raises `DataError` where shapes differ, no axis is
+    there, or a value is not finite.
     """
 
     cycle: IntArray
@@ -119,6 +123,9 @@ class Run:
         absurd = [n for n, a in self.axes.items() if not np.all(np.abs(a.readings) <= FARTHEST)]
         if absurd:
             raise DataError(f"{', '.join(absurd)}: a reading is not finite, or beyond any dial")
+        gone = [name for name, values in self.covariates.items() if not np.isfinite(values).all()]
+        if gone:
+            raise DataError(f"{', '.join(gone)}: a value is missing or not finite")
 
     def __len__(self) -> int:
         return len(self.cycle)
@@ -127,14 +134,56 @@ class Run:
         """Return the run of some of its rows, given by number from 0; one pose has no label."""
         labels = None if self.pose is None else self.pose[rows]
         one_pose = labels is None or len(set(labels.tolist())) == 1
+        label = str(labels[0]) if labels is not None and one_pose and len(labels) else None
+        axes = {name: replace(a, readings=a.readings[rows]) for name, a in self.axes.items()}
+        if one_pose:
+            axes = {n: replace(a, command=self.command_of(n, label)) for n, a in axes.items()}
         return replace(
             self,
             cycle=self.cycle[rows],
-            axes={n: replace(a, readings=a.readings[rows]) for n, a in self.axes.items()},
+            axes=axes,
             pose=None if one_pose else labels,
             covariates={name: values[rows] for name, values in self.covariates.items()},
             lines=None if self.lines is None else self.lines[rows],
         )
+
+    def unwrapped(self) -> Run:
+        """Return the run with the angles of each pose on one turn (`quantities.unwrap`).
+
+        The run itself where they are; `DataError` where they scatter over more than half a turn.
+        """
+        moved = {}
+        for name, axis in self.axes.items():
+            if axis.dimension is Dimension.ANGLE and np.ptp(axis.readings) > TURN / 2:
+                readings = axis.readings.copy()
+                for label, rows in self.rows_by_pose():
+                    try:
+                        readings[rows] = unwrap(axis.readings[rows])
+                    except DataError as error:
+                        what = f"{name}{f' at pose {label}' if label else ''}: {error.what}"
+                        where, remedy = self.origin.source, "check its unit and its far readings"
+                        raise DataError(what, where=where, remedy=remedy) from error
+                if not np.array_equal(readings, axis.readings):
+                    moved[name] = replace(axis, readings=readings)
+        if not moved:
+            return self
+        said = f"{', '.join(moved)} passes a full turn and is unwrapped about its mean"
+        understood = "; ".join(part for part in (self.origin.understood, said) if part)
+        origin = replace(self.origin, understood=understood)
+        return replace(self, axes={**self.axes, **moved}, origin=origin)
+
+    def command_of(self, axis: str, label: str | None) -> float | None:
+        """Return the command coordinate of an axis at a pose, None where none is stated for it."""
+        stated = self.axes[axis].command
+        if isinstance(stated, Mapping):
+            return stated.get(self.metadata.get("pose", "") if label is None else label)
+        several = self.pose is not None and bool(np.any(self.pose != self.pose[0]))
+        return None if several else stated
+
+    @property
+    def dial_zero_is_command(self) -> bool:
+        """Whether ``# dial_zero: command`` is stated: AP means something only then."""
+        return self.metadata.get("dial_zero", "").strip().lower() == "command"
 
     def rows_by_pose(self) -> Iterator[tuple[str | None, IntArray]]:
         """Yield each pose's label and row numbers, poses in order of first appearance.
@@ -152,8 +201,7 @@ class Run:
     def to_frame(self) -> pd.DataFrame:
         """Return the run as a pandas table; `from_frame` reads it back to the same run.
 
-        Columns: ``cycle``, ``pose`` if there, the axes, the covariates. Lengths in mm, angles in
-        degrees; the metadata are in ``attrs``.
+        Columns: ``cycle``, ``pose`` if there, axes [mm, deg], covariates; metadata in ``attrs``.
         """
         import pandas as pd  # noqa: PLC0415 - half a second that the command line need not pay
 
@@ -175,45 +223,59 @@ class Run:
     ) -> Run:
         """Return the run that a pandas table holds.
 
-        Columns named X, Y, Z or theta are axes, ``cycle`` and ``pose`` are what they say, and any
-        other numeric column is a covariate. ``unit`` and ``resolution`` (in that unit) hold for
-        every axis; what `to_frame` left in ``attrs`` takes their place. Raises `DataError` for a
-        missing or non-finite value, naming column and row.
+        Columns X, Y, Z and theta are axes, ``cycle`` (see `number_cycles`), ``pose`` and
+        ``command_X`` are what they say, and any other numeric column is a covariate. ``unit`` and
+        ``resolution`` (in that unit) hold for every axis, unless `to_frame` left others in
+        ``attrs``. Raises `DataError` for a value that is missing or not finite, naming column and
+        row, and for a column that parts the readings as poses do.
         """
         kept = frame.attrs.get("axes", {})
         given = {"unit": unit, "resolution": resolution}
         values = {str(name): frame[name] for name in frame.columns}
-        pose = values.pop("pose", None)
+        labels = values.pop("pose", None)
+        pose = None if labels is None else labels.to_numpy(dtype=str)
         numbers = {name: _finite(name, column) for name, column in values.items()}
-        cycle = numbers.pop("cycle", np.arange(1.0, len(frame) + 1))
-        if np.any(cycle != np.round(cycle)):
+        counted = numbers.pop("cycle", None)
+        if counted is not None and np.any(counted != np.round(counted)):
             raise DataError("column 'cycle' holds a number that is not whole")
         axes = {
-            name: _axis(name, numbers.pop(name), **kept.get(name, given))
+            name: _axis(name, numbers.pop(name), kept.get(name, given),
+                        by_pose(f"command_{name}", numbers.pop(f"command_{name}", None), pose))
             for name in AXES
             if name in numbers
-        }
-        return cls(
-            cycle=cycle.astype(np.int64),
+        }  # fmt: skip
+        run = cls(
+            cycle=number_cycles(counted, pose, len(frame)),
             axes=axes,
-            pose=None if pose is None else pose.to_numpy(dtype=str),
+            pose=pose,
             covariates=numbers,
             metadata=frame.attrs.get("metadata", {}) if metadata is None else metadata,
             origin=Origin(source="data frame"),
-        )
+        ).unwrapped()
+        check_clusters(run, run.covariates)
+        return run
 
 
-def _axis(name: str, values: FloatArray, *, unit: str, **stated: float | None) -> Axis:
-    size = parse_unit(unit)
-    converted = {
-        key: None if value is None else size.to_base(value) for key, value in stated.items()
-    }
-    return Axis(name, size.to_base(values), size.dimension, **converted)
+def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Command) -> Axis:
+    size = parse_unit(stated["unit"])
+
+    def convert(value: Command) -> Command:
+        if isinstance(value, Mapping):
+            return {label: size.to_base(number) for label, number in value.items()}
+        return None if value is None else size.to_base(value)
+
+    sizes: dict[str, Any] = {k: convert(value) for k, value in stated.items() if k != "unit"}
+    sizes |= {} if command is None else {"command": convert(command)}
+    return Axis(name, size.to_base(values), size.dimension, **sizes)
 
 
-def _axis_attributes(axes: Mapping[str, Axis]) -> dict[str, dict[str, str | float | None]]:
+def _axis_attributes(axes: Mapping[str, Axis]) -> dict[str, dict[str, Any]]:
     stated = ("unit", "resolution", "uncertainty", "command")
-    return {name: {key: getattr(axis, key) for key in stated} for name, axis in axes.items()}
+    found = {name: {key: getattr(axis, key) for key in stated} for name, axis in axes.items()}
+    for sizes in found.values():
+        if isinstance(sizes["command"], Mapping):
+            sizes["command"] = dict(sizes["command"])
+    return found
 
 
 def _finite(name: str, column: pd.Series) -> FloatArray:

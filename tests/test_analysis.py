@@ -72,7 +72,9 @@ def test_uncertainty_is_combined_as_in_the_gum():
 
 def test_accuracy_needs_the_command_pose(rng):
     x, y = scatter(rng, "X", command=0.1), scatter(rng, "Y", command=-0.2)
-    pose = analyze(run_with([x, y, scatter(rng, "Z")])).poses[0]
+    axes = [x, y, scatter(rng, "Z")]
+    assert analyze(run_with(axes)).poses[0].axes["X"].accuracy is None
+    pose = analyze(run_with(axes, metadata={"dial_zero": "command"})).poses[0]
     ap_x = x.readings[1:].mean() - 0.1
     ap_y = y.readings[1:].mean() + 0.2
     assert pose.axes["X"].accuracy == pytest.approx(ap_x)

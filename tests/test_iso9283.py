@@ -43,7 +43,7 @@ def test_which_rows_count(numbers, stated, options, discarded, used):
     assert chosen.read == len(numbers)
     assert chosen.discarded == discarded
     assert chosen.used == used
-    assert chosen.rows.tolist() == [list(range(len(discarded), len(numbers)))]
+    assert [rows.tolist() for rows in chosen.rows] == [list(range(len(discarded), len(numbers)))]
 
 
 def refused(*args, options=None, **kwargs):

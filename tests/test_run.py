@@ -11,16 +11,16 @@ from scara_iso.errors import DataError
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 
-readings = arrays(np.float64, 5, elements=st.floats(-100, 100))
+readings = arrays(np.float64, 5, elements=st.floats(-90, 90))
 
 
 @given(x=readings, theta=readings, temperature=readings)
 def test_a_frame_and_back_is_the_same_run(x, theta, temperature):
     run = Run(
-        cycle=np.arange(1, 6),
+        cycle=np.array([1, 2, 1, 2, 3]),
         axes={
             "theta": Axis("theta", theta, Dimension.ANGLE, 0.01),
-            "X": Axis("X", x, resolution=0.001, uncertainty=0.0005, command=1.0),
+            "X": Axis("X", x, resolution=0.001, uncertainty=0.0005, command={"P1": 1.0}),
         },
         pose=np.array(["P1", "P1", "P2", "P2", "P2"]),
         covariates={"temperature_C": temperature},

@@ -10,6 +10,8 @@ import typer
 
 from scara_iso.cli.options import (
     OUTSIDE_A_LIMIT,
+    AllCount,
+    AllowGaps,
     AsJson,
     CyclesRun,
     DecimalMark,
@@ -40,6 +42,8 @@ def analyze_command(
     sheet: Sheet = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
+    all_count: AllCount = False,
+    allow_gaps: AllowGaps = False,
     json: AsJson = False,
 ) -> None:
     """Repeatability of each pose, axis and plane, with intervals and findings.
@@ -53,6 +57,8 @@ def analyze_command(
         run,
         first_cycle_discarded=first_cycle_discarded,
         cycles=cycles,
+        all_count=all_count,
+        allow_gaps=allow_gaps,
         limits=parse_limits(limit or ()),
         other_definitions=definitions,
     )

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso.cli.options import (
+    AllCount,
+    AllowGaps,
     AsJson,
     CyclesRun,
     DecimalMark,
@@ -45,6 +47,8 @@ def compare_command(
     sheet: Sheet = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
+    all_count: AllCount = False,
+    allow_gaps: AllowGaps = False,
     seed: Seed = 9283,
     json: AsJson = False,
 ) -> None:
@@ -62,7 +66,13 @@ def compare_command(
 
     def read(table: str) -> Analysis:
         run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
-        return analyze(run, first_cycle_discarded=first_cycle_discarded, cycles=cycles)
+        return analyze(
+            run,
+            first_cycle_discarded=first_cycle_discarded,
+            cycles=cycles,
+            all_count=all_count,
+            allow_gaps=allow_gaps,
+        )
 
     found = _every(tables, read)
     comparison = compare(found, seed=seed)

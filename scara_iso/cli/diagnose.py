@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso.cli.options import (
+    AllCount,
+    AllowGaps,
     AsJson,
     CyclesRun,
     DecimalMark,
@@ -79,6 +81,8 @@ def diagnose_command(
     sheet: Sheet = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
+    all_count: AllCount = False,
+    allow_gaps: AllowGaps = False,
     json: AsJson = False,
 ) -> None:
     """Close the loop: residual, the effect that explains it, error before and after.
@@ -88,7 +92,7 @@ def diagnose_command(
     from scara_iso.closing import CyclesWanted, Reading
 
     reading = Reading(unit, resolution, decimal, sheet)
-    wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
+    wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     named = tables or []
     if design:
         from scara_iso.cli.diagnose_design import show_design

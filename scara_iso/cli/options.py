@@ -34,6 +34,13 @@ FirstDiscarded = Annotated[
 CyclesRun = Annotated[
     int | None, typer.Option("--cycles", help="Cycles run, the first counted, if not 31.", min=2)
 ]
+AllCount = Annotated[
+    bool,
+    typer.Option("--all-count", help="Every cycle counts, none was discarded: the standard's 30."),
+]
+AllowGaps = Annotated[
+    bool, typer.Option("--allow-gaps", help="Use the rest where cycles are missing.")
+]
 Limits = Annotated[
     list[str] | None,
     typer.Option(

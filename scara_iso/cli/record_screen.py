@@ -6,11 +6,12 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from types import TracebackType
 from typing import TypeAlias
 
 from scara_iso.cli.keyboard import KEYS, Keys
-from scara_iso.errors import WriteError
+from scara_iso.errors import DataError, WriteError
 from scara_iso.recorder import (
     Command,
     CycleDone,
@@ -35,6 +36,7 @@ from scara_iso.render.live import AxisView, LiveScreen, LiveView
 REDRAW_S = 0.1
 _Shown: TypeAlias = tuple[float, str, str]
 """A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
+_ANGLES = ("deg", "rad", "arcmin", "arcsec")
 _NEXT = {
     "enter": "bring the arm to the pose, let it settle, press Enter",
     "data": "bring the arm to the pose, let it settle, press DATA on the indicator",
@@ -156,7 +158,7 @@ class Screen:
             case Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
                 short = said.cycles < said.planned
-                self._last = f"{'record --resume' if short else 'analyze'} {said.table}"
+                self._last = f"record --resume {said.table}" if short else _analyze(said)
 
     def _trouble(self, kind: str, message: str) -> None:
         self._troubles[kind] += 1
@@ -183,6 +185,7 @@ class Screen:
         last = max(readings, default=0)
         _, text, unit = readings.get(last, (0.0, "", ""))
         used = tuple(shown[0] for cycle, shown in readings.items() if cycle > 1)
+        used = _on_one_turn(used) if unit in _ANGLES else used
         mean, RP = _figures(used)
         return AxisView(name, text, unit, last, used, mean, RP)
 
@@ -194,6 +197,24 @@ class Screen:
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
         how = _NEXT.get(self._trigger, f"read by the timer, every {self._trigger[6:]} s")
         return f"Cycle {self._cycle}{missing}: {how}"
+
+
+def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:
+    """Return angles [deg] as the table will have them, as they are where it will be refused."""
+    import numpy as np
+
+    from scara_iso.quantities import unwrap
+
+    with suppress(DataError):
+        return tuple(unwrap(np.array(angles)).tolist())
+    return angles
+
+
+def _analyze(done: Done) -> str:
+    from scara_iso.iso9283 import CYCLES_RUN
+
+    cycles = f" --cycles {done.planned}" if done.planned != CYCLES_RUN else ""
+    return f"analyze {done.table}{cycles}"
 
 
 def _figures(readings: tuple[float, ...]) -> tuple[float | None, float | None]:

@@ -13,6 +13,8 @@ import typer
 from scara_iso.cli.analyze import compared_with_its_manifest
 from scara_iso.cli.options import (
     OUTSIDE_A_LIMIT,
+    AllCount,
+    AllowGaps,
     AsJson,
     CyclesRun,
     DecimalMark,
@@ -68,6 +70,8 @@ def report_command(
     sheet: Sheet = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
+    all_count: AllCount = False,
+    allow_gaps: AllowGaps = False,
     excel_locale: ExcelLocale = None,
     json: AsJson = False,
 ) -> None:
@@ -81,7 +85,7 @@ def report_command(
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else _writer(path, excel_locale)
     check_outputs([path], [table, model])
-    wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
+    wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     reading = Reading(unit, resolution, decimal, sheet)
     dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
     if path is not None and write is not None:
@@ -197,6 +201,8 @@ def _test(
         run,
         first_cycle_discarded=wanted.first_cycle_discarded,
         cycles=wanted.cycles,
+        all_count=wanted.all_count,
+        allow_gaps=wanted.allow_gaps,
         limits=limits,
     )
     analysis = compared_with_its_manifest(analysis, table)

@@ -20,7 +20,7 @@ from scara_iso.comparison.matching import axes_in_common, poses_in_common, unlik
 from scara_iso.comparison.result import Comparison, Contrast, Pair
 from scara_iso.comparison.shuffling import Figure, deal, mean_error
 from scara_iso.errors import DataError, UsageError
-from scara_iso.quantities import Dimension
+from scara_iso.quantities import Dimension, same_turn
 from scara_iso.results import Analysis, Finding, PoseResult
 from scara_iso.run import Axis, FloatArray
 
@@ -101,10 +101,9 @@ def _columns(before: Analysis, after: Analysis) -> Iterator[_Column]:
     names = axes_in_common(before, after)
     for mine, other in poses_in_common(before, after):
         for name in names:
-            readings = mine.axes[name].readings, other.axes[name].readings
-            yield _Column(
-                _label(mine, other), before.run.axes[name], after.run.axes[name], readings
-            )
+            axis, x, y = before.run.axes[name], mine.axes[name].readings, other.axes[name].readings
+            y = same_turn(y, x) if axis.dimension is Dimension.ANGLE else y
+            yield _Column(_label(mine, other), axis, after.run.axes[name], (x, y))
 
 
 def _label(mine: PoseResult, other: PoseResult) -> str | None:

@@ -31,6 +31,7 @@ from scara_iso.diagnosis.tuning import (
 )
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
+from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import FloatArray, Run
 from scara_iso.verdict import Rival, Verdict
 
@@ -62,6 +63,7 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
     Raises `DataError` for fewer than 12 cycles or more than 500, several poses, no axis that
     moves, a prediction that does not belong to the run, or a sigma that is not positive.
     """
+    run = run.unwrapped()
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
     rng = np.random.default_rng(seed)
     known = tuple(catalogue.values())
@@ -107,6 +109,7 @@ def _diagnosis(
 def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> Residual | None:
     if run is None:
         return None
+    run = run.unwrapped()
     missing = [name for name in first.axes if name not in run.axes]
     if missing:
         raise DataError(
@@ -116,6 +119,12 @@ def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> R
         )
     model = predicted or {}
     columns = [run.axes[name].readings - np.asarray(model.get(name, 0.0)) for name in first.axes]
+    columns = [
+        same_turn(column, first.values[:, k])
+        if run.axes[name].dimension is Dimension.ANGLE
+        else column
+        for k, (name, column) in enumerate(zip(first.axes, columns, strict=True))
+    ]
     conditions = Conditions(run.cycle, run.covariates)
     return Residual(first.axes, np.stack(columns, axis=1), first.division, conditions)
 

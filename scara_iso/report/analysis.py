@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from scara_iso.iso9283 import CYCLES_USED
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
 from scara_iso.report.digits import decimals
 from scara_iso.results import (
@@ -81,8 +82,13 @@ def _warnings(analysis: Analysis) -> Iterator[Block]:
 def _cycles(analysis: Analysis) -> str:
     cycles = analysis.cycles
     each = " at each pose" if len(analysis.poses) > 1 else ""
+    if any(pose.missing for pose in analysis.poses):
+        each += " or more" if each else ""
+    if cycles.all_count:
+        own = ": the standard's own 30 cycles" if cycles.used == CYCLES_USED else ""
+        return f"{cycles.read} cycles read{each}; all of them count, none was discarded{own}."
     if cycles.discarded:
-        left_out = f"cycle {cycles.discarded[0]} is discarded"
+        left_out = f"the extra cycle {cycles.discarded[0]} is discarded"
     else:
         left_out = "the first was discarded before, none is discarded here"
     return f"{cycles.read} cycles read{each}; {left_out}; {cycles.used} count."

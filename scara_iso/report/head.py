@@ -61,9 +61,17 @@ def head(run: Run, cycles: Cycles) -> Table:
     rows = [(name, _stated(name, stated, run)) for name in FIELDS]
     used = {key for keys in FIELDS.values() for key in keys}
     rows += [(axis, said) for axis, said in _dials(run)]
-    rows.append(("cycles", f"{cycles.read} read at each pose, {cycles.used} of them count"))
+    rows.append(("cycles", _counted(cycles)))
     rows += [(key.replace("_", " "), text) for key, text in stated.items() if key not in used]
     return Table(("field", "stated"), tuple(rows), verbatim=True)
+
+
+def _counted(cycles: Cycles) -> str:
+    said = f"{cycles.read} read at each pose, {cycles.used} of them count"
+    if cycles.all_count:
+        return f"{said}; none was discarded"
+    extra = cycles.discarded[0] if cycles.discarded else None
+    return f"{said}; the extra cycle {extra} is discarded" if extra is not None else said
 
 
 def _stated(name: str, stated: Mapping[str, str], run: Run) -> str:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.pose_columns import Command, check_clusters, number_cycles
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
@@ -13,6 +15,7 @@ from scara_iso.tables.faults import Faults, show
 from scara_iso.tables.layout import COLUMNS, Layout, Statement, read_preamble
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.numbers import Mark
+from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.statements import Scale, is_of_axes, read_scales
 from scara_iso.tables.text import Row
 
@@ -46,13 +49,16 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: Options, ho
     run = _run(columns, lines, scales, statements, faults)
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()
+    texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
+    check_clusters(run, {**run.covariates, **texts})
     notes += [
         f"column {c.position + 1} {show(layout.header[c.position])} not used"
         for c in layout.of(Kind.COMMENT)
     ] + body.notes
-    understood = f"{how}; {_said_columns(run, scales, lines)}"
-    if not layout.of(Kind.CYCLE):
-        notes.insert(0, f"no cycle column: rows numbered 1 to {len(lines)} in their order")
+    understood = "; ".join(
+        part for part in (how, _said_columns(run, scales, lines), run.origin.understood) if part
+    )
+    notes[:0] = _said_numbers(columns, run)
     return replace(run, origin=Origin(faults.where, understood, tuple(notes)))
 
 
@@ -119,7 +125,7 @@ def _check_covariates(columns: Columns, faults: Faults) -> None:
 def _scales(
     columns: Columns, statements: dict[str, Statement], options: Options, faults: Faults
 ) -> dict[str, Scale]:
-    behind = {column.name: units for column, units in columns.units.items()}
+    behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
     return read_scales(
         columns.layout.of(Kind.AXIS),
         columns.layout.header_line,
@@ -140,29 +146,52 @@ def _run(
 ) -> Run:
     layout = columns.layout
     metadata = {key: s.value for key, s in statements.items() if not is_of_axes(key)}
-    axes = {c.name: _axis(c, columns, lines, scales[c.name], faults) for c in layout.of(Kind.AXIS)}
     covariates = {c.name: columns.numbers(c) for c in layout.of(Kind.COVARIATE)}
+    pose = find_pose(columns, covariates)
+    commands = find_commands(columns, scales, pose, metadata, faults)
+    axes = {
+        c.name: _axis(c, columns, lines, scales[c.name], commands.get(c.name), faults)
+        for c in layout.of(Kind.AXIS)
+    }
     for column in layout.of(Kind.TIMESTAMP):
         covariates["time_s"] = _seconds(column, columns, lines, metadata, faults)
     faults.check()
-    counters, poses = layout.of(Kind.CYCLE), layout.of(Kind.POSE)
-    cycle = columns.numbers(counters[0]) if counters else np.arange(1, len(lines) + 1)
+    counters = layout.of(Kind.CYCLE)
+    counted = columns.numbers(counters[0]) if counters else None
     return Run(
-        cycle=cycle.astype(np.int64),
+        cycle=number_cycles(counted, pose, len(lines)),
         axes=axes,
-        pose=columns.labels(poses[0]) if poses else None,
+        pose=pose,
         covariates=covariates,
         metadata=metadata,
         lines=lines,
-    )
+        origin=Origin(faults.where),
+    ).unwrapped()
 
 
-def _axis(column: Column, columns: Columns, lines: IntArray, scale: Scale, faults: Faults) -> Axis:
+def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
+    counters = columns.layout.of(Kind.CYCLE)
+    if not counters and run.pose is None:
+        yield f"no cycle column: rows numbered 1 to {len(run)} in their order"
+    elif not counters:
+        yield "no cycle column: the n-th row of a pose is its cycle n"
+    elif not np.array_equal(columns.numbers(counters[0]), run.cycle):
+        yield "the cycle column counts all visits: the n-th of a pose is its cycle n"
+
+
+def _axis(
+    column: Column,
+    columns: Columns,
+    lines: IntArray,
+    scale: Scale,
+    command: Command,
+    faults: Faults,
+) -> Axis:
     with np.errstate(over="ignore"):
         readings = scale.unit.to_base(columns.numbers(column))
     for k in np.flatnonzero(~(np.abs(readings) <= FARTHEST)).tolist():
         faults.add("a reading beyond any dial", int(lines[k]), column.position + 1)
-    stated = scale.resolution, scale.uncertainty, scale.command
+    stated = scale.resolution, scale.uncertainty, command
     return Axis(column.name, readings, scale.unit.dimension, *stated)
 
 

@@ -19,6 +19,7 @@ from scara_iso.tables.numbers import BLANKS, Mark, Number, parse_clean, parse_nu
 Cell = str | float
 """A cell of a text file is text; a numeric cell of a workbook is its number."""
 _LABEL = 64
+_REMARK = 24  # enough to tell the remarks of two poses apart
 _LARGEST = 2**53
 
 
@@ -62,14 +63,15 @@ class Columns:
         self, column: Column, cells: Sequence[str]
     ) -> tuple[npt.NDArray[np.generic], Mark] | None:
         match column.kind:
-            case Kind.AXIS | Kind.COVARIATE:
+            case Kind.AXIS | Kind.COMMAND | Kind.COVARIATE:
                 return parse_clean(cells, self.decimal)
             case Kind.CYCLE:
                 part = parse_clean(cells, self.decimal)
                 return part if part is not None and _are_counts(part[0]) else None
-            case Kind.POSE:
-                labels = [cell.strip(BLANKS) for cell in cells]
-                clean = not any(_label_fault(x) or x[0] == "'" for x in set(labels))
+            case Kind.POSE | Kind.COMMENT:
+                remark = column.kind is Kind.COMMENT
+                labels = [cell.strip(BLANKS)[: _REMARK if remark else None] for cell in cells]
+                clean = remark or not any(_label_fault(x) or x[0] == "'" for x in set(labels))
                 return (np.array(labels), Mark.NONE) if clean else None
             case Kind.TIMESTAMP:
                 stamps = [read_timestamp(cell) for cell in cells]
@@ -95,7 +97,8 @@ class Columns:
     def _part(
         self, column: Column, cells: Sequence[Cell], lines: Sequence[int]
     ) -> npt.NDArray[np.generic]:
-        texts = [cell for cell in cells if isinstance(cell, str)]
+        remark = column.kind is Kind.COMMENT
+        texts = [str(cell) for cell in cells if remark or isinstance(cell, str)]
         clean = self._clean_part(column, texts) if len(texts) == len(cells) else None
         if clean is not None:
             self._note(column, clean[1], texts, lines)
@@ -106,7 +109,7 @@ class Columns:
         self, column: Column, pairs: Iterable[tuple[Cell, int]]
     ) -> npt.NDArray[np.generic]:
         match column.kind:
-            case Kind.AXIS | Kind.COVARIATE:
+            case Kind.AXIS | Kind.COMMAND | Kind.COVARIATE:
                 return np.array([self._number(column, cell, line) for cell, line in pairs])
             case Kind.CYCLE:
                 return np.array([self._count(column, cell, line) for cell, line in pairs])
@@ -126,7 +129,8 @@ class Columns:
             self._note_unit(column, "", line)
             return cell
         number = parse_number(cell, self.decimal)
-        strange = column.kind is Kind.AXIS and number and number.unit and not read_unit(number.unit)
+        sized = column.kind in (Kind.AXIS, Kind.COMMAND)
+        strange = sized and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
             self._fault(column, _not_a_number(cell), line)
             return 0.0
@@ -178,7 +182,7 @@ class Columns:
         return np.concatenate([np.empty(0), *self._parts[column]]).astype(np.float64)
 
     def labels(self, column: Column) -> npt.NDArray[np.str_]:
-        """Return the labels of a pose column, shape (rows,)."""
+        """Return the labels of a pose column, or the remarks of one, shape (rows,)."""
         return np.concatenate([np.empty(0, dtype=np.str_), *self._parts[column]])
 
     def stamps(self, column: Column) -> list[datetime | None]:

@@ -19,10 +19,11 @@ class Kind(Enum):
     """What a column holds."""
 
     AXIS = "axis"
+    COMMAND = "command coordinate"
     CYCLE = "cycle"
     POSE = "pose"
     TIMESTAMP = "timestamp"
-    CLOCK = "date or time of day"
+    OPEN = "what its first cell says"
     COVARIATE = "covariate"
     COMMENT = "comment"
     NAMELESS = "no name"
@@ -40,6 +41,7 @@ class Column:
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
 _AXIS_WORD = re.compile(r"(?:axis|achse)[ _-]*|[ _-]*(?:axis|achse)$")
+_COMMAND = re.compile(r"command[ _]([^ _].*)", re.IGNORECASE)
 _CYCLE_PROPER = {"cycle", "zyklus"}
 _CYCLE = _CYCLE_PROPER | {
     "cycles", "cycle no", "cycle nr", "cycle number", "cycle #", "number of", "number of cycle",
@@ -49,10 +51,16 @@ _CYCLE = _CYCLE_PROPER | {
 }  # fmt: skip
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),
-    **dict.fromkeys(("pose", "point", "punkt", "pose label"), Kind.POSE),
+    **dict.fromkeys(
+        ("pose", "pose label", "pose name", "pose no", "point", "point no", "point name", "punkt",
+         "punkt nr", "target", "target point", "ziel", "zielpunkt", "position", "station",
+         "messpunkt", "messposition", "messstelle", "measuring point", "measurement point",
+         "test point", "location"),
+        Kind.POSE,
+    ),
     **dict.fromkeys(("timestamp", "time stamp", "zeitstempel", "datetime", "date time"),
                     Kind.TIMESTAMP),
-    **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit"), Kind.CLOCK),
+    **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit"), Kind.OPEN),
     **dict.fromkeys(
         ("comment", "comments", "remark", "remarks", "note", "notes", "bemerkung", "bemerkungen",
          "anmerkung", "kommentar", "notiz", "operator", "bediener", "prüfer", "inspector"),
@@ -101,6 +109,10 @@ def read_name(text: str, unit_below: str = "") -> Column:
     text = clean(text)
     if not text:
         return Column(Kind.NAMELESS, "", unit_below)
+    command = _COMMAND.fullmatch(text)
+    commanded = read_name(command[1], unit_below) if command else None
+    if commanded and commanded.kind is Kind.AXIS:
+        return replace(commanded, kind=Kind.COMMAND)
     for pattern in (None, *_SPLITS) if len(text) <= LONGEST_NAME else ():
         match = pattern.fullmatch(text) if pattern else None
         name, unit = (match[1], match[2].strip()) if match else (text, "")
@@ -127,13 +139,17 @@ def _other_column(text: str, unit_below: str) -> Column:
     if key in _COVARIATES:
         return Column(Kind.COVARIATE, _COVARIATES[key])
     kind = _KINDS.get(re.sub(r"[ ._:-]+", " ", stem.lower()).strip())
-    if kind is None or (kind is Kind.CLOCK and unit):
+    if kind is None or (kind is Kind.OPEN and unit):
         return Column(Kind.COVARIATE, re.sub(rf"^'(?=['{re.escape(FORMULA)}])", "", text))
     return Column(kind, kind.value)
 
 
 def read_names(cells: list[str], units: list[str]) -> list[Column]:
-    """Return the columns of a header; of two counters the one called cycle numbers the cycles."""
+    """Return the columns of a header.
+
+    Of two counters the one called cycle numbers the cycles; of two names of poses, the one called
+    pose is it.
+    """
     columns = [
         replace(read_name(cell, unit), position=k)
         for k, (cell, unit) in enumerate(zip(cells, units, strict=True))
@@ -147,12 +163,17 @@ def read_names(cells: list[str], units: list[str]) -> list[Column]:
             else c
             for c in columns
         ]
+    poses = [c.position for c in columns if c.kind is Kind.POSE]
+    proper = [k for k in poses if clean(cells[k]).lower().startswith("pose")]
+    if len(poses) > 1 and len(proper) == 1:
+        others = set(poses) - set(proper)
+        columns = [replace(c, kind=Kind.OPEN) if c.position in others else c for c in columns]
     return columns
 
 
 def settle(column: Column, name: str, first: str) -> Column:
-    """Return what a column of dates or times is, by its first cell: numbers, stamps or a note."""
-    if column.kind is not Kind.CLOCK:
+    """Return what a column that is left open is, by its first cell: numbers, stamps or a note."""
+    if column.kind is not Kind.OPEN:
         return column
     if parse_number(first) is not None:
         return replace(column, kind=Kind.COVARIATE, name=clean(name))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from scara_iso.pose_columns import Command
 from scara_iso.quantities import Dimension, Unit, parse_unit
 from scara_iso.run import AXES
 from scara_iso.tables.faults import Faults, listed, show
@@ -16,7 +18,8 @@ from scara_iso.tables.numbers import Mark, parse_number
 OF_AXES = ("unit", "resolution", "indicator_uncertainty")
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
 COMMAND = "command"
-"""Key of the command pose, with ``_X`` and the like behind."""
+"""Key of the command pose, with ``_X`` and the like behind, and ``[P3]`` for one of several."""
+_OF_A_POSE = re.compile(rf"{COMMAND}_({'|'.join(AXES).lower()})\[([^\[\]]+)\]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,12 +29,16 @@ class Scale:
     unit: Unit
     resolution: float | None
     uncertainty: float | None
-    command: float | None
+    command: Command
 
 
 def is_of_axes(key: str) -> bool:
     """Return whether a statement is about the axes and so is held by them."""
-    return key in OF_AXES or any(key in _keys(name) for name in (*OF_AXES, COMMAND))
+    return (
+        key in OF_AXES
+        or any(key in _keys(name) for name in (*OF_AXES, COMMAND))
+        or _OF_A_POSE.fullmatch(key) is not None
+    )
 
 
 def _keys(name: str) -> list[str]:
@@ -71,7 +78,7 @@ def read_scales(
     sizes = _Sizes(statements, units, general, faults)
     resolutions = sizes.of("resolution", resolution)
     uncertainties = sizes.of("indicator_uncertainty")
-    commands = sizes.of_one(COMMAND, above=-math.inf)
+    commands = sizes.commands()
     return {
         axis: Scale(size, resolutions.get(axis), uncertainties.get(axis), commands.get(axis))
         for axis, size in units.items()
@@ -165,16 +172,41 @@ class _Sizes:
     def of_one(self, key: str, *, above: float = 0.0) -> dict[str, float]:
         """Return what the statements of ``key_X`` and the like give, per axis."""
         sizes: dict[str, float] = {}
-        for axis, unit in self.units.items():
+        for axis in self.units:
             own = self.statements.get(f"{key}_{axis.lower()}")
-            size = self._read(own, f"{key}_{axis}", above) if own else None
-            if own and size:
-                value, stated = size
-                if stated and stated.dimension is not unit.dimension:
-                    what = f"{key}_{axis} in {stated.name}, {axis} in {unit.name}"
-                    self.faults.add(what, own.line)
-                sizes[axis] = (stated or unit).to_base(value)
+            size = self._size(own, f"{key}_{axis}", axis, above) if own else None
+            if size is not None:
+                sizes[axis] = size
         return sizes
+
+    def commands(self) -> dict[str, Command]:
+        """Return the command coordinates: a number per axis, or numbers by pose as it is keyed."""
+        found: dict[str, Command] = dict(self.of_one(COMMAND, above=-math.inf))
+        axes = {axis.lower(): axis for axis in self.units}
+        by_axis: dict[str, dict[str, float]] = {}
+        for key, own in self.statements.items():
+            match = _OF_A_POSE.fullmatch(key)
+            axis = axes.get(match[1]) if match else None
+            if match is None or axis is None:
+                continue
+            if axis in found:
+                self.faults.add(
+                    f"{COMMAND}_{axis} and {key}: of which pose is the first?", own.line
+                )
+            size = self._size(own, key, axis, -math.inf)
+            if size is not None:
+                by_axis.setdefault(axis, {})[match[2]] = size
+        return {**found, **by_axis}
+
+    def _size(self, own: Statement, key: str, axis: str, above: float) -> float | None:
+        """Return the size that a statement about one axis gives, in the axis' base unit."""
+        size, unit = self._read(own, key, above), self.units[axis]
+        if size is None:
+            return None
+        value, stated = size
+        if stated and stated.dimension is not unit.dimension:
+            self.faults.add(f"{key} in {stated.name}, {axis} in {unit.name}", own.line)
+        return (stated or unit).to_base(value)
 
     def _for_all(self, key: str, option: float | None) -> dict[str, float]:
         stated = self.statements.get(key)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
 
 import numpy as np
@@ -40,6 +40,7 @@ def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:
     if run.pose is not None:
         columns["pose"] = run.pose.tolist()
     columns |= {name: _digits(axis.readings, axis.resolution) for name, axis in run.axes.items()}
+    columns |= _commands(run)
     columns |= {n: _plain(n, values) for n, values in run.covariates.items()}
     head = "".join(f"{line}\n" for line in _preamble(run))
     rows = zip(*columns.values(), strict=True)
@@ -66,12 +67,24 @@ def _preamble(run: Run) -> Iterator[str]:
     yield from _sizes("resolution", lengths, angles, lambda axis: axis.resolution)
     yield from _sizes("indicator_uncertainty", lengths, angles, lambda axis: axis.uncertainty)
     for name, axis in run.axes.items():
-        if axis.command is not None:
+        if isinstance(axis.command, float | int):
             yield f"# {COMMAND}_{name}: {axis.command!r}"
+        elif axis.command is not None and f"{COMMAND}_{name}" not in _commands(run):
+            yield from (f"# {COMMAND}_{name}[{p}]: {v!r}" for p, v in axis.command.items())
     for key, value in run.metadata.items():
         name = one_line(normal_key(key).replace(":", "_").replace("=", "_"))
         if not is_of_axes(name):
             yield _metadata_line(name, value)
+
+
+def _commands(run: Run) -> dict[str, list[str]]:
+    """Return the columns of command coordinates that are stated for every pose of the run."""
+    labels = [] if run.pose is None else run.pose.tolist()
+    return {
+        f"{COMMAND}_{name}": [Digits(axis.command[label]) for label in labels]
+        for name, axis in run.axes.items()
+        if labels and isinstance(axis.command, Mapping) and set(labels) == set(axis.command)
+    }
 
 
 def _sizes(

@@ -30,12 +30,13 @@ def runs(draw):
     rows = draw(st.integers(1, 6))
     column = st.lists(finite, min_size=rows, max_size=rows).map(np.array)
     names = draw(st.lists(st.sampled_from(["X", "Y", "Z", "theta"]), min_size=1, unique=True))
-    angle = st.sampled_from(Dimension)
+    near = st.lists(st.floats(-90, 90), min_size=rows, max_size=rows).map(np.array)
+    angle = draw(st.booleans())  # whose readings lie within half a turn
     axes = {
         name: Axis(
             name,
-            draw(column),
-            draw(angle) if name == "theta" else Dimension.LENGTH,
+            draw(near if angle and name == "theta" else column),
+            Dimension.ANGLE if angle and name == "theta" else Dimension.LENGTH,
             draw(sizes),
             draw(sizes),
             draw(st.none() | finite),

@@ -1,0 +1,120 @@
+"""What columns tell of poses: cycles by pose, one number for each, poses under another name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.errors import DataError
+
+if TYPE_CHECKING:
+    from scara_iso.run import Run
+
+Command = float | Mapping[str, float] | None
+"""A coordinate of the command pose: of the only pose, or by pose; None where not stated."""
+CONDITIONS = frozenset({"approach", "payload_kg", "speed", "temperature_C", "time_s"})
+"""Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
+
+
+_FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
+_SAMPLE = 999  # rows that show whether a column has few values
+_FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
+
+
+def number_cycles(
+    counted: npt.NDArray[np.float64] | None, pose: npt.NDArray[np.str_] | None, rows: int
+) -> npt.NDArray[np.int64]:
+    """Return the cycle of each row, shape (rows,), of which ``counted`` are the numbers if any.
+
+    Where rows of several poses have none, or numbers that count all visits, the n-th row of a pose
+    is its cycle n; numbers of visits in turn also tell which of them is missing.
+    """
+    numbers = np.arange(1, rows + 1) if counted is None else counted.astype(np.int64)
+    if pose is None or np.any(np.diff(numbers) < 1):
+        return numbers
+    _, place, visits = np.unique(pose, return_inverse=True, return_counts=True)
+    poses = len(visits)
+    if poses < 2 or visits.max() < 2:
+        return numbers
+    if counted is not None:
+        turn = numbers - min(int(numbers[0]), 1)
+        if len(set(zip((turn % poses).tolist(), place.tolist(), strict=True))) == poses:
+            return np.asarray(turn // poses + 1)
+        if np.any(np.diff(numbers) > 1) or numbers[0] > 1:
+            return numbers
+    order = np.argsort(place, kind="stable")
+    first = np.cumsum(visits) - visits
+    cycle = np.empty(rows, dtype=np.int64)
+    cycle[order] = np.arange(rows) - np.repeat(first, visits) + 1
+    return cycle
+
+
+def by_pose(
+    name: str, values: npt.NDArray[np.float64] | None, pose: npt.NDArray[np.str_] | None
+) -> Command:
+    """Return what a column that holds one number for each pose says, or raise `DataError`."""
+    if values is None:
+        return None
+    labels = ["" for _ in values] if pose is None else pose.tolist()
+    found = dict(zip(labels, values.tolist(), strict=True))
+    if any(found[label] != value for label, value in zip(labels, values.tolist(), strict=True)):
+        raise DataError(
+            f"column {name!r} changes within a pose", remedy="a pose has one command coordinate"
+        )
+    return found if pose is not None else found[""]
+
+
+def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> None:
+    """Refuse a run of which a column parts the readings at a pose as poses are parted.
+
+    ``columns`` of shape (rows,); known conditions, and those that the metadata state as
+    ``covariates``, are passed over.
+    """
+    stated = {name.strip().lower() for name in run.metadata.get("covariates", "").split(",")}
+    for name, values in columns.items():
+        if name in CONDITIONS or name.lower() in stated or not _is_few(values[:_SAMPLE]):
+            continue
+        for _, rows in run.rows_by_pose():
+            for axis in run.axes.values():
+                found = _apart(axis.readings[rows], values[rows], axis.resolution)
+                if found is not None:
+                    raise DataError(
+                        f"column {name!r} parts the readings of {axis.name} as poses would: "
+                        f"about {found[0]:.6g} and about {found[1]:.6g} {axis.unit}",
+                        where=run.origin.source,
+                        remedy=f"name the column 'pose', or say '# covariates: {name}' above the "
+                        "header if it is a condition of one pose",
+                    )
+
+
+def _is_few(levels: npt.NDArray[np.generic]) -> bool:
+    return _FEWEST_ROWS * len(np.unique(levels)) <= len(levels)
+
+
+def _apart(
+    readings: npt.NDArray[np.float64], levels: npt.NDArray[np.generic], division: float | None
+) -> tuple[float, float] | None:
+    """Return the middles of two neighbouring clusters that a column's levels make, or None.
+
+    ``readings`` and ``levels`` of shape (n,). Clusters are the readings at each level that three
+    rows or more have; they are far apart where an empty stretch between them is five times as wide
+    as the spread at a usual level, or as ``division`` of the dial.
+    """
+    _, inverse, counts = np.unique(levels, return_inverse=True, return_counts=True)
+    if len(counts) < 2 or not _is_few(levels) or np.ptp(readings) == 0:
+        return None
+    parts = [readings[inverse == k] for k in np.flatnonzero(counts >= _FEWEST_ROWS)]
+    if len(parts) < 2:
+        return None
+    low, high = np.array(sorted((part.min(), part.max()) for part in parts)).T
+    empty = low[1:] - np.maximum.accumulate(high)[:-1]
+    widest = int(np.argmax(empty))
+    steps = np.diff(np.unique(readings))
+    spread = max(float(np.median(high - low)), steps.min() if division is None else division)
+    if empty[widest] <= _FARTHEST * spread:
+        return None
+    below, above = readings[readings < low[widest + 1]], readings[readings >= low[widest + 1]]
+    return float(np.median(below)), float(np.median(above))
