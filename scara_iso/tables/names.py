@@ -109,7 +109,7 @@ def read_name(text: str, unit_below: str = "") -> Column:
     text = clean(text)
     if not text:
         return Column(Kind.NAMELESS, "", unit_below)
-    command = _COMMAND.fullmatch(text)
+    command = _COMMAND.fullmatch(text) if len(text) <= LONGEST_NAME else None
     commanded = read_name(command[1], unit_below) if command else None
     if commanded and commanded.kind is Kind.AXIS:
         return replace(commanded, kind=Kind.COMMAND)
