@@ -17,9 +17,10 @@ from scara_iso.diagnosis.levels import Sides, _at_most_one_change, sides_of, two
 from scara_iso.diagnosis.order_free import level_statistic, order_free_test, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.problem import Problem
-from scara_iso.diagnosis.residual import Residual, common_step
+from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.search import find, find_again
+from scara_iso.dial import common_step
 from scara_iso.effects import (
     Chain,
     Conditions,

@@ -12,12 +12,13 @@ import typer
 
 from scara_iso.cli.analyze import compared_with_its_manifest
 from scara_iso.cli.options import (
-    OUTSIDE_A_LIMIT,
+    NOT_WITHIN_LIMITS,
     AsJson,
     CyclesRun,
     DecimalMark,
     ExcelLocale,
     FirstDiscarded,
+    LimitRule,
     Limits,
     ResolutionOfTable,
     Sheet,
@@ -27,6 +28,7 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import settings, write_bytes, write_json
 from scara_iso.errors import CannotCreateError, ScaraIsoError, UsageError
+from scara_iso.verdict import Conformity, Decision
 
 if TYPE_CHECKING:
     from scara_iso.closing import CyclesWanted, Reading
@@ -61,6 +63,7 @@ def report_command(
     output: Output = None,
     pose: Pose = None,
     limit: Limits = None,
+    decision: LimitRule = Decision.INTERVAL,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
@@ -81,7 +84,7 @@ def report_command(
     write = None if path is None else _writer(path, (table, model), excel_locale)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles)
     reading = Reading(unit, resolution, decimal, sheet)
-    dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
+    dossier = _test(table, model, reading, wanted, (parse_limits(limit or ()), decision))
     if path is not None and write is not None:
         write_bytes(write(dossier), path)
         typer.echo(printable(f"{path} is written"), err=json)
@@ -89,8 +92,8 @@ def report_command(
         from scara_iso.render.json_report import report_json
 
         write_json(report_json(dossier))
-    if not all(check.inside for check in dossier.analysis.limits):
-        raise typer.Exit(OUTSIDE_A_LIMIT)
+    if dossier.analysis.conformity not in (None, Conformity.PASS):
+        raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
 def _stem(table: str) -> str:
@@ -191,7 +194,7 @@ def _test(
     model_file: str | None,
     reading: Reading,
     wanted: CyclesWanted,
-    limits: dict[str, float],
+    limits: tuple[dict[str, float], Decision],
 ) -> Dossier:
     from scara_iso import __version__, analyze
     from scara_iso.report.document import Dossier, Provenance
@@ -205,7 +208,8 @@ def _test(
         run,
         first_cycle_discarded=wanted.first_cycle_discarded,
         cycles=wanted.cycles,
-        limits=limits,
+        limits=limits[0],
+        decision=limits[1].value,
     )
     analysis = compared_with_its_manifest(analysis, table)
     command = shlex.join(("scara-iso", *settings.arguments))
