@@ -6,18 +6,17 @@ from collections.abc import Iterator, Sequence
 
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
 from scara_iso.report.digits import decimals
+from scara_iso.report.limits import conformity, limits
 from scara_iso.results import (
     Analysis,
     AxisResult,
     Finding,
     Interval,
-    LimitCheck,
     PoseResult,
 )
 
 _MOST_POSES = 10
 _MOST_NOTES = 5
-_MOST_LIMITS = 20
 _MOST_NOTICES = 40
 _GRAVITY = {"error": 0, "warning": 1, "info": 2}
 
@@ -35,13 +34,6 @@ def analysis_report(analysis: Analysis) -> Report:
             Section("", (Text(f"{hidden} more poses; --json gives them all", "quiet"),))
         )
     return (*sections, *limits(analysis), *findings(analysis))
-
-
-def limits(analysis: Analysis) -> Iterator[Section]:
-    """Yield the figures against their limits, where the user gave any."""
-    if analysis.limits:
-        shown = analysis.limits[:_MOST_LIMITS]
-        yield Section("limits", (_limits_table(shown), *_more(analysis.limits, shown)))
 
 
 def _origin(analysis: Analysis) -> Iterator[Block]:
@@ -64,12 +56,7 @@ def verdict(analysis: Analysis) -> Iterator[Block]:
         yield Text(_largest(analysis.poses), "strong")
     yield from _warnings(analysis)
     yield Text(_cycles(analysis))
-    if analysis.limits:
-        outside = [_checked(check) for check in analysis.limits if not check.inside]
-        if outside:
-            yield Text(f"OUTSIDE the limit: {_listed(outside)}", "bad")
-        else:
-            yield Text("inside the limits", "good")
+    yield from conformity(analysis)
 
 
 def _warnings(analysis: Analysis) -> Iterator[Block]:
@@ -118,32 +105,6 @@ def _largest(poses: Sequence[PoseResult]) -> str:
     return f"{len(poses)} poses; the largest figure at {worst.label}: {_headline(worst)}"
 
 
-def _checked(check: LimitCheck) -> str:
-    return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
-
-
-def _limits_table(checks: Sequence[LimitCheck]) -> Table:
-    places = decimals([check.RP for check in checks])
-    rows = [
-        (
-            _checked(check),
-            f"{check.RP:.{places}f}",
-            f"{check.limit:g}",
-            "not known" if check.guard is None else f"± {check.guard:.{places}f}",
-            ("inside" if check.inside else "OUTSIDE")
-            + (", in the guard band" if check.guard is not None and not check.clear else ""),
-        )
-        for check in checks
-    ]
-    note = (
-        "In mm; XY by the larger of its two figures; an angle in degrees, by ± 3 s. "
-        "Inside: RP is at most the limit. Guard band: U = 2 u of the indicator (ISO 14253-1); "
-        "nearer to the limit than that, neither side is proven. What so few cycles leave open is "
-        "the 95 % interval above."
-    )
-    return Table(("limit of", "RP", "limit", "guard band", "verdict"), tuple(rows), note)
-
-
 def pose_figures(pose: PoseResult) -> Iterator[Block]:
     """Yield the tables of a pose: RP of axes, plane and space, accuracy, other words."""
     for unit in ("mm", "deg"):
@@ -171,8 +132,7 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
         (
             axis.name,
             *(f"{x:.{places}f}" for x in (axis.mean, axis.l_bar, axis.S_l, axis.RP)),
-            _interval(axis.RP_interval, places),
-            f"{axis.three_sigma:.{places}f}",
+            *_with_interval(axis, places),
             _share(axis.uncertainty_ratio),
         )
         for axis in axes
@@ -185,13 +145,20 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
             "l_bar",
             "S_l",
             "RP",
-            "95 % interval",
-            "± 3 s" if angle else "3 s",
-            "u/RP",
+            *(("± 3 s", "95 % interval") if angle else ("95 % interval", "3 s")),
+            "U/RP",
         ),
         (*rows, *(() if angle else _radial_rows(pose, places))),
-        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}",
+        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u",
     )
+
+
+def _with_interval(axis: AxisResult, places: int) -> tuple[str, str]:
+    """Return the interval of RP and 3 s; of an angle, ± 3 s and its own interval."""
+    three_sigma = f"{axis.three_sigma:.{places}f}"
+    if axis.unit == "deg":
+        return three_sigma, _interval(axis.three_sigma_interval, places)
+    return _interval(axis.RP_interval, places), three_sigma
 
 
 def _radial_rows(pose: PoseResult, places: int) -> Iterator[tuple[str, ...]]:
@@ -207,7 +174,8 @@ def _radial_rows(pose: PoseResult, places: int) -> Iterator[tuple[str, ...]]:
             _share(found.uncertainty_ratio),
         )
         if found.RP_rss is not None:
-            yield (f"{name} eq. 23", "", "", "", f"{found.RP_rss:.{places}f}", "", "", "")
+            interval = _interval(found.RP_rss_interval, places)
+            yield (f"{name} eq. 23", "", "", "", f"{found.RP_rss:.{places}f}", interval, "", "")
 
 
 def _accuracy(pose: PoseResult) -> Iterator[str]:
@@ -261,11 +229,6 @@ def _more(all_of_them: Sequence[object], shown: Sequence[object]) -> Iterator[Bl
         yield Text(f"{hidden} more; --json gives them all", "quiet")
 
 
-def _listed(names: Sequence[str]) -> str:
-    hidden = len(names) - _MOST_LIMITS
-    return ", ".join(names[:_MOST_LIMITS]) + (f" and {hidden} more" if hidden > 0 else "")
-
-
 def _notice(finding: Finding) -> Notice:
     return Notice(finding.severity, finding.code, _subject(finding), finding.message)
 
@@ -284,7 +247,8 @@ def _interval(interval: Interval | None, places: int) -> str:
 
 
 def _share(ratio: float | None) -> str:
-    return "" if ratio is None else f"{ratio:.0%}"
+    """Return the share of U = 2 u, as the 25 % rule compares it."""
+    return "" if ratio is None else f"{2 * ratio:.0%}"
 
 
 def _lengths(pose: PoseResult) -> list[float]:
