@@ -72,7 +72,7 @@ def test_indicator_uncertainty_counts_beside_the_resolution(rng):
     assert "coarse-resolution" in codes(clean_run(rng, X=poor))
 
 
-@pytest.mark.parametrize(("share", "flagged"), [(0.24, False), (0.26, True)])
+@pytest.mark.parametrize(("share", "flagged"), [(0.12, False), (0.13, True)])
 def test_a_quarter_of_rp_is_the_largest_share_of_the_dial(rng, share, flagged):
     readings = np.tile(rng.normal(0, 0.01, 31).round(3), 5)
     RP = analyze(clean_run(rng, X=Axis("X", readings))).poses[0].axes["X"].RP
@@ -172,7 +172,7 @@ def test_axes_of_separate_runs(rng):
 def test_resolution_not_stated(rng):
     run = clean_run(rng, X=x_axis(rng.integers(0, 9, 31) / 100, None))
     (message,) = [f.message for f in analyze(run).findings if f.code == "resolution-not-stated"]
-    assert "differ by 0.01 mm at least" in message
+    assert "on steps of 0.01 mm, taken as the dial's" in message
 
 
 @pytest.mark.parametrize(

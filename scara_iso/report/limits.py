@@ -47,6 +47,10 @@ def conformity(analysis: Analysis) -> Iterator[Block]:
         yield Text(f"NOT PROVABLE with these cycles: {names}{_would_prove(open_)}", "warn")
     if analysis.conformity is Conformity.PASS:
         yield Text(f"PASS: inside the limits {how}", "good")
+    drifting = {finding.axis for finding in analysis.findings if finding.code == "trend"}
+    if analysis.limits and drifting and not simple:
+        named = ", ".join(sorted(filter(None, drifting)))
+        yield Text(f"{named} drifts: its interval is void, and what is decided by it", "warn")
 
 
 def limits(analysis: Analysis) -> Iterator[Section]:
