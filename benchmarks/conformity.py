@@ -24,6 +24,7 @@ from scara_iso.verdict import Conformity
 SHARES = (1.1, 1.0, 0.9, 0.8, 0.7, 0.6)
 EXPECTED = 20_000
 NEAR = 0.03
+LONGEST = 5000
 FIGURES = {"X": 1, "XY": 2}
 SCATTERS = (
     Scatter("Gaussian", lambda rng, shape: rng.standard_normal(shape)),
@@ -74,6 +75,8 @@ def cycles_wanted(scatter: Scatter, share: float, runs: int, rng: np.random.Gene
     if not near:
         return "decided"
     n = int(np.median([check.cycles_wanted for check in near if check.cycles_wanted]))
+    if n > LONGEST:
+        return f"{n} not tried"
     again = decided(draw_tests(scatter, rng, (400, 1, n)), scatter, "X", true / share)
     proven = np.mean([check.verdict is not Conformity.NOT_PROVABLE for check in again])
     return f"{n} prove {100 * proven:.0f}"

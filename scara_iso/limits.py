@@ -20,7 +20,7 @@ EVERY_LENGTH = ""
 """Key of a limit that holds for every figure that is a length and has no limit of its own."""
 MOST_CYCLES = 100_000
 """Stands for that many cycles and more."""
-_POWER = 1.3  # benchmarks/conformity.py: 4 of 5 tests of so many cycles prove it
+_POWER = 1.3  # benchmarks/conformity.py: 4 of 5 tests prove it (Gaussian scatter)
 
 
 def check_limits(
@@ -111,7 +111,7 @@ def _check(
 
 
 def _cycles_wanted(measured: _Figure, limit: float) -> int | None:
-    """Return how many cycles bring the interval's end to the limit in 4 of 5 tests, if any do.
+    """Return how many cycles bring the interval's end to the limit in most tests, if any do.
 
     Chance shrinks with the root of their number, the calibration does not, and where the lower
     limit is 0 the dial hides the scatter from however many.

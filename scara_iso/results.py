@@ -172,8 +172,8 @@ class LimitCheck:
     """95 %, of `RP`."""
     decision: Decision
     cycles_wanted: int | None
-    """Cycles that would prove it in 4 of 5 tests, were RP as read; None where it is proven, or
-    where no number of cycles would."""
+    """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
+    where it is proven, or where no number of cycles would."""
 
     @property
     def inside(self) -> bool:

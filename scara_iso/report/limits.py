@@ -16,9 +16,9 @@ _FIGURES = "In mm; XY by the larger of its two figures; an angle in degrees, by 
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
-    "is wrong in one test of forty or fewer with Gaussian scatter. Cycles wanted: so many in one "
-    "run prove it in 4 of 5 tests, were the figure as read; none do where the dial hides the "
-    "scatter, or the calibration alone reaches the limit."
+    "is wrong in one test of forty or fewer with Gaussian scatter. Cycles wanted: about so many in "
+    "one run prove it, were the figure as read; none do where the dial hides the scatter, or the "
+    "calibration alone reaches the limit."
 )
 _SIMPLE = (
     "Simple acceptance was chosen: pass where RP is at most the limit; what so few cycles leave "
