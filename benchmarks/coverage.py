@@ -118,11 +118,13 @@ def printed(
     interval: SamplingInterval, figures: FloatArray, tests: FloatArray, scatter: Scatter
 ) -> Limits:
     """Return an interval of each test, nan where `analyze` prints none."""
-    if scatter.stated:
-        lower, upper = interval(tests, resolutions=[scatter.division] * tests.shape[1])
-    else:
-        found = [interval(test, resolutions=[common_step(axis) for axis in test]) for test in tests]
-        lower, upper = (np.array(ends) for ends in zip(*found, strict=True))
+    steps = np.full(tests.shape[:2], scatter.division)
+    if not scatter.stated:
+        steps = np.array([[common_step(axis) for axis in test] for test in tests])
+    lower, upper = np.empty((2, len(tests)))
+    for known in np.unique(steps.round(9), axis=0):
+        alike = np.all(steps.round(9) == known, axis=1)
+        lower[alike], upper[alike] = interval(tests[alike], resolutions=known)
     none = (upper == 0) | ((figures > 0) & (upper >= WIDEST * figures))
     return np.where(none, np.nan, lower), np.where(none, np.nan, upper)
 
