@@ -82,6 +82,12 @@ class AxisResult:
         """Uncertainty over RP; None where either is missing or RP is 0."""
         return None if self.uncertainty is None or self.RP == 0 else self.uncertainty / self.RP
 
+    @property
+    def expanded_ratio(self) -> float | None:
+        """U = 2 u over the figure (of an angle 3 S), as the 25 % rule compares them; or None."""
+        figure = self.RP if self.dimension is Dimension.LENGTH else self.three_sigma
+        return None if self.uncertainty is None or figure == 0 else 2 * self.uncertainty / figure
+
 
 @dataclass(frozen=True, slots=True)
 class RadialResult:
@@ -105,6 +111,11 @@ class RadialResult:
     def uncertainty_ratio(self) -> float | None:
         """Uncertainty over RP; None where either is missing or RP is 0."""
         return None if self.uncertainty is None or self.RP == 0 else self.uncertainty / self.RP
+
+    @property
+    def expanded_ratio(self) -> float | None:
+        """U = 2 u over RP, as the 25 % rule compares them; or None."""
+        return None if self.uncertainty_ratio is None else 2 * self.uncertainty_ratio
 
 
 @dataclass(frozen=True, eq=False, slots=True)

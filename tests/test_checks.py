@@ -81,6 +81,18 @@ def test_a_quarter_of_rp_is_the_largest_share_of_the_dial(rng, share, flagged):
     assert ("X" in named) == flagged
 
 
+def test_of_an_angle_3_s_is_compared(rng):
+    readings = np.tile(np.resize([-0.01, 0.01, 0.009, -0.009], 31), 5)
+    axis = analyze(clean_run(rng, theta=Axis("theta", readings, Dimension.ANGLE))).poses[0]
+    RP, three_sigma = axis.axes["theta"].RP, axis.axes["theta"].three_sigma
+    assert RP < 0.9 * three_sigma
+    for U, flagged in ((0.24 * three_sigma, False), (0.26 * three_sigma, True)):
+        theta = Axis("theta", readings, Dimension.ANGLE, uncertainty=U / 2)
+        named = {f.axis for f in analyze(clean_run(rng, theta=theta)).findings
+                 if f.code == "coarse-resolution"}  # fmt: skip
+        assert ("theta" in named) == flagged
+
+
 def test_few_levels(rng):
     assert "few-levels" in codes(clean_run(rng, X=x_axis(rng.integers(0, 3, 31) * 0.01)))
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.results import AxisResult, Finding, Measured, RadialResult
+from scara_iso.results import Finding, Measured
 
 CODE = "coarse-resolution"
 LARGEST_SHARE = 0.25  # background knowledge of ISO 9283's practice, not verified in the text
@@ -20,7 +20,7 @@ def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning for each axis or plane whose U = 2 u is more than 25 % of its figure."""
     for pose in measured.poses:
         for name, figure in pose.figures.items():
-            ratio = _share(figure)
+            ratio = figure.expanded_ratio
             if ratio is not None and ratio > LARGEST_SHARE:
                 yield Finding(
                     CODE,
@@ -30,11 +30,3 @@ def check(measured: Measured) -> Iterator[Finding]:
                     name,
                     pose.label,
                 )
-
-
-def _share(figure: AxisResult | RadialResult) -> float | None:
-    """Return U over the figure: RP, of an angle 3 S (7.2.2); None where either is not known."""
-    value = figure.RP
-    if isinstance(figure, AxisResult) and figure.unit == "deg":
-        value = figure.three_sigma
-    return None if figure.uncertainty is None or value == 0 else 2 * figure.uncertainty / value

@@ -133,7 +133,7 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
             axis.name,
             *(f"{x:.{places}f}" for x in (axis.mean, axis.l_bar, axis.S_l, axis.RP)),
             *_with_interval(axis, places),
-            _share(axis.uncertainty_ratio),
+            _share(axis.expanded_ratio),
         )
         for axis in axes
     ]
@@ -146,7 +146,7 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
             "S_l",
             "RP",
             *(("± 3 s", "95 % interval") if angle else ("95 % interval", "3 s")),
-            "U/RP",
+            "U/3 s" if angle else "U/RP",
         ),
         (*rows, *(() if angle else _radial_rows(pose, places))),
         f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u",
@@ -171,7 +171,7 @@ def _radial_rows(pose: PoseResult, places: int) -> Iterator[tuple[str, ...]]:
             *(f"{x:.{places}f}" for x in (found.l_bar, found.S_l, found.RP)),
             _interval(found.RP_interval, places),
             "",
-            _share(found.uncertainty_ratio),
+            _share(found.expanded_ratio),
         )
         if found.RP_rss is not None:
             interval = _interval(found.RP_rss_interval, places)
@@ -247,8 +247,7 @@ def _interval(interval: Interval | None, places: int) -> str:
 
 
 def _share(ratio: float | None) -> str:
-    """Return the share of U = 2 u, as the 25 % rule compares it."""
-    return "" if ratio is None else f"{2 * ratio:.0%}"
+    return "" if ratio is None else f"{ratio:.0%}"
 
 
 def _lengths(pose: PoseResult) -> list[float]:

@@ -82,7 +82,9 @@ def _simple_table(checks: Sequence[LimitCheck]) -> Table:
     rows = []
     for check in checks:
         places = deciding_places(check.limit, (check.RP,))
-        guard = "not known" if check.guard is None else f"± {check.guard:.{places}f}"
+        guard = (
+            "not known" if check.guard is None else f"± {check.guard:.{decimals([check.guard])}f}"
+        )
         near = ", in the guard band" if check.guard is not None and not check.clear else ""
         rows.append(
             (
