@@ -10,7 +10,8 @@ import numpy as np
 
 from scara_iso.checks import find_checks
 from scara_iso.definitions import definitions
-from scara_iso.errors import DataError
+from scara_iso.dial import step_of
+from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Rows, UsedCycles, used_cycles
 from scara_iso.limits import check_limits
 from scara_iso.quantities import (
@@ -20,9 +21,14 @@ from scara_iso.quantities import (
     within_half_a_turn,
 )
 from scara_iso.repeatability import (
+    WIDEST,
+    SamplingInterval,
     repeatability,
+    root_sum_of_squares,
     rp_interval,
+    rss_interval,
     standard_deviation,
+    three_sigma_interval,
 )
 from scara_iso.results import (
     Analysis,
@@ -35,10 +41,10 @@ from scara_iso.results import (
     ThetaAngle,
 )
 from scara_iso.run import Axis, FloatArray, Run
+from scara_iso.verdict import Decision
 
 _FEWEST_CYCLES = 2
 _FEWEST_FOR_INTERVAL = 5
-_WIDEST_INTERVAL = 100  # times RP; wider ones say nothing: one reading carries the figure
 
 
 def analyze(
@@ -49,6 +55,7 @@ def analyze(
     all_count: bool = False,
     allow_gaps: bool = False,
     limits: Mapping[str, float] | None = None,
+    decision: str = Decision.INTERVAL.value,
     other_definitions: bool = False,
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a run, with intervals and findings.
@@ -56,9 +63,12 @@ def analyze(
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``first_cycle_discarded``, ``cycles``,
     ``all_count`` and ``allow_gaps`` are as in `used_cycles`. ``limits`` are in mm (degrees for an
     angle) by figure (``X``, ``XY``...); the key `limits.EVERY_LENGTH` holds for every length.
-    ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` where the run
-    breaks the cycle rule and `UsageError` for a limit of a figure that the run does not have.
+    ``decision`` is ``interval`` (a limit is kept or broken where the whole 95 % interval says so)
+    or ``simple`` (RP at most the limit). ``other_definitions`` adds half range, 2 s, 3 s and ISO
+    230-2. Raises `DataError` where the run breaks the cycle rule, and `UsageError` for another
+    rule or a limit of a figure that the run does not have.
     """
+    rule = _rule(decision)
     run = run.unwrapped()
     chosen = used_cycles(
         run,
@@ -81,8 +91,17 @@ def analyze(
         cycles=measured.cycles,
         poses=measured.poses,
         findings=tuple(finding for check in find_checks() for finding in check(measured)),
-        limits=tuple(check_limits(measured.poses, limits or {})),
+        limits=tuple(check_limits(measured.poses, limits or {}, decision=rule)),
     )
+
+
+def _rule(decision: str) -> Decision:
+    words = [rule.value for rule in Decision]
+    if decision not in words:
+        raise UsageError(
+            f"decision {decision!r}: no such rule", remedy=f"use one of {', '.join(words)}"
+        )
+    return Decision(decision)
 
 
 def _pose_results(
@@ -119,8 +138,9 @@ def _axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
     readings = axis.readings[chosen.rows]
     positions = readings[:, np.newaxis, :]
     folded = repeatability(positions)
-    intervals = _intervals(positions, [axis])
-    deviations = standard_deviation(readings)
+    RP_intervals = _intervals(rp_interval, folded.RP, positions, [axis])
+    three_sigma = 3 * standard_deviation(readings)
+    intervals = _intervals(three_sigma_interval, three_sigma, positions, [axis])
     radius = _theta_radius(run, axis)
     uncertainty = reading_uncertainty(axis)
     return [
@@ -132,12 +152,14 @@ def _axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
             RP=float(folded.RP[k]),
-            RP_interval=intervals[k],
-            three_sigma=3 * float(deviations[k]),
+            RP_interval=RP_intervals[k],
+            three_sigma=float(three_sigma[k]),
+            three_sigma_interval=intervals[k],
             resolution=axis.resolution,
             uncertainty=uncertainty,
+            calibration=axis.uncertainty,
             accuracy=_accuracy(run, axis, chosen.poses[k], float(folded.mean[k, 0])),
-            angle=_theta_angle(float(folded.RP[k]), 3 * float(deviations[k]), radius),
+            angle=_theta_angle(float(folded.RP[k]), float(three_sigma[k]), radius),
         )
         for k in range(len(readings))
     ]
@@ -199,31 +221,29 @@ def _radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult
         return [None] * len(chosen.poses)
     positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
     folded = repeatability(positions)
-    intervals = _intervals(positions, axes)
+    intervals = _intervals(rp_interval, folded.RP, positions, axes)
     offsets = [
         [_accuracy(run, axis, pose, mean) for axis, mean in zip(axes, means, strict=True)]
         for pose, means in zip(chosen.poses, folded.mean.tolist(), strict=True)
     ]
     parts = [u for u in map(reading_uncertainty, axes) if u is not None]
-    rss = _root_sum_of_squares(positions) if len(axes) == 2 else None
+    rss = root_sum_of_squares(positions)
+    rss_intervals = _intervals(rss_interval, rss, positions, axes)
     return [
         RadialResult(
             RP=float(folded.RP[k]),
             RP_interval=intervals[k],
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
-            RP_rss=None if rss is None else float(rss[k]),
+            RP_rss=float(rss[k]) if names == "XY" else None,
+            RP_rss_interval=rss_intervals[k] if names == "XY" else None,
             # A distance to the barycentre is no less certain than its least certain axis.
             uncertainty=max(parts) if len(parts) == len(axes) else None,
+            calibration=_calibration(axes),
             accuracy=_distance(offsets[k]),
         )
         for k in range(len(positions))
     ]
-
-
-def _root_sum_of_squares(positions: FloatArray) -> FloatArray:
-    """Return eq. 23 for positions of shape (poses, axes, n)."""
-    return np.asarray(np.sqrt((repeatability(positions[:, :, np.newaxis, :]).RP ** 2).sum(axis=1)))
 
 
 def _distance(offsets: Sequence[float | None]) -> float | None:
@@ -231,12 +251,27 @@ def _distance(offsets: Sequence[float | None]) -> float | None:
     return math.hypot(*known) if len(known) == len(offsets) else None
 
 
-def _intervals(positions: FloatArray, axes: Sequence[Axis]) -> Sequence[Interval | None]:
+def _calibration(axes: Sequence[Axis]) -> float | None:
+    return max((axis.uncertainty for axis in axes if axis.uncertainty is not None), default=None)
+
+
+def _intervals(
+    interval: SamplingInterval,
+    figures: FloatArray,
+    positions: FloatArray,
+    axes: Sequence[Axis],
+) -> Sequence[Interval | None]:
+    """Return the interval of each pose's figure: chance, dial and calibration together.
+
+    Reaches are combined as independent (Zou and Donner 2008). What a certificate's uncertainty
+    makes of a scatter the sources leave open; here it is that of the figure itself.
+    """
     if positions.shape[-1] < _FEWEST_FOR_INTERVAL:
         return [None] * len(positions)
-    known = [axis.resolution for axis in axes if axis.resolution is not None]
-    lower, upper = rp_interval(positions, resolutions=known if len(known) == len(axes) else None)
-    RP = repeatability(positions).RP
-    bounded = (upper > 0) & ((RP == 0) | (upper < _WIDEST_INTERVAL * RP))
-    limits = zip(lower.tolist(), upper.tolist(), bounded.tolist(), strict=True)
-    return [(low, high) if known else None for low, high, known in limits]
+    limits = interval(positions, resolutions=[step_of(axis) for axis in axes])
+    U = 2 * (_calibration(axes) or 0.0)
+    lower = np.maximum(figures - np.hypot(figures - limits[0], U), 0)
+    upper = figures + np.hypot(limits[1] - figures, U)
+    bounded = (upper > 0) & ((figures == 0) | (limits[1] < WIDEST * figures))
+    pairs = zip(lower.tolist(), upper.tolist(), bounded.tolist(), strict=True)
+    return [(low, high) if known else None for low, high, known in pairs]

@@ -8,9 +8,10 @@ Arrays end in the cycles of one pose; dimensions in front are poses and are kept
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
+from typing import Protocol
 
 import numpy as np
 
@@ -26,7 +27,21 @@ GAUSSIAN_RP = {1: 2.60632, 2: 3.21872, 3: 3.61609}
 
 _JACKKNIFE_GROUPS = 128
 _CONFIDENCE = 0.95
-_WIDEST = math.log(1e6)
+_Z = NormalDist().inv_cdf((1 + _CONFIDENCE) / 2)
+_SHORTFALL = 3.0  # chosen by benchmarks/coverage.py: ends even for Gaussian and long-tailed scatter
+_COARSE = 2.0  # divisions of scatter above which rounding moves RP by less than 3 %
+_LARGEST = math.log(1e6)
+
+WIDEST = 100.0
+"""Upper limit over figure from which an interval says nothing: one reading carries the figure."""
+
+
+class SamplingInterval(Protocol):
+    """`rp_interval`, `rss_interval` or `three_sigma_interval`."""
+
+    def __call__(  # noqa: D102 - of the class
+        self, positions: FloatArray, *, resolutions: Sequence[float] | None
+    ) -> tuple[FloatArray, FloatArray]: ...
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,73 +88,124 @@ def standard_deviation(readings: FloatArray) -> FloatArray:
     return np.asarray(shifted.std(axis=-1, ddof=1))
 
 
+def root_sum_of_squares(positions: FloatArray) -> FloatArray:
+    """Return the paper's eq. 23 of positions of shape (..., components, n)."""
+    return np.asarray(np.sqrt((repeatability(positions[..., np.newaxis, :]).RP ** 2).sum(axis=-1)))
+
+
 def rp_interval(
     positions: FloatArray, *, resolutions: Sequence[float] | None
 ) -> tuple[FloatArray, FloatArray]:
     """Return lower and upper limits of a 95 % interval for RP; shapes as the poses in front.
 
-    ``positions`` as in `repeatability`, n at least 5; ``resolutions`` one for each component, None
-    where not known. The sources give no interval; this one is log-normal with the jackknife's
-    standard error, but never one smaller than Gaussian scatter has; the upper limit is also
-    stretched for skewness by Efron's acceleration (ABC interval). With known resolutions the lower
-    limit is that of RP, or of Gaussian scatter's where that is less, without the rounding
-    (Sheppard's correction). Where one division or two neighbouring ones hold all readings, the
-    lower limit is 0 and the upper one at least what they can hide. Coverage is in
-    docs/repeatability.md.
+    ``positions`` as in `repeatability`, n at least 5; ``resolutions`` one for each component, 0
+    where the dial has no steps, None where none of them has. The sources give no interval; this
+    one is that of the root of a chi-square of as many degrees of freedom as the jackknife's
+    standard error allows, never more than Gaussian scatter has; the upper limit is raised by what
+    RP of so few cycles falls short. A coarse dial moves both limits: `_beside_rounding`, `hidden`.
+    Coverage is in docs/repeatability.md.
     """
+    components = positions.shape[-2]
+    figure = _Figure(_radial, GAUSSIAN_RP[components], GAUSSIAN_ERROR[components])
+    return _interval(figure, positions, resolutions)
+
+
+def rss_interval(
+    positions: FloatArray, *, resolutions: Sequence[float] | None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the 95 % interval of eq. 23, otherwise as `rp_interval`."""
+    root = math.sqrt(positions.shape[-2])
+    figure = _Figure(root_sum_of_squares, root * GAUSSIAN_RP[1], GAUSSIAN_ERROR[1] / root)
+    return _interval(figure, positions, resolutions)
+
+
+def three_sigma_interval(
+    positions: FloatArray, *, resolutions: Sequence[float] | None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the 95 % interval of an angle's 3 S (7.2.2), otherwise as `rp_interval`.
+
+    ``positions`` of one component; the chi-square has n - 1 degrees of freedom or fewer.
+    """
+    return _interval(_Figure(_three_sigma, 3.0, math.sqrt(0.5)), positions, resolutions)
+
+
+@dataclass(frozen=True, slots=True)
+class _Figure:
+    """A measure of scatter of positions; its value and error as `GAUSSIAN_RP` and `_ERROR`."""
+
+    of: Callable[[FloatArray], FloatArray]
+    gaussian: float
+    gaussian_error: float
+
+
+def _radial(positions: FloatArray) -> FloatArray:
+    return repeatability(positions).RP
+
+
+def _three_sigma(positions: FloatArray) -> FloatArray:
+    return 3 * standard_deviation(positions[..., 0, :])
+
+
+def _interval(
+    figure: _Figure, positions: FloatArray, resolutions: Sequence[float] | None
+) -> tuple[FloatArray, FloatArray]:
     components, n = positions.shape[-2:]
-    RP = repeatability(positions).RP
-    error, skewness = _jackknife(positions)
-    t = _student_quantile(n - 1)
-    gaussian = GAUSSIAN_ERROR[components] / math.sqrt(n)
-    spread = np.minimum(t * np.maximum(error, gaussian), _WIDEST)
-    stretched = np.minimum(error * _accelerated(t, skewness), _WIDEST)
-    upper = RP * np.exp(np.maximum(spread, stretched))
-    if resolutions is None:
-        return RP * np.exp(-spread), upper
-    width = two_divisions(positions, resolutions)
-    lower = _beside_rounding(positions, RP, resolutions) * np.exp(-spread)
-    return np.where(width > 0, 0.0, lower), np.maximum(upper, hidden(width, components, n))
+    steps = np.zeros(components) if resolutions is None else np.asarray(resolutions, np.float64)
+    value = figure.of(positions)
+    error, shortfall = _jackknife(figure.of, positions)
+    least = figure.gaussian_error / math.sqrt(n - 1)
+    width = two_divisions(positions, steps)
+    error = np.where(width > 0, least, np.maximum(error, least))  # two levels tell no law
+    raised = _upper(error) + np.where(width > 0, 0.0, _SHORTFALL * np.maximum(shortfall, 0))
+    upper = value * np.exp(np.minimum(raised, _LARGEST))
+    lower = _beside_rounding(figure, positions, value, steps) * _lower(error)
+    return np.where(width > 0, 0.0, lower), np.maximum(upper, hidden(width, figure.gaussian, n))
 
 
-def _jackknife(positions: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return standard error and skewness (Efron's a) of ln RP by leaving cycles out."""
+def _jackknife(
+    figure: Callable[[FloatArray], FloatArray], positions: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return standard error and shortfall (bias, sign turned) of the figure's logarithm."""
     n = positions.shape[-1]
     groups = min(n, _JACKKNIFE_GROUPS)
     left_out = np.arange(n) % groups
-    without = np.stack(
-        [repeatability(positions[..., left_out != g]).RP for g in range(groups)], axis=-1
-    )
+    without = np.stack([figure(positions[..., left_out != g]) for g in range(groups)], axis=-1)
     tiny = np.finfo(np.float64).tiny
-    logs = np.log(np.maximum(without, tiny))  # a single reading may hold all of RP
-    deviation = logs.mean(axis=-1, keepdims=True) - logs
-    squares = (deviation**2).sum(axis=-1)
-    error = np.sqrt((groups - 1) / groups * squares)
-    cubes = (deviation**3).sum(axis=-1)
-    return np.asarray(error), cubes / (6 * np.maximum(squares**1.5, tiny))
+    logs = np.log(np.maximum(without, tiny))  # a single reading may hold all of the figure
+    mean = logs.mean(axis=-1)
+    error = np.sqrt((groups - 1) / groups * ((logs - mean[..., np.newaxis]) ** 2).sum(axis=-1))
+    whole = np.log(np.maximum(figure(positions), tiny))
+    return np.asarray(error), np.asarray((groups - 1) * (whole - mean))
 
 
-def _accelerated(t: float, skewness: FloatArray) -> FloatArray:
-    """Return Efron's (1987) accelerated quantile, with at most a hundredfold stretch."""
-    shifted = skewness + t
-    room = 1 - skewness * shifted
-    return np.asarray(shifted / np.maximum(room, 0.1) ** 2)
+def _lower(error: FloatArray) -> FloatArray:
+    """Return sqrt(r / chi-square) at 97.5 %, r = 1 / (2 error^2): Wilson and Hilferty (1931)."""
+    error = np.minimum(error, 1.0)  # beyond one the formula turns back
+    return np.asarray((1 - 4 / 9 * error**2 + 2 / 3 * _Z * error) ** -1.5)
+
+
+def _upper(error: FloatArray) -> FloatArray:
+    """Return ln sqrt(r / chi-square) at 2.5 %, as `_lower` but to second order of the error.
+
+    The formula itself has no end from an error of 0.6.
+    """
+    return np.asarray(_Z * error + (_Z**2 + 2) / 3 * error**2)
 
 
 def _beside_rounding(
-    positions: FloatArray, RP: FloatArray, resolutions: Sequence[float]
+    figure: _Figure, positions: FloatArray, value: FloatArray, steps: FloatArray
 ) -> FloatArray:
-    """Return RP without what rounding may have added: Sheppard's (1898) correction."""
-    components = positions.shape[-2]
+    """Return the figure without what rounding may have added: Sheppard's (1898) correction."""
     variance = (standard_deviation(positions) ** 2).sum(axis=-1)
-    rounding = sum(rounding_uncertainty(resolution) ** 2 for resolution in resolutions)
+    rounding = float((rounding_uncertainty(1.0) ** 2 * steps**2).sum())
     share = 1 - rounding / np.maximum(variance, max(rounding, np.finfo(np.float64).tiny))
-    # Gaussian scatter on three divisions looks long-tailed: its RP is read too large.
-    gaussian = GAUSSIAN_RP[components] * np.sqrt(variance / components)
-    return np.asarray(np.minimum(RP, gaussian) * np.sqrt(share))
+    # Gaussian scatter on three divisions looks long-tailed: its figure is read too large.
+    gaussian = figure.gaussian * np.sqrt(variance / positions.shape[-2])
+    coarse = variance < (_COARSE**2) * (steps**2).sum()
+    return np.asarray(np.where(coarse, np.minimum(value, gaussian), value) * np.sqrt(share))
 
 
-def two_divisions(positions: FloatArray, resolutions: Sequence[float]) -> FloatArray:
+def two_divisions(positions: FloatArray, resolutions: Sequence[float] | FloatArray) -> FloatArray:
     """Return the width of the one or two divisions that hold all readings, 0 if there are more.
 
     A robot without scatter can read so: it stands still on the border of two divisions.
@@ -149,23 +215,13 @@ def two_divisions(positions: FloatArray, resolutions: Sequence[float]) -> FloatA
     return np.where(held, widths.max(axis=-1), 0.0)
 
 
-def hidden(width: FloatArray, components: int, n: int) -> FloatArray:
-    """Return the RP of the scatter that stays inside ``width`` n times one time in twenty."""
+def hidden(width: FloatArray, gaussian: float, n: int) -> FloatArray:
+    """Return the figure of the scatter that stays inside ``width`` n times one time in twenty.
+
+    ``gaussian`` is the figure of unit Gaussian scatter, as in `GAUSSIAN_RP`.
+    """
     all_inside = (1 - _CONFIDENCE) ** (1 / n)
-    sigma = width / (2 * NormalDist().inv_cdf((1 + all_inside) / 2))
-    return GAUSSIAN_RP[components] * sigma
-
-
-def _student_quantile(nu: int) -> float:
-    """Return Student's t for a 95 % interval: Abramowitz and Stegun 26.7.5, four terms."""
-    z = NormalDist().inv_cdf((1 + _CONFIDENCE) / 2)
-    terms: tuple[float, ...] = (
-        (z**3 + z) / 4,
-        (5 * z**5 + 16 * z**3 + 3 * z) / 96,
-        (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384,
-        (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / 92160,
-    )
-    return z + math.fsum(term / nu ** (k + 1) for k, term in enumerate(terms))
+    return gaussian * width / (2 * NormalDist().inv_cdf((1 + all_inside) / 2))
 
 
 def _length(vectors: FloatArray) -> FloatArray:

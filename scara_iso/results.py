@@ -12,6 +12,7 @@ from typing import Literal
 
 from scara_iso.quantities import Dimension
 from scara_iso.run import FloatArray, IntArray, Run
+from scara_iso.verdict import Conformity, Decision
 
 Severity = Literal["error", "warning", "info"]
 Interval = tuple[float, float]
@@ -50,12 +51,17 @@ class AxisResult:
     S_l: float
     RP: float
     RP_interval: Interval | None
-    """95 %; None for fewer than five cycles, or where one reading carries the figure."""
+    """95 %: chance, dial and calibration. None for fewer than five cycles, or where one reading
+    carries the figure."""
     three_sigma: float
     """Three sample standard deviations; ISO 9283's RP_a for an angle."""
+    three_sigma_interval: Interval | None
+    """Likewise, of `three_sigma`."""
     resolution: float | None
     uncertainty: float | None
     """Standard uncertainty of one reading: resolution and indicator combined (GUM 5.1.2)."""
+    calibration: float | None
+    """Standard uncertainty of the indicator, as its certificate states it."""
     accuracy: float | None = None
     """Mean minus command pose, ISO 9283 7.2.1; None where no command pose is stated, or the dial's
     zero is not referred to it."""
@@ -77,6 +83,12 @@ class AxisResult:
         """Uncertainty over RP; None where either is missing or RP is 0."""
         return None if self.uncertainty is None or self.RP == 0 else self.uncertainty / self.RP
 
+    @property
+    def expanded_ratio(self) -> float | None:
+        """U = 2 u over the figure (of an angle 3 S), as the 25 % rule compares them; or None."""
+        figure = self.RP if self.dimension is Dimension.LENGTH else self.three_sigma
+        return None if self.uncertainty is None or figure == 0 else 2 * self.uncertainty / figure
+
 
 @dataclass(frozen=True, slots=True)
 class RadialResult:
@@ -88,8 +100,11 @@ class RadialResult:
     S_l: float
     RP_rss: float | None
     """Root sum of squares of the axes' RP, eq. 23; None in space."""
+    RP_rss_interval: Interval | None
     uncertainty: float | None
     """Standard uncertainty of a distance to the barycentre; None where an axis states none."""
+    calibration: float | None
+    """The indicators' part of it; None where none states one."""
     accuracy: float | None
     """Distance from the command pose to the barycentre, 7.2.1."""
 
@@ -97,6 +112,11 @@ class RadialResult:
     def uncertainty_ratio(self) -> float | None:
         """Uncertainty over RP; None where either is missing or RP is 0."""
         return None if self.uncertainty is None or self.RP == 0 else self.uncertainty / self.RP
+
+    @property
+    def expanded_ratio(self) -> float | None:
+        """U = 2 u over RP, as the 25 % rule compares them; or None."""
+        return None if self.uncertainty_ratio is None else 2 * self.uncertainty_ratio
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -158,15 +178,21 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class LimitCheck:
-    """One figure against a limit that the user gave; lengths in mm."""
+    """One figure against a limit that the user gave; lengths in mm, angles in degrees."""
 
     figure: str
     """``X``, ``XY`` and so on."""
     RP: float
     limit: float
     guard: float | None
-    """Expanded uncertainty U = 2 u of the indicator: the guard band; None where not known."""
-    pose: str | None = None
+    """Expanded uncertainty U = 2 u of the indicator; None where not known."""
+    pose: str | None
+    interval: Interval | None
+    """95 %, of `RP`."""
+    decision: Decision
+    cycles_wanted: int | None
+    """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
+    where it is proven, or where no number of cycles would."""
 
     @property
     def inside(self) -> bool:
@@ -175,8 +201,17 @@ class LimitCheck:
 
     @property
     def clear(self) -> bool:
-        """Whether RP is farther from the limit than the guard band is wide."""
+        """Whether RP is farther from the limit than the indicator's U."""
         return self.guard is not None and abs(self.limit - self.RP) >= self.guard
+
+    @property
+    def verdict(self) -> Conformity:
+        """What the rule of `decision` makes of it."""
+        if self.decision is Decision.SIMPLE:
+            return Conformity.PASS if self.inside else Conformity.FAIL
+        if self.interval is None or self.interval[0] <= self.limit < self.interval[1]:
+            return Conformity.NOT_PROVABLE
+        return Conformity.PASS if self.interval[1] <= self.limit else Conformity.FAIL
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,6 +223,17 @@ class Analysis:
     poses: tuple[PoseResult, ...]
     findings: tuple[Finding, ...]
     limits: tuple[LimitCheck, ...] = ()
+
+    @property
+    def conformity(self) -> Conformity | None:
+        """The verdict on the whole: fail where one limit fails, pass where all are kept.
+
+        None where no limit was given. A whole that passes has passed each one, so that the risk of
+        a wrong pass is that of one figure.
+        """
+        found = {check.verdict for check in self.limits}
+        order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
+        return next((verdict for verdict in order if verdict in found), None)
 
     @property
     def deviations(self) -> tuple[Finding, ...]:

@@ -9,8 +9,9 @@ from scara_iso.analysis import analyze, reading_uncertainty
 from scara_iso.errors import DataError, UsageError
 from scara_iso.limits import EVERY_LENGTH
 from scara_iso.quantities import Dimension
-from scara_iso.repeatability import repeatability, rp_interval
+from scara_iso.repeatability import GAUSSIAN_RP, repeatability, rp_interval
 from scara_iso.run import Axis, Run
+from scara_iso.verdict import Conformity
 
 
 def run_with(axes, *, poses=1, metadata=None, covariates=None):
@@ -155,9 +156,111 @@ def test_guard_band(rng):
         (RP - 0.99 * U, False, False),
         (RP - 1.01 * U, False, True),
     ]:
-        (check,) = analyze(run, limits={"X": limit}).limits
+        (check,) = analyze(run, limits={"X": limit}, decision="simple").limits
         assert (check.inside, check.clear) == (inside, clear)
         assert check.guard == pytest.approx(U)
+        assert check.verdict is (Conformity.PASS if inside else Conformity.FAIL)
+        assert check.cycles_wanted is None
+
+
+def test_the_interval_decides(rng):
+    run = run_with([scatter(rng, "X")])
+    lower, upper = analyze(run).poses[0].axes["X"].RP_interval
+    for limit, verdict in [
+        (0.99 * lower, Conformity.FAIL),
+        (lower, Conformity.NOT_PROVABLE),
+        (0.99 * upper, Conformity.NOT_PROVABLE),
+        (upper, Conformity.PASS),
+    ]:
+        analysis = analyze(run, limits={"X": limit})
+        assert analysis.limits[0].verdict is verdict is analysis.conformity
+    assert analyze(run).conformity is None
+    with pytest.raises(UsageError, match="simpel"):
+        analyze(run, limits={"X": 1.0}, decision="simpel")
+
+
+def test_the_whole_fails_with_one_and_passes_with_all(rng):
+    run = run_with([scatter(rng, "X"), scatter(rng, "Y")])
+    interval = analyze(run).poses[0].axes["X"].RP_interval
+    between = sum(interval) / 2
+    for limits, whole in [
+        ({"X": 9.0, "Y": 9.0}, Conformity.PASS),
+        ({"X": between, "Y": 9.0}, Conformity.NOT_PROVABLE),
+        ({"X": between, "Y": 1e-4}, Conformity.FAIL),
+    ]:
+        assert analyze(run, limits=limits).conformity is whole
+
+
+def test_an_angle_is_decided_on_the_interval_of_3_s(rng):
+    run = run_with([scatter(rng, "theta", dimension=Dimension.ANGLE)])
+    axis = analyze(run).poses[0].axes["theta"]
+    assert axis.three_sigma_interval != axis.RP_interval
+    (check,) = analyze(run, limits={"theta": axis.three_sigma_interval[1]}).limits
+    assert check.interval == axis.three_sigma_interval
+    assert check.verdict is Conformity.PASS
+
+
+def test_calibration_widens_the_interval(rng):
+    plain = scatter(rng, "X")
+    uncertain = Axis("X", plain.readings, resolution=0.001, uncertainty=0.004)
+    before, after = (analyze(run_with([x])).poses[0].axes["X"] for x in (plain, uncertain))
+    low, high = before.RP_interval
+    assert after.RP_interval == pytest.approx(
+        (before.RP - math.hypot(before.RP - low, 0.008),
+         before.RP + math.hypot(high - before.RP, 0.008))
+    )  # fmt: skip
+
+
+def test_no_number_of_cycles_proves_what_the_calibration_leaves_open(rng):
+    x = Axis("X", rng.normal(0, 0.01, 31), resolution=1e-6, uncertainty=0.004)
+    RP = analyze(run_with([x])).poses[0].axes["X"].RP
+    near, far = (analyze(run_with([x]), limits={"X": RP + d}).limits[0] for d in (0.0079, 0.0081))
+    assert near.verdict is far.verdict is Conformity.NOT_PROVABLE
+    assert near.cycles_wanted is None
+    assert far.cycles_wanted > 30
+
+
+def test_the_nearer_the_limit_the_more_cycles_are_wanted(rng):
+    run = run_with([scatter(rng, "X")])
+    axis = analyze(run).poses[0].axes["X"]
+    lower, upper = axis.RP_interval
+    for ends in (np.linspace(axis.RP, lower, 12), np.linspace(axis.RP, upper, 12)):
+        wanted = [analyze(run, limits={"X": x}).limits[0].cycles_wanted for x in ends[1:-1]]
+        assert wanted == sorted(wanted, reverse=True)
+        assert wanted[-1] > 30
+
+
+def test_of_robots_at_the_limit_few_pass(rng):
+    """The true RP, the expected one of 30 cycles, is 2.54 sigma: the limit, or 1.1 times it."""
+    runs = 400
+    x = Axis("X", rng.standard_normal(31 * runs), resolution=1e-9)
+    run = Run(np.tile(np.arange(1, 32), runs), {"X": x}, np.repeat(np.arange(runs).astype(str), 31))
+    passed, simple = {}, {}
+    for share in (1.0, 1.1, 0.5):
+        checks = analyze(run, limits={"X": 2.54 / share}).limits
+        passed[share] = np.mean([check.verdict is Conformity.PASS for check in checks])
+        simple[share] = np.mean([check.inside for check in checks])
+    assert simple[1.1] > 0.2
+    assert passed[1.0] <= 0.05
+    assert passed[1.1] <= 0.01
+    assert passed[0.5] > 0.75
+
+
+def test_a_step_that_is_not_stated_is_seen(rng):
+    """Of a dial of 0.01 with scatter of 3 um: 37 % coverage where it was taken for a fine one."""
+    place, runs = rng.uniform(0, 1, (200, 1)), 200
+    shown = np.rint(rng.normal(0, 0.3, (runs, 31)) + place).ravel() * 0.01
+    both = {}
+    for stated in (0.01, None):
+        run = Run(
+            np.tile(np.arange(1, 32), runs),
+            {"X": Axis("X", shown, resolution=stated)},
+            np.repeat(np.arange(runs).astype(str), 31),
+        )
+        both[stated] = [pose.axes["X"].RP_interval for pose in analyze(run).poses]
+    assert np.array(both[0.01]) == pytest.approx(np.array(both[None]))
+    true = 0.003 * GAUSSIAN_RP[1]
+    assert np.mean([low <= true <= high for low, high in both[None]]) > 0.95
 
 
 @pytest.mark.parametrize("limits", [{"XY": 1.0}, {"Q": 1.0}, {"X": 0.0}, {"X": math.nan}])
@@ -182,7 +285,7 @@ def test_too_few_cycles_for_scatter_or_interval(rng):
 
 
 def test_one_reading_that_carries_the_figure_gives_no_interval():
-    readings = np.zeros(31)
+    readings = np.linspace(0, 1e-4, 31) ** 2
     readings[7] = 1.0
     axis = analyze(run_with([Axis("X", readings)])).poses[0].axes["X"]
     assert axis.RP > 0

@@ -72,13 +72,25 @@ def test_indicator_uncertainty_counts_beside_the_resolution(rng):
     assert "coarse-resolution" in codes(clean_run(rng, X=poor))
 
 
-@pytest.mark.parametrize(("share", "flagged"), [(0.24, False), (0.26, True)])
+@pytest.mark.parametrize(("share", "flagged"), [(0.12, False), (0.13, True)])
 def test_a_quarter_of_rp_is_the_largest_share_of_the_dial(rng, share, flagged):
     readings = np.tile(rng.normal(0, 0.01, 31).round(3), 5)
     RP = analyze(clean_run(rng, X=Axis("X", readings))).poses[0].axes["X"].RP
     run = clean_run(rng, X=Axis("X", readings, uncertainty=share * RP))
     named = {f.axis for f in analyze(run).findings if f.code == "coarse-resolution"}
     assert ("X" in named) == flagged
+
+
+def test_of_an_angle_3_s_is_compared(rng):
+    readings = np.tile(np.resize([-0.01, 0.01, 0.009, -0.009], 31), 5)
+    axis = analyze(clean_run(rng, theta=Axis("theta", readings, Dimension.ANGLE))).poses[0]
+    RP, three_sigma = axis.axes["theta"].RP, axis.axes["theta"].three_sigma
+    assert RP < 0.9 * three_sigma
+    for U, flagged in ((0.24 * three_sigma, False), (0.26 * three_sigma, True)):
+        theta = Axis("theta", readings, Dimension.ANGLE, uncertainty=U / 2)
+        named = {f.axis for f in analyze(clean_run(rng, theta=theta)).findings
+                 if f.code == "coarse-resolution"}  # fmt: skip
+        assert ("theta" in named) == flagged
 
 
 def test_few_levels(rng):
@@ -174,7 +186,7 @@ def test_axes_of_separate_runs(rng):
 def test_resolution_not_stated(rng):
     run = clean_run(rng, X=x_axis(rng.integers(0, 9, 31) / 100, None))
     (message,) = [f.message for f in analyze(run).findings if f.code == "resolution-not-stated"]
-    assert "differ by 0.01 mm at least" in message
+    assert "on steps of 0.01 mm, taken as the dial's" in message
 
 
 @pytest.mark.parametrize(

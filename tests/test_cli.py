@@ -156,14 +156,64 @@ def test_demo_as_json(call):
 
 
 @pytest.mark.parametrize(
-    ("limit", "code"), [("0.03", 0), ("0.02", 1), ("XY=0.0153", 0), ("XY=0.0152", 1)]
+    ("limit", "code", "said"),
+    [
+        ("0.035", 0, "PASS: inside the limits with the whole 95 % interval"),
+        ("0.03", 1, "NOT PROVABLE with these cycles: Z, XYZ; about"),
+        ("0.01", 1, "FAIL: OUTSIDE the limit with the whole 95 % interval: Z, XYZ"),
+        ("XY=0.0153", 1, "NOT PROVABLE with these cycles: XY\n"),
+    ],
 )
-def test_a_limit_makes_the_exit_code_a_verdict(call, limit, code):
+def test_a_limit_makes_the_exit_code_a_verdict(call, limit, code, said):
     found, out, _ = call("analyze", TABLE_1, "--limit", limit)
     assert found == code
-    assert "guard band" in out
+    assert said in out
     assert "XY by the larger of its two figures" in out
+
+
+@pytest.mark.parametrize(
+    ("limit", "code"), [("0.03", 0), ("0.02", 1), ("XY=0.0153", 0), ("XY=0.0152", 1)]
+)
+def test_simple_acceptance_is_named(call, limit, code):
+    found, out, _ = call("analyze", TABLE_1, "--limit", limit, "--decision", "simple")
+    assert found == code
+    assert "by simple acceptance" in out
+    assert "guard band" in out
     assert ("OUTSIDE" in out) == bool(code)
+
+
+@pytest.mark.parametrize("command", ["analyze", "report"])
+@pytest.mark.parametrize(
+    ("options", "code", "verdict", "rule"),
+    [
+        ((), 1, "not-provable", "interval"),
+        (("--decision", "interval"), 1, "not-provable", "interval"),
+        (("--decision", "simple"), 0, "pass", "simple"),
+    ],
+)
+def test_json_has_its_own_word_for_not_provable(call, command, options, code, verdict, rule):
+    found, out, _ = call(command, TABLE_1, "--limit", "Z=0.03", "--json", *options)
+    document = json.loads(out)
+    analysis = document.get("analysis", document)
+    (limit,) = analysis["limits"]
+    assert (found, limit["verdict"], limit["rule"], analysis["conformity"]) == (
+        code,
+        verdict,
+        rule,
+        verdict,
+    )
+    assert (limit["cycles_wanted"] is None) == (rule == "simple")
+
+
+def test_the_digits_that_decide_are_shown(call, tmp_path):
+    readings = [0.0, *([0.0, 0.01] * 15)]
+    table = tmp_path / "run.csv"
+    rows = [f"{cycle},{reading}" for cycle, reading in enumerate(readings, start=1)]
+    table.write_text("\n".join(["# unit: mm", "# resolution: 0.001", "cycle,X", *rows, ""]))
+    _, out, _ = call("analyze", table, "--limit", "X=0.00499996", "--decision", "simple")
+    (row,) = [line for line in out.splitlines() if line.startswith("X ") and "FAIL" in line]
+    shown, limit = map(float, row.split()[1:3])
+    assert shown > limit == 0.00499996
 
 
 @pytest.mark.parametrize(

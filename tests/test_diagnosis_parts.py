@@ -16,11 +16,12 @@ from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended
 from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.problem import Problem
-from scara_iso.diagnosis.residual import Residual, common_step
+from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.tuning import KNOWN_FROM
 from scara_iso.diagnosis.two_state import Emissions, _at_most_one_change, emissions_of, two_levels
+from scara_iso.dial import common_step
 from scara_iso.effects import (
     Chain,
     Conditions,

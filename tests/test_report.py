@@ -379,6 +379,11 @@ def test_outside_a_limit_the_report_is_written_and_the_exit_code_says_so(tmp_pat
     monkeypatch.chdir(tmp_path)
     assert main(["report", str(WARM_UP), "--limit", "XY=0.02", "-o", "out.md"]) == 1
     assert "OUTSIDE" in Path("out.md").read_text()
+    assert (
+        main(["report", str(WARM_UP), "--limit", "XY=9", "--decision", "simple", "-o", "out.md"])
+        == 0
+    )
+    assert "by simple acceptance" in Path("out.md").read_text()
 
 
 def test_without_a_name_the_report_stands_beside_where_it_is_called(tmp_path, monkeypatch, capsys):

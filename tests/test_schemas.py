@@ -125,7 +125,8 @@ def documents(tmp_path_factory):
     return {
         "analyze": [
             *written("analyze", table_1),
-            *written("analyze", full, "--limit", "XY=0.05", "--definitions"),
+            *written("analyze", full, "--limit", "XY=0.09", "--definitions"),
+            *written("analyze", full, "--limit", "XY=0.045", code=1),
             *written("analyze", few),
         ],
         "backlash": [

@@ -42,9 +42,10 @@ def _far_readings(axis: AxisResult) -> list[int]:
     # A coarse dial makes the median distance 0: half a division is the least that it can mean.
     sigma = max(_MAD_TO_SIGMA * _median(distance), (axis.resolution or 0.0) / 2)
     if sigma == 0:
-        # Most readings are the same and no division is known: some others far away leave RP without
-        # an interval, some others beside them do not.
-        return np.flatnonzero(distance).tolist() if axis.RP_interval is None else []
+        # Most readings are the same and no division is known: one other is far from them, of
+        # several the nearest is taken as one division off.
+        others = distance[distance > 0]
+        sigma = float(others.min()) / 2 if len(others) > 1 else 0.0
     return [int(k) for k in np.flatnonzero(distance > _FARTHEST * sigma)]
 
 

@@ -1,17 +1,16 @@
 """The indicator's resolution is not stated.
 
-Without it the dial's share of the figure is not known. State it in the table's head as
-``# resolution: 0.001``, in the table's unit.
+Without it the dial's share of the figure is not known. Where all readings lie on equal steps, the
+step stands for it in the interval of RP; nothing tells whether the dial is finer. State it in the
+table's head as ``# resolution: 0.001``, in the table's unit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
+from scara_iso.dial import common_step
 from scara_iso.results import Finding, Measured
-from scara_iso.run import FloatArray
 
 CODE = "resolution-not-stated"
 
@@ -20,16 +19,12 @@ def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning for each axis without a resolution, with the step its readings show."""
     for axis in measured.run.axes.values():
         if axis.resolution is None:
-            step = _smallest_step(axis.readings)
-            seen = f"; its readings differ by {step:g} {axis.unit} at least" if step else ""
+            step = common_step(axis.readings)
+            taken = f"; its readings lie on steps of {step:.4g} {axis.unit}, taken as the dial's"
             yield Finding(
                 CODE,
                 "warning",
-                f"the resolution is not stated{seen}; uncertainty and verdict need it",
+                f"the resolution is not stated{taken if step else ''}; state it: interval and "
+                "verdict rest on it",
                 axis.name,
             )
-
-
-def _smallest_step(readings: FloatArray) -> float:
-    levels = np.unique(readings)
-    return float(np.diff(levels).min()) if len(levels) > 1 else 0.0

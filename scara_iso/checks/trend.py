@@ -2,7 +2,9 @@
 
 Repeatability is scatter about one place; readings that creep or step during the test are a shift,
 and the figure counts it as scatter. Found by the Mann-Kendall test (Kendall 1975, with ties), at
-1 % over all axes and poses of the table. `diagnose` traces the shift to a cause.
+1 % over all axes and poses of the table. The 95 % interval of RP takes the cycles as independent:
+of readings that drift, or that resemble their neighbours, it is void. `diagnose` traces the shift
+to a cause.
 """
 
 from __future__ import annotations

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso.cli.options import (
-    OUTSIDE_A_LIMIT,
+    NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
+    LimitRule,
     Limits,
     ResolutionOfTable,
     Sheet,
@@ -24,6 +25,7 @@ from scara_iso.cli.options import (
     parse_limits,
 )
 from scara_iso.cli.output import write_json, write_report
+from scara_iso.verdict import Conformity, Decision
 
 if TYPE_CHECKING:
     from scara_iso.results import Analysis
@@ -33,6 +35,7 @@ def analyze_command(
     table: Table,
     *,
     limit: Limits = None,
+    decision: LimitRule = Decision.INTERVAL,
     definitions: Annotated[
         bool, typer.Option("--definitions", help="Also half range, 2 s, 3 s and ISO 230-2.")
     ] = False,
@@ -60,12 +63,13 @@ def analyze_command(
         all_count=all_count,
         allow_gaps=allow_gaps,
         limits=parse_limits(limit or ()),
+        decision=decision.value,
         other_definitions=definitions,
     )
     analysis = compared_with_its_manifest(analysis, table)
     _write(analysis, as_json=json)
-    if not all(check.inside for check in analysis.limits):
-        raise typer.Exit(OUTSIDE_A_LIMIT)
+    if analysis.conformity not in (None, Conformity.PASS):
+        raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
 def _write(analysis: Analysis, *, as_json: bool) -> None:

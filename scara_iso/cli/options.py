@@ -10,8 +10,9 @@ from typing import Annotated
 import typer
 
 from scara_iso.errors import UsageError
+from scara_iso.verdict import Decision
 
-OUTSIDE_A_LIMIT = 1
+NOT_WITHIN_LIMITS = 1
 _LIMIT_REMEDY = "write --limit 0.02 for every length, or --limit XY=0.02"
 
 Table = Annotated[
@@ -45,8 +46,16 @@ Limits = Annotated[
     list[str] | None,
     typer.Option(
         metavar="[FIGURE=]MM",
-        help="Exit with 1 where RP is larger: 0.02 for every length, XY=0.02 for one figure. "
-        "May be repeated.",
+        help="Exit with 1 where RP is not proven to be at most this: 0.02 for every length, "
+        "XY=0.02 for one figure. May be repeated.",
+    ),
+]
+LimitRule = Annotated[
+    Decision,
+    typer.Option(
+        "--decision",
+        help="How --limit decides: interval (all of the 95 % interval inside, or outside), or "
+        "simple (RP alone).",
     ),
 ]
 ModelFile = Annotated[str, typer.Argument(metavar="MODEL", help="A model file, .toml.")]

@@ -12,7 +12,7 @@ import typer
 
 from scara_iso.cli.analyze import compared_with_its_manifest
 from scara_iso.cli.options import (
-    OUTSIDE_A_LIMIT,
+    NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
@@ -20,6 +20,7 @@ from scara_iso.cli.options import (
     DecimalMark,
     ExcelLocale,
     FirstDiscarded,
+    LimitRule,
     Limits,
     ResolutionOfTable,
     Sheet,
@@ -30,6 +31,7 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import check_outputs, settings, write_json
 from scara_iso.disk import write_file
 from scara_iso.errors import ScaraIsoError, UsageError
+from scara_iso.verdict import Conformity, Decision
 
 if TYPE_CHECKING:
     from scara_iso.closing import CyclesWanted, Reading
@@ -64,6 +66,7 @@ def report_command(
     output: Output = None,
     pose: Pose = None,
     limit: Limits = None,
+    decision: LimitRule = Decision.INTERVAL,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
@@ -87,7 +90,7 @@ def report_command(
     check_outputs([path], [table, model])
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     reading = Reading(unit, resolution, decimal, sheet)
-    dossier = _test(table, model, reading, wanted, parse_limits(limit or ()))
+    dossier = _test(table, model, reading, wanted, (parse_limits(limit or ()), decision))
     if path is not None and write is not None:
         write_file(path, write(dossier))
         typer.echo(printable(f"{path} is written"), err=json)
@@ -95,12 +98,12 @@ def report_command(
         from scara_iso.render.json_report import report_json
 
         write_json(report_json(dossier))
-    if not all(check.inside for check in dossier.analysis.limits):
-        from scara_iso.report.analysis import conformity
+    if dossier.analysis.conformity not in (None, Conformity.PASS):
+        from scara_iso.report.limits import conformity
 
         said = "; ".join(block.text for block in conformity(dossier.analysis))
         typer.echo(printable(f"scara-iso: {said}"), err=True)
-        raise typer.Exit(OUTSIDE_A_LIMIT)
+        raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
 def _stem(table: str) -> str:
@@ -187,7 +190,7 @@ def _test(
     model_file: str | None,
     reading: Reading,
     wanted: CyclesWanted,
-    limits: dict[str, float],
+    limits: tuple[dict[str, float], Decision],
 ) -> Dossier:
     from scara_iso import __version__, analyze
     from scara_iso.report.document import Dossier, Provenance
@@ -203,7 +206,8 @@ def _test(
         cycles=wanted.cycles,
         all_count=wanted.all_count,
         allow_gaps=wanted.allow_gaps,
-        limits=limits,
+        limits=limits[0],
+        decision=limits[1].value,
     )
     analysis = compared_with_its_manifest(analysis, table)
     command = shlex.join(("scara-iso", *settings.arguments))

@@ -17,7 +17,7 @@ import numpy as np
 
 from scara_iso.comparison.spread import spread
 from scara_iso.quantities import rounding_uncertainty
-from scara_iso.repeatability import hidden, standard_deviation, two_divisions
+from scara_iso.repeatability import GAUSSIAN_RP, hidden, standard_deviation, two_divisions
 from scara_iso.run import FloatArray
 
 _FINE = 2.0  # divisions of scatter above which rounding moves RP by less than 3 %
@@ -92,7 +92,7 @@ def _over(above: float, below: float) -> float:
 
 
 def _hidden(width: float, positions: FloatArray) -> FloatArray:
-    return hidden(np.array(width), *positions.shape)
+    return hidden(np.array(width), GAUSSIAN_RP[len(positions)], positions.shape[-1])
 
 
 def _gain(positions: FloatArray, resolutions: FloatArray, *, angle: bool) -> float:

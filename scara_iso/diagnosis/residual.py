@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, MOST_CYCLES
+from scara_iso.dial import step_of
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
@@ -19,8 +20,6 @@ Prediction = Mapping[str, npt.ArrayLike]
 _SAME = 0.9999
 """Correlation from which two columns count as copies of each other."""
 _EXACT = 1e-6
-_OFF_STEP = 0.02
-"""Share of a step by which a reading may lie beside its multiple."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -64,7 +63,7 @@ def residual_of(run: Run, predicted: Prediction | None) -> Residual:
         )
     model = _checked(run, predicted or {})
     values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}
-    division = {n: a.resolution or common_step(a.readings) for n, a in run.axes.items()}
+    division = {n: step_of(a) for n, a in run.axes.items()}
     kept, notes = _moving(values, division)
     notes += _unstated(run, {name: division[name] for name in kept})
     if not kept:
@@ -91,18 +90,6 @@ def _unstated(run: Run, division: Mapping[str, float]) -> list[str]:
     return [
         f"no resolution is stated: the steps on which readings lie ({listed}) stand for the dial's"
     ]
-
-
-def common_step(readings: FloatArray) -> float:
-    """Return the smallest distance of two readings if all others are multiples of it, else 0.
-
-    A coarse dial of which nothing is stated would pass for two levels.
-    """
-    distances = np.diff(np.unique(readings))
-    if not len(distances) or distances.min() < _EXACT * np.ptp(readings):
-        return 0.0
-    steps = (readings - readings.min()) / distances.min()
-    return float(distances.min()) if np.all(np.abs(steps - np.rint(steps)) < _OFF_STEP) else 0.0
 
 
 def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -59,6 +58,7 @@ def analysis_json(analysis: Analysis) -> Json:
         },
         "poses": [_pose(pose) for pose in analysis.poses],
         "limits": [_limit(check) for check in analysis.limits],
+        "conformity": None if analysis.conformity is None else analysis.conformity.value,
         "deviations": [
             {"rule": f.rule, "code": f.code, "message": f.message} for f in analysis.deviations
         ],
@@ -83,7 +83,8 @@ def _pose(pose: PoseResult) -> Json:
         "axes": {name: _axis(axis) for name, axis in pose.axes.items()},
     }
     if pose.XY is not None:
-        found["XY"] = {"RP_rss": pose.XY.RP_rss, **_radial(pose.XY)}
+        rss = {"RP_rss": pose.XY.RP_rss, "RP_rss_interval": pose.XY.RP_rss_interval}
+        found["XY"] = {**rss, **_radial(pose.XY)}
     if pose.XYZ is not None:
         found["XYZ"] = _radial(pose.XYZ)
     return found
@@ -99,6 +100,7 @@ def _axis(axis: AxisResult) -> Json:
         "RP": axis.RP,
         "RP_interval": axis.RP_interval,
         "three_sigma": axis.three_sigma,
+        "three_sigma_interval": axis.three_sigma_interval,
         "resolution": axis.resolution,
         "uncertainty": axis.uncertainty,
         "uncertainty_ratio": axis.uncertainty_ratio,
@@ -128,7 +130,19 @@ def _radial(found: RadialResult) -> Json:
 
 
 def _limit(check: LimitCheck) -> Json:
-    return {**asdict(check), "inside": check.inside, "clear": check.clear}
+    return {
+        "figure": check.figure,
+        "pose": check.pose,
+        "RP": check.RP,
+        "interval": check.interval,
+        "limit": check.limit,
+        "verdict": check.verdict.value,
+        "rule": check.decision.value,
+        "cycles_wanted": check.cycles_wanted,
+        "guard": check.guard,
+        "inside": check.inside,
+        "clear": check.clear,
+    }
 
 
 def backlash_json(

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 
 from scara_iso.iso9283 import CYCLES_USED
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
-from scara_iso.report.digits import U_of_scatter, decimals, interval, rounded
+from scara_iso.report.digits import U_of_scatter, interval, rounded
+from scara_iso.report.limits import conformity, limits
 from scara_iso.report.uncertainty import U_of_mean, U_of_RP
 from scara_iso.results import (
     Analysis,
     AxisResult,
     Finding,
-    LimitCheck,
     PoseResult,
     RadialResult,
 )
@@ -33,12 +33,6 @@ def analysis_report(analysis: Analysis) -> Report:
     return (*sections, *limits(analysis), *findings(analysis))
 
 
-def limits(analysis: Analysis) -> Iterator[Section]:
-    """Yield the figures against their limits, where the user gave any."""
-    if analysis.limits:
-        yield Section("limits", (_limits_table(analysis.limits),))
-
-
 def _origin(analysis: Analysis) -> Iterator[Block]:
     origin = analysis.run.origin
     title = " · ".join(part for part in (analysis.run.metadata.get("robot"), origin.source) if part)
@@ -57,16 +51,6 @@ def verdict(analysis: Analysis) -> Iterator[Block]:
     yield from _warnings(analysis)
     yield Text(_cycles(analysis))
     yield from conformity(analysis)
-
-
-def conformity(analysis: Analysis) -> Iterator[Text]:
-    """Yield whether the limits are kept, where there are some."""
-    if analysis.limits:
-        outside = [_checked(check) for check in analysis.limits if not check.inside]
-        if outside:
-            yield Text(f"OUTSIDE the limit: {', '.join(outside)}", "bad")
-        else:
-            yield Text("inside the limits", "good")
 
 
 def _warnings(analysis: Analysis) -> Iterator[Block]:
@@ -120,32 +104,6 @@ def _largest(poses: Sequence[PoseResult]) -> str:
     return f"{len(poses)} poses; the largest figure at {worst.label}: {_headline(worst)}"
 
 
-def _checked(check: LimitCheck) -> str:
-    return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
-
-
-def _limits_table(checks: Sequence[LimitCheck]) -> Table:
-    places = decimals([check.RP for check in checks])
-    rows = [
-        (
-            _checked(check),
-            f"{check.RP:.{places}f}",
-            f"{check.limit:g}",
-            "not known" if check.guard is None else f"± {check.guard:.{places}f}",
-            ("inside" if check.inside else "OUTSIDE")
-            + (", in the guard band" if check.guard is not None and not check.clear else ""),
-        )
-        for check in checks
-    ]
-    note = (
-        "In mm; XY by the larger of its two figures; an angle in degrees, by ± 3 s. "
-        "Inside: RP is at most the limit. Guard band: U = 2 u of the indicator (ISO 14253-1); "
-        "nearer to the limit than that, neither side is proven. What so few cycles leave open is "
-        "the 95 % interval above."
-    )
-    return Table(("limit of", "RP", "limit", "guard band", "verdict"), tuple(rows), note)
-
-
 def pose_figures(pose: PoseResult) -> Iterator[Block]:
     """Yield the tables of a pose: RP of axes, plane and space, accuracy, other words."""
     for unit in ("mm", "deg"):
@@ -172,9 +130,8 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
             axis.name,
             rounded(axis.mean, U_of_mean(axis)),
             *_parts(axis, axis.n),
-            interval(axis.RP_interval),
-            _of_scatter(axis.three_sigma, axis.n),
-            _share(axis.uncertainty_ratio),
+            *_with_interval(axis),
+            _share(axis.expanded_ratio),
         )
         for axis in axes
     ]
@@ -186,13 +143,20 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
             "l_bar",
             "S_l",
             "RP",
-            "95 % interval",
-            "± 3 s" if angle else "3 s",
-            "u/RP",
+            *(("± 3 s", "95 % interval") if angle else ("95 % interval", "3 s")),
+            "U/3 s" if angle else "U/RP",
         ),
         (*rows, *(() if angle else _radial_rows(pose))),
-        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}",
+        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u",
     )
+
+
+def _with_interval(axis: AxisResult) -> tuple[str, str]:
+    """Return the interval of RP and 3 s; of an angle, ± 3 s and its own interval."""
+    three_sigma = _of_scatter(axis.three_sigma, axis.n)
+    if axis.unit == "deg":
+        return three_sigma, interval(axis.three_sigma_interval)
+    return interval(axis.RP_interval), three_sigma
 
 
 def _radial_rows(pose: PoseResult) -> Iterator[tuple[str, ...]]:
@@ -206,11 +170,12 @@ def _radial_rows(pose: PoseResult) -> Iterator[tuple[str, ...]]:
             *_parts(found, n),
             interval(found.RP_interval),
             "",
-            _share(found.uncertainty_ratio),
+            _share(found.expanded_ratio),
         )
         if found.RP_rss is not None:
             rss = rounded(found.RP_rss, U_of_RP(found, n))
-            yield (f"{name} eq. 23", "", "", "", rss, "", "", "")
+            ends = interval(found.RP_rss_interval)
+            yield (f"{name} eq. 23", "", "", "", rss, ends, "", "")
 
 
 def _parts(found: AxisResult | RadialResult, n: int) -> list[str]:

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.model.parts import Gearbox
-from scara_iso.report.analysis import findings, limits, pose_figures, verdict
+from scara_iso.report.analysis import findings, pose_figures, verdict
 from scara_iso.report.backlash import backlash_report
 from scara_iso.report.blocks import Block, Report, Section, Strip, Table, Text
 from scara_iso.report.diagnosis import Failure, diagnosis_report, diagnosis_verdict
 from scara_iso.report.figures import courses, plane, predictions
 from scara_iso.report.head import head
 from scara_iso.report.intermediates import by_cycle, intermediates
+from scara_iso.report.limits import limits
 from scara_iso.report.raw_data import raw_data
 from scara_iso.report.uncertainty import uncertainty_budget
 from scara_iso.results import Analysis, PoseResult

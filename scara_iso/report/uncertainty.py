@@ -23,7 +23,7 @@ _NO_CALIBRATION = (
 )
 _WHAT_IT_IS = (
     "The indicator makes single readings uncertain; how far RP itself could differ if the test "
-    "were repeated is its 95 % interval."
+    "were repeated is its 95 % interval, in which rounding and a stated calibration are counted."
 )
 
 
