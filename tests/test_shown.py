@@ -137,6 +137,7 @@ def test_an_indicator_that_was_switched_off_and_on_has_lost_its_zero(tmp_path, m
             tmp_path, [OPTO], cycles=9, monkeypatch=monkeypatch,
             ports={"X": lambda c: Script(c, answer=frames(*MM), pushes=banner)},
         )  # fmt: skip
+    assert [s.kind for s in run_session.said if isinstance(s, Problem)] == ["changed"]
     assert len(kept(tmp_path)) == 3
     assert "zero" in (tmp_path / "run.raw.jsonl").read_text()
 

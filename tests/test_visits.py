@@ -111,3 +111,9 @@ def test_a_frame_sent_twice_between_two_visits_is_refused():
         assert visits.hear("Y", time + 0.5, whole=True).refused == ""
     assert visits.hear("X", 9.5, whole=True).refused.startswith("X sent twice")
     assert visits.hear("X", 12.0, whole=True) == visits.hear("Y", 12.5, whole=True)
+
+
+def test_a_missing_frame_does_not_stretch_the_time_between_visits():
+    visits = Visits("XY", present=(), timed=True)
+    frames = [("Y", 1.0), ("X", 1.3), ("X", 5.3), ("X", 9.3), ("Y", 9.5), ("Y", 13.5), ("X", 13.7)]
+    assert [visits.hear(*one, whole=True).refused for one in frames] == [""] * len(frames)

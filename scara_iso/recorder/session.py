@@ -109,6 +109,7 @@ class Session:
         self._journal.append("changed", axis=axis, message=change.what)
         self._journal.sync()
         if not self._attended:
+            self._tell(Problem(axis, "changed", change.what))
             raise change
         self._paused = True
         self._tell(Paused(True))

@@ -35,7 +35,7 @@ class Visits:
         self._timed = timed
         self._began = 0.0
         self._spoilt = ""
-        self._last: dict[str, tuple[float, set[str]]] = {}
+        self._last: dict[str, tuple[float, list[str]]] = {}
         self._done = False
         self._gaps: deque[float] = deque(maxlen=_GAPS)
 
@@ -71,14 +71,14 @@ class Visits:
         return ""
 
     def _measure(self, axis: str, time: float) -> None:
-        """Take the time since the last frame of the gauge, if every other one spoke between."""
-        before, others = self._last.get(axis, (0.0, set()))
-        if others == self._axes - {axis} and others:
-            self._gaps.append(time - before)
+        """Take the time of a visit since the gauge spoke last, if every other one spoke between."""
+        before, others = self._last.get(axis, (0.0, []))
+        if others and set(others) == self._axes - {axis}:
+            self._gaps.append((time - before) / max(map(others.count, others)))
         for name, (_, spoke) in self._last.items():
             if name != axis:
-                spoke.add(axis)
-        self._last[axis] = (time, set())
+                spoke.append(axis)
+        self._last[axis] = (time, [])
 
     def _end(self) -> None:
         self._spoke.clear()
