@@ -32,6 +32,8 @@ from scara_iso.render.json import to_text
 from scara_iso.render.live import AxisView, LiveScreen, LiveView
 
 REDRAW_S = 0.1
+_FEWEST_FOR_RP = 5
+"""From so many readings on `analyze` gives RP an interval: fewer say next to nothing of it."""
 _Shown: TypeAlias = tuple[float, str, str]
 """A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
 _NEXT = {
@@ -180,8 +182,7 @@ class Screen:
         last = max(readings, default=0)
         _, text, unit = readings.get(last, (0.0, "", ""))
         used = tuple(shown[0] for cycle, shown in readings.items() if cycle > 1)
-        mean, RP = _figures(used)
-        return AxisView(name, text, unit, last, used, mean, RP)
+        return AxisView(name, text, unit, last, used, _figures(used))
 
     def _next_step(self) -> str:
         if self._last:
@@ -193,12 +194,19 @@ class Screen:
         return f"Cycle {self._cycle}{missing}: {how}"
 
 
-def _figures(readings: tuple[float, ...]) -> tuple[float | None, float | None]:
+def _figures(readings: tuple[float, ...]) -> str:
+    """Return count and mean of at least two readings; RP with those of which it has an interval."""
     if len(readings) < 2:
-        return None, None
+        return ""
     import numpy as np
 
-    from scara_iso.repeatability import repeatability
+    from scara_iso.repeatability import repeatability, standard_deviation
+    from scara_iso.report.digits import U_of_scatter, rounded
 
-    found = repeatability(np.array([readings]))
-    return float(found.mean[0]), float(found.RP)
+    values, n = np.array([readings]), len(readings)
+    found = repeatability(values)
+    mean = rounded(float(found.mean[0]), 2 * float(standard_deviation(values)[0]) / n**0.5)
+    if n < _FEWEST_FOR_RP:
+        return f"n {n}  mean {mean}"
+    RP = float(found.RP)
+    return f"n {n}  mean {mean}  RP {rounded(RP, U_of_scatter(RP, n))}"

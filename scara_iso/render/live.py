@@ -13,7 +13,6 @@ from rich.text import Text
 
 from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import encodes
-from scara_iso.report.digits import decimals
 from scara_iso.report.words import printable
 
 _BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
@@ -33,8 +32,8 @@ class AxisView:
     """The last cycle whose reading of this axis is on disk."""
     readings: tuple[float, ...] = ()
     """Those that count for the repeatability: without the first cycle."""
-    mean: float | None = None
-    RP: float | None = None
+    figures: str = ""
+    """Count, mean and repeatability of them, as far as so many readings have any."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +81,8 @@ def draw(view: LiveView, console: Console) -> RenderableType:
         _progress(view, width, blocks=blocks),
         Text(),
     ]
-    places = decimals([axis.RP for axis in view.axes if axis.RP])
     for axis in view.axes:
-        lines += _axis(axis, width, places, blocks=blocks)
+        lines += _axis(axis, width, blocks=blocks)
     return Group(*lines, Text(), *_foot(view, blocks=blocks))
 
 
@@ -119,26 +117,19 @@ def _progress(view: LiveView, width: int, *, blocks: bool) -> Text:
     return Text.assemble(_INDENT, (full * done, "green"), (empty * (room - done), "dim"))
 
 
-def _axis(axis: AxisView, width: int, places: int, *, blocks: bool) -> list[Text]:
+def _axis(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
     """Return the figures of an axis, on one line or two, and its strip."""
     name = Text(f"{_INDENT}{axis.name:<6}", "bold")
     value = f"{axis.shown} {axis.unit}".strip() or "-"
     name.append(f"{printable(value):>14} ", "bold green" if axis.stored else "")
     mark = "✔" if blocks else "OK"
     name.append(f"{mark} {axis.stored:<3}" if axis.stored else " " * 5, "bold green")
-    figures = Text(_figures(axis, places), "cyan")
+    figures = Text(f"  {axis.figures}" if axis.figures else "", "cyan")
     lines = [name + figures] if len(name) + len(figures) <= width else [name, _below(figures)]
     if axis.readings:
         shown = np.array(axis.readings[-(width - 10) :])
         lines.append(_below(Text(sparkline(shown, _BLOCKS if blocks else _DIGITS, width), "cyan")))
     return lines
-
-
-def _figures(axis: AxisView, places: int) -> str:
-    if axis.RP is None or axis.mean is None:
-        return ""
-    count = len(axis.readings)
-    return f"  n {count}  mean {axis.mean:.{places}f}  RP {axis.RP:.{places}f}"
 
 
 def _below(text: Text) -> Text:

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
-from scara_iso.report.digits import decimals
+from scara_iso.report.digits import U_of_scatter, decimals, interval, rounded
+from scara_iso.report.uncertainty import U_of_mean, U_of_RP
 from scara_iso.results import (
     Analysis,
     AxisResult,
     Finding,
-    Interval,
     LimitCheck,
     PoseResult,
+    RadialResult,
 )
 
 _NAMED_FIRST = 5
@@ -86,16 +87,16 @@ def _cycles(analysis: Analysis) -> str:
 def _headline(pose: PoseResult) -> str:
     if pose.XY is None:
         return f"RP: {', '.join(_axis_verdict(axis) for axis in pose.axes.values())}"
-    places = decimals(_lengths(pose))
-    radial = f"RP in XY: {pose.XY.RP:.{places}f} mm radial (ISO 9283)"
+    U = U_of_RP(pose.XY, len(pose.rows))
+    radial = f"RP in XY: {rounded(pose.XY.RP, U)} mm radial (ISO 9283)"
     rss = pose.XY.RP_rss
-    return radial if rss is None else f"{radial}, {rss:.{places}f} mm by the paper's eq. 23"
+    return radial if rss is None else f"{radial}, {rounded(rss, U)} mm by the paper's eq. 23"
 
 
 def _axis_verdict(axis: AxisResult) -> str:
     if axis.unit == "deg":
-        return f"{axis.name} ± {axis.three_sigma:.{decimals([axis.three_sigma])}f} deg"
-    return f"{axis.name} {axis.RP:.{decimals([axis.RP])}f} mm"
+        return f"{axis.name} ± {_of_scatter(axis.three_sigma, axis.n)} deg"
+    return f"{axis.name} {rounded(axis.RP, U_of_RP(axis, axis.n))} mm"
 
 
 def _largest(poses: Sequence[PoseResult]) -> str:
@@ -143,11 +144,10 @@ def pose_figures(pose: PoseResult) -> Iterator[Block]:
     yield from (Text(line) for line in _accuracy(pose))
     for axis in pose.axes.values():
         if axis.angle is not None:
-            places = decimals([axis.angle.three_sigma_deg])
             yield Text(
                 f"theta at a radius of {axis.angle.radius_mm:g} mm: RP = ± "
-                f"{axis.angle.three_sigma_deg:.{places}f} deg (7.2.2, ± 3 S); "
-                f"{axis.angle.RP_deg:.{places}f} deg by eq. 2-6"
+                f"{_of_scatter(axis.angle.three_sigma_deg, axis.n)} deg (7.2.2, ± 3 S); "
+                f"{_of_scatter(axis.angle.RP_deg, axis.n)} deg by eq. 2-6"
             )
     defined = [axis for axis in pose.axes.values() if axis.definitions]
     if defined:
@@ -156,13 +156,13 @@ def pose_figures(pose: PoseResult) -> Iterator[Block]:
 
 def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Table:
     angle = unit == "deg"
-    places = decimals([axis.three_sigma for axis in axes] if angle else _lengths(pose))
     rows = [
         (
             axis.name,
-            *(f"{x:.{places}f}" for x in (axis.mean, axis.l_bar, axis.S_l, axis.RP)),
-            _interval(axis.RP_interval, places),
-            f"{axis.three_sigma:.{places}f}",
+            rounded(axis.mean, U_of_mean(axis)),
+            *_parts(axis, axis.n),
+            interval(axis.RP_interval),
+            _of_scatter(axis.three_sigma, axis.n),
             _share(axis.uncertainty_ratio),
         )
         for axis in axes
@@ -179,44 +179,57 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
             "± 3 s" if angle else "3 s",
             "u/RP",
         ),
-        (*rows, *(() if angle else _radial_rows(pose, places))),
+        (*rows, *(() if angle else _radial_rows(pose))),
         f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}",
     )
 
 
-def _radial_rows(pose: PoseResult, places: int) -> Iterator[tuple[str, ...]]:
+def _radial_rows(pose: PoseResult) -> Iterator[tuple[str, ...]]:
+    n = len(pose.rows)
     for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
         if found is None:
             continue
         yield (
             f"{name} radial",
             "",
-            *(f"{x:.{places}f}" for x in (found.l_bar, found.S_l, found.RP)),
-            _interval(found.RP_interval, places),
+            *_parts(found, n),
+            interval(found.RP_interval),
             "",
             _share(found.uncertainty_ratio),
         )
         if found.RP_rss is not None:
-            yield (f"{name} eq. 23", "", "", "", f"{found.RP_rss:.{places}f}", "", "", "")
+            rss = rounded(found.RP_rss, U_of_RP(found, n))
+            yield (f"{name} eq. 23", "", "", "", rss, "", "", "")
+
+
+def _parts(found: AxisResult | RadialResult, n: int) -> list[str]:
+    """Return l_bar, S_l and RP to the same place; the appendix of a report has all digits."""
+    U = U_of_RP(found, n)
+    return [rounded(x, U) for x in (found.l_bar, found.S_l, found.RP)]
+
+
+def _of_scatter(figure: float, n: int) -> str:
+    return rounded(figure, U_of_scatter(figure, n))
 
 
 def _accuracy(pose: PoseResult) -> Iterator[str]:
     said = [
-        f"{axis.name} {axis.accuracy:+.{decimals([axis.accuracy])}f} {axis.unit}"
+        f"{axis.name} {rounded(axis.accuracy, U_of_mean(axis), sign='+')} {axis.unit}"
         for axis in pose.axes.values()
         if axis.accuracy is not None
     ]
     for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
         if found is not None and found.accuracy is not None:
-            said.append(f"{name} {found.accuracy:.{decimals([found.accuracy])}f} mm")
+            U = max(U_of_mean(pose.axes[axis]) for axis in name)
+            said.append(f"{name} {rounded(found.accuracy, U)} mm")
     if said:
         yield f"accuracy AP (7.2.1, mean minus command): {', '.join(said)}"
 
 
 def _definitions_table(axes: Sequence[AxisResult]) -> Table:
-    places = [decimals([axis.three_sigma]) for axis in axes]
+    scatter = [U_of_scatter(axis.three_sigma, axis.n) for axis in axes]
     rows = [
-        (found[0].name, *(f"{d.value:.{p}f}" for d, p in zip(found, places, strict=True)))
+        (found[0].name, *(rounded(d.value, U) for d, U in zip(found, scatter, strict=True)))
         for found in zip(*(axis.definitions for axis in axes), strict=True)
     ]
     header = ("other words", *(f"{axis.name} [{axis.unit}]" for axis in axes))
@@ -254,10 +267,6 @@ def _said(finding: Finding) -> str:
 
 def _subject(finding: Finding) -> str:
     return ", ".join(part for part in (finding.pose, finding.axis) if part)
-
-
-def _interval(interval: Interval | None, places: int) -> str:
-    return "" if interval is None else f"{interval[0]:.{places}f}..{interval[1]:.{places}f}"
 
 
 def _share(ratio: float | None) -> str:

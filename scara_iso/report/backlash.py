@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from scara_iso.report.blocks import Block, Report, Section, Table, Text
-from scara_iso.report.digits import four_digits, p_equals
+from scara_iso.report.digits import four_digits, p_equals, rounded
+from scara_iso.report.uncertainty import U_of_RP
 from scara_iso.report.words import words
 from scara_iso.results import PoseResult
 from scara_iso.two_inertia import Backlash, Crossing
@@ -71,9 +72,13 @@ def _comparison(result: Backlash, actual: PoseResult | None) -> Table | None:
         if crossing.deviation_mm is not None
     ]
     if actual is not None and actual.XY is not None:
-        rows.append(("actual, radial (ISO 9283)", _mm(actual.XY.RP), "one-sided scatter"))
+        rows.append(
+            ("actual, radial (ISO 9283)", _measured(actual, actual.XY.RP), "one-sided scatter")
+        )
         if actual.XY.RP_rss is not None:
-            rows.append(("actual, eq. 23", _mm(actual.XY.RP_rss), "one-sided scatter"))
+            rows.append(
+                ("actual, eq. 23", _measured(actual, actual.XY.RP_rss), "one-sided scatter")
+            )
     if result.free_play_mm is not None:
         rows.append(("free play (eq. 22)", _mm(result.free_play_mm), "whole gap"))
     if not rows:
@@ -117,7 +122,7 @@ def gear_blocks(closed: GearDiagnosis) -> Iterator[Block]:
             "strong",
         )
         for name, value in found.parameters.items():
-            yield Text(f"{name} {value:.4g}{_between(found.intervals.get(name))}")
+            yield Text(f"{name} {_between(value, found.intervals.get(name))}")
         yield Text(f"cause: {found.cause}")
         yield Text(f"confirm: {found.confirm_by}")
 
@@ -131,15 +136,23 @@ def gear_errors(closed: GearDiagnosis, unit: str, left_out: str) -> Table:
     return Table(
         (f"rms error [{unit}]", "fitted", "held out"),
         tuple(
-            (name, four_digits(fitted), "" if unseen is None else four_digits(unseen))
+            (name, f"{fitted:.2g}", "" if unseen is None else f"{unseen:.2g}")
             for name, fitted, unseen in rows
         ),
         f"held out: {left_out} predicted without it, the choice of effect repeated",
     )
 
 
-def _between(ends: tuple[float, float] | None) -> str:
-    return "" if ends is None else f" (95 %: {ends[0]:.4g} .. {ends[1]:.4g})"
+def _between(value: float, ends: tuple[float, float] | None) -> str:
+    if ends is None:
+        return f"{value:.3g}"
+    U = (ends[1] - ends[0]) / 2
+    return f"{rounded(value, U)} (95 %: {rounded(ends[0], U)} .. {rounded(ends[1], U)})"
+
+
+def _measured(pose: PoseResult, RP: float) -> str:
+    assert pose.XY is not None  # noqa: S101 - the caller has seen it
+    return f"{rounded(RP, U_of_RP(pose.XY, len(pose.rows)))} mm"
 
 
 def _mm(value: float | None) -> str:

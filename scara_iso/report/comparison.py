@@ -11,7 +11,7 @@ from scara_iso.comparison.decision import MOST_CYCLES
 from scara_iso.comparison.matching import poses_in_common
 from scara_iso.comparison.result import Ends
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
-from scara_iso.report.digits import decimals, p_value
+from scara_iso.report.digits import p_value, rounded
 
 _CHANGED = (Verdict.LESS, Verdict.MORE)
 _SAID = {
@@ -56,10 +56,9 @@ def _live(one: Contrast) -> bool:
 def _changed(one: Contrast) -> str:
     name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
     if one.ratio is None or one.ratio_interval is None:
-        places = _places([one])
-        return f"{name} {one.difference:+.{places}f} {one.unit}"
+        return f"{name} {rounded(one.difference, _U(one), sign='+')} {one.unit}"
     way = "better" if one.verdict is Verdict.LESS else "worse"
-    return f"{name} {way} (×{one.ratio:.2f}, 95 % interval {_ends(one.ratio_interval, 2)})"
+    return f"{name} {way} ({', 95 % interval '.join(_ratio(one))})"
 
 
 def _cycles(pair: Pair) -> str:
@@ -111,14 +110,13 @@ def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
 
 
 def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
-    places = _places(contrasts)
     rows = [
         (
             _row_name(one),
-            f"{one.before:.{places}f}",
-            f"{one.after:.{places}f}",
-            f"{one.difference:+.{places}f}",
-            _ends(one.interval, places, sign="+"),
+            rounded(one.before, _U(one)),
+            rounded(one.after, _U(one)),
+            rounded(one.difference, _U(one), sign="+"),
+            _ends(one.interval, _U(one), sign="+"),
             p_value(one),
             _SAID[one.verdict] + ("*" if one.doubts else ""),
         )
@@ -141,7 +139,7 @@ def _power(contrasts: Sequence[Contrast]) -> Table:
             _row_name(one),
             *(() if means else _ratio(one)),
             _needed(one.cycles_needed),
-            _least(one, _places([one])),
+            _least(one),
         )
         for one in contrasts
     ]
@@ -162,25 +160,26 @@ def _row_name(one: Contrast) -> str:
     return one.figure if one.pose is None else f"{one.pose} {one.figure}"
 
 
-def _places(contrasts: Sequence[Contrast]) -> int:
-    if contrasts[0].quantity == "mean":
-        return decimals([_width(one) for one in contrasts])
-    return decimals([size for one in contrasts for size in (one.before, one.after)])
+def _U(one: Contrast) -> float:  # noqa: N802 - GUM's symbol
+    return _reach(one.difference, one.interval)
+
+
+def _reach(figure: float, ends: Ends) -> float:
+    """Return how far the ends of an interval are from its figure, 0 where nothing bounds it."""
+    distances = [abs(end - figure) for end in ends if end is not None]
+    return sum(distances) / max(len(distances), 1)
 
 
 def _ratio(one: Contrast) -> tuple[str, str]:
     assert one.ratio_interval is not None  # noqa: S101 - not a mean
-    return "" if one.ratio is None else f"{one.ratio:.2f}", _ends(one.ratio_interval, 2)
+    if one.ratio is None:
+        return "", _ends(one.ratio_interval, 0.0)
+    U = _reach(one.ratio, one.ratio_interval)
+    return f"×{rounded(one.ratio, U)}", _ends(one.ratio_interval, U)
 
 
-def _ends(ends: Ends, places: int, *, sign: str = "") -> str:
-    said = ["any" if end is None else f"{end:{sign}.{places}f}" for end in ends]
-    return "..".join(said)
-
-
-def _width(one: Contrast) -> float:
-    lower, upper = one.interval
-    return 10 * (upper - lower) if lower is not None and upper is not None else 0.0
+def _ends(ends: Ends, U: float, *, sign: str = "") -> str:
+    return "..".join("any" if end is None else rounded(end, U, sign=sign) for end in ends)
 
 
 def _needed(cycles: int | None) -> str:
@@ -192,11 +191,11 @@ def _needed(cycles: int | None) -> str:
     return f"{math.ceil(cycles / magnitude) * magnitude}"
 
 
-def _least(one: Contrast, places: int) -> str:
+def _least(one: Contrast) -> str:
     if one.smallest_shown is None:
         return "none"
     if one.quantity == "mean":
-        return f"{one.smallest_shown:.{places}f} {one.unit}"
+        return f"{one.smallest_shown:.2g} {one.unit}"
     return f"×{one.smallest_shown:.2f}"
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
 from scara_iso.effects import find_effects
 from scara_iso.report.blocks import Block, Notice, Report, Section, Strip, Table, Text
-from scara_iso.report.digits import decimals, p_equals, p_value
+from scara_iso.report.digits import U_of_scatter, p_equals, p_value, rounded
 from scara_iso.report.reversals import reversals_section
 from scara_iso.report.words import words
 
@@ -130,7 +129,7 @@ def _effect(found: Found) -> Iterator[Block]:
 
 def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
     if not isinstance(value, Mapping):
-        said = value if isinstance(value, str) else f"{value:.4g}"
+        said = value if isinstance(value, str) else f"{value:.3g}"
         return f"{words(name)} {said} {_unit(found.effect, name)}".rstrip()
     errors = found.standard_errors.get(name, {})
     parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
@@ -140,9 +139,8 @@ def _parameter(name: str, value: float | str | Mapping[str, float], found: Found
 def _size(axis: str, size: float, error: float | None) -> str:
     """Return a size to the last of the two digits that its standard error has (GUM, 7.2.6)."""
     if not error or error < _DUST * abs(size):
-        return f"{axis} {size:+.4g}"
-    places = max(1 - math.floor(math.log10(error)), 0)
-    return f"{axis} {size:+.{places}f} ± {error:.{places}f}"
+        return f"{axis} {size:+.3g}"
+    return f"{axis} {rounded(size, error, sign='+')} ± {rounded(error, error)}"
 
 
 def _unit(effect: str, parameter: str) -> str:
@@ -156,16 +154,14 @@ def _unit(effect: str, parameter: str) -> str:
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
     before, after = diagnosis.error_before, diagnosis.error_after
-    places = decimals([*before.held_out_rms.values(), *after.held_out_rms.values()])
+    n = len(diagnosis.series.cycle)
     yield Table(
         ("rms error", "before", "after", "held out, before", "held out, after"),
         tuple(
             (
                 axis,
-                f"{before.rms[axis]:.{places}f}",
-                f"{after.rms[axis]:.{places}f}",
-                f"{before.held_out_rms[axis]:.{places}f}",
-                f"{after.held_out_rms[axis]:.{places}f}",
+                *(_of_scatter(rms, n) for rms in (before.rms[axis], after.rms[axis])),
+                *(_of_scatter(error.held_out_rms[axis], n) for error in (before, after)),
             )
             for axis in before.rms
         ),
@@ -173,13 +169,12 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
     )
     RP = diagnosis.repeatability
     columns = (RP.measured, RP.model_before, RP.model_after, RP.with_effect_removed)
-    places = decimals(list(RP.measured.values()))
     yield Table(
         ("RP", "measured", "model before", "model after", "effect removed"),
         tuple(
             (
                 name,
-                *(f"{column[name]:.{places}f}" if name in column else "" for column in columns),
+                *(_of_scatter(column[name], n) if name in column else "" for column in columns),
             )
             for name in RP.measured
         ),
@@ -193,6 +188,10 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             "a mean between two levels are nearly equal and hide in S_l (docs/repeatability.md)",
             "quiet",
         )
+
+
+def _of_scatter(figure: float, n: int) -> str:
+    return rounded(figure, U_of_scatter(figure, n))
 
 
 def _shares(diagnosis: Diagnosis) -> Table:
@@ -212,7 +211,7 @@ def _strips(diagnosis: Diagnosis) -> Iterator[Block]:
             ("after", series.predicted_after[axis]),
         ):
             left = (measured - predicted).round(12) + 0.0
-            caption = f"{left.min():+.3g} .. {left.max():+.3g}"
+            caption = f"{left.min():+.2g} .. {left.max():+.2g}"
             yield Strip(f"{axis} {name}", series.cycle, left, caption)
 
 

@@ -1,4 +1,7 @@
-"""How many digits of a figure are worth printing."""
+"""How many digits of a figure are worth printing: those that its uncertainty leaves it.
+
+Uncertainties here are expanded ones, U: half of a 95 % interval.
+"""
 
 from __future__ import annotations
 
@@ -42,6 +45,32 @@ def p_equals(tested: Tested) -> str:
     """Return ``p = 0.034`` or ``p <= 0.0011``."""
     said = p_value(tested)
     return f"p {said}" if tested.p_value_at_floor else f"p = {said}"
+
+
+def rounded(figure: float, U: float, *, sign: str = "") -> str:
+    """Return ``figure`` to the second digit of its uncertainty (GUM 7.2.6).
+
+    A U of 0 stands for one that nobody knows: four digits then.
+    """
+    return f"{figure:{sign}.{_places(U)}f}" if U > 0 and math.isfinite(U) else f"{figure:{sign}.4g}"
+
+
+def interval(ends: tuple[float, float] | None) -> str:
+    """Return ``0.008..0.030``, nothing for none: both ends to the second digit of half of it."""
+    if ends is None:
+        return ""
+    U = (ends[1] - ends[0]) / 2
+    return f"{rounded(ends[0], U)}..{rounded(ends[1], U)}"
+
+
+def U_of_scatter(figure: float, n: int) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of a figure of the scatter of n readings, such as S, 3 S or an rms (GUM E.4.3)."""
+    return 2 * abs(figure) / math.sqrt(2 * (n - 1))
+
+
+def _places(U: float) -> int:
+    exponent = int(f"{U:.1e}".partition("e")[2])
+    return min(max(1 - exponent, 0), _MOST_PLACES)
 
 
 def four_digits(value: float) -> str:

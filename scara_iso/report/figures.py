@@ -8,7 +8,8 @@ import numpy as np
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.report.blocks import Block, Course, Figure, Plane, Prediction, Text
-from scara_iso.report.digits import decimals
+from scara_iso.report.digits import U_of_scatter, rounded
+from scara_iso.report.uncertainty import U_of_mean, U_of_RP
 from scara_iso.results import PoseResult
 
 
@@ -20,11 +21,10 @@ def courses(pose: PoseResult) -> Iterator[Block]:
             if axis.resolution is None
             else f"band: one step of the dial, {axis.resolution:g} {axis.unit}, about the mean"
         )
-        places = decimals([axis.three_sigma])
         yield Figure(
             Course(axis.name, axis.unit, pose.cycle, axis.readings, axis.mean, axis.resolution),
             f"{axis.name} over the cycles",
-            f"dashed: mean {axis.mean:.{places}f} {axis.unit}; {step}",
+            f"dashed: mean {rounded(axis.mean, U_of_mean(axis))} {axis.unit}; {step}",
         )
 
 
@@ -36,7 +36,7 @@ def plane(pose: PoseResult, *, separate: bool) -> Iterator[Block]:
     if pose.XY is None:
         return
     axes = [pose.axes["X"], pose.axes["Y"]]
-    places = decimals([pose.XY.RP])
+    RP = rounded(pose.XY.RP, U_of_RP(pose.XY, len(pose.rows)))
     yield Figure(
         Plane(
             np.stack([axis.readings for axis in axes]),
@@ -44,7 +44,7 @@ def plane(pose: PoseResult, *, separate: bool) -> Iterator[Block]:
             pose.XY.RP,
         ),
         "X and Y of separate runs" if separate else "Attained places in the XY plane",
-        f"cross: barycentre; circle: RP = {pose.XY.RP:.{places}f} mm about it (ISO 9283, 7.2.2); "
+        f"cross: barycentre; circle: RP = {RP} mm about it (ISO 9283, 7.2.2); "
         "larger marks: several cycles at one place"
         + ("; X and Y of a cycle were not attained together" if separate else ""),
     )
@@ -59,12 +59,12 @@ def predictions(diagnosis: Diagnosis, pose: PoseResult) -> Iterator[Block]:
             continue
         found = True
         rms = [error.rms[axis] for error in (diagnosis.error_before, diagnosis.error_after)]
-        places, unit = decimals(rms), pose.axes[axis].unit
+        said, unit = [rounded(x, U_of_scatter(x, len(measured))) for x in rms], pose.axes[axis].unit
         yield Figure(
             Prediction(axis, unit, series.cycle, measured, before, after),
             f"{axis} before and after the diagnosis",
-            f"rms of measured minus predicted: {rms[0]:.{places}f} {unit} before (dashed), "
-            f"{rms[1]:.{places}f} {unit} after (solid)",
+            f"rms of measured minus predicted: {said[0]} {unit} before (dashed), "
+            f"{said[1]} {unit} after (solid)",
         )
     if not found:
         yield Text("no picture: the model says the same before and after", "quiet")

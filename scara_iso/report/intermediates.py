@@ -33,7 +33,8 @@ def intermediates(pose: PoseResult) -> Iterator[Block]:
         tuple(rows),
         "l_j: distance of cycle j from the mean (of an axis, eq. 2) or from the barycentre "
         "(XY and XYZ, 7.2.2); S_l with n - 1; eq. 23 is the root of RP² of X plus RP² of Y. "
-        "Computed with all digits, rounded here.",
+        "Computed with all digits; more of them are printed here than the figures bear, so that "
+        "each can be checked by hand.",
     )  # fmt: skip
     angles = [axis for axis in pose.axes.values() if axis.unit == "deg"]
     for axis in angles:

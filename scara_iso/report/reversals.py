@@ -5,7 +5,7 @@ from __future__ import annotations
 from scara_iso.gears import Reversal, RunReversals
 from scara_iso.report.backlash import gear_blocks, gear_errors
 from scara_iso.report.blocks import Block, Section, Table, Text
-from scara_iso.report.digits import decimals
+from scara_iso.report.digits import rounded
 
 
 def reversals_section(found: RunReversals) -> Section:
@@ -25,21 +25,21 @@ def reversals_section(found: RunReversals) -> Section:
 
 
 def _table(reversals: tuple[Reversal, ...]) -> Table:
-    places = decimals([one.uncertainty_mm for one in reversals])
-
-    def shown(value: float | None) -> str:
-        return "" if value is None else f"{value:.{places}f}"
-
     return Table(
         ("", "payload [kg]", "half width [mm]", "u [mm]", "model before [mm]", "model after [mm]"),
         tuple(
             (
                 one.axis,
                 f"{one.payload_kg:g}",
-                shown(one.half_width_mm),
-                shown(one.uncertainty_mm),
-                shown(one.predicted_before_mm),
-                shown(one.predicted_after_mm),
+                *(
+                    "" if value is None else rounded(value, one.uncertainty_mm)
+                    for value in (
+                        one.half_width_mm,
+                        one.uncertainty_mm,
+                        one.predicted_before_mm,
+                        one.predicted_after_mm,
+                    )
+                ),
             )
             for one in reversals
         ),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.report.blocks import Block, Table, Text
-from scara_iso.report.digits import decimals
+from scara_iso.report.digits import U_of_scatter, rounded
 from scara_iso.report.head import NOT_STATED
-from scara_iso.results import Analysis
+from scara_iso.results import Analysis, AxisResult, RadialResult
 from scara_iso.run import Axis
 
 _OPEN = (
@@ -44,11 +45,22 @@ def uncertainty_budget(analysis: Analysis) -> Iterator[Block]:
     yield Text(_OPEN)
 
 
+def U_of_RP(found: AxisResult | RadialResult, n: int) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of an RP of n cycles: half of its interval, where it has one."""
+    if found.RP_interval is None:
+        return U_of_scatter(found.RP, n)
+    return (found.RP_interval[1] - found.RP_interval[0]) / 2
+
+
+def U_of_mean(axis: AxisResult) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of the mean reading: its scatter, and what the indicator adds to every reading."""
+    return 2 * math.hypot(axis.three_sigma / 3 / math.sqrt(axis.n), axis.uncertainty or 0.0)
+
+
 def _line(axis: Axis, combined: float | None) -> tuple[str, ...]:
     rounding = None if axis.resolution is None else rounding_uncertainty(axis.resolution)
     expanded = None if combined is None else 2 * combined
     found = (rounding, axis.uncertainty, combined, expanded)
-    places = decimals([u for u in found if u is not None])
     stated = NOT_STATED if axis.resolution is None else f"{axis.resolution:g}"
-    said = [NOT_STATED if u is None else f"{u:.{places}f}" for u in found]
+    said = [NOT_STATED if u is None else rounded(u, u) for u in found]
     return (axis.name, stated, *said, axis.unit)
