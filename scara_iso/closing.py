@@ -81,29 +81,31 @@ class Reading:
         )
 
 
-def diagnose(
+def diagnose(  # noqa: PLR0913 - the options of the command
     table: Run | Source,
     model: Model | str | Path | None = None,
     *,
     pose: str | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
     hold_out: Run | Source | None = None,
     sigma: float | None = None,
     seed: int = SEED,
 ) -> Diagnosis:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
-    Only the cycles that count take part: ``first_cycle_discarded`` and ``cycles`` are as in
-    `iso9283.used_cycles`, here and in the second table ``hold_out``, which measures the error on
-    unseen cycles; ``pose`` names one of several; ``sigma`` is the known scatter in mm. Same
-    arguments, same result. Errors as in `close_the_loop`, and those of `read_table` and
-    `read_model` where a file is named.
+    Only the cycles that count take part: ``first_cycle_discarded``, ``cycles``, ``all_count``
+    and ``allow_gaps`` are as in `iso9283.used_cycles`, here and in the second table
+    ``hold_out``, which measures the error on unseen cycles; ``pose`` names one of several;
+    ``sigma`` is the known scatter in mm. Same arguments, same result. Errors as in
+    `close_the_loop`, and those of `read_table` and `read_model` where a file is named.
     """
     return close_the_loop(
         _run_of(table),
         read_model(model) if isinstance(model, str | Path) else model,
-        CyclesWanted(pose, first_cycle_discarded, cycles),
+        CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps),
         hold_out=None if hold_out is None else _run_of(hold_out),
         seed=seed,
         sigma=sigma,

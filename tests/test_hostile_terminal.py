@@ -82,7 +82,9 @@ def check(sent, *arguments, width=5000):
 @pytest.mark.parametrize("text", TEXTS, ids=lambda text: ascii(text)[:24])
 def test_analyze_shows_a_text_as_it_is(text, sent, tmp_path):
     source = table(tmp_path / "t.xlsx", texts=[text], poses=[f"p{text[:30]}", "P2"])
-    code, said = check(sent, "analyze", str(source), "--cycles", "4", "--limit", "9")
+    code, said = check(
+        sent, "analyze", str(source), "--cycles", "4", "--limit", "9", "--decision", "simple"
+    )
     assert code == 0
     run = read_table(source)
     assert printable(run.metadata.get("robot", ""))[:80].strip() in said

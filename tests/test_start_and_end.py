@@ -160,6 +160,6 @@ def test_a_report_outside_its_limit_says_why_it_ends_with_1(tmp_path, monkeypatc
     assert main(["report", WARM_UP, "--limit", "XY=0.02", "-o", "out.md"]) == 1
     out, err = capsys.readouterr()
     assert out == "out.md is written\n"
-    assert err == "scara-iso: OUTSIDE the limit: XY\n"
+    assert err.startswith("scara-iso: FAIL: OUTSIDE the limit with the whole 95 % interval: XY")
     assert main(["report", WARM_UP, "--limit", "XY=9", "-o", "out.md"]) == 0
     assert capsys.readouterr().err == ""

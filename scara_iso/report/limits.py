@@ -49,7 +49,7 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     drifting = {finding.axis for finding in analysis.findings if finding.code == "trend"}
     if analysis.limits and drifting and not simple:
         named = ", ".join(sorted(filter(None, drifting)))
-        yield Text(f"{named} drifts: its interval is void, and what is decided by it", "warn")
+        yield Text(f"{named}: a drift voids the interval, and what is decided by it", "warn")
 
 
 def limits(analysis: Analysis) -> Iterator[Section]:
