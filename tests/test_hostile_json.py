@@ -11,7 +11,7 @@ import pytest
 from scara_iso import read_table
 from scara_iso.cli import main
 from scara_iso.render.json import to_text
-from tests.hostile import TEXTS, model, sweep, table
+from tests.hostile import TEXTS, WORDS, model, sweep, table
 from tests.test_schemas import validator
 
 HALF = re.compile("[\ud800-\udfff]")
@@ -128,7 +128,7 @@ def test_a_name_that_is_no_text(command, folder, monkeypatch, capsys):
 def test_lines_of_a_recording(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     gauge = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:1", "--cycles", "2"]
-    meta = [f"--meta=k{n}={text[:500]}" for n, text in enumerate(TEXTS)]
+    meta = [f"--meta=k{n}={text[:500]}" for n, text in enumerate(WORDS)]
     assert main(["record", "\udcff\x1b[2J.csv", *gauge, *meta, "--json"]) == 0
     for line in capsys.readouterr().out.splitlines():
         validator("record").validate(strict(line))

@@ -12,7 +12,7 @@ from scara_iso.cli import main
 from scara_iso.ports import Device
 from scara_iso.ports.tape import encode
 from scara_iso.report.words import printable
-from tests.hostile import TEXTS, model, sweep, table
+from tests.hostile import TEXTS, WORDS, model, sweep, table
 
 STYLE = re.compile(r"\x1b\[[0-9;]*m")
 CURSOR = re.compile(r"\x1b\[(?:\d*[A-DK]|\?25[lh])|\r")
@@ -186,7 +186,7 @@ def test_the_screen_of_a_recording(gauge, code, end, sent, folder, monkeypatch):
     monkeypatch.setattr("scara_iso.cli.record_screen.REDRAW_S", -1)
     wire = f"X={gauge}?unit=mm@replay:{NAME}.wire"
     words = ["--gauge", wire, "--trigger", "data", "--cycles", "2", "--rearm", "0"]
-    meta = [f"--meta=k{n}={text[:500]}" for n, text in enumerate(TEXTS)]
+    meta = [f"--meta=k{n}={text[:500]}" for n, text in enumerate(WORDS)]
     found, shown = sent("record", f"{gauge}{NAME}", *words, *meta, terminal=True, width=90)
     shown = CURSOR.sub("", STYLE.sub("", shown))
     assert found == code

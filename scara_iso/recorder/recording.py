@@ -106,11 +106,11 @@ def rebuild(
 
     Raises `NoInputError`, `DataError`, or `CannotCreateError` where another table is there.
     """
+    history = read_history(raw)
     if table is None:
         table = _table_of(raw)
         if raw_path(table) != raw:
             raise UsageError(f"{raw.name} is not called NAME.raw.jsonl", remedy="name OUT.csv too")
-    history = read_history(raw)
     found, plain = _doubts_beside(raw, history), _table_bytes(history, excel_locale)
     history.inherit(found)
     data = _table_bytes(history, excel_locale)
