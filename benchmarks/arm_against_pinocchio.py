@@ -1,4 +1,4 @@
-"""Compare `scara_iso.arm` with Pinocchio, a rigid-body library: ``pip install pin`` and run.
+"""Compare `scara_iso.robot.arm` with Pinocchio, a rigid-body library: ``pip install pin`` and run.
 
 Prints the largest difference over random arms and joints. A development check, not a test: the
 library brings half a gigabyte, so the tests hold the arm against products of transforms instead.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from scara_iso.arm import Arm, Elbow
+from scara_iso.robot.arm import Arm, Elbow
 
 
 def build(arm: Arm) -> pin.Model:

@@ -16,10 +16,10 @@ import numpy as np
 from coverage import Scatter, draw_tests
 
 from scara_iso import Run, analyze
-from scara_iso.repeatability import repeatability, root_sum_of_squares
-from scara_iso.results import LimitCheck
+from scara_iso.iso9283.conformity import Conformity
+from scara_iso.iso9283.results import LimitCheck
+from scara_iso.iso9283.statistics import repeatability, root_sum_of_squares
 from scara_iso.run import Axis, FloatArray
-from scara_iso.verdict import Conformity
 
 SHARES = (1.1, 1.0, 0.9, 0.8, 0.7, 0.6)
 EXPECTED = 20_000

@@ -20,9 +20,9 @@ from functools import cache
 import numpy as np
 from scipy import stats
 
-from scara_iso import repeatability as module
 from scara_iso.dial import common_step
-from scara_iso.repeatability import (
+from scara_iso.iso9283 import statistics as module
+from scara_iso.iso9283.statistics import (
     GAUSSIAN_ERROR,
     WIDEST,
     SamplingInterval,

@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from benchmarks.page import DOCS, run
-from scara_iso.drivetrain import Approach, DriveTrain, Move, arrivals
 from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID, save
+from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
 from tests.oracles.integration import integrate
 from tests.oracles.motion import (
     LEFT,

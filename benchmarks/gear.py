@@ -18,10 +18,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from scara_iso.diagnosis import Verdict
-from scara_iso.drivetrain import DriveTrain, Move, arrivals
+from scara_iso.diagnosis.reversals import diagnose_sweep, fit as gear_fit
 from scara_iso.effects import Sweep
-from scara_iso.gears import diagnose_sweep
-from scara_iso.gears import fit as gear_fit
+from scara_iso.robot.drivetrain import DriveTrain, Move, arrivals
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 

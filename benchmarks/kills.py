@@ -26,12 +26,13 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
-from scara_iso import Run, closing  # noqa: E402
+from scara_iso import Run  # noqa: E402
+from scara_iso.acquisition.manifest import raw_path  # noqa: E402
+from scara_iso.acquisition.recorder import read_history, rebuild  # noqa: E402
 from scara_iso.cli import main as scara_iso  # noqa: E402
+from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
 from scara_iso.disk import SystemDisk  # noqa: E402
 from scara_iso.errors import ScaraIsoError  # noqa: E402
-from scara_iso.manifest import raw_path  # noqa: E402
-from scara_iso.recorder import read_history, rebuild  # noqa: E402
 
 EXAMPLES = ROOT / "examples"
 MODEL, TABLE = str(EXAMPLES / "fum_scara.toml"), str(EXAMPLES / "fum_scara_table1.csv")

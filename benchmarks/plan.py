@@ -9,9 +9,9 @@ import time
 from collections.abc import Callable, Iterator
 
 from benchmarks.page import DOCS, run
-from scara_iso.arm import Arm
-from scara_iso.plan import Solid, make_plan
+from scara_iso.iso9283.poses import Solid, make_plan
 from scara_iso.render.plots import plot_plan
+from scara_iso.robot.arm import Arm
 
 # the paper gives link 1 + link 2 = 0.7 m (eq. 21); the split, limits and stroke are assumed
 FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.stats import kendalltau
 
 from benchmarks import page
-from scara_iso.closing import CyclesWanted, close_the_loop
 from scara_iso.diagnosis import Diagnosis
+from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 

@@ -2,37 +2,51 @@
 
 from __future__ import annotations
 
+import ast
 import configparser
-from importlib import import_module
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "scara_iso"
 ROLES = {
-    "#cfe3f3": ("cli", "recorder", "ports", "render", "tables", "indicators"),
-    "#f6e3c5": ("report", "closing", "diagnosis", "gears", "analysis", "comparison", "paper"),
-    "#dcebd5": ("plan", "model", "drivetrain", "effects", "arm", "workspace", "inscribed",
-                "two_inertia"),
-}  # fmt: skip
+    "#cfe3f3": ("cli", "acquisition", "render", "tables", "disk", "files"),
+    "#f6e3c5": ("reporting", "diagnosis", "comparison"),
+    "#dcebd5": ("robot", "effects"),
+    "#eeeeee": ("iso9283", "run", "dial", "metadata", "pose_columns", "quantities"),
+}
 KEY = {
     "#cfe3f3": "meets the world",
     "#f6e3c5": "says what is so",
     "#dcebd5": "knows the robot",
     "#eeeeee": "knows the test",
+    "#ffffff": "serves all",
 }
 WIDTH, HEIGHT, GAP, LEFT = 960, 34, 10, 36
 
 
 def floors() -> list[list[str]]:
-    """Return the modules of each floor, the highest first, as the layer contract has them."""
+    """Return the rooms of each floor, the highest first, as the layer contract has them."""
     contract = configparser.ConfigParser()
     contract.read(ROOT / ".importlinter", encoding="utf-8")
     layers = contract["importlinter:contract:floors"]["layers"].strip().splitlines()
     return [[name.strip(" ()") for name in layer.split("|")] for layer in layers]
 
 
+def modules(room: str) -> Iterator[str]:
+    """Yield a room, then what is in it, by name: ``robot``, ``robot.arm``, ``robot.model`` ..."""
+    yield room
+    found = (PACKAGE / room).rglob("[!_]*")
+    for path in sorted(found) if (PACKAGE / room).is_dir() else ():
+        if path.suffix == ".py" or (path / "__init__.py").exists():
+            yield ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+
+
 def purpose(module: str) -> str:
     """Return the first sentence of a module's docstring."""
-    text = import_module(f"scara_iso.{module}").__doc__ or ""
+    path = PACKAGE.joinpath(*module.split("."))
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
     return text.split("\n\n")[0].replace("\n", " ").strip()
 
 
@@ -45,7 +59,7 @@ def picture() -> str:
     down = f"M16 8V{bottom - 14}m-6 -10l6 12l6 -12"
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" {text}>',
-        "<title>The floors of scara_iso: a module imports only from the floors below it</title>",
+        "<title>The floors of scara_iso: a room imports only from the floors below it</title>",
         f'<rect width="{WIDTH}" height="{bottom + 34}" fill="white"/>',
         f'<path d="{down}" fill="none" stroke="#333" stroke-width="2"/>',
     ]
@@ -54,20 +68,23 @@ def picture() -> str:
     step = (WIDTH - LEFT) / len(KEY)
     for k, (colour, meaning) in enumerate(KEY.items()):
         x = LEFT + k * step
-        lines.append(f'<rect x="{x:g}" y="{bottom + 8}" width="16" height="16" fill="{colour}"/>')
+        lines.append(
+            f'<rect x="{x:g}" y="{bottom + 8}" width="16" height="16" fill="{colour}" '
+            'stroke="#888"/>'
+        )
         lines.append(f'<text x="{x + 24:g}" y="{bottom + 21}" text-anchor="start">{meaning}</text>')
     return "\n".join([*lines, "</svg>\n"])
 
 
-def _row(modules: list[str], y: int) -> list[str]:
-    width = (WIDTH - LEFT - GAP * (len(modules) - 1)) / len(modules)
+def _row(rooms: list[str], y: int) -> list[str]:
+    width = (WIDTH - LEFT - GAP * (len(rooms) - 1)) / len(rooms)
     drawn = []
-    for k, module in enumerate(modules):
+    for k, room in enumerate(rooms):
         x = LEFT + k * (width + GAP)
-        colour = next((c for c, names in ROLES.items() if module in names), "#eeeeee")
+        colour = next((c for c, names in ROLES.items() if room in names), "#ffffff")
         drawn.append(
             f'<rect x="{x:.1f}" y="{y}" width="{width:.1f}" height="{HEIGHT}" rx="4" '
             f'fill="{colour}" stroke="#888"/>'
-            f'<text x="{x + width / 2:.1f}" y="{y + 22}">{module}</text>'
+            f'<text x="{x + width / 2:.1f}" y="{y + 22}">{room}</text>'
         )
     return drawn

@@ -9,13 +9,13 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.cli import COMMANDS
-from scara_iso.indicators import Dialect, find_dialects
-from scara_iso.report.explain import Page, pages
+from scara_iso.reporting.explain import Page, pages
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
-from floors import floors, picture, purpose  # noqa: E402 - a neighbour of this script
+from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour of this script
 
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
@@ -99,9 +99,14 @@ def _bytes(data: bytes) -> str:
 
 
 def _modules() -> Iterator[str]:
-    yield "A module imports only from the floors below it: [architecture](../architecture.md)."
-    rows = [(f"`{name}`", purpose(name)) for floor in floors() for name in floor]
-    yield _table(("module", "purpose"), rows)
+    yield "A room imports only from the floors below it: [architecture](../architecture.md)."
+    rooms = [room for floor in floors() for room in floor]
+    yield _table(("room", "purpose"), [(f"`{room}`", purpose(room)) for room in rooms])
+    for room in rooms:
+        _, *inner = modules(room)
+        if inner:
+            yield f"## `{room}`"
+            yield _table(("module", "purpose"), [(f"`{name}`", purpose(name)) for name in inner])
 
 
 def _schemas() -> Iterator[str]:

@@ -13,44 +13,33 @@ to do.
 
 from __future__ import annotations
 
-from importlib import import_module
+from scara_iso.faces import face
 
 TYPE_CHECKING = False  # the import of typing takes as long as all before it: Ctrl-C waits for it
 if TYPE_CHECKING:
-    from scara_iso.analysis import analyze as analyze
-    from scara_iso.closing import diagnose as diagnose
-    from scara_iso.comparison import Comparison as Comparison
-    from scara_iso.comparison import compare as compare
-    from scara_iso.diagnosis import Diagnosis as Diagnosis
-    from scara_iso.errors import DataError as DataError
-    from scara_iso.errors import ScaraIsoError as ScaraIsoError
-    from scara_iso.errors import UsageError as UsageError
-    from scara_iso.results import Analysis as Analysis
-    from scara_iso.results import AxisResult as AxisResult
-    from scara_iso.results import Finding as Finding
-    from scara_iso.results import PoseResult as PoseResult
-    from scara_iso.results import RadialResult as RadialResult
-    from scara_iso.run import Axis as Axis
-    from scara_iso.run import Run as Run
-    from scara_iso.tables import read_table as read_table
-    from scara_iso.tables import write_table as write_table
-    from scara_iso.two_inertia import Backlash as Backlash
-    from scara_iso.two_inertia import Crossing as Crossing
-    from scara_iso.two_inertia import backlash as backlash
+    from scara_iso.comparison import Comparison as Comparison, compare as compare
+    from scara_iso.diagnosis import Diagnosis as Diagnosis, diagnose as diagnose
+    from scara_iso.errors import (
+        DataError as DataError,
+        ScaraIsoError as ScaraIsoError,
+        UsageError as UsageError,
+    )
+    from scara_iso.iso9283 import (
+        Analysis as Analysis,
+        AxisResult as AxisResult,
+        Finding as Finding,
+        PoseResult as PoseResult,
+        RadialResult as RadialResult,
+        analyze as analyze,
+    )
+    from scara_iso.robot import Backlash as Backlash, Crossing as Crossing, backlash as backlash
+    from scara_iso.run import Axis as Axis, Run as Run
+    from scara_iso.tables import read_table as read_table, write_table as write_table
+else:
+    __getattr__ = face(__name__)
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "analyze": "analysis",
-    "diagnose": "closing",
-    **dict.fromkeys(("Comparison", "compare"), "comparison"),
-    "Diagnosis": "diagnosis",
-    **dict.fromkeys(("DataError", "ScaraIsoError", "UsageError"), "errors"),
-    **dict.fromkeys(("Analysis", "AxisResult", "Finding", "PoseResult", "RadialResult"), "results"),
-    **dict.fromkeys(("Axis", "Run"), "run"),
-    **dict.fromkeys(("read_table", "write_table"), "tables"),
-    **dict.fromkeys(("Backlash", "Crossing", "backlash"), "two_inertia"),
-}
 __all__ = [
     "Analysis",
     "Axis",
@@ -75,12 +64,5 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> object:
-    """Import a public name on first use, so that ``--help`` does not pay for numpy."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'scara_iso' has no attribute {name!r}")
-    return getattr(import_module(f"scara_iso.{_HOMES[name]}"), name)
-
-
 def __dir__() -> list[str]:
-    return [*_HOMES, "__version__"]
+    return [*__all__, "__version__"]

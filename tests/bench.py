@@ -7,9 +7,8 @@ from pathlib import Path
 
 from disks import UnsyncedDisk
 
-from scara_iso.errors import InstrumentError
-from scara_iso.ports import StreamClock
-from scara_iso.recorder import (
+from scara_iso.acquisition.ports import StreamClock
+from scara_iso.acquisition.recorder import (
     Job,
     Plan,
     Stored,
@@ -18,8 +17,9 @@ from scara_iso.recorder import (
     raw_path,
     read_history,
     record,
+    recording as recording_module,
 )
-from scara_iso.recorder import recording as recording_module
+from scara_iso.errors import InstrumentError
 
 
 class Script:

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from scara_iso.analysis import analyze, reading_uncertainty
 from scara_iso.errors import DataError, UsageError
-from scara_iso.limits import EVERY_LENGTH
+from scara_iso.iso9283.analysis import analyze, reading_uncertainty
+from scara_iso.iso9283.conformity import Conformity
+from scara_iso.iso9283.limits import EVERY_LENGTH
+from scara_iso.iso9283.statistics import GAUSSIAN_RP, repeatability, rp_interval
 from scara_iso.quantities import Dimension
-from scara_iso.repeatability import GAUSSIAN_RP, repeatability, rp_interval
 from scara_iso.run import Axis, Run
-from scara_iso.verdict import Conformity
 
 
 def run_with(axes, *, poses=1, metadata=None, covariates=None):

@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from scara_iso.arm import Arm, Elbow, project
 from scara_iso.errors import UsageError
+from scara_iso.robot.arm import Arm, Elbow, project
 
 FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # the split of 0.7 m is assumed
 angles = st.floats(-179, 179)

@@ -6,12 +6,12 @@ import re
 import numpy as np
 import pytest
 
-from scara_iso import checks
-from scara_iso.analysis import analyze
-from scara_iso.checks.trend import mann_kendall
+from scara_iso.iso9283 import checks
+from scara_iso.iso9283.analysis import analyze
+from scara_iso.iso9283.checks.trend import mann_kendall
+from scara_iso.iso9283.results import Finding
 from scara_iso.plugins import find_modules
 from scara_iso.quantities import Dimension
-from scara_iso.results import Finding
 from scara_iso.run import Axis, Run
 
 MODULES = find_modules(checks, "scara_iso.checks")

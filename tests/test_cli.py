@@ -391,7 +391,7 @@ def test_the_library_gives_what_the_command_uses():
 
 
 def test_the_packaged_table_is_the_example():
-    packaged = ROOT / "scara_iso" / "data" / TABLE_1.name
+    packaged = ROOT / "scara_iso" / "robot" / "data" / TABLE_1.name
     assert packaged.read_bytes() == TABLE_1.read_bytes()
 
 

@@ -8,13 +8,13 @@ import pytest
 
 import scara_iso
 from scara_iso.cli import main
-from scara_iso.closing import CyclesWanted, close_the_loop, directions_of
-from scara_iso.diagnosis.design import Plan, smallest_effects
+from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
+from scara_iso.diagnosis.planning import Plan, smallest_effects
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
-from scara_iso.model import read_model
 from scara_iso.quantities import Dimension
 from scara_iso.render.json_diagnosis import diagnosis_json
+from scara_iso.robot.model import read_model
 from scara_iso.run import Axis, Run
 
 ROOT = Path(__file__).parents[1]

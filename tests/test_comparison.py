@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from scipy import stats
 
@@ -15,16 +14,16 @@ from scara_iso import analyze
 from scara_iso.cli import main
 from scara_iso.comparison import Verdict, compare
 from scara_iso.comparison.dial import largest_bias, seen
-from scara_iso.comparison.shuffling import mean_error
+from scara_iso.comparison.permutation import mean_error
 from scara_iso.comparison.spread import spread
 from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283.statistics import repeatability
 from scara_iso.quantities import Dimension
-from scara_iso.render import plot_comparison as drawing
+from scara_iso.render import comparison_plot as drawing
+from scara_iso.render.comparison_plot import plot_comparison
 from scara_iso.render.json import to_text
 from scara_iso.render.json_comparison import comparison_json
-from scara_iso.render.plot_comparison import plot_comparison
-from scara_iso.repeatability import repeatability
-from scara_iso.report.comparison import comparison_report, headline
+from scara_iso.reporting.comparison import comparison_report, headline
 from scara_iso.run import Axis, Run
 
 SHOWN = (Verdict.LESS, Verdict.MORE)

@@ -8,19 +8,31 @@ import pytest
 from scipy import stats
 
 from scara_iso.diagnosis.choice import two_states
-from scara_iso.diagnosis.design import Plan, collinear, smallest_effects
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
+from scara_iso.diagnosis.hypotheses import (
+    Hypothesis,
+    build,
+    constant,
+    extended,
+    hypotheses_of,
+)
 from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
+from scara_iso.diagnosis.planning import Plan, collinear, smallest_effects
 from scara_iso.diagnosis.problem import Problem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Verdict
+from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.tuning import KNOWN_FROM
-from scara_iso.diagnosis.two_state import Emissions, _at_most_one_change, emissions_of, two_levels
+from scara_iso.diagnosis.two_state import (
+    Emissions,
+    _at_most_one_change,
+    emissions_of,
+    two_levels,
+)
 from scara_iso.dial import common_step
 from scara_iso.effects import (
     Chain,
@@ -33,7 +45,6 @@ from scara_iso.effects import (
     find_gear_effects,
 )
 from scara_iso.errors import DataError
-from scara_iso.gears import diagnose_sweep
 
 N = 20
 CONDITIONS = Conditions(np.arange(2, N + 2))

@@ -6,11 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 
-from scara_iso.drivetrain import Approach, DriveTrain, Move, arrivals
 from scara_iso.errors import UsageError
+from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
 from tests.oracles.integration import integrate
 from tests.oracles.motion import (
     LEFT,

@@ -10,9 +10,8 @@ from bench import kept, run_session
 from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states
 
 from scara_iso import read_table
-from scara_iso.errors import CannotCreateError, NoInputError, ScaraIsoError, WriteError
-from scara_iso.ports import StreamClock
-from scara_iso.recorder import (
+from scara_iso.acquisition.ports import StreamClock
+from scara_iso.acquisition.recorder import (
     Stored,
     SystemDisk,
     Voided,
@@ -21,6 +20,7 @@ from scara_iso.recorder import (
     read_history,
     rebuild,
 )
+from scara_iso.errors import CannotCreateError, NoInputError, ScaraIsoError, WriteError
 
 X = "X=opto-rs232@sim:?pace=0"
 Y = "Y=mitutoyo-mux@sim:?pace=0"

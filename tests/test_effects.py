@@ -32,9 +32,9 @@ from scara_iso.effects import (
     find_effects,
     find_gear_effects,
 )
-from scara_iso.model import predict, read_model
-from scara_iso.report.diagnosis import diagnosis_report
-from scara_iso.report.explain import find_page
+from scara_iso.reporting.diagnosis import diagnosis_report
+from scara_iso.reporting.explain import find_page
+from scara_iso.robot.model import predict, read_model
 from scara_iso.run import Axis, Run
 
 ON_READINGS = {

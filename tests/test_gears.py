@@ -5,9 +5,9 @@ import pytest
 from undeclared.gearbox import GAP, MOTOR, free_motor
 
 from scara_iso.diagnosis import Verdict
+from scara_iso.diagnosis.reversals import diagnose_sweep
+from scara_iso.diagnosis.reversals.fit import Reversals, fit_family, single_families
 from scara_iso.effects import Sweep, find_gear_effects
-from scara_iso.gears import diagnose_sweep
-from scara_iso.gears.fit import Reversals, fit_family, single_families
 
 LOADS = np.array([0.5, 1.0, 2.0, 4.749, 8.0, 12.0])
 EFFECTS = {effect.name: effect for effect in find_gear_effects()}

@@ -16,14 +16,16 @@ from pathlib import Path
 import pytest
 
 import scara_iso
-from scara_iso import checks, effects, indicators, read_table
+from scara_iso import effects, read_table
+from scara_iso.acquisition import indicators
+from scara_iso.acquisition.ports.tape import decode
+from scara_iso.acquisition.recorder import Quit, Take
 from scara_iso.cli import main
 from scara_iso.cli.keyboard import Lines
 from scara_iso.effects import find_effects
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
+from scara_iso.iso9283 import checks
 from scara_iso.plugins import find_modules
-from scara_iso.ports.tape import decode
-from scara_iso.recorder import Quit, Take
 
 ROOT = Path(__file__).parents[1]
 HEAD = "# unit: mm\n# resolution: 0.001\ncycle,X,Y\n"

@@ -10,8 +10,8 @@ from scara_iso import read_table
 from scara_iso.cli import main
 from scara_iso.render.markdown import to_markdown
 from scara_iso.render.strips import LEVELS
-from scara_iso.report.blocks import Notice, Section, Table, Text
-from scara_iso.report.words import printable
+from scara_iso.reporting.blocks import Notice, Section, Table, Text
+from scara_iso.reporting.words import printable
 from tests.hostile import TEXTS, table
 
 NAME = "<b onclick=x>[red]$x$ `a` \u202e.xlsx"

@@ -12,8 +12,8 @@ from python_calamine import CalamineWorkbook
 from scara_iso import read_table
 from scara_iso.cli import main
 from scara_iso.render.workbook import to_workbook
-from scara_iso.report.blocks import Section, Table, Text
-from scara_iso.report.words import printable
+from scara_iso.reporting.blocks import Section, Table, Text
+from scara_iso.reporting.words import printable
 from tests.hostile import TEXTS, table
 
 LONGEST = 32_767

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scara_iso.errors import DataError, UsageError
-from scara_iso.iso9283 import used_cycles
+from scara_iso.iso9283.cycles import used_cycles
 from scara_iso.run import Axis, Run
 
 

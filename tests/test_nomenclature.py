@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.results import AxisResult, Cycles, RadialResult
-from scara_iso.two_inertia import Backlash, Crossing
+from scara_iso.iso9283.results import AxisResult, Cycles, RadialResult
+from scara_iso.robot.two_inertia import Backlash, Crossing
 
 PAGE = Path(__file__).parents[1] / "docs" / "nomenclature.md"
 NAMES = re.findall(r"`(\w+(?:\.\w+)+)`", PAGE.read_text(encoding="utf-8"))
@@ -25,6 +25,6 @@ def test_every_name_on_the_page_is_in_the_code(name):
 
 @pytest.mark.parametrize("result", [AxisResult, RadialResult, Cycles, Backlash, Crossing])
 def test_every_figure_of_a_result_is_on_the_page(result):
-    module = result.__module__.rsplit(".", 1)[1]
+    module = result.__module__.split(".")[1]
     figures = {f"{module}.{result.__name__}.{field.name}" for field in fields(result)}
     assert figures <= set(NAMES)

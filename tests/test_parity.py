@@ -5,8 +5,14 @@ import sys
 
 import pytest
 
-from scara_iso.indicators import Decoder, Garbage, LineSettings, Reading, find_dialect
-from scara_iso.ports import DevicePort, device
+from scara_iso.acquisition.indicators import (
+    Decoder,
+    Garbage,
+    LineSettings,
+    Reading,
+    find_dialect,
+)
+from scara_iso.acquisition.ports import DevicePort, device
 
 termios = pytest.importorskip("termios")
 OPTO = find_dialect("opto-rs232")

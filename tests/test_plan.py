@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from scara_iso.arm import Arm, Elbow
 from scara_iso.errors import UsageError
-from scara_iso.plan import Conditions, Plane, Solid, make_plan
-from scara_iso.workspace import Workspace
+from scara_iso.iso9283.poses import Conditions, Plane, Solid, make_plan
+from scara_iso.robot.arm import Arm, Elbow
+from scara_iso.robot.workspace import Workspace
 
 FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # split and limits are assumed
 TALL = Arm(400, 300, (-130, 130), (-145, 145), (-300, 300))

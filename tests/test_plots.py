@@ -4,10 +4,10 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from scara_iso.arm import Arm
 from scara_iso.errors import CannotCreateError, UsageError
-from scara_iso.plan import make_plan
+from scara_iso.iso9283.poses import make_plan
 from scara_iso.render.plots import plot_plan
+from scara_iso.robot.arm import Arm
 
 ARM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))
 PLAN = make_plan(ARM)

@@ -11,11 +11,14 @@ import pytest
 import serial
 from serial import rfc2217
 
-from scara_iso.effects import Conditions
-from scara_iso.errors import DataError, InstrumentError, NoInputError, UsageError
-from scara_iso.indicators import Decoder, LineSettings, Reading, find_dialect, find_dialects
-from scara_iso.model import read_model, simulate
-from scara_iso.ports import (
+from scara_iso.acquisition.indicators import (
+    Decoder,
+    LineSettings,
+    Reading,
+    find_dialect,
+    find_dialects,
+)
+from scara_iso.acquisition.ports import (
     DevicePort,
     ReplayPort,
     SimulatedPort,
@@ -26,9 +29,17 @@ from scara_iso.ports import (
     open_port,
     refuse_same_device,
 )
-from scara_iso.ports.simulated import MODEL_CYCLES
-from scara_iso.ports.tape import decode, encode, read_tape
-from scara_iso.recorder.spec import parse_gauge, parse_gauges, parse_metadata, read_metadata
+from scara_iso.acquisition.ports.simulated import MODEL_CYCLES
+from scara_iso.acquisition.ports.tape import decode, encode, read_tape
+from scara_iso.acquisition.recorder.spec import (
+    parse_gauge,
+    parse_gauges,
+    parse_metadata,
+    read_metadata,
+)
+from scara_iso.effects import Conditions
+from scara_iso.errors import DataError, InstrumentError, NoInputError, UsageError
+from scara_iso.robot.model import read_model, simulate
 
 OPTO = find_dialect("opto-rs232")
 

@@ -5,8 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from scara_iso.errors import UsageError
 from scara_iso.quantities import Dimension, find_unit, parse_unit, rounding_uncertainty

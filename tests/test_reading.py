@@ -5,18 +5,17 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import scara_iso
+from scara_iso.acquisition.recorder.events import Done
 from scara_iso.cli import main
 from scara_iso.cli.record_screen import _analyze, _on_one_turn
 from scara_iso.comparison import compare
 from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283.repeats import REPEATED_BY_CHANCE, find_repeats
 from scara_iso.pose_columns import number_cycles
 from scara_iso.quantities import Dimension, unwrap
-from scara_iso.recorder.events import Done
-from scara_iso.repeats import REPEATED_BY_CHANCE, find_repeats
 from scara_iso.run import Axis, Run
 
 HEAD = "# unit: mm\n# unit_theta: deg\n# resolution: 0.001\n"

@@ -11,11 +11,8 @@ import pytest
 from rich.console import Console
 
 from scara_iso import read_table
-from scara_iso.cli import main, recording
-from scara_iso.cli.keyboard import Keys, Lines, parse_line
-from scara_iso.cli.record_screen import Screen
-from scara_iso.ports.tape import decode, encode
-from scara_iso.recorder import (
+from scara_iso.acquisition.ports.tape import decode, encode
+from scara_iso.acquisition.recorder import (
     CycleDone,
     Done,
     Note,
@@ -32,6 +29,9 @@ from scara_iso.recorder import (
     Waiting,
     raw_path,
 )
+from scara_iso.cli import main, recording
+from scara_iso.cli.keyboard import Keys, Lines, parse_line
+from scara_iso.cli.record_screen import Screen
 from scara_iso.render.live import LiveScreen, draw
 
 FIXTURES = Path(__file__).with_name("fixtures") / "recordings"

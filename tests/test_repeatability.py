@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import integrate, stats
 
-from scara_iso import repeatability as module
-from scara_iso.repeatability import (
+from scara_iso.iso9283 import statistics as module
+from scara_iso.iso9283.statistics import (
     repeatability,
     rp_interval,
     rss_interval,

@@ -4,10 +4,10 @@ import pytest
 from bench import Orders, Script, run_session
 
 from scara_iso import read_table
+from scara_iso.acquisition.ports.tape import decode, encode
+from scara_iso.acquisition.ports.timeline import Timeline
+from scara_iso.acquisition.recorder import Note, Quit, Take, Void, raw_path
 from scara_iso.cli import main
-from scara_iso.ports.tape import decode, encode
-from scara_iso.ports.timeline import Timeline
-from scara_iso.recorder import Note, Quit, Take, Void, raw_path
 
 OPTO = "X=opto-rs232?unit=mm@script"
 MUX = "Y=mitutoyo-mux?unit=mm@script2"

@@ -18,15 +18,15 @@ from hostile import TEXTS
 
 from scara_iso import analyze, read_table
 from scara_iso.cli import main
-from scara_iso.closing import CyclesWanted, close_the_loop
+from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.render.csv import to_csv
 from scara_iso.render.html import to_html
 from scara_iso.render.markdown import to_markdown
 from scara_iso.render.pdf import to_pdf
 from scara_iso.render.workbook import to_workbook
-from scara_iso.report.blocks import Course, Figure, Plane, Prediction, Table, Text
-from scara_iso.report.document import Dossier, InputFile, Provenance, document
-from scara_iso.report.head import FIELDS, NOT_STATED, head
+from scara_iso.reporting.blocks import Course, Figure, Plane, Prediction, Table, Text
+from scara_iso.reporting.dossier import Dossier, InputFile, Provenance, document
+from scara_iso.reporting.stated import FIELDS, NOT_STATED, head
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TABLE_1, WARM_UP = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "warm_up.csv"

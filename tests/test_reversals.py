@@ -9,15 +9,15 @@ import pytest
 from undeclared.gearbox import freely_reversed
 
 from scara_iso.cli import main
-from scara_iso.closing import CyclesWanted, close_the_loop, declarations
 from scara_iso.diagnosis import Verdict
-from scara_iso.drivetrain import DriveTrain, Move, arrivals
+from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, declarations
+from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.effects import Conditions
 from scara_iso.errors import UsageError
-from scara_iso.gears import diagnose_run_reversals
-from scara_iso.model import predict, read_model
-from scara_iso.report.blocks import Text
-from scara_iso.report.reversals import reversals_section
+from scara_iso.reporting.blocks import Text
+from scara_iso.reporting.reversals import reversals_section
+from scara_iso.robot.drivetrain import DriveTrain, Move, arrivals
+from scara_iso.robot.model import predict, read_model
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
 

@@ -13,9 +13,9 @@ import pytest
 from jsonschema import Draft202012Validator
 from referencing import Registry, Resource
 
+from scara_iso.acquisition.ports.identity import Device
+from scara_iso.acquisition.recorder import events
 from scara_iso.cli import main
-from scara_iso.ports.identity import Device
-from scara_iso.recorder import events
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -120,7 +120,7 @@ def documents(tmp_path_factory):
     before, after = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
     with pytest.MonkeyPatch.context() as patch:
         known = Device("COM4", "USB serial", "0403:6001", "A1", "1-1")
-        patch.setattr("scara_iso.ports.list_devices", lambda: (known,))
+        patch.setattr("scara_iso.acquisition.ports.list_devices", lambda: (known,))
         ports = written("ports")
     return {
         "analyze": [

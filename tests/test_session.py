@@ -8,9 +8,8 @@ import pytest
 from bench import Orders, Script, kept, run_session, stored
 
 from scara_iso import read_table
-from scara_iso.errors import InstrumentError, UsageError
-from scara_iso.ports import StreamClock
-from scara_iso.recorder import (
+from scara_iso.acquisition.ports import StreamClock
+from scara_iso.acquisition.recorder import (
     CycleDone,
     Note,
     Noted,
@@ -24,6 +23,7 @@ from scara_iso.recorder import (
     Voided,
     as_json,
 )
+from scara_iso.errors import InstrumentError, UsageError
 
 OPTO = "X=opto-rs232?unit=mm@script"
 MUX_Y = "Y=mitutoyo-mux?unit=mm@script2"

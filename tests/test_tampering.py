@@ -5,14 +5,20 @@ import json
 import pytest
 from bench import Orders, kept, run_session
 from disks import UnsyncedDisk
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from scara_iso import read_table
+from scara_iso.acquisition.ports.tape import decode, encode, read_tape
+from scara_iso.acquisition.recorder import (
+    Quit,
+    Take,
+    Void,
+    check_manifest,
+    raw_path,
+    read_history,
+)
 from scara_iso.cli import main
 from scara_iso.errors import CannotCreateError, DataError
-from scara_iso.ports.tape import decode, encode, read_tape
-from scara_iso.recorder import Quit, Take, Void, check_manifest, raw_path, read_history
 
 X = ["X=opto-rs232@sim:?pace=0"]
 CHANGED = "run.raw.jsonl was changed after it was recorded"

@@ -5,11 +5,10 @@ from dataclasses import FrozenInstanceError
 from fractions import Fraction
 
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from scara_iso.errors import UsageError
-from scara_iso.two_inertia import backlash
+from scara_iso.robot.two_inertia import backlash
 
 PAPER = {"Im": 2.65e-4, "IL": 4.749, "arcmin": 12, "arm": 0.7}
 ratios = st.none() | st.floats(0.01, 1e4)

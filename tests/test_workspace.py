@@ -5,13 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from scara_iso.arm import Arm, Elbow
 from scara_iso.errors import UsageError
-from scara_iso.inscribed import largest_rectangle
-from scara_iso.workspace import Workspace
+from scara_iso.robot.arm import Arm, Elbow
+from scara_iso.robot.largest_cube import largest_rectangle
+from scara_iso.robot.workspace import Workspace
 
 ARMS = {
     "typical": Arm(400, 300, (-130, 130), (-145, 145)),

@@ -163,14 +163,14 @@ def _general_first(arguments: Sequence[str]) -> list[str]:
 
 
 def _warn(message: Warning | str, *_: object, **__: object) -> None:
-    from scara_iso.report.words import printable
+    from scara_iso.reporting import printable
 
     if sys.stderr is not None:
         sys.stderr.write(f"scara-iso: {printable(str(message))}\n")
 
 
 def _tell(error: Exception) -> int:
-    from scara_iso.report.words import printable
+    from scara_iso.reporting import printable
 
     lines, code = _explain(error)
     if settings.debug:

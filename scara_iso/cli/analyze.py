@@ -25,10 +25,10 @@ from scara_iso.cli.options import (
     parse_limits,
 )
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.verdict import Conformity, Decision
+from scara_iso.iso9283 import Conformity, Decision
 
 if TYPE_CHECKING:
-    from scara_iso.results import Analysis
+    from scara_iso.iso9283 import Analysis
 
 
 def analyze_command(
@@ -74,11 +74,11 @@ def analyze_command(
 
 def _write(analysis: Analysis, *, as_json: bool) -> None:
     if as_json:
-        from scara_iso.render.json import analysis_json
+        from scara_iso.render import analysis_json
 
         write_json(analysis_json(analysis))
     else:
-        from scara_iso.report.analysis import analysis_report
+        from scara_iso.reporting import analysis_report
 
         write_report(analysis_report(analysis))
 
@@ -88,8 +88,8 @@ def compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:
     path = Path(table)
     if table == "-":
         return analysis
-    from scara_iso.manifest import check_manifest
-    from scara_iso.results import Finding
+    from scara_iso.acquisition import check_manifest
+    from scara_iso.iso9283 import Finding
 
     said = {finding.message for finding in analysis.findings}
     changed = [Finding("edited", "warning", e) for e in check_manifest(path) if e not in said]

@@ -11,8 +11,8 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
 
 if TYPE_CHECKING:
-    from scara_iso.gears import GearDiagnosis
-    from scara_iso.results import PoseResult
+    from scara_iso.diagnosis import GearDiagnosis
+    from scara_iso.iso9283 import PoseResult
 
 
 MotorInertia = Annotated[float, typer.Option("--Im", help="Inertia of motor and gear [kg m2].")]
@@ -54,11 +54,11 @@ def backlash_command(
         pose = _measured_pose(actual, first_cycle_discarded)
     closed = None if measured is None else _closed(measured)
     if json:
-        from scara_iso.render.json import backlash_json
+        from scara_iso.render import backlash_json
 
         write_json(backlash_json(result, pose, closed))
     else:
-        from scara_iso.report.backlash import backlash_report, sweep_report
+        from scara_iso.reporting import backlash_report, sweep_report
 
         write_report(backlash_report(result, pose))
         if closed is not None:
@@ -69,7 +69,7 @@ def _closed(sweep: str) -> GearDiagnosis:
     """Return what eq. 16 leaves of a measured sweep, and which effect on the gear it is."""
     from dataclasses import replace
 
-    from scara_iso.gears import diagnose_sweep, read_sweep
+    from scara_iso.diagnosis import diagnose_sweep, read_sweep
 
     found = read_sweep(sweep)
     closed = diagnose_sweep(found.sweep, found.deviation, uncertainty=found.uncertainty)

@@ -24,7 +24,7 @@ from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, Usag
 
 if TYPE_CHECKING:
     from scara_iso.comparison import Comparison
-    from scara_iso.results import Analysis
+    from scara_iso.iso9283 import Analysis
 
 Tables = Annotated[
     list[str],
@@ -77,7 +77,7 @@ def compare_command(
     found = _every(tables, read)
     comparison = compare(found, seed=seed)
     if plot is not None:
-        from scara_iso.render.plot_comparison import plot_comparison
+        from scara_iso.render import plot_comparison
 
         plot_comparison(comparison, plot)
     _write(comparison, as_json=json)
@@ -85,11 +85,11 @@ def compare_command(
 
 def _write(comparison: Comparison, *, as_json: bool) -> None:
     if as_json:
-        from scara_iso.render.json_comparison import comparison_json
+        from scara_iso.render import comparison_json
 
         write_json(comparison_json(comparison))
     else:
-        from scara_iso.report.comparison import comparison_report
+        from scara_iso.reporting import comparison_report
 
         write_report(comparison_report(comparison))
 

@@ -12,11 +12,9 @@ def demo_command(*, json: AsJson = False) -> None:
     Example: scara-iso demo
     """
     from scara_iso import analyze
-    from scara_iso.paper import first_joint, printed, table_1
-    from scara_iso.render.json import analysis_json, backlash_json
-    from scara_iso.report.analysis import analysis_report
-    from scara_iso.report.backlash import backlash_report
-    from scara_iso.report.paper import next_steps, paper_section
+    from scara_iso.render import analysis_json, backlash_json
+    from scara_iso.reporting import analysis_report, backlash_report, next_steps, paper_section
+    from scara_iso.robot import first_joint, printed, table_1
 
     analysis = analyze(table_1())
     pose, gear = analysis.poses[0], first_joint()

@@ -24,8 +24,7 @@ from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.closing import CyclesWanted, Reading
-    from scara_iso.diagnosis import Diagnosis
+    from scara_iso.diagnosis import CyclesWanted, Diagnosis, Reading
 
 Tables = Annotated[
     list[str] | None,
@@ -89,7 +88,7 @@ def diagnose_command(
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
-    from scara_iso.closing import CyclesWanted, Reading
+    from scara_iso.diagnosis import CyclesWanted, Reading
 
     reading = Reading(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
@@ -157,7 +156,7 @@ class _Files:
 def _diagnose_table(
     table: str, files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
 ) -> None:
-    from scara_iso.closing import diagnose, save_model
+    from scara_iso.diagnosis import diagnose, save_model
 
     run = reading.read(table)
     if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
@@ -174,7 +173,7 @@ def _diagnose_table(
         sigma=files.sigma,
     )
     if files.plot is not None:
-        from scara_iso.render.plots import plot_diagnosis
+        from scara_iso.render import plot_diagnosis
 
         plot_diagnosis(diagnosis, files.plot)
     if files.save_model is not None and files.model is not None:
@@ -185,10 +184,10 @@ def _diagnose_table(
 
 def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:
     if as_json:
-        from scara_iso.render.json_diagnosis import diagnosis_json
+        from scara_iso.render import diagnosis_json
 
         write_json(diagnosis_json(diagnosis))
     else:
-        from scara_iso.report.diagnosis import diagnosis_report
+        from scara_iso.reporting import diagnosis_report
 
         write_report(diagnosis_report(diagnosis, title))

@@ -8,14 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.closing import CyclesWanted, Reading
-from scara_iso.diagnosis.design import Plan, design, planned_columns
+from scara_iso.diagnosis import CyclesWanted, Plan, Reading, design, planned_columns
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.quantities import Dimension
-from scara_iso.render.json_diagnosis import design_json
-from scara_iso.report.design import design_report
+from scara_iso.render import design_json
+from scara_iso.reporting import design_report
 from scara_iso.run import FloatArray, Run
 
 _SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001

@@ -11,18 +11,10 @@ from functools import partial
 import typer
 
 from scara_iso.cli.output import settings, write_json, write_report
-from scara_iso.closing import (
-    CyclesWanted,
-    Reading,
-    close_the_loop_at_poses,
-    diagnose,
-)
-from scara_iso.diagnosis import Diagnosis
+from scara_iso.diagnosis import CyclesWanted, Diagnosis, Reading, close_the_loop_at_poses, diagnose
 from scara_iso.errors import ScaraIsoError
-from scara_iso.render.json_diagnosis import diagnosis_json
-from scara_iso.render.progress import track
-from scara_iso.render.terminal import open_console
-from scara_iso.report.diagnosis import Failure, summary_report
+from scara_iso.render import diagnosis_json, open_console, track
+from scara_iso.reporting import Failure, summary_report
 from scara_iso.run import Run
 
 

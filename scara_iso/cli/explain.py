@@ -11,7 +11,7 @@ from scara_iso.cli.output import write_json, write_report
 
 
 def _codes() -> list[str]:
-    from scara_iso.report.explain import pages
+    from scara_iso.reporting import pages
 
     return list(pages())
 
@@ -32,8 +32,8 @@ def explain_command(code: Code = None, *, json: AsJson = False) -> None:
 
     Example: scara-iso explain coarse-resolution
     """
-    from scara_iso.render.json import explain_json
-    from scara_iso.report.explain import find_page, list_report, page_report, pages
+    from scara_iso.render import explain_json
+    from scara_iso.reporting import find_page, list_report, page_report, pages
 
     wanted = list(pages().values()) if code is None else [find_page(code)]
     if json:

@@ -12,7 +12,7 @@ from scara_iso.disk import write_file
 from scara_iso.errors import CannotCreateError, UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.report.blocks import Report
+    from scara_iso.reporting import Report
 
 
 @dataclass(slots=True)
@@ -29,14 +29,14 @@ settings = Settings()
 
 def write_json(document: Mapping[str, Any]) -> None:
     """Write one JSON object on a line of standard output."""
-    from scara_iso.render.json import to_text
+    from scara_iso.render import to_text
 
     sys.stdout.write(f"{to_text(document)}\n")
 
 
 def write_report(report: Report) -> None:
     """Write a report on standard output."""
-    from scara_iso.render.terminal import open_console, show
+    from scara_iso.render import open_console, show
 
     show(report, open_console(sys.stdout, no_color=settings.no_color))
 
@@ -46,7 +46,7 @@ def write_text(text: str, path: Path | None) -> None:
 
     A terminal is shown what it should not obey.
     """
-    from scara_iso.report.words import printable
+    from scara_iso.reporting import printable
 
     if path is None and sys.stdout.isatty():
         sys.stdout.write("\n".join(map(printable, text.split("\n"))))
@@ -86,8 +86,7 @@ def _same_file(path: Path, name: Path) -> bool:
 
 def _of_a_recording(path: Path) -> bool:
     """Say whether a recording's raw file or manifest is there, or the place of its table."""
-    from scara_iso.manifest import manifest_path, raw_path
-    from scara_iso.ports.tape import is_tape
+    from scara_iso.acquisition import is_tape, manifest_path, raw_path
 
     if path.is_file():
         with path.open("rb") as file:

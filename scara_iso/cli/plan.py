@@ -13,8 +13,8 @@ from scara_iso.cli.output import check_outputs, write_json, write_report, write_
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.arm import Arm
-    from scara_iso.plan import Plan
+    from scara_iso.iso9283 import Plan
+    from scara_iso.robot import Arm
 
 
 class SolidName(StrEnum):
@@ -80,10 +80,9 @@ def plan_command(
 
     Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
     """
-    from scara_iso.arm import Elbow
-    from scara_iso.model import read_model
-    from scara_iso.plan import Conditions, Plane, Solid, make_plan
-    from scara_iso.report.plan import visits_csv
+    from scara_iso.iso9283 import Conditions, Plane, Solid, make_plan
+    from scara_iso.reporting import visits_csv
+    from scara_iso.robot import Elbow, read_model
     from scara_iso.tables import find_locale
 
     check_outputs([picture, output], [model])
@@ -109,14 +108,14 @@ def plan_command(
 
 
 def _draw(plan: Plan, arm: Arm, picture: Path) -> None:
-    from scara_iso.render.plots import plot_plan
+    from scara_iso.render import plot_plan
 
     plot_plan(plan, arm, picture)
 
 
 def _write(plan: Plan, robot: str, *, as_json: bool) -> None:
-    from scara_iso.render.json import plan_json
-    from scara_iso.report.plan import plan_report
+    from scara_iso.render import plan_json
+    from scara_iso.reporting import plan_report
 
     if as_json:
         write_json(plan_json(plan))

@@ -10,8 +10,8 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.indicators import Dialect
-    from scara_iso.report.ports import Probe
+    from scara_iso.acquisition import Dialect
+    from scara_iso.reporting import Probe
 
 SECONDS = 3.0
 _QUIET_S = 0.2
@@ -50,8 +50,8 @@ def ports_command(
 def _list(*, json: bool) -> None:
     from dataclasses import asdict
 
-    from scara_iso.ports import list_devices
-    from scara_iso.report.ports import ports_report
+    from scara_iso.acquisition import list_devices
+    from scara_iso.reporting import ports_report
 
     devices = list_devices()
     if json:
@@ -61,8 +61,8 @@ def _list(*, json: bool) -> None:
 
 
 def _dialects(*, json: bool) -> None:
-    from scara_iso.indicators import find_dialects
-    from scara_iso.report.ports import dialects_report
+    from scara_iso.acquisition import find_dialects
+    from scara_iso.reporting import dialects_report
 
     found = find_dialects()
     if json:
@@ -86,7 +86,7 @@ def _described(dialect: Dialect) -> dict[str, object]:
 
 
 def _probe(address: str, key: str | None, *, json: bool) -> None:
-    from scara_iso.report.ports import probe_json, probe_report
+    from scara_iso.reporting import probe_json, probe_report
 
     probe = _listen(address, key)
     if json:
@@ -96,9 +96,8 @@ def _probe(address: str, key: str | None, *, json: bool) -> None:
 
 
 def _listen(address: str, key: str | None) -> Probe:
-    from scara_iso.indicators import Decoder, find_dialect, find_dialects
-    from scara_iso.ports import choose_clock, open_port
-    from scara_iso.report.ports import Probe
+    from scara_iso.acquisition import Decoder, choose_clock, find_dialect, find_dialects, open_port
+    from scara_iso.reporting import Probe
 
     dialect = find_dialect(key or "mitutoyo-mux")  # its 9600 8N1 where no other line is named
     clock = choose_clock([address])

@@ -10,9 +10,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import TypeAlias
 
-from scara_iso.cli.keyboard import KEYS, Keys
-from scara_iso.errors import DataError, WriteError
-from scara_iso.recorder import (
+from scara_iso.acquisition import (
     Command,
     CycleDone,
     Done,
@@ -30,8 +28,9 @@ from scara_iso.recorder import (
     Waiting,
     as_json,
 )
-from scara_iso.render.json import to_text
-from scara_iso.render.live import AxisView, LiveScreen, LiveView
+from scara_iso.cli.keyboard import KEYS, Keys
+from scara_iso.errors import DataError, WriteError
+from scara_iso.render import AxisView, LiveScreen, LiveView, to_text
 
 REDRAW_S = 0.1
 _FEWEST_FOR_RP = 5
@@ -224,8 +223,8 @@ def _figures(readings: tuple[float, ...]) -> str:
         return ""
     import numpy as np
 
-    from scara_iso.repeatability import repeatability, standard_deviation
-    from scara_iso.report.digits import U_of_scatter, rounded
+    from scara_iso.iso9283 import repeatability, standard_deviation
+    from scara_iso.reporting import U_of_scatter, rounded
 
     values, n = np.array([readings]), len(readings)
     found = repeatability(values)

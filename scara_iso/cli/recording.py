@@ -11,12 +11,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from scara_iso.cli.keyboard import Keys, Lines, Nobody, open_keyboard
-from scara_iso.cli.output import settings
-from scara_iso.cli.record_screen import Screen, write_line
-from scara_iso.errors import UsageError
-from scara_iso.ports import choose_clock, is_recorded
-from scara_iso.recorder import (
+from scara_iso.acquisition import (
     Done,
     Enter,
     GaugeSpec,
@@ -29,6 +24,8 @@ from scara_iso.recorder import (
     SystemDisk,
     Trigger,
     check_metadata,
+    choose_clock,
+    is_recorded,
     parse_gauges,
     parse_metadata,
     parse_trigger,
@@ -39,9 +36,12 @@ from scara_iso.recorder import (
     record,
     refuse_existing,
 )
-from scara_iso.render.live import LiveScreen
-from scara_iso.render.terminal import open_console
-from scara_iso.report.words import printable
+from scara_iso.cli.keyboard import Keys, Lines, Nobody, open_keyboard
+from scara_iso.cli.output import settings
+from scara_iso.cli.record_screen import Screen, write_line
+from scara_iso.errors import UsageError
+from scara_iso.render import LiveScreen, open_console
+from scara_iso.reporting import printable
 
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""

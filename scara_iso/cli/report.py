@@ -31,15 +31,13 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import check_outputs, settings, write_json
 from scara_iso.disk import write_file
 from scara_iso.errors import ScaraIsoError, UsageError
-from scara_iso.verdict import Conformity, Decision
+from scara_iso.iso9283 import Conformity, Decision
 
 if TYPE_CHECKING:
-    from scara_iso.closing import CyclesWanted, Reading
-    from scara_iso.diagnosis import Diagnosis
-    from scara_iso.model import Gearbox, Model
-    from scara_iso.report.diagnosis import Failure
-    from scara_iso.report.document import Dossier, InputFile
-    from scara_iso.results import Analysis
+    from scara_iso.diagnosis import CyclesWanted, Diagnosis, Reading
+    from scara_iso.iso9283 import Analysis
+    from scara_iso.reporting import Dossier, Failure, InputFile
+    from scara_iso.robot import Gearbox, Model
     from scara_iso.run import Run
     from scara_iso.tables import SheetLocale
 
@@ -82,8 +80,8 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    from scara_iso.closing import CyclesWanted, Reading
-    from scara_iso.report.words import printable
+    from scara_iso.diagnosis import CyclesWanted, Reading
+    from scara_iso.reporting import printable
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else _writer(path, excel_locale)
@@ -95,11 +93,11 @@ def report_command(
         write_file(path, write(dossier))
         typer.echo(printable(f"{path} is written"), err=json)
     if json:
-        from scara_iso.render.json_report import report_json
+        from scara_iso.render import report_json
 
         write_json(report_json(dossier))
     if dossier.analysis.conformity not in (None, Conformity.PASS):
-        from scara_iso.report.limits import conformity
+        from scara_iso.reporting import conformity
 
         said = "; ".join(block.text for block in conformity(dossier.analysis))
         typer.echo(printable(f"scara-iso: {said}"), err=True)
@@ -134,43 +132,42 @@ def _title(dossier: Dossier) -> str:
 
 
 def _html(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render.html import to_html
-    from scara_iso.report.document import document
+    from scara_iso.render import to_html
+    from scara_iso.reporting import document
 
     return to_html(document(dossier), title).encode()
 
 
 def _markdown(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render.markdown import to_markdown
-    from scara_iso.report.document import document
+    from scara_iso.render import to_markdown
+    from scara_iso.reporting import document
 
     return to_markdown(document(dossier), title).encode()
 
 
 def _csv(dossier: Dossier, title: str, locale: SheetLocale) -> bytes:
-    from scara_iso.render.csv import to_csv
-    from scara_iso.report.document import document
+    from scara_iso.render import to_csv
+    from scara_iso.reporting import document
 
     return to_csv(document(dossier), title, locale).encode()
 
 
 def _workbook(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render.workbook import to_workbook
-    from scara_iso.report.document import document
+    from scara_iso.render import to_workbook
+    from scara_iso.reporting import document
 
     return to_workbook(document(dossier), title)
 
 
 def _pdf(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render.pdf import to_pdf
-    from scara_iso.report.document import document
+    from scara_iso.render import to_pdf
+    from scara_iso.reporting import document
 
     return to_pdf(document(dossier), title)
 
 
 def _json(dossier: Dossier, title: str) -> bytes:  # noqa: ARG001 - JSON holds no title
-    from scara_iso.render.json import to_text
-    from scara_iso.render.json_report import report_json
+    from scara_iso.render import report_json, to_text
 
     return f"{to_text(report_json(dossier))}\n".encode()
 
@@ -193,7 +190,7 @@ def _test(
     limits: tuple[dict[str, float], Decision],
 ) -> Dossier:
     from scara_iso import __version__, analyze
-    from scara_iso.report.document import Dossier, Provenance
+    from scara_iso.reporting import Dossier, Provenance
 
     run, table_file = _read(table, reading, wanted.pose)
     described, files = None, [table_file]
@@ -224,7 +221,7 @@ def _read(table: str, reading: Reading, pose: str | None) -> tuple[Run, InputFil
     from hashlib import sha256
     from io import BytesIO
 
-    from scara_iso.report.document import InputFile
+    from scara_iso.reporting import InputFile
     from scara_iso.tables import read_bytes
 
     data, name = read_bytes(table)
@@ -243,9 +240,9 @@ def _read(table: str, reading: Reading, pose: str | None) -> tuple[Run, InputFil
 
 
 def _read_model(path: str) -> tuple[Model, InputFile]:
-    from scara_iso.manifest import sha256
-    from scara_iso.model import read_model
-    from scara_iso.report.document import InputFile
+    from scara_iso.acquisition import sha256
+    from scara_iso.reporting import InputFile
+    from scara_iso.robot import read_model
 
     model = read_model(path)
     return model, InputFile("model", path, sha256(Path(path)))
@@ -255,8 +252,8 @@ def _diagnoses(
     analysis: Analysis, model: Model | None, wanted: CyclesWanted
 ) -> dict[str | None, Diagnosis | Failure]:
     """Return the diagnosis of each pose; too few cycles for one are said, a wrong model raises."""
-    from scara_iso.closing import close_the_loop, close_the_loop_at_poses
-    from scara_iso.report.diagnosis import Failure
+    from scara_iso.diagnosis import close_the_loop, close_the_loop_at_poses
+    from scara_iso.reporting import Failure
 
     labels = [pose.label for pose in analysis.poses]
     try:

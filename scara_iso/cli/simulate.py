@@ -16,7 +16,7 @@ from scara_iso.errors import UsageError
 if TYPE_CHECKING:
     import numpy as np
 
-    from scara_iso.model import Model
+    from scara_iso.robot import Model
     from scara_iso.run import FloatArray, Run
 
 
@@ -70,8 +70,8 @@ def simulate_command(
 
     Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
     """
-    from scara_iso.model import read_model
-    from scara_iso.render.json import run_json
+    from scara_iso.render import run_json
+    from scara_iso.robot import read_model
     from scara_iso.tables import find_locale, write_table
 
     check_outputs([output], [model])
@@ -98,8 +98,7 @@ def _simulated(
     import numpy as np
 
     from scara_iso.effects import Conditions
-    from scara_iso.model import simulate
-    from scara_iso.model.spec import parse_effect
+    from scara_iso.robot import parse_effect, simulate
 
     rng = np.random.default_rng(seed)
     rests = None
@@ -119,8 +118,7 @@ def _arrivals(
     model: Model, side: Side, count: int, rng: np.random.Generator, *, moving: bool
 ) -> tuple[FloatArray, dict[str, FloatArray] | None]:
     """Return the side of each approach and, with the drive train, what the dials read of it."""
-    from scara_iso.drivetrain import Approach, sides
-    from scara_iso.model.arrive import rest_positions
+    from scara_iso.robot import Approach, rest_positions, sides
 
     chosen = {
         Side.ONE: Approach.ONE_SIDE,

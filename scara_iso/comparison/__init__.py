@@ -1,6 +1,19 @@
 """Two runs of one robot, and more: what differs by more than chance and the dial explain."""
 
-from scara_iso.comparison.compare import SEED, compare
-from scara_iso.comparison.result import Comparison, Contrast, Pair, Verdict
+from typing import TYPE_CHECKING
 
-__all__ = ["SEED", "Comparison", "Contrast", "Pair", "Verdict", "compare"]
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.comparison.decision import MOST_CYCLES as MOST_CYCLES
+    from scara_iso.comparison.matching import PAGES as PAGES, poses_in_common as poses_in_common
+    from scara_iso.comparison.pairs import SEED as SEED, compare as compare
+    from scara_iso.comparison.result import (
+        Comparison as Comparison,
+        Contrast as Contrast,
+        Ends as Ends,
+        Pair as Pair,
+        Verdict as Verdict,
+    )
+else:
+    __getattr__ = face(__name__)

@@ -16,8 +16,8 @@ from statistics import NormalDist
 import numpy as np
 
 from scara_iso.comparison.spread import spread
+from scara_iso.iso9283 import GAUSSIAN_RP, hidden, standard_deviation, two_divisions
 from scara_iso.quantities import rounding_uncertainty
-from scara_iso.repeatability import GAUSSIAN_RP, hidden, standard_deviation, two_divisions
 from scara_iso.run import FloatArray
 
 _FINE = 2.0  # divisions of scatter above which rounding moves RP by less than 3 %

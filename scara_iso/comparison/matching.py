@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scara_iso.errors import DataError
-from scara_iso.results import Analysis, Finding, PoseResult
+from scara_iso.iso9283 import Analysis, Finding, PoseResult
 from scara_iso.run import AXES
 
 _OF_THE_TABLE = {

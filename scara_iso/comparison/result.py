@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Literal
 
-from scara_iso.results import Analysis, Finding
+from scara_iso.iso9283 import Analysis, Finding
 
 Ends = tuple[float | None, float | None]
 """Of an interval; None where nothing bounds it."""

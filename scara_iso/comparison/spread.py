@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from scara_iso.repeatability import GAUSSIAN_ERROR, repeatability, standard_deviation
+from scara_iso.iso9283 import GAUSSIAN_ERROR, repeatability, standard_deviation
 from scara_iso.run import FloatArray
 
 _TINY = np.finfo(np.float64).tiny

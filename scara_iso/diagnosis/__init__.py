@@ -1,22 +1,62 @@
-"""Close the loop: what a model leaves unexplained in a run, and which effect it is."""
+"""Close the loop: what a model leaves unexplained in a run, and which effect it is.
 
-from scara_iso.diagnosis.design import Alike, Change, Design, Plan, Smallest, design
-from scara_iso.diagnosis.loop import diagnose
-from scara_iso.diagnosis.poses import diagnose_poses, holm
-from scara_iso.diagnosis.result import (
-    Diagnosis,
-    Error,
-    Flag,
-    Found,
-    Repeatabilities,
-    Series,
-    Shares,
-)
-from scara_iso.diagnosis.tuning import LEVEL, SEED, UNKNOWN
-from scara_iso.verdict import Rival, Verdict
+`close_the_loop` gives table and model to `diagnose`; `reversals` is the same loop on the gears.
+"""
 
-__all__ = [
-    "LEVEL", "SEED", "UNKNOWN", "Alike", "Change", "Design", "Diagnosis", "Error", "Flag", "Found",
-    "Plan", "Repeatabilities", "Rival", "Series", "Shares", "Smallest", "Verdict", "design",
-    "diagnose", "diagnose_poses", "holm",
-]  # fmt: skip
+from typing import TYPE_CHECKING
+
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis.choice import posterior as posterior
+    from scara_iso.diagnosis.closed_loop import (
+        CyclesWanted as CyclesWanted,
+        Reading as Reading,
+        close_the_loop as close_the_loop,
+        close_the_loop_at_poses as close_the_loop_at_poses,
+        diagnose as diagnose,
+        save_model as save_model,
+    )
+    from scara_iso.diagnosis.evidence import log_bayes as log_bayes
+    from scara_iso.diagnosis.held_out import HeldOut as HeldOut
+    from scara_iso.diagnosis.hypotheses import HypothesisSet as HypothesisSet
+    from scara_iso.diagnosis.marginal import marginal_tests as marginal_tests
+    from scara_iso.diagnosis.permutation import order_test as order_test
+    from scara_iso.diagnosis.planning import (
+        Alike as Alike,
+        Change as Change,
+        Design as Design,
+        Plan as Plan,
+        Smallest as Smallest,
+        design as design,
+        planned_columns as planned_columns,
+    )
+    from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses, holm as holm
+    from scara_iso.diagnosis.residual import Residual as Residual
+    from scara_iso.diagnosis.result import (
+        Diagnosis as Diagnosis,
+        Error as Error,
+        Flag as Flag,
+        Found as Found,
+        Repeatabilities as Repeatabilities,
+        Series as Series,
+        Shares as Shares,
+    )
+    from scara_iso.diagnosis.reversals import (
+        GearDiagnosis as GearDiagnosis,
+        GearFound as GearFound,
+        MeasuredSweep as MeasuredSweep,
+        Reversal as Reversal,
+        RunReversals as RunReversals,
+        diagnose_run_reversals as diagnose_run_reversals,
+        diagnose_sweep as diagnose_sweep,
+        read_sweep as read_sweep,
+    )
+    from scara_iso.diagnosis.tuning import LEVEL as LEVEL, SEED as SEED, UNKNOWN as UNKNOWN
+    from scara_iso.diagnosis.two_state import two_levels as two_levels
+    from scara_iso.diagnosis.verdict import (
+        Rival as Rival,
+        Verdict as Verdict,
+    )
+else:
+    __getattr__ = face(__name__)

@@ -18,9 +18,9 @@ from scara_iso.diagnosis.evidence import (
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS
 from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels
+from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.run import FloatArray, IntArray
-from scara_iso.verdict import Rival
 
 AnyForm = TypeVar("AnyForm")
 

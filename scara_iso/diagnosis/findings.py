@@ -16,8 +16,8 @@ from scara_iso.diagnosis.result import ByAxis, Found, Shares
 from scara_iso.diagnosis.search import Stage
 from scara_iso.diagnosis.tuning import TWO_DIVISIONS, UNKNOWN
 from scara_iso.effects import Effect, Form, Process, Shape, Spread
+from scara_iso.iso9283 import repeatability
 from scara_iso.quantities import rounding_uncertainty
-from scara_iso.repeatability import repeatability
 from scara_iso.run import FloatArray
 
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}

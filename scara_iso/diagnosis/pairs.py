@@ -15,7 +15,13 @@ import numpy.typing as npt
 from scara_iso.diagnosis.choice import Weighed
 from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, extended
-from scara_iso.diagnosis.tuning import AMPLITUDES, PAIR_EFFECTS, PAIR_FORMS, PAIR_WEIGHT, UNKNOWN
+from scara_iso.diagnosis.tuning import (
+    AMPLITUDES,
+    PAIR_EFFECTS,
+    PAIR_FORMS,
+    PAIR_WEIGHT,
+    UNKNOWN,
+)
 from scara_iso.effects import Shape
 from scara_iso.run import FloatArray, IntArray
 

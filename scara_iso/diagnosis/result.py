@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
+from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.run import FloatArray, IntArray
-from scara_iso.verdict import Rival, Verdict
 
 if TYPE_CHECKING:
-    from scara_iso.gears.reversals import RunReversals
+    from scara_iso.diagnosis.reversals.from_run import RunReversals
 
 ByAxis: TypeAlias = Mapping[str, float]
 """One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""

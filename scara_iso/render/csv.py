@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.quantities import parse_number
-from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
-from scara_iso.report.words import printable
-from scara_iso.tables import PLAIN, SheetLocale, write_rows
-from scara_iso.tables.locale import Cell, Digits
+from scara_iso.reporting import Block, Figure, Notice, Report, Strip, Table, Text, printable
+from scara_iso.tables import PLAIN, Digits, OutputCell, SheetLocale, write_rows
 
 
 def to_csv(report: Report, title: str, locale: SheetLocale = PLAIN) -> str:
@@ -16,7 +14,7 @@ def to_csv(report: Report, title: str, locale: SheetLocale = PLAIN) -> str:
     return locale.bom + write_rows(_rows_of(report, title), locale)
 
 
-def _rows_of(report: Report, title: str) -> Iterator[tuple[Cell, ...]]:
+def _rows_of(report: Report, title: str) -> Iterator[tuple[OutputCell, ...]]:
     yield (printable(title),)
     for section in report:
         yield ()
@@ -26,7 +24,7 @@ def _rows_of(report: Report, title: str) -> Iterator[tuple[Cell, ...]]:
             yield from _rows(block)
 
 
-def _rows(block: Block) -> Iterator[tuple[Cell, ...]]:
+def _rows(block: Block) -> Iterator[tuple[OutputCell, ...]]:
     match block:
         case Text():
             yield (printable(block.text),)
@@ -44,5 +42,5 @@ def _rows(block: Block) -> Iterator[tuple[Cell, ...]]:
             yield (printable(block.title), printable(block.caption))
 
 
-def _cell(text: str) -> Cell:
+def _cell(text: str) -> OutputCell:
     return printable(text) if parse_number(text) is None else Digits(text)

@@ -13,9 +13,7 @@ from importlib.resources import files
 from itertools import groupby
 
 from scara_iso.render.pictures import picture
-from scara_iso.report.blocks import Block, Figure, Report
-from scara_iso.report.head import NOT_STATED
-from scara_iso.report.words import printable
+from scara_iso.reporting import NOT_STATED, Block, Figure, Report, printable
 
 
 def to_html(report: Report, title: str) -> str:

@@ -8,20 +8,19 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import Rival
-    from scara_iso.gears import GearDiagnosis
-    from scara_iso.plan import Plan
-    from scara_iso.report.explain import Page
-    from scara_iso.results import (
+    from scara_iso.diagnosis import GearDiagnosis, Rival
+    from scara_iso.iso9283 import (
         Analysis,
         AxisResult,
         Finding,
         LimitCheck,
+        Plan,
         PoseResult,
         RadialResult,
     )
+    from scara_iso.reporting import Page
+    from scara_iso.robot import Backlash, Crossing
     from scara_iso.run import Run
-    from scara_iso.two_inertia import Backlash, Crossing
 
 Json = dict[str, Any]
 _HALF = re.compile("[\ud800-\udfff]")

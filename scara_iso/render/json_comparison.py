@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from scara_iso.comparison import Comparison, Contrast, Pair
+from scara_iso.iso9283 import Analysis
 from scara_iso.render.json import Json, finding_json
-from scara_iso.results import Analysis
 
 
 def comparison_json(comparison: Comparison) -> Json:

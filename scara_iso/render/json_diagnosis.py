@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 
-from scara_iso.diagnosis import Diagnosis, Found, Series
-from scara_iso.diagnosis.design import Design, Plan, Smallest
-from scara_iso.gears import RunReversals
+from scara_iso.diagnosis import Design, Diagnosis, Found, Plan, RunReversals, Series, Smallest
 from scara_iso.render.json import Json, gear_json, rivals_json
 
 

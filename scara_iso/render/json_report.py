@@ -6,9 +6,7 @@ from dataclasses import asdict
 
 from scara_iso.render.json import Json, analysis_json, backlash_json
 from scara_iso.render.json_diagnosis import diagnosis_json
-from scara_iso.report.diagnosis import Failure
-from scara_iso.report.document import Dossier
-from scara_iso.report.head import head
+from scara_iso.reporting import Dossier, Failure, head
 
 
 def report_json(dossier: Dossier) -> Json:

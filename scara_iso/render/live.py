@@ -13,7 +13,7 @@ from rich.text import Text
 
 from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import encodes
-from scara_iso.report.words import printable
+from scara_iso.reporting import printable
 
 _BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
 _TONES = {"good": "bold green", "bad": "bold red", "quiet": "dim", "plain": ""}

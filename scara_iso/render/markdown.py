@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterator
 
 from scara_iso.render.strips import LEVELS, sparkline
-from scara_iso.report.blocks import Block, Course, Figure, Notice, Report, Strip, Table, Text
-from scara_iso.report.words import printable
+from scara_iso.reporting import Block, Course, Figure, Notice, Report, Strip, Table, Text, printable
 
 _WIDTH = 60
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#!])")

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from scara_iso.errors import UsageError
 from scara_iso.render.pictures import font_file, picture_png, picture_size
-from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
-from scara_iso.report.words import printable
+from scara_iso.reporting import Block, Figure, Notice, Report, Strip, Table, Text, printable
 
 if TYPE_CHECKING:
     from fpdf import FPDF

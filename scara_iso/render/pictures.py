@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scara_iso.render.plots import AREA, ARM, EDGE, PLANE, SOLID
-from scara_iso.report.blocks import Course, Figure, Plane, Prediction
-from scara_iso.report.words import printable
+from scara_iso.reporting import Course, Figure, Plane, Prediction, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scara_iso.arm import Arm
 from scara_iso.disk import write_file
 from scara_iso.errors import UsageError
-from scara_iso.plan import Plan
+from scara_iso.iso9283 import Plan
+from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
-from scara_iso.workspace import Workspace
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,8 +19,17 @@ from rich.table import Table as RichTable
 from rich.text import Text as RichText
 
 from scara_iso.render.strips import LEVELS, sparkline
-from scara_iso.report.blocks import Block, Figure, Notice, Report, Section, Strip, Table, Text
-from scara_iso.report.words import printable
+from scara_iso.reporting import (
+    Block,
+    Figure,
+    Notice,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+    printable,
+)
 
 _STYLES = {
     "plain": "",

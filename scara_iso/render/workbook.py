@@ -9,9 +9,8 @@ from datetime import datetime
 from typing import TYPE_CHECKING
 
 from scara_iso.quantities import parse_number
-from scara_iso.report.blocks import Block, Figure, Notice, Report, Strip, Table, Text
-from scara_iso.report.words import printable
-from scara_iso.tables.locale import FORMULA
+from scara_iso.reporting import Block, Figure, Notice, Report, Strip, Table, Text, printable
+from scara_iso.tables import FORMULA
 
 if TYPE_CHECKING:
     from openpyxl.cell.cell import Cell, MergedCell

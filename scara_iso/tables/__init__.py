@@ -5,19 +5,50 @@ or a `DataError` with every fault: never a number in silence that could be anoth
 gives the canonical form.
 """
 
-from scara_iso.tables.locale import PLAIN, Digits, SheetLocale, find_locale, write_rows
-from scara_iso.tables.read import read_table
-from scara_iso.tables.source import Source, read_bytes
-from scara_iso.tables.write import write_table
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "PLAIN",
-    "Digits",
-    "SheetLocale",
-    "Source",
-    "find_locale",
-    "read_bytes",
-    "read_table",
-    "write_rows",
-    "write_table",
-]
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.tables.columns import Cell as Cell
+    from scara_iso.tables.faults import (
+        Faults as Faults,
+        listed as listed,
+        refuse as refuse,
+        show as show,
+    )
+    from scara_iso.tables.layout import is_comment as is_comment
+    from scara_iso.tables.locale import (
+        FORMULA as FORMULA,
+        PLAIN as PLAIN,
+        Digits as Digits,
+        OutputCell as OutputCell,
+        SheetLocale as SheetLocale,
+        find_locale as find_locale,
+        write_rows as write_rows,
+    )
+    from scara_iso.tables.names import clean as clean
+    from scara_iso.tables.numbers import (
+        BLANKS as BLANKS,
+        Mark as Mark,
+        parse_clean as parse_clean,
+        parse_number as parse_number,
+    )
+    from scara_iso.tables.read import read_table as read_table
+    from scara_iso.tables.source import (
+        OLD_WORKBOOK as OLD_WORKBOOK,
+        WORKBOOK as WORKBOOK,
+        Source as Source,
+        read_bytes as read_bytes,
+    )
+    from scara_iso.tables.text import (
+        Delimiter as Delimiter,
+        decode as decode,
+        split_head as split_head,
+        split_lines as split_lines,
+        stated_delimiter as stated_delimiter,
+    )
+    from scara_iso.tables.workbook import read_sheets as read_sheets
+    from scara_iso.tables.write import write_table as write_table
+else:
+    __getattr__ = face(__name__)

@@ -23,7 +23,7 @@ class Digits(str):
     __slots__ = ()
 
 
-Cell: TypeAlias = str | Digits | int | float | None
+OutputCell: TypeAlias = str | Digits | int | float | None
 """Text, a number, or nothing; only text is ever guarded against being taken for a formula."""
 
 
@@ -48,7 +48,7 @@ def find_locale(name: object) -> SheetLocale:
     return EXCEL.get(name, PLAIN) if isinstance(name, str) else PLAIN
 
 
-def write_rows(rows: Iterable[Sequence[Cell]], locale: SheetLocale = PLAIN) -> str:
+def write_rows(rows: Iterable[Sequence[OutputCell]], locale: SheetLocale = PLAIN) -> str:
     """Return rows as CSV with LF line ends, without the byte order mark.
 
     Numbers stay numbers, whatever their sign; what is not finite is an empty cell. Text is kept on
@@ -84,7 +84,7 @@ def one_line(text: str) -> str:
     return _CONTROL.sub(" ", text)
 
 
-def _spell(cell: Cell, locale: SheetLocale) -> str:
+def _spell(cell: OutputCell, locale: SheetLocale) -> str:
     match cell:
         case None:
             return ""

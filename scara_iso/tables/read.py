@@ -16,12 +16,7 @@ from scara_iso.tables.assemble import Options, assemble
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, listed, refuse, show
-from scara_iso.tables.layout import (
-    HEAD,
-    Layout,
-    find_layout,
-    read_preamble,
-)
+from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark, count_decimals
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes

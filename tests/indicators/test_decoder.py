@@ -3,10 +3,9 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from scara_iso.indicators import (
+from scara_iso.acquisition.indicators import (
     Decoder,
     Garbage,
     InstrumentFault,

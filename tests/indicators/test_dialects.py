@@ -4,11 +4,9 @@ import re
 from decimal import Decimal
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from scara_iso.errors import UsageError
-from scara_iso.indicators import (
+from scara_iso.acquisition.indicators import (
     Decoder,
     Dialect,
     Garbage,
@@ -18,6 +16,7 @@ from scara_iso.indicators import (
     find_dialect,
     find_dialects,
 )
+from scara_iso.errors import UsageError
 
 DIALECTS = list(find_dialects().values())
 STRICT = re.compile(r"-?(0|[1-9][0-9]*)(\.[0-9]+)?", re.ASCII)

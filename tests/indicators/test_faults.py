@@ -2,7 +2,12 @@
 
 import pytest
 
-from scara_iso.indicators import InstrumentFault, Reading, find_dialect, find_dialects
+from scara_iso.acquisition.indicators import (
+    InstrumentFault,
+    Reading,
+    find_dialect,
+    find_dialects,
+)
 
 FAULTS = [
     ("mitutoyo-mux", b"911", "911", "no data", "1"),

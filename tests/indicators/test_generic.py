@@ -2,8 +2,14 @@
 
 import pytest
 
+from scara_iso.acquisition.indicators import (
+    Decoder,
+    Garbage,
+    LineSettings,
+    Reading,
+    make_generic,
+)
 from scara_iso.errors import UsageError
-from scara_iso.indicators import Decoder, Garbage, LineSettings, Reading, make_generic
 
 BRIDGE = r"value=(?P<value>-?\d+\.\d+) (?P<unit>\S+)"
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show, spell
 from scara_iso.errors import UsageError
-from scara_iso.indicators._grammar import UNITS, decimal_text, show, spell
 from scara_iso.quantities import find_unit
 
 

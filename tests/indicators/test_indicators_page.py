@@ -5,7 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.indicators import Decoder, Dialect, Reading, find_dialects, make_generic
+from scara_iso.acquisition.indicators import (
+    Decoder,
+    Dialect,
+    Reading,
+    find_dialects,
+    make_generic,
+)
 
 PAGE = (Path(__file__).parents[2] / "docs" / "indicators.md").read_text(encoding="utf-8")
 ROWS = {

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.indicators import (
+from scara_iso.acquisition.indicators import (
     Decoder,
     Event,
     Garbage,

@@ -13,8 +13,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from scara_iso.drivetrain import DriveTrain
 from scara_iso.errors import UsageError
+from scara_iso.robot.drivetrain import DriveTrain
 from scara_iso.run import FloatArray
 
 from .motion import Drive, Held, Servo, State, Torque, Trajectory, check_drive

@@ -1,7 +1,6 @@
 """Any bytes give a run or an error of the house; a damaged table never gives another number."""
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from spelling import Spelling, Table, lines, spell
 from test_tables_spellings import assert_same
 

@@ -6,7 +6,7 @@ import numpy as np
 from oracles.integration import integrate
 from oracles.motion import RIGHT, Held, State, Torque, solve
 
-from scara_iso.drivetrain import Approach, DriveTrain, Move, arrivals
+from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
 from undeclared.dial import CYCLES, on_dial
 
 _ARM_MM = 700.0

@@ -1,0 +1,96 @@
+"""From bytes to a table: what instruments say, the lines they say it on, the recorder.
+
+`indicators` turns bytes into events without a port, `ports` opens lines, `recorder` joins both with
+a disk so that no announced reading is lost.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.acquisition.indicators import (
+        Decoder as Decoder,
+        Dialect as Dialect,
+        Event as Event,
+        Garbage as Garbage,
+        InstrumentFault as InstrumentFault,
+        LinePulse as LinePulse,
+        LineSettings as LineSettings,
+        Notice as Notice,
+        Parity as Parity,
+        Reading as Reading,
+        diagnose_parity as diagnose_parity,
+        find_dialect as find_dialect,
+        find_dialects as find_dialects,
+        make_generic as make_generic,
+    )
+    from scara_iso.acquisition.manifest import sha256 as sha256
+    from scara_iso.acquisition.ports import (
+        PULSE as PULSE,
+        Clock as Clock,
+        Device as Device,
+        DevicePort as DevicePort,
+        Port as Port,
+        ReplayPort as ReplayPort,
+        SimulatedPort as SimulatedPort,
+        Source as Source,
+        StreamClock as StreamClock,
+        SystemClock as SystemClock,
+        choose_clock as choose_clock,
+        is_device as is_device,
+        is_recorded as is_recorded,
+        is_simulated as is_simulated,
+        list_devices as list_devices,
+        open_port as open_port,
+        refuse_same_device as refuse_same_device,
+        split_options as split_options,
+    )
+    from scara_iso.acquisition.ports.tape import is_tape as is_tape
+    from scara_iso.acquisition.recorder import (
+        Command as Command,
+        CycleDone as CycleDone,
+        Disk as Disk,
+        Done as Done,
+        Enter as Enter,
+        GaugeSpec as GaugeSpec,
+        Gross as Gross,
+        History as History,
+        Job as Job,
+        Listen as Listen,
+        Note as Note,
+        Noted as Noted,
+        Noticed as Noticed,
+        Operator as Operator,
+        Pause as Pause,
+        Paused as Paused,
+        Plan as Plan,
+        Problem as Problem,
+        Quit as Quit,
+        Refused as Refused,
+        Said as Said,
+        Started as Started,
+        Stored as Stored,
+        SystemDisk as SystemDisk,
+        Take as Take,
+        Timer as Timer,
+        Trigger as Trigger,
+        Void as Void,
+        Voided as Voided,
+        Waiting as Waiting,
+        as_json as as_json,
+        check_manifest as check_manifest,
+        check_metadata as check_metadata,
+        manifest_path as manifest_path,
+        parse_gauges as parse_gauges,
+        parse_metadata as parse_metadata,
+        parse_trigger as parse_trigger,
+        raw_path as raw_path,
+        read_history as read_history,
+        read_metadata as read_metadata,
+        rebuild as rebuild,
+        record as record,
+        refuse_existing as refuse_existing,
+    )
+else:
+    __getattr__ = face(__name__)

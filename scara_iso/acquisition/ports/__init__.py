@@ -1,0 +1,67 @@
+"""The only place that opens ports: serial devices and URLs, recorded streams, simulations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from scara_iso.acquisition.indicators import Dialect
+from scara_iso.acquisition.ports import replay, simulated
+from scara_iso.acquisition.ports.address import is_device, is_recorded, is_simulated
+from scara_iso.acquisition.ports.clock import Clock, StreamClock, SystemClock
+from scara_iso.acquisition.ports.device import DevicePort
+from scara_iso.acquisition.ports.identity import Device, list_devices, refuse_same_device
+from scara_iso.acquisition.ports.port import Port, split_options
+from scara_iso.acquisition.ports.replay import PULSE, ReplayPort
+from scara_iso.acquisition.ports.simulated import SimulatedPort, Source
+
+__all__ = [
+    "PULSE",
+    "Clock",
+    "Device",
+    "DevicePort",
+    "Port",
+    "ReplayPort",
+    "SimulatedPort",
+    "Source",
+    "StreamClock",
+    "SystemClock",
+    "choose_clock",
+    "is_device",
+    "is_recorded",
+    "is_simulated",
+    "list_devices",
+    "open_port",
+    "refuse_same_device",
+    "split_options",
+]
+
+
+def choose_clock(addresses: Iterable[str]) -> Clock:
+    """Return the system's clock, or a stream's where no port is a cable."""
+    addresses = tuple(addresses)
+    if any(map(is_device, addresses)):
+        return SystemClock()
+    paced = [simulated.paced(a) if is_simulated(a) else replay.paced(a) for a in addresses]
+    return StreamClock(paced=any(paced))
+
+
+def open_port(
+    address: str,
+    dialect: Dialect,
+    *,
+    axis: str,
+    clock: Clock,
+    asked: bool,
+    source: Source | None = None,
+) -> Port:
+    """Open the port that ``address`` names, with the dialect's line settings.
+
+    ``asked`` says that readings will be asked for; otherwise they come by themselves. ``source``
+    feeds a simulated indicator. Raises `UsageError`, `NoInputError`, `DataError` or
+    `InstrumentError`.
+    """
+    if is_simulated(address):
+        return SimulatedPort(address, dialect, axis=axis, clock=clock, asked=asked, source=source)
+    if is_recorded(address):
+        return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
+    return DevicePort(address, dialect.line)

@@ -1,0 +1,165 @@
+"""A serial device or pyserial URL, held for real: the one place that talks to pyserial."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import time
+from pathlib import Path
+from typing import Any
+
+import serial
+
+from scara_iso.acquisition.indicators import LinePulse, LineSettings
+from scara_iso.acquisition.ports.address import check_device
+from scara_iso.acquisition.ports.identity import describe
+from scara_iso.errors import InstrumentError
+
+try:
+    import termios
+    from fcntl import ioctl
+except ImportError:  # Windows: a port is always exclusive there
+    termios = None  # type: ignore[assignment]
+
+_LOST: tuple[type[Exception], ...] = (serial.SerialException, OSError, TypeError)
+"""What pyserial 3.5 raises on a lost port; TypeError on a handle that was closed under it."""
+if termios is not None:
+    _LOST += (termios.error,)
+_NOT_OPENED: tuple[type[Exception], ...] = (*_LOST, ValueError)
+
+SETTLE_S = 0.15
+"""Power of an opto cable comes up, and a frame under way at opening ends, in this time [s]."""
+_CHUNK = 4096
+_PSEUDO = re.compile(r"/dev/(?:pts/|ttys)\d+")
+"""Pseudo-terminals of Linux and macOS: no line, so no parity and always eight bits."""
+_CANNOT_DO = 22
+
+
+class DevicePort:
+    """An open port: exclusive, never waiting, its modem lines set before it was opened.
+
+    Raises `UsageError` for what is no address of one, and `InstrumentError` where the port cannot
+    be opened with these settings.
+    """
+
+    unit: str | None = None
+    settle_s = SETTLE_S
+    ended = False
+    simulated = False
+
+    def __init__(self, address: str, line: LineSettings) -> None:
+        check_device(address)
+        self.address = address
+        self.identity = describe(address)
+        self._serial = _prepare(address, line)
+        try:
+            _open(self._serial, address)
+            _exclude_others(self._serial)
+            self.identity += _check_parity(self._serial, line)
+        except _NOT_OPENED as error:
+            self.close()
+            raise _cannot_open(address, line, error) from error
+
+    def read(self) -> bytes:
+        """Return what has arrived."""
+        try:
+            return bytes(self._serial.read(_CHUNK))
+        except _LOST as error:
+            raise self._lost(error) from error
+
+    def write(self, data: bytes) -> None:
+        """Send."""
+        try:
+            self._serial.write(data)
+        except _LOST as error:
+            raise self._lost(error) from error
+
+    def pulse(self, pulse: LinePulse) -> None:
+        """Hold the modem line as the dialect says, then let it go back."""
+        try:
+            setattr(self._serial, pulse.line, pulse.level)
+            time.sleep(pulse.seconds)
+            setattr(self._serial, pulse.line, not pulse.level)
+        except _LOST as error:
+            raise self._lost(error) from error
+
+    def close(self) -> None:
+        """Close; a lost port may fail at that too."""
+        with contextlib.suppress(*_LOST):
+            self._serial.close()
+
+    def _lost(self, error: Exception) -> InstrumentError:
+        return InstrumentError(
+            f"the port is lost ({error})",
+            where=self.address,
+            remedy="the cable or the indicator was unplugged or switched off, or another program "
+            "reads this port; mend it, check zero and unit of the indicator, and use --resume",
+        )
+
+
+def _prepare(address: str, line: LineSettings) -> Any:
+    port = serial.serial_for_url(address, do_not_open=True)
+    port.baudrate, port.bytesize = line.baud, line.data_bits
+    port.parity, port.stopbits = line.parity, line.stop_bits
+    port.timeout = 0
+    if isinstance(port, serial.Serial):
+        port.write_timeout = 2
+        port.exclusive = True
+    if line.dtr is not None:
+        port.dtr = line.dtr
+    if line.rts is not None:
+        port.rts = line.rts
+    return port
+
+
+def _open(port: Any, address: str) -> None:
+    """Open; a pseudo-terminal may refuse a parity, which has no meaning there."""
+    try:
+        port.open()
+    except _NOT_OPENED as error:
+        if _code(error) != _CANNOT_DO or not _PSEUDO.fullmatch(str(Path(address).resolve())):
+            raise
+        port.bytesize, port.parity, port.stopbits = 8, "N", 1
+        port.open()
+
+
+def _check_parity(port: Any, line: LineSettings) -> str:
+    """Have the driver mark bytes of a wrong parity (0xFF 0x00 before them): no frame holds those.
+
+    pyserial sets the parity and never checks it. A break is no byte. Returns what is to be said
+    where the device has no parity.
+    """
+    if termios is None or line.parity == "N" or not isinstance(port, serial.Serial):
+        return ""
+    settings = termios.tcgetattr(port.fileno())
+    if not settings[2] & termios.PARENB:
+        return f" (a pseudo-terminal: {line} is not set, no parity is checked)"
+    settings[0] |= termios.INPCK | termios.PARMRK | termios.IGNBRK
+    settings[0] &= ~(termios.IGNPAR | termios.ISTRIP)
+    termios.tcsetattr(port.fileno(), termios.TCSANOW, settings)
+    return ""
+
+
+def _code(error: Exception) -> object:
+    return getattr(error, "errno", None) or (error.args[0] if error.args else None)
+
+
+def _exclude_others(port: Any) -> None:
+    """Keep out programs that ask for no lock: the lock of pyserial is advisory."""
+    if termios is not None and isinstance(port, serial.Serial):
+        ioctl(port.fileno(), termios.TIOCEXCL)
+
+
+def _cannot_open(address: str, line: LineSettings, error: Exception) -> InstrumentError:
+    match _code(error):
+        case 2:
+            remedy = "`scara-iso ports` lists the ports that are there"
+        case 13:
+            remedy = "no permission: join the group that owns the device (often dialout)"
+        case 11 | 16:
+            remedy = "another program holds this port: close it"
+        case 22:
+            remedy = f"this hardware cannot do {line}: use another adapter"
+        case _:
+            remedy = "check the address, the cable and that no other program holds the port"
+    return InstrumentError(f"cannot be opened ({error})", where=address, remedy=remedy)

@@ -1,0 +1,216 @@
+"""A recorded stream as a port: ``replay:FILE``, a file of bytes or a raw file of ``record``.
+
+A raw file gives the readings of its table again, at their recorded times or one for each request:
+not what was struck out, refused, or sent before the first cycle. Where none was stored, and for
+another driver than the recording's, what was recorded after a request is sent after the same
+request, and what came by itself at its recorded time. A file of bytes has no times: its lines come
+one second apart, or one for each request.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+import re
+from collections import defaultdict, deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from scara_iso.acquisition.indicators import Decoder, Dialect, LinePulse, Reading
+from scara_iso.acquisition.ports.clock import Clock, StreamClock
+from scara_iso.acquisition.ports.port import split_options
+from scara_iso.acquisition.ports.tape import Record, is_tape, read_tape
+from scara_iso.acquisition.ports.timeline import Timeline
+from scara_iso.errors import DataError, UsageError
+from scara_iso.files import open_file, read_file
+
+OPTIONS = {
+    "pace": "1 for the recorded timing, 0 (default) for as fast as possible",
+    "gauge": "axis to replay out of a raw file with several",
+}
+LINE_SPACING_S = 1.0
+"""Time between two lines of a file of bytes, which records none [s]."""
+ANSWER_S = 0.02
+_LARGEST = 64 * 2**20
+PULSE = b"(pulse)"
+"""Stands for a request made by a modem line."""
+
+_LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+$")
+_Chunks = list[tuple[float, bytes]]
+
+
+@dataclass(slots=True)
+class Stream:
+    """What a file holds: bytes at their time, and bytes by request with the delay to it [s]."""
+
+    pushed: _Chunks = field(default_factory=list)
+    answers: dict[bytes, deque[_Chunks]] = field(default_factory=lambda: defaultdict(deque))
+    unit: str | None = None
+    simulated: bool = False
+
+
+class ReplayPort:
+    """Sends what a file recorded; ``asked`` says that the session will send requests.
+
+    Raises `NoInputError` where the file is not there and `DataError` where it holds nothing.
+    """
+
+    settle_s = 0.0
+
+    def __init__(
+        self, address: str, dialect: Dialect, *, axis: str, clock: Clock, asked: bool
+    ) -> None:
+        name, options = split_options(address.removeprefix("replay:"), OPTIONS)
+        self.address = self.identity = address
+        stream = _load(Path(name), dialect, options.get("gauge", axis), asked=asked)
+        self.unit = stream.unit
+        self.simulated = stream.simulated
+        self._clock = clock
+        self._answers = stream.answers
+        self._order = 0
+        self._waiting: list[tuple[float, int, bytes]] = []
+        self._schedule(stream.pushed, clock.now())
+        if isinstance(clock, StreamClock):
+            clock.watch(self._due)
+
+    @property
+    def ended(self) -> bool:
+        """Whether everything recorded was sent."""
+        return not self._waiting and not any(self._answers.values())
+
+    def read(self) -> bytes:
+        """Return the recorded bytes whose time has come: one recorded chunk at a time."""
+        if self._due() > self._clock.now():
+            return b""
+        return heapq.heappop(self._waiting)[2]
+
+    def write(self, data: bytes) -> None:
+        """Send the next answer that was recorded to this request."""
+        if self._answers.get(data):
+            self._schedule(self._answers[data].popleft(), self._clock.now())
+
+    def pulse(self, pulse: LinePulse) -> None:  # noqa: ARG002 - any pulse is a request
+        """Take the pulse as the request it is."""
+        self.write(PULSE)
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def _due(self) -> float:
+        return self._waiting[0][0] if self._waiting else math.inf
+
+    def _schedule(self, chunks: _Chunks, start: float) -> None:
+        for delay, data in chunks:
+            self._order += 1
+            heapq.heappush(self._waiting, (start + delay, self._order, data))
+
+
+def paced(address: str) -> bool:
+    """Say whether the recorded timing is wanted."""
+    return split_options(address.removeprefix("replay:"), OPTIONS)[1].get("pace", "0") != "0"
+
+
+def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
+    with open_file(path) as file:
+        tape = is_tape(file.read(16))
+    data = b"" if tape else read_file(path, _LARGEST)
+    try:
+        stream = _from_tape(path, dialect, axis, asked=asked) if tape else Stream()
+    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        raise DataError(f"is no raw file of record ({error})", where=str(path)) from error
+    if not tape:
+        stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]
+    request = _request(dialect)
+    if asked and request is not None and not stream.answers:
+        answers = _lines(b"".join(chunk for _, chunk in stream.pushed))
+        stream.answers = {request: deque([(ANSWER_S, line)] for line in answers)}
+        stream.pushed = []
+    if not stream.pushed and not stream.answers:
+        raise DataError("holds no received bytes", where=str(path))
+    return stream
+
+
+def _request(dialect: Dialect) -> bytes | None:
+    return dialect.request or (PULSE if dialect.request_line else None)
+
+
+def _lines(data: bytes) -> list[bytes]:
+    return _LINE.findall(data)
+
+
+def _from_tape(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
+    """Return what was stored; all that was received where nothing was, or for another driver."""
+    stream = _received(path, axis, asked=asked)
+    if stored := _stored(path, dialect, axis):
+        stream.pushed, stream.answers = stored, defaultdict(deque)
+    return stream
+
+
+def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
+    """Return the frames that became readings of the table, by cycle, with their times [s].
+
+    A reading is stored behind the bytes that brought it: its frame is the last with its text.
+    """
+    found: dict[int, tuple[float, bytes]] = {}
+    frames: dict[str, bytes] = {}
+    for time, record in _of_axis(path, axis):
+        match record:
+            case {"event": "session", "gauges": gauges}:
+                if gauges[axis].get("dialect") != dialect.key:
+                    return []
+                decoder, frames = Decoder(dialect), {}
+            case {"event": "in", "hex": str(text)}:
+                heard = decoder.feed(bytes.fromhex(text))
+                frames |= {e.text: e.raw for e in heard if isinstance(e, Reading)}
+            case {"event": "stored", "cycle": int(cycle), "text": str(text), "at": float(at)}:
+                if text not in frames:
+                    raise DataError(
+                        f"the bytes of cycle {cycle}, axis {axis}, are not there",
+                        where=str(path), remedy="--rebuild makes the table of what was stored",
+                    )  # fmt: skip
+                found[cycle] = (time - float(record["t"]) + at, frames[text] + dialect.terminator)
+                frames.clear()
+            case {"event": "void", "cycle": int(cycle), "axes": [*axes]} if axis in axes:
+                found.pop(cycle, None)
+    return [found[cycle] for cycle in sorted(found)]
+
+
+def _received(path: Path, axis: str, *, asked: bool) -> Stream:
+    stream = Stream()
+    answer: _Chunks | None = None
+    asked_at = 0.0
+    for time, record in _of_axis(path, axis):
+        match record:
+            case {"event": "session", "gauges": gauges}:
+                stream.unit = gauges[axis]["unit"] or stream.unit
+                stream.simulated |= gauges[axis]["simulated"]
+            case {"event": "stored", "unit": str(unit)}:
+                stream.unit = unit
+            case {"event": "out", "hex": str(text)} if asked:
+                answer, asked_at = [], time
+                stream.answers[bytes.fromhex(text)].append(answer)
+            case {"event": "in", "hex": str(text)}:
+                chunks, start = (stream.pushed, 0.0) if answer is None else (answer, asked_at)
+                chunks.append((time - start, bytes.fromhex(text)))
+    return stream
+
+
+def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
+    """Yield the records of one axis with their time, sessions one behind the other."""
+    timeline = Timeline()
+    axes: Iterable[str] = ()
+    for _, record in read_tape(path):
+        if record is None:
+            continue
+        if record["event"] == "session":
+            axes = record.get("gauges", {})
+            if axis not in axes:
+                raise UsageError(
+                    f"no gauge {axis} was recorded, only {', '.join(axes)}",
+                    where=str(path),
+                    remedy=f"replay:{path}?gauge={next(iter(axes), 'X')}",
+                )
+        time = timeline.at(record)
+        if record["event"] in ("session", "void") or record.get("axis") == axis:
+            yield time, record

@@ -1,0 +1,276 @@
+"""The gauges of a session, looked at together: what arrives, and readings on request."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from scara_iso.acquisition.indicators import Garbage, InstrumentFault, Notice, Reading
+from scara_iso.acquisition.ports import Clock
+from scara_iso.acquisition.recorder.events import Kind, Noticed, Problem, Refused, Said
+from scara_iso.acquisition.recorder.gauge import Gauge, no_unit
+from scara_iso.acquisition.recorder.journal import Journal
+from scara_iso.acquisition.recorder.shown import DisplayChangedError
+
+SETTLING_S = 10.0
+"""Longest time that a value may take to settle, under the rule of equal readings [s]."""
+QUIET = 5.0
+"""A gauge that owes an answer owes it no more when its line was quiet for so many answer times."""
+NEVER_QUIET = 2.0 * QUIET
+LATER = 1.25
+LINGER_S = 0.02
+"""A second answer is awaited for `LATER` times the longest that one took, and so much more [s].
+
+Two that differ are no answer: a frame sent twice may come behind the next request, and before
+its answer.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """A reading of a gauge and when its last byte arrived [s]; ``stale`` began too early."""
+
+    gauge: Gauge
+    reading: Reading
+    time: float
+    stale: bool
+
+
+class Bench:
+    """Several gauges on one clock; what is no reading is written down and told at once."""
+
+    def __init__(
+        self,
+        gauges: Sequence[Gauge],
+        *,
+        journal: Journal,
+        clock: Clock,
+        tell: Callable[[Said], None],
+    ) -> None:
+        self.gauges = gauges
+        self._journal = journal
+        self._clock = clock
+        self._tell = tell
+        self._faulted = False
+        self._opening = True
+        self._unreadable: set[str] = set()
+        self.last_problem = ""
+
+    def open(self) -> None:
+        """Let powers come up, refuse what is under way, and learn the units.
+
+        What comes meanwhile is noticed: no trouble of the recording. Raises `UsageError` where
+        nobody states the unit of a gauge.
+        """
+        self.drain(max(gauge.port.settle_s for gauge in self.gauges), "sent before the session")
+        self.learn_units(self.gauges)
+        for gauge in self.gauges:
+            if gauge.unit is None and gauge.dialect.units == (None,):
+                raise no_unit(gauge)
+        self._opening = False
+        self._unreadable.clear()
+
+    def learn_units(self, gauges: Sequence[Gauge]) -> None:
+        """Ask gauges for their unit; `DisplayChangedError` where it is another than before."""
+        asked = (gauge.ask_unit(self._journal, self._clock) for gauge in gauges)
+        deadline = max(asked, default=-math.inf)
+        while self._clock.now() < deadline:
+            self.refuse(self.receive(), "the unit was asked for")
+            if not any(gauge.unit_asked for gauge in gauges):
+                break
+            self._clock.idle(deadline)
+        for gauge in gauges:
+            gauge.unit_asked = False
+            gauge.expect_from_now()
+
+    def receive(self) -> list[Taken]:
+        """Look at every port once and return the readings that have arrived."""
+        readings = []
+        for gauge in self.gauges:
+            for arrival in gauge.receive(self._journal, self._clock):
+                match arrival.event:
+                    case Reading() as reading:
+                        readings.append(Taken(gauge, reading, arrival.time, arrival.stale))
+                    case Garbage(reason=reason, raw=raw):
+                        self._unreadable.add(gauge.axis)
+                        self.problem(gauge, "garbage", f"{reason}: {raw!r}")
+                    case InstrumentFault(code=code, message=message):
+                        self._faulted = True
+                        self._unreadable.add(gauge.axis)
+                        self.problem(gauge, "fault", f"{code}: {message}")
+                    case Notice(message=message, switched_on=on):
+                        if on and gauge.shown and not self._opening:
+                            raise _zero_gone(gauge, message)
+                        self._tell(Noticed(gauge.axis, message))
+        return readings
+
+    def measure(self, stable: int) -> list[Taken] | None:
+        """Return one reading of every gauge, or None after saying what went wrong.
+
+        ``stable`` readings in a row lie within one count of the last place.
+        """
+        series: list[list[Taken]] = []
+        until = self._clock.now() + SETTLING_S
+        while not series or self._clock.now() < until:
+            taken = self._ask()
+            if taken is None:
+                return None
+            series = [*series, taken][-stable:]
+            if len(series) == stable and all(map(_settled, zip(*series, strict=True))):
+                return taken
+        for gauge in self.gauges:
+            self.problem(gauge, "unsettled", f"not {stable} equal readings in {SETTLING_S:g} s")
+        return None
+
+    def drain(self, seconds: float, reason: str) -> None:
+        """Refuse what arrives for a while, and for as long as late answers may still come."""
+        start = self._clock.now()
+        end = start + max(
+            [seconds, *(NEVER_QUIET * g.dialect.answer_time_s for g in self._owing())]
+        )
+        while (now := self._clock.now()) < end:
+            until = max([start + seconds, *(g.quiet_after(QUIET) for g in self._owing())])
+            if now >= until:
+                break
+            self.refuse(self.receive(), reason)
+            self._clock.idle(until)
+        for gauge in self._owing():
+            if gauge.quiet_after(QUIET) <= self._clock.now() and (dropped := gauge.forgive()):
+                self.problem(gauge, "garbage", dropped.reason)
+
+    def doubt(self, readings: Iterable[Taken]) -> bool:
+        """Say whether a display seems changed; `DisplayChangedError` at the second such answer.
+
+        One of them may be a damaged frame, and is told.
+        """
+        for taken in readings:
+            gauge = taken.gauge
+            reason = gauge.shown.changed(taken.reading.text)
+            gauge.odd = gauge.odd + 1 if reason else 0
+            if gauge.odd > 1:
+                raise _changed(gauge, reason)
+            if reason:
+                self.problem(gauge, "changed", f"{reason}: asked again")
+        return any(taken.gauge.odd for taken in readings)
+
+    def take_damaged(self) -> list[str]:
+        """Return the axes whose line could not be read, or was a fault, since the last call."""
+        axes = sorted(self._unreadable)
+        self._unreadable.clear()
+        return axes
+
+    def suspects(self) -> list[Gauge]:
+        """Return the gauges that were silent for long, or whose last answer was odd."""
+        return [gauge for gauge in self.gauges if gauge.odd or gauge.doubtful]
+
+    def refuse(self, readings: Iterable[Taken], reason: str) -> None:
+        """Write down and say that these readings are not taken."""
+        for taken in readings:
+            axis, text = taken.gauge.axis, taken.reading.text
+            if self._opening or (taken.stale and not taken.gauge.shown):
+                self.notice(taken.gauge, f"{text} not taken: {reason}")
+                continue
+            self._journal.append("refused", axis=axis, text=text, reason=reason)
+            self._tell(Refused(axis, text, reason))
+
+    def problem(self, gauge: Gauge, kind: Kind, message: str) -> None:
+        """Write down and say that there is no reading."""
+        if self._opening:
+            self.notice(gauge, message)
+            return
+        self.last_problem = f"{gauge.axis}: {message}"
+        self._journal.append(kind, axis=gauge.axis, message=message)
+        self._tell(Problem(gauge.axis, kind, message))
+
+    def notice(self, gauge: Gauge, message: str) -> None:
+        """Write down and say what is no trouble."""
+        self._journal.append("notice", axis=gauge.axis, message=message)
+        self._tell(Noticed(gauge.axis, message))
+
+    def _owing(self) -> list[Gauge]:
+        return [gauge for gauge in self.gauges if gauge.outstanding]
+
+    def _ask(self) -> list[Taken] | None:
+        """Ask every gauge once, when none owes an answer; two that differ are none."""
+        self.drain(0.0, "late, or not asked for")
+        self.refuse(self.receive(), "not asked for")
+        for gauge in self._owing():
+            self.problem(gauge, "timeout", "owes an answer, and its line is never quiet")
+            return None
+        self._faulted = ambiguous = False
+        self._unreadable.clear()
+        asked = self._clock.now()
+        deadline = max(gauge.ask(self._journal, self._clock) for gauge in self.gauges)
+        taken: dict[str, Taken] = {}
+        while self._clock.now() < (until := self._listening(taken, asked, deadline)):
+            for one in self.receive():
+                first = taken.setdefault(one.gauge.axis, one) if _answers(one) else one
+                if first is not one or not _answers(one):
+                    self.refuse([one], _why(one))
+                    ambiguous |= _answers(one) and first.reading.text != one.reading.text
+            if self._faulted:
+                self.refuse(taken.values(), "a gauge of the same cycle is at fault")
+                return None
+            self._clock.idle(until)
+        return self._judge(taken, asked, ambiguous=ambiguous)
+
+    def _listening(self, taken: Mapping[str, Taken], asked: float, deadline: float) -> float:
+        """Return until when answers, or second ones, are awaited [s]."""
+        if len(taken) < len(self.gauges) or any(gauge.doubtful for gauge in self.gauges):
+            return deadline
+        times = [max(t.gauge.slowest, t.time - asked) for t in taken.values() if t.gauge.asks]
+        return min(deadline, asked + LATER * max(times) + LINGER_S) if times else -math.inf
+
+    def _judge(
+        self, taken: Mapping[str, Taken], asked: float, *, ambiguous: bool
+    ) -> list[Taken] | None:
+        damaged = [g for g in self.gauges if g.asks and g.axis in self._unreadable]
+        for gauge in damaged:
+            gauge.outstanding = 0
+        silent = [gauge for gauge in self.gauges if gauge.axis not in taken]
+        for gauge in silent:
+            self.problem(gauge, "timeout", f"no answer in {gauge.dialect.answer_time_s:g} s")
+        if silent or damaged or ambiguous:
+            why = "another gauge is silent" if silent else "another answer says otherwise"
+            self.refuse(taken.values(), why)
+            return None
+        for one in taken.values():
+            one.gauge.slowest = max(one.gauge.slowest, one.time - asked)
+            one.gauge.doubtful = False
+        return [taken[gauge.axis] for gauge in self.gauges]
+
+
+def _answers(one: Taken) -> bool:
+    """Say whether the reading began after the request, and is of the channel asked for."""
+    return not one.stale and not one.gauge.of_other_channel(one.reading)
+
+
+def _why(one: Taken) -> str:
+    if one.stale:
+        return "begun before the request"
+    if _answers(one):
+        return "a second answer to one request"
+    return f"of channel {one.reading.channel}: give ?channel="
+
+
+def _zero_gone(gauge: Gauge, message: str) -> DisplayChangedError:
+    return DisplayChangedError(
+        f"the indicator was switched off and on ({message}): its zero is gone",
+        where=f"gauge {gauge.axis}",
+        remedy="check its unit; set the zero of before and go on with --resume, or begin anew",
+    )
+
+
+def _changed(gauge: Gauge, reason: str) -> DisplayChangedError:
+    return DisplayChangedError(
+        f"unit or resolution of the display have changed: {reason}",
+        where=f"gauge {gauge.axis}",
+        remedy="set unit, resolution and zero as they were, then go on with --resume",
+    )
+
+
+def _settled(series: Sequence[Taken]) -> bool:
+    """Say whether the readings of one gauge lie within one count of the last place."""
+    values = [taken.reading.value for taken in series]
+    return max(values) - min(values) <= series[-1].reading.resolution

@@ -1,0 +1,199 @@
+"""One indicator on one axis: its port, its decoder, and the unit it is read in."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from scara_iso.acquisition.indicators import (
+    Decoder,
+    Dialect,
+    Event,
+    Garbage,
+    InstrumentFault,
+    Notice,
+    Reading,
+)
+from scara_iso.acquisition.ports import Clock, Port
+from scara_iso.acquisition.recorder.journal import Journal
+from scara_iso.acquisition.recorder.shown import DisplayChangedError, Shown
+from scara_iso.errors import UsageError
+from scara_iso.quantities import parse_unit
+
+_LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
+"""CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """An event and when its last byte arrived [s]; ``stale`` began before it was asked for."""
+
+    event: Event
+    time: float
+    stale: bool = False
+
+
+class Gauge:
+    """Reads one indicator; everything received and sent goes to the journal first.
+
+    ``unit`` is the one that the user, a recording or a simulation states (``unit_from``), else
+    None until the indicator states it. `outstanding` counts requests that nothing answered: while
+    it is not zero, the next frame may be the answer to an earlier one. `doubtful` holds where a
+    debt was forgiven and no answer came alone since; `slowest` is the longest time that an answer
+    took [s]; `odd` counts the latest answers of a display that seems to have changed.
+    """
+
+    def __init__(
+        self,
+        axis: str,
+        dialect: Dialect,
+        port: Port,
+        *,
+        unit: str | None,
+        unit_from: str = "the option",
+    ) -> None:
+        self.axis = axis
+        self.dialect = dialect
+        self.port = port
+        self.unit = port.unit or unit
+        self.unit_from = _origin(axis, port, unit, unit_from)
+        self.outstanding = 0
+        self.unit_asked = self.doubtful = False
+        self.slowest = 0.0
+        self.shown = Shown(fixed_decimals=dialect.fixed_decimals)
+        self.odd = 0
+        self._active = -math.inf
+        self._channel: str | None = None
+        self._decoder = Decoder(dialect)
+        self._within_line = False
+        self._stale = False
+
+    def receive(self, journal: Journal, clock: Clock) -> list[Arrival]:
+        """Return the events of what has arrived, at once.
+
+        Raises `InstrumentError` where the port is lost, `DisplayChangedError` where the unit
+        is another than before, and `UsageError` for a reading whose unit nobody states.
+        """
+        data = self.port.read()
+        if not data:
+            return []
+        journal.append("in", axis=self.axis, port=self.port.address, hex=data.hex())
+        now = self._active = clock.now()
+        arrivals: list[Arrival] = []
+        if self._stale and (end := _LINE_END.search(data)):
+            begun, data = data[: end.end()], data[end.end() :]
+            arrivals = [Arrival(e, now, stale=True) for e in self._decoder.feed(begun)]
+            self._stale = self._within_line = False
+        if data:
+            self._within_line = _LINE_END.match(data[-1:]) is None
+            arrivals += [Arrival(event, now) for event in self._decoder.feed(data)]
+        return [self._checked(arrival) for arrival in arrivals]
+
+    def ask(self, journal: Journal, clock: Clock) -> float:
+        """Ask for a reading and return when it must be there [s].
+
+        An indicator that only sends by itself is not asked: its next whole line counts.
+        """
+        self.expect_from_now()
+        if self.dialect.request is not None:
+            self._write(self.dialect.request, journal)
+        elif self.dialect.request_line is not None:
+            journal.append("out", axis=self.axis, port=self.port.address, hex=b"(pulse)".hex())
+            self.port.pulse(self.dialect.request_line)
+        self.outstanding += self.asks
+        self._active = clock.now()
+        return self._active + self.dialect.answer_time_s
+
+    def ask_unit(self, journal: Journal, clock: Clock) -> float:
+        """Ask which unit the display shows, also where it was stated; as `ask`.
+
+        A recording or a simulation is not asked.
+        """
+        if self.port.unit or self.dialect.unit_request is None or self.dialect.request_line:
+            return -math.inf
+        self._write(self.dialect.unit_request, journal)
+        self.unit_asked = True
+        return clock.now() + self.dialect.answer_time_s
+
+    def expect_from_now(self) -> None:
+        """Mark a line that is under way as begun too early."""
+        self._stale = self._within_line
+
+    @property
+    def asks(self) -> bool:
+        """Whether readings are asked for; otherwise the indicator only sends by itself."""
+        return self.dialect.request is not None or self.dialect.request_line is not None
+
+    def quiet_after(self, answer_times: float) -> float:
+        """Return when the line will have been quiet for so many answer times [s]."""
+        return self._active + answer_times * self.dialect.answer_time_s
+
+    def forgive(self) -> Garbage | None:
+        """Await no answer to what was asked; drop a line whose end never came, and return it."""
+        self.outstanding = 0
+        self.doubtful = True
+        self._within_line = self._stale = False
+        return self._decoder.drop_partial()
+
+    def _write(self, data: bytes, journal: Journal) -> None:
+        journal.append("out", axis=self.axis, port=self.port.address, hex=data.hex())
+        self.port.write(data)
+
+    def _checked(self, arrival: Arrival) -> Arrival:
+        match arrival.event:
+            case Reading(unit=unit, channel=channel):
+                self._answered(arrival)
+                self._check_unit(unit)
+                self._channel = self._channel or channel
+            case Notice(unit=str(unit)):
+                self.unit_asked = False
+                self._check_unit(unit)
+            case InstrumentFault():
+                self._answered(arrival)
+        return arrival
+
+    def _answered(self, arrival: Arrival) -> None:
+        """Count a line as the answer to what is owed; one begun too early answers nothing."""
+        if self.unit_asked:
+            self.unit_asked = False
+        elif not arrival.stale:
+            self.outstanding = max(0, self.outstanding - 1)
+
+    def of_other_channel(self, reading: Reading) -> bool:
+        """Say whether the reading is of another channel than the first one was."""
+        return reading.channel not in (None, self._channel)
+
+    def _check_unit(self, stated: str | None) -> None:
+        stated = stated and parse_unit(stated).name
+        if stated and self.unit not in (None, stated):
+            raise DisplayChangedError(
+                f"the indicator shows {stated}, and {self.unit_from or 'it'} said {self.unit}",
+                where=f"gauge {self.axis}",
+                remedy="set the indicator or the option right; check readings already stored",
+            )
+        self.unit = self.unit or stated
+        if self.unit is None:
+            raise no_unit(self)
+
+
+def no_unit(gauge: Gauge) -> UsageError:
+    """Return the error for an indicator whose unit nobody states."""
+    return UsageError(
+        f"{gauge.dialect.key} does not say its unit",
+        where=f"gauge {gauge.axis}",
+        remedy=f"look at the display and give --unit mm, or {gauge.axis}={gauge.dialect.key}"
+        f"?unit=mm@{gauge.port.address}",
+    )
+
+
+def _origin(axis: str, port: Port, unit: str | None, unit_from: str) -> str:
+    if port.unit and unit and parse_unit(unit) != parse_unit(port.unit):
+        raise UsageError(
+            f"{port.address} is in {port.unit}, and {unit_from} says {unit}",
+            where=f"gauge {axis}",
+            remedy="leave the option out, or give sim:?unit=",
+        )
+    if port.unit:
+        return "the simulation" if port.address.startswith("sim:") else "the recording"
+    return unit_from if unit else ""

@@ -1,0 +1,316 @@
+"""What a raw file says was recorded: the table, and where a session goes on.
+
+The table of every recording is made here, after a clean end as after a crash.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections import Counter, deque
+from collections.abc import Iterable, Iterator
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+
+from scara_iso.acquisition.ports.tape import FIRST, SCHEMA, Record, read_tape
+from scara_iso.acquisition.ports.timeline import Timeline
+from scara_iso.acquisition.recorder.plan import Listen
+from scara_iso.acquisition.recorder.remarks import Remarks
+from scara_iso.acquisition.recorder.sizes import sizes_of_axis
+from scara_iso.errors import DataError, Fault
+from scara_iso.iso9283 import SEPARATOR
+from scara_iso.quantities import Dimension, find_unit, parse_number
+from scara_iso.run import Axis, Origin, Run
+
+VOIDABLE = 100
+"""How many readings back an operator may void."""
+_SHOWN = 10
+_DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
+"""What a record raises whose values are of another kind or size."""
+_THEN = ", then "
+_GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
+_MAX_CYCLES = 10_000_000
+
+
+class Column:
+    """Readings of one axis by cycle [mm or deg], in the memory of one number each."""
+
+    def __init__(self) -> None:
+        self.values = array("d")
+        self.dimension: Dimension | None = None
+        self.unit: str | None = None
+        """What the indicator showed last."""
+        self.shown: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
+        self.resolution = 0.0
+        """The coarsest that was sent: never states more than every reading holds."""
+
+    def put(self, cycle: int, text: str, unit: str) -> None:
+        """Take a reading; `ValueError` says what is wrong with it."""
+        size = find_unit(unit)
+        if size is None:
+            raise ValueError(f"unknown unit {unit!r}")
+        if self.dimension not in (None, size.dimension):
+            raise ValueError(f"{unit} after {self.dimension.value}")
+        if parse_number(text) is None:
+            raise ValueError(f"{text[:40]!r} is no reading")
+        _grow(self.values, cycle)
+        if not math.isnan(self.values[cycle - 1]):
+            raise ValueError("stored twice")
+        self.values[cycle - 1] = size.read(text)
+        count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
+        self.resolution = max(self.resolution, size.to_base(count))
+        self.dimension, self.unit = size.dimension, unit
+        self.shown.append((cycle, text))
+
+    def void(self, cycle: int) -> None:
+        """Strike out the reading of a cycle."""
+        if cycle <= len(self.values):
+            self.values[cycle - 1] = math.nan
+            self.shown = deque((one for one in self.shown if one[0] != cycle), maxlen=VOIDABLE)
+
+    def text(self, cycle: int) -> str:
+        """Return the latest readings' text, and nothing for one that is too old to be struck."""
+        return dict(self.shown).get(cycle, "")
+
+    def __contains__(self, cycle: int) -> bool:
+        return cycle <= len(self.values) and not math.isnan(self.values[cycle - 1])
+
+
+class History:
+    """The readings, what the sessions' headers say, and the troubles of one raw file."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.header: Record = {}
+        self.columns: dict[str, Column] = {}
+        self.times = array("d")
+        self.troubles: Counter[str] = Counter()
+        self.latest: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
+        self.damaged: list[int] = []
+        self.faults: list[Fault] = []
+        self.timeline = Timeline()
+        self.remarks = Remarks()
+        self.previous = FIRST
+        """Checksum of the last whole line."""
+        self.has_table = False
+        """Whether the last session that ended in good order left a table, and so a manifest."""
+        self._chained = False
+        self._broken: list[int] = []
+        self._inherited: list[str] = []
+        self._trigger = ""
+        self._asked: set[str] = set()
+
+    def take(self, line: int, record: Record | None) -> None:
+        """Take the next line of the file."""
+        if record is None:
+            self.damaged.append(line)
+            return
+        if not self._follows(line, record):
+            self._broken.append(line)
+        self.previous, self._chained = record["crc"], "prev" in record
+        try:
+            self.timeline.at(record)
+            self._take(record)
+        except _DAMAGED as error:
+            self.faults.append(Fault(f"{record.get('event')}: {error}", line))
+
+    def _follows(self, line: int, record: Record) -> bool:
+        """Say whether nothing was changed before a line: it names the whole one that is there.
+
+        Lines of older versions name none; a crash tears only what stands before a new session.
+        """
+        if "prev" in record or self._chained:
+            return bool(record.get("prev") == self.previous)
+        return line - 1 not in self.damaged[-1:] or record["event"] == "session"
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is known to have been changed after it was recorded, a line each."""
+        name = Path(self.source).name
+        places = ", ".join(map(str, self._broken[:_SHOWN]))
+        places += ", .." if len(self._broken) > _SHOWN else ""
+        found = [f"{name}: lines were changed or taken away before line {places}"] if places else []
+        return tuple(dict.fromkeys((*self._inherited, *found)))
+
+    def inherit(self, doubts: Iterable[str]) -> None:
+        """Take what was found beside the file: it goes on into all that is made of it."""
+        self._inherited += doubts
+
+    def _take(self, record: Record) -> None:
+        match record:
+            case {"event": "session"}:
+                self._begin(record)
+            case {"event": "stored", "cycle": int(cycle), "axis": str(axis)}:
+                if not 0 < cycle <= _MAX_CYCLES:
+                    raise ValueError(f"cycle {cycle}")
+                self.columns[axis].put(cycle, record["text"], record["unit"])
+                _grow(self.times, cycle)
+                self.times[cycle - 1] = self.timeline.start + record["at"]
+                self.latest.append((cycle, axis))
+                (self._asked.discard if self._trigger == str(Listen()) else self._asked.add)(axis)
+            case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
+                self.remarks.take(record, {axis: self.columns[axis].text(cycle) for axis in axes})
+                self.strike(cycle, axes)
+            case {"event": "note" | "changed"}:
+                self.remarks.take(record, {})
+            case {"event": "end"}:
+                self.has_table = bool(self.complete_rows().any())
+            case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
+                self.troubles[event] += 1
+
+    def strike(self, cycle: int, axes: Iterable[str]) -> None:
+        """Take readings of a cycle out of the table."""
+        for axis in axes:
+            self.columns[axis].void(cycle)
+            self.latest.remove((cycle, axis))
+            self.troubles["voided"] += 1
+        self._asked.clear()
+
+    def cut_short(self) -> list[str]:
+        """Return the axes of the unfinished cycle that were asked together with missing ones.
+
+        A crash between two lines of one cycle leaves them; they were never announced.
+        """
+        return sorted(self.present(self.cycle) & self._asked)
+
+    def _begin(self, record: Record) -> None:
+        if record["schema"] != SCHEMA:
+            raise ValueError(f"schema {record['schema']!r} is not {SCHEMA}")
+        _check_header(record)
+        self._inherited += map(str, record.get("doubts", ()))
+        if not self.header:
+            self.columns = {str(axis): Column() for axis in record["gauges"]}
+        self.header = _merged(self.header, record) if self.header else record
+        self._trigger = str(record["trigger"])
+
+    @property
+    def cycle(self) -> int:
+        """The first cycle that is not complete, from 1."""
+        ends = [len(column.values) for column in self.columns.values()]
+        done = self.complete_rows()
+        return next((k + 1 for k in range(max(ends, default=0)) if not done[k]), len(done) + 1)
+
+    def present(self, cycle: int) -> frozenset[str]:
+        """Return the axes that have a reading in the cycle."""
+        return frozenset(axis for axis, column in self.columns.items() if cycle in column)
+
+    def complete_rows(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return for each cycle from 1 whether every axis has a reading."""
+        size = max((len(column.values) for column in self.columns.values()), default=0)
+        complete = np.ones(size, dtype=np.bool_)
+        for column in self.columns.values():
+            here = np.zeros(size, dtype=np.bool_)
+            here[: len(column.values)] = ~np.isnan(np.array(column.values))
+            complete &= here
+        return complete
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether as many cycles are complete as the last session planned."""
+        return int(self.complete_rows().sum()) == int(self.header["cycles"])
+
+    def readings(self) -> dict[str, dict[int, float]]:
+        """Return the readings by axis and cycle [mm or deg]."""
+        return {
+            axis: {k + 1: v for k, v in enumerate(column.values) if not math.isnan(v)}
+            for axis, column in self.columns.items()
+        }
+
+    def check(self) -> None:
+        """Raise `DataError` where the file is no recording, or contradicts itself."""
+        if not self.header and not self.faults:
+            self.faults.append(Fault("no session was recorded", 1))
+        if self.faults:
+            raise DataError(
+                "is no recording that a table can be made of",
+                where=self.source,
+                remedy="the file was changed after it was recorded; look at these lines",
+                faults=self.faults[:_SHOWN],
+            )
+
+    def run(self) -> Run:
+        """Return the complete cycles; raises as `check` does."""
+        self.check()
+        rows = np.flatnonzero(self.complete_rows())
+        if not len(rows):
+            raise DataError("no cycle is complete", where=self.source)
+        times = np.array(self.times)[rows]
+        return Run(
+            cycle=rows + 1,
+            axes={
+                name: Axis(
+                    name,
+                    np.array(column.values)[rows],
+                    column.dimension or Dimension.LENGTH,
+                    column.resolution or None,
+                    *sizes_of_axis(
+                        self.header["metadata"], name, column.dimension or Dimension.LENGTH
+                    ),
+                )
+                for name, column in self.columns.items()
+            },
+            covariates={"time_s": np.round(times, 3)},
+            metadata=dict(self._metadata(len(rows))),
+            origin=Origin(source=self.source, understood=f"{len(rows)} cycles recorded"),
+        )
+
+    def _metadata(self, rows: int) -> Iterator[tuple[str, str]]:
+        if self.doubts:
+            yield "doubts", SEPARATOR.join(self.doubts)
+        if self.header.get("wall"):
+            yield "recorded", f"{str(self.header['wall'])[:19]}Z"
+        yield from ((str(k), str(v)) for k, v in self.header["metadata"].items())
+        yield "first_cycle_discarded", "false"
+        gauges = self.header["gauges"]
+        if len(gauges) > 1:
+            yield "axes_recorded", "together"
+        yield "indicator", " | ".join(f"{axis} {_indicator(g)}" for axis, g in gauges.items())
+        simulated = [axis for axis, gauge in gauges.items() if gauge["simulated"]]
+        if simulated:
+            yield "simulated", " ".join(simulated)
+        if rows != self.header["cycles"]:
+            yield "cycles_planned", str(self.header["cycles"])
+        if jumps := self.timeline.jumps:
+            yield "record_clock", "; ".join(jumps)
+        yield from self.remarks.metadata()
+        yield from ((f"record_{kind}", str(n)) for kind, n in sorted(self.troubles.items()))
+
+
+def read_history(path: Path) -> History:
+    """Read a raw file; `NoInputError` where that is not possible. Damaged lines are noted."""
+    history = History(str(path))
+    for line, record in read_tape(path):
+        history.take(line, record)
+    return history
+
+
+def _check_header(record: Record) -> None:
+    """Raise one of the errors of a record that lacks what the table needs."""
+    _ = int(record["cycles"]), dict(record["metadata"]), str(record["trigger"])
+    for gauge in record["gauges"].values():
+        _ = [gauge[key] for key in _GAUGE_KEYS]
+
+
+def _merged(first: Record, later: Record) -> Record:
+    """Return the first session's header with what a later one says otherwise."""
+    gauges = {axis: dict(gauge) for axis, gauge in first["gauges"].items()}
+    for axis, gauge in later["gauges"].items():
+        known = gauges.setdefault(axis, dict(gauge))
+        if gauge["identity"] not in known["identity"].split(_THEN):
+            known["identity"] += _THEN + gauge["identity"]
+        known["simulated"] |= gauge["simulated"]
+    metadata = first["metadata"] | later["metadata"]
+    locale = later.get("excel_locale") or first.get("excel_locale")
+    same = {**first, "cycles": later["cycles"], "excel_locale": locale}
+    return {**same, "metadata": metadata, "gauges": gauges}
+
+
+def _indicator(gauge: Record) -> str:
+    unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
+    return f"{gauge['dialect']} {gauge['line']} at {gauge['identity']}{unit}"
+
+
+def _grow(values: array[float], size: int) -> None:
+    values.extend([math.nan] * (size - len(values)))

@@ -1,0 +1,294 @@
+"""The session: from bytes on the ports to readings on the disk, cycle by cycle.
+
+One loop looks at every port and at the operator in turn; nothing waits for one of them, so a
+lost cable or a key is met within milliseconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+
+from scara_iso.acquisition.ports import Clock
+from scara_iso.acquisition.recorder.bench import Bench, Taken
+from scara_iso.acquisition.recorder.events import (
+    Command,
+    CycleDone,
+    Note,
+    Noted,
+    Noticed,
+    Operator,
+    Pause,
+    Paused,
+    Problem,
+    Quit,
+    Said,
+    Started,
+    Stored,
+    Take,
+    Void,
+    Voided,
+    Waiting,
+)
+from scara_iso.acquisition.recorder.gauge import Gauge
+from scara_iso.acquisition.recorder.history import VOIDABLE
+from scara_iso.acquisition.recorder.journal import Journal
+from scara_iso.acquisition.recorder.plan import Enter, Listen, Plan, Timer
+from scara_iso.acquisition.recorder.position import Position
+from scara_iso.acquisition.recorder.shown import DisplayChangedError, gross_reading
+from scara_iso.acquisition.recorder.visits import Visits
+from scara_iso.errors import InstrumentError
+from scara_iso.quantities import parse_unit
+
+ATTEMPTS = 3
+"""How often a gauge is asked for one cycle before the session gives up."""
+RETRY_S = 0.2
+
+
+class Session:
+    """Records cycles until the plan is full, the operator quits, or a recorded stream ends.
+
+    `run` raises `InstrumentError` where a port is lost, a gauge stays silent or a unit changes,
+    `UsageError` where a unit is unknown, and `WriteError` where the disk fails. ``tell`` hears of
+    a stored reading only when it is on the disk. Where the unit or the zero of a gauge is lost, who
+    sits at the terminal (``attended``) is asked; otherwise it is an `InstrumentError`.
+    """
+
+    def __init__(
+        self,
+        gauges: Sequence[Gauge],
+        *,
+        plan: Plan,
+        journal: Journal,
+        clock: Clock,
+        operator: Operator,
+        tell: Callable[[Said], None],
+        position: Position,
+        attended: bool = False,
+    ) -> None:
+        self._gauges = {gauge.axis: gauge for gauge in gauges}
+        for axis, gauge in self._gauges.items():
+            for cycle, text in position.shown.get(axis, ()):
+                gauge.shown.put(cycle, text)
+        self._attended = attended
+        self._visits = Visits(self._gauges, present=position.present, timed=plan.rearm_s > 0)
+        self._bench = Bench(gauges, journal=journal, clock=clock, tell=tell)
+        self._plan = plan
+        self._journal = journal
+        self._clock = clock
+        self._operator = operator
+        self._tell = tell
+        self._cycle = position.cycle
+        self._present = set(position.present)
+        self._latest = deque(position.latest, maxlen=VOIDABLE)
+        self._stored_at: dict[str, float] = {}
+        self._due = 0.0
+        self._pressed = -math.inf
+        self._paused = self._stopped = False
+
+    def run(self) -> None:
+        """Record."""
+        gauges = {a: f"{g.dialect.key} at {g.port.identity}" for a, g in self._gauges.items()}
+        self._tell(Started(gauges, self._cycle, self._plan.cycles, str(self._plan.trigger)))
+        self._bench.open()
+        self._due = self._clock.now()
+        self._say_waiting()
+        step = self._listen if isinstance(self._plan.trigger, Listen) else self._attend
+        while self._cycle <= self._plan.cycles and not self._stopped:
+            try:
+                step()
+            except DisplayChangedError as change:
+                self._ask_what_to_do(change)
+
+    def _ask_what_to_do(self, change: DisplayChangedError) -> None:
+        """Pause until somebody put a gauge right; raise where nobody is there."""
+        axis = change.where.removeprefix("gauge ")
+        question = f"{change.what}; put it right, then p goes on, or q ends"
+        self._journal.append("changed", axis=axis, message=change.what)
+        self._journal.sync()
+        if not self._attended:
+            self._tell(Problem(axis, "changed", change.what))
+            raise change
+        self._paused = True
+        self._tell(Paused(True))
+        self._tell(Problem(axis, "changed", question))
+        for gauge in self._gauges.values():
+            gauge.odd = 0
+
+    def _listen(self) -> None:
+        """Take what comes by itself."""
+        arrivals = self._bench.receive()
+        for axis in self._bench.take_damaged():
+            self._hear(axis, self._clock.now(), whole=False)
+        for taken in arrivals:
+            if reason := self._why_not(taken) or self._hear(taken.gauge.axis, taken.time):
+                self._bench.refuse([taken], reason)
+            elif not self._bench.doubt([taken]):
+                self._store([taken])
+        self._obey(self._operator.poll())
+        if not arrivals:
+            self._stopped |= self._ended()
+            if not self._stopped:
+                self._clock.idle(math.inf)
+
+    def _why_not(self, taken: Taken) -> str:
+        """Return why a reading that came by itself is refused, or nothing."""
+        gauge, axis, channel = taken.gauge, taken.gauge.axis, taken.reading.channel
+        elapsed = taken.time - self._stored_at.get(axis, -math.inf)
+        reasons = {
+            "every cycle is recorded": self._cycle > self._plan.cycles,
+            "paused": self._paused,
+            "began before the session": taken.stale,
+            f"of channel {channel}: give ?channel=": gauge.of_other_channel(taken.reading),
+            f"came within {self._plan.rearm_s:g} s of the one before": elapsed < self._plan.rearm_s,
+        }
+        return next((reason for reason, holds in reasons.items() if holds), "")
+
+    def _hear(self, axis: str, time: float, *, whole: bool = True) -> str:
+        """Strike what is of another visit than a frame; return why it is not to be taken itself."""
+        heard = self._visits.hear(axis, time, whole=whole)
+        if heard.broken and self._present:
+            self._strike(self._cycle, sorted(self._present), f"{heard.broken}: cycle asked again")
+        return heard.refused
+
+    def _attend(self) -> None:
+        """Wait for the trigger, then ask every gauge."""
+        if not self._await_trigger():
+            return
+        for attempt in range(ATTEMPTS):
+            if attempt:
+                self._bench.drain(RETRY_S, "late, or not asked for")
+                self._bench.learn_units(self._bench.suspects())
+            taken = self._bench.measure(self._plan.stable)
+            if taken is not None and not self._bench.doubt(taken):
+                self._pressed = self._clock.now()
+                self._store([one for one in taken if one.gauge.axis not in self._present])
+                return
+            self._stopped |= self._ended()
+            if self._stopped:
+                return
+        if isinstance(self._plan.trigger, Timer):
+            raise InstrumentError(
+                f"no reading of cycle {self._cycle} after {ATTEMPTS} requests; "
+                f"at last {self._bench.last_problem}",
+                remedy="check cable, settings and that the indicator is on, then use --resume",
+            )
+        self._say_waiting()
+
+    def _await_trigger(self) -> bool:
+        """Return True when the cycle is to be taken, False when the session ends instead."""
+        timed = isinstance(self._plan.trigger, Timer)
+        while True:
+            due = self._due if timed and not self._paused else math.inf
+            arrivals = self._bench.receive()
+            self._bench.refuse(arrivals, "not asked for")
+            taken = self._obey(self._operator.poll())
+            self._stopped |= self._ended()
+            if self._stopped:
+                return False
+            if not self._paused and (taken or self._clock.now() >= due):
+                self._set_next()
+                return True
+            if not arrivals:
+                self._clock.idle(due)
+
+    def _set_next(self) -> None:
+        """Keep to the timer's grid, and where that is missed begin a new one: no catching up."""
+        match self._plan.trigger:
+            case Timer(seconds=seconds):
+                now = self._clock.now()
+                on_grid = self._due + seconds
+                self._due = on_grid if on_grid > now else now + seconds
+
+    def _store(self, readings: Sequence[Taken]) -> None:
+        """Write readings of the cycle, make them safe, and only then say so."""
+        stored, gross = [], []
+        for taken in readings:
+            gauge, text = taken.gauge, taken.reading.text
+            unit = taken.reading.unit or gauge.unit or ""
+            value = parse_unit(unit).read(text)
+            stored.append(Stored(self._cycle, gauge.axis, value, text, unit))
+            if distance := gauge.shown.far(text):
+                gross.append(gross_reading(stored[-1], distance))
+            self._journal.append(
+                "stored", cycle=self._cycle, axis=gauge.axis, text=text, unit=unit,
+                at=round(taken.time, 6),
+            )  # fmt: skip
+            self._stored_at[gauge.axis] = taken.time
+        self._journal.sync()
+        for said in stored:
+            self._present.add(said.axis)
+            self._gauges[said.axis].shown.put(said.cycle, said.text)
+            self._latest.append((said.cycle, said.axis))
+            self._tell(said)
+        if len(self._present) == len(self._gauges):
+            self._tell(CycleDone(self._cycle, discarded=self._cycle == 1))
+            self._cycle += 1
+            self._present.clear()
+        for found in gross:
+            self._tell(found)
+        self._say_waiting()
+
+    def _ended(self) -> bool:
+        gauges = self._gauges.items()
+        return any(g.port.ended and axis not in self._present for axis, g in gauges)
+
+    def _say_waiting(self) -> None:
+        if self._cycle <= self._plan.cycles:
+            missing = tuple(axis for axis in self._gauges if axis not in self._present)
+            self._tell(Waiting(self._cycle, missing))
+
+    def _obey(self, command: Command | None) -> bool:
+        """Do as the operator says; return True where a reading is to be taken."""
+        match command:
+            case Take() if isinstance(self._plan.trigger, Enter):
+                return not self._bounced()
+            case Void(reason=reason):
+                self._void(reason)
+            case Note(text=text):
+                self._journal.append("note", text=text)
+                self._journal.sync()
+                self._tell(Noted(text))
+            case Pause():
+                self._paused = not self._paused
+                self._journal.append("paused" if self._paused else "continued")
+                self._tell(Paused(self._paused))
+            case Quit():
+                self._stopped = True
+        return False
+
+    def _bounced(self) -> bool:
+        """Say whether a key was held down, or pressed again before the reading was seen."""
+        since, self._pressed = self._clock.now() - self._pressed, self._clock.now()
+        if since < self._plan.rearm_s:
+            self._tell(
+                Noticed("", f"Enter not taken: within {self._plan.rearm_s:g} s of the one before")
+            )
+        return since < self._plan.rearm_s
+
+    def _void(self, reason: str) -> None:
+        """Strike out the last reading, or all of its cycle where they were asked for together."""
+        if not self._latest:
+            return
+        cycle, axis = self._latest.pop()
+        axes = [axis]
+        together = not isinstance(self._plan.trigger, Listen)
+        while together and self._latest and self._latest[-1][0] == cycle:
+            axes.append(self._latest.pop()[1])
+        self._strike(cycle, axes, reason)
+
+    def _strike(self, cycle: int, axes: Sequence[str], reason: str) -> None:
+        for axis in axes:
+            with suppress(ValueError):
+                self._latest.remove((cycle, axis))
+        self._journal.append("void", cycle=cycle, axes=axes, reason=reason)
+        self._journal.sync()
+        if cycle != self._cycle:
+            self._cycle, self._present = cycle, set(self._gauges)
+        self._present -= set(axes)
+        for axis in axes:
+            self._gauges[axis].shown.void(cycle)
+        self._tell(Voided(cycle, tuple(axes), reason))
+        self._say_waiting()

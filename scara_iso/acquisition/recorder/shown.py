@@ -1,0 +1,93 @@
+"""What an indicator showed until now: a display that changed, a reading far from the others.
+
+Values are compared as they were shown, in the unit of the display; no statement about the unit is
+needed. Cycle 1 is no measure for the others: `analyze` discards it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from decimal import Decimal
+from statistics import median
+
+from scara_iso.acquisition.recorder.events import Gross, Stored
+from scara_iso.errors import InstrumentError
+from scara_iso.quantities import parse_unit
+
+INCH = Decimal("25.4")
+_LOOK_BACK = 100
+_LEAST = 3
+_FEWEST = 4
+_LIKE = Decimal("0.1")
+"""A step is one of 25.4 within this share: what the arm scatters, and the rounding of inches."""
+_COUNTS = 50
+"""A level of fewer counts of the last place is near zero: any ratio may come by chance."""
+_RANGES = 8
+_GROSS_COUNTS = 10
+
+
+class DisplayChangedError(InstrumentError):
+    """The unit, the resolution or the zero of an indicator is not what it was; exit code 69."""
+
+
+class Shown:
+    """The latest readings of one gauge by cycle, as text."""
+
+    def __init__(self, *, fixed_decimals: bool) -> None:
+        self._fixed = fixed_decimals
+        self._texts: deque[tuple[int, str]] = deque(maxlen=_LOOK_BACK)
+
+    def __bool__(self) -> bool:
+        return bool(self._texts)
+
+    def put(self, cycle: int, text: str) -> None:
+        """Take the reading of a cycle."""
+        self._texts.append((cycle, text))
+
+    def void(self, cycle: int) -> None:
+        """Forget a cycle."""
+        left = [one for one in self._texts if one[0] != cycle]
+        self._texts = deque(left, maxlen=_LOOK_BACK)
+
+    def changed(self, text: str) -> str:
+        """Return why unit or resolution of the display seem changed, or nothing."""
+        if not self._texts:
+            return ""
+        before, now = _decimals(self._texts[-1][1]), _decimals(text)
+        if self._fixed and before != now:
+            return f"{text} has {now} decimals, the reading before had {before}"
+        values = [Decimal(shown) for _, shown in self._texts]
+        level, value = median(values), Decimal(text)
+        steady = max(values) - min(values) <= abs(level) * 3 * _LIKE
+        if len(values) < _LEAST or not steady:
+            return ""
+        for name, expected in (("1/25.4", level / INCH), ("25.4", level * INCH)):
+            counts = min(abs(level), abs(expected) * INCH).scaleb(before)
+            if counts >= _COUNTS and abs(value - expected) <= abs(expected) * _LIKE:
+                return f"{text} is {name} of the readings before, as of mm and inch"
+        return ""
+
+    def far(self, text: str) -> Decimal | None:
+        """Return how far a gross reading is from the median of the others, None where it is not."""
+        others = [Decimal(shown) for cycle, shown in self._texts if cycle > 1]
+        if len(others) < _FEWEST:
+            return None
+        count = Decimal(1).scaleb(-_decimals(text))
+        limit = max(_RANGES * (max(others) - min(others)), _GROSS_COUNTS * count)
+        distance = abs(Decimal(text) - median(others))
+        return distance if distance > limit else None
+
+
+def _decimals(text: str) -> int:
+    return len(text.partition(".")[2])
+
+
+def gross_reading(stored: Stored, distance: Decimal) -> Gross:
+    """Return what is said of a stored reading so far from the others, in the display's unit."""
+    unit = parse_unit(stored.unit)
+    message = (
+        f"{stored.axis} {stored.text} {stored.unit} of cycle {stored.cycle} is "
+        f"{distance:.1g} {stored.unit} from the others; v strikes it"
+    )
+    away = unit.read(str(distance))
+    return Gross(stored.cycle, stored.axis, stored.value, away, message)

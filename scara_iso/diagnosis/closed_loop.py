@@ -1,0 +1,288 @@
+"""Close the loop on a table: predict the rows that count, subtract, name what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from scara_iso.diagnosis.poses import diagnose_poses
+from scara_iso.diagnosis.readings import diagnose as diagnose_used
+from scara_iso.diagnosis.result import Diagnosis, Found
+from scara_iso.diagnosis.reversals import diagnose_run_reversals
+from scara_iso.diagnosis.tuning import SEED
+from scara_iso.effects import Conditions, Effect, find_effects
+from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283 import UsedCycles, used_cycles
+from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict, read_model
+from scara_iso.run import Run
+from scara_iso.tables import Source, read_table
+
+_PLANE = ("X", "Y")
+
+
+@dataclass(frozen=True, slots=True)
+class CyclesWanted:
+    """Which rows of a table count, as in `iso9283.used_cycles`, and which pose."""
+
+    pose: str | None = None
+    first_cycle_discarded: bool = False
+    cycles: int | None = None
+    all_count: bool = False
+    allow_gaps: bool = False
+
+    def used(self, run: Run) -> UsedCycles:
+        """Return the rows of every pose that count."""
+        return used_cycles(
+            run,
+            first_cycle_discarded=self.first_cycle_discarded,
+            cycles=self.cycles,
+            all_count=self.all_count,
+            allow_gaps=self.allow_gaps,
+        )
+
+    def take(self, run: Run) -> Run:
+        """Return the rows of one pose that count; `DataError` where several poses are there."""
+        run = run.unwrapped()
+        chosen = self.used(run)
+        labels = list(chosen.poses)
+        if self.pose is not None and self.pose not in labels:
+            raise UsageError(
+                f"no pose {self.pose!r} in {run.origin.source}",
+                remedy=f"it has {', '.join(str(label) for label in labels[:20])}",
+            )
+        if self.pose is None and len(labels) > 1:
+            raise DataError(
+                f"{len(labels)} poses, of which one is diagnosed at a time",
+                where=run.origin.source,
+                remedy=f"name it: --pose {labels[0]}",
+            )
+        return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How the tables are to be read, as in `tables.read_table`."""
+
+    unit: str | None = None
+    resolution: float | None = None
+    decimal: str | None = None
+    sheet: str | None = None
+
+    def read(self, table: Source) -> Run:
+        """Return the run of a table; errors as in `read_table`."""
+        return read_table(
+            table,
+            unit=self.unit,
+            resolution=self.resolution,
+            decimal=self.decimal,
+            sheet=self.sheet,
+        )
+
+
+def diagnose(  # noqa: PLR0913 - the options of the command
+    table: Run | Source,
+    model: Model | str | Path | None = None,
+    *,
+    pose: str | None = None,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
+    hold_out: Run | Source | None = None,
+    sigma: float | None = None,
+    seed: int = SEED,
+) -> Diagnosis:
+    """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
+
+    Only the cycles that count take part: ``first_cycle_discarded``, ``cycles``, ``all_count``
+    and ``allow_gaps`` are as in `iso9283.used_cycles`, here and in the second table
+    ``hold_out``, which measures the error on unseen cycles; ``pose`` names one of several;
+    ``sigma`` is the known scatter in mm. Same arguments, same result. Errors as in
+    `close_the_loop`, and those of `read_table` and `read_model` where a file is named.
+    """
+    return close_the_loop(
+        _run_of(table),
+        read_model(model) if isinstance(model, str | Path) else model,
+        CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps),
+        hold_out=None if hold_out is None else _run_of(hold_out),
+        seed=seed,
+        sigma=sigma,
+    )
+
+
+def _run_of(table: Run | Source) -> Run:
+    return table if isinstance(table, Run) else read_table(table)
+
+
+def close_the_loop(
+    run: Run,
+    model: Model | None,
+    wanted: CyclesWanted,
+    *,
+    hold_out: Run | None = None,
+    seed: int,
+    sigma: float | None = None,
+) -> Diagnosis:
+    """Return what ``model`` (None: a constant pose) leaves unexplained in the rows that count.
+
+    ``sigma`` is the known scatter of the readings in mm, of every axis in mm. Errors as in
+    `CyclesWanted.take` and `diagnosis.diagnose`, and `DataError` for a model that has none of the
+    run's axes.
+    """
+    used = wanted.take(run)
+    second = None if hold_out is None else wanted.take(hold_out)
+    found = diagnose_used(
+        used,
+        _predicted(model, used),
+        seed=seed,
+        held_out=second,
+        held_out_predicted=None if second is None else _predicted(model, second),
+        directions={} if model is None else directions_of(model),
+        sigma={name: sigma for name, axis in used.axes.items() if sigma and axis.unit == "mm"},
+    )
+    if model is None:
+        return found
+    reversals = diagnose_run_reversals(used, model, seed=seed)
+    found = replace(found, notes=(*found.notes, *_doubts(model, run)), reversals=reversals)
+    return _with_gone(found, model, used, seed=seed)
+
+
+def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagnosis:
+    """Return ``found`` with the effects named that those on the gear account for.
+
+    A reversal that differs with the payload is more than one half width: beside approaches by turns
+    it looks like a course over the cycles.
+    """
+    on_gear = tuple(e for e in declarations(found) if e.joint is not None)
+    if found.reversals is None or not on_gear:
+        return found
+    known = replace(model, effects=(*model.effects, *on_gear))
+    left = diagnose_used(used, _predicted(known, used), seed=seed, directions=directions_of(model))
+    still = {one.effect for one in left.effects}
+    gone = tuple(one.effect for one in found.effects if one.effect not in still)
+    effects = {effect.name: effect for effect in find_effects()}
+    others = [name for name in gone if not effects[name].by_flank]
+    said = (
+        f"{', '.join(others)}: gone once the effects on the gear are in the model: that is their "
+        "reversal, which differs with the payload"
+    )
+    notes = (said,) if others else ()
+    reversals = replace(found.reversals, accounts_for=gone, notes=(*found.reversals.notes, *notes))
+    return replace(found, reversals=reversals)
+
+
+def _doubts(model: Model, run: Run) -> Iterator[str]:
+    """Yield what speaks against the model being that of the run's robot."""
+    unknown = [axis for axis in run.axes if axis not in model.indicators]
+    if unknown:
+        yield f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
+    robot = run.metadata.get("robot", "")
+    if model.robot and robot and model.robot.casefold() != robot.casefold():
+        yield f"the model is that of {model.robot}, the table is of {robot}: is it the right one?"
+
+
+def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
+    """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979)."""
+    run = run.unwrapped()
+    found = diagnose_poses(
+        run.take(np.concatenate(wanted.used(run).rows)),
+        lambda single, level: diagnose_used(single, seed=seed, level=level),
+    )
+    return {str(pose): diagnosis for pose, diagnosis in found.items()}
+
+
+def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
+    if model is None:
+        return None
+    unknown = [name for name in run.axes if name not in model.indicators]
+    if len(unknown) == len(run.axes):
+        raise DataError(
+            f"the model has no indicator {', '.join(unknown)}",
+            where=run.origin.source,
+            remedy="take the model of this robot, or leave --model out",
+        )
+    for name, axis in run.axes.items():
+        if name in model.indicators and model.indicators[name].dimension is not axis.dimension:
+            raise DataError(
+                f"{name} is in {axis.unit}, and in {model.indicators[name].dimension.value} in the "
+                "model",
+                where=run.origin.source,
+                remedy=f"state the unit of [indicator.{name}], or take the model of this robot",
+            )
+    expected = predict(model, Conditions(run.cycle, run.covariates))
+    return {name: a.readings for name, a in expected.axes.items() if name in run.axes}
+
+
+def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
+    """Return how far X and Y move for each joint, and along the arm, as unit vectors."""
+    if model.arm is None or model.joints_deg is None:
+        return {}
+    arm, joints = model.arm, model.joints_deg
+    vectors = {
+        "joint 1": arm.joint_direction(joints, 1),
+        "joint 2": arm.joint_direction(joints, 2),
+        "along the arm": arm.arm_direction(joints),
+    }
+    return {
+        name: dict(zip(_PLANE, vector.tolist(), strict=True)) for name, vector in vectors.items()
+    }
+
+
+def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
+    """Return what was found as effects that a model declares.
+
+    Effects on the gear take the place of the reversal that they account for, unless the load
+    rests where the model cannot put it.
+    """
+    reversals = diagnosis.reversals
+    gear = reversals.gear if reversals is not None and not reversals.mirrored else None
+    on_gear = [] if gear is None else [
+        DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
+    ]  # fmt: skip
+    recorded = {effect.name for effect in find_effects() if effect.by_flank and effect.needs}
+    gone = set() if reversals is None else recorded | {*reversals.accounts_for}
+    kept = [f for f in diagnosis.effects if not (on_gear and f.effect in gone)]
+    return (*(declared(found) for found in kept), *on_gear)
+
+
+def declared(found: Found) -> DeclaredEffect:
+    """Return a found effect as one that a model declares."""
+    return DeclaredEffect(found.effect, {**found.parameters, **found.left_open})
+
+
+def save_model(diagnosis: Diagnosis, model: str, to: Path) -> tuple[str, ...]:
+    """Write ``model`` with what was found to ``to``; return what of it was declared.
+
+    An effect that does not recur is left out. Raises as `declare`.
+    """
+    known = {effect.name: effect for effect in find_effects()}
+    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
+    effects = declarations(replace(diagnosis, effects=recurring))
+    declare(model, effects, to)
+    said = [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
+    said += [
+        f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
+        for found in diagnosis.effects
+        if found not in recurring
+    ]
+    return tuple(said) or (f"{to} is the model as it was: nothing was found to declare",)
+
+
+def _expectation(one: DeclaredEffect, effect: Effect | None) -> str:
+    """Return what a model with the effect says of the next table; none is known on the gear."""
+    if effect is not None and is_random(effect, one, one.axes[0]):
+        return (
+            " for simulate only: chance draws it anew in every test, so no prediction moves and "
+            "the next table will show it again"
+        )
+    if "at_cycle" in one.parameters:
+        return (
+            f" at cycle {one.parameters['at_cycle']}, and expects it there in the next table: take "
+            "it out once its cause is cured"
+        )
+    if "phase" in one.parameters:
+        return " with the phase of this table: the next one must begin at the same phase"
+    return ": the next table is expected to show it"

@@ -1,0 +1,233 @@
+"""`diagnose`: from a run and a prediction to a verdict, and the error before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from scara_iso.diagnosis.findings import findings, repeatabilities, shares_of
+from scara_iso.diagnosis.fit import Fit, fit
+from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
+from scara_iso.diagnosis.problem import Problem, problem_of
+from scara_iso.diagnosis.residual import Prediction, Residual
+from scara_iso.diagnosis.result import (
+    Diagnosis,
+    Error,
+    Flag,
+    Found,
+    Repeatabilities,
+    Series,
+    Shares,
+)
+from scara_iso.diagnosis.search import Stage, find
+from scara_iso.diagnosis.tuning import (
+    FLAG_LEVEL,
+    LEVEL,
+    MUCH_ROUNDING,
+    SAME_SCATTER,
+    SEED,
+    WORTH_CHAINS,
+)
+from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.effects import Conditions, Effect, Process, find_effects
+from scara_iso.errors import DataError
+from scara_iso.quantities import Dimension, same_turn
+from scara_iso.run import FloatArray, Run
+
+
+def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run beside it
+    run: Run,
+    predicted: Prediction | None = None,
+    *,
+    seed: int = SEED,
+    held_out: Run | None = None,
+    held_out_predicted: Prediction | None = None,
+    directions: Mapping[str, Mapping[str, float]] | None = None,
+    effects: Sequence[Effect] | None = None,
+    level: float = LEVEL,
+    sigma: Mapping[str, float] | None = None,
+) -> Diagnosis:
+    """Return what a model leaves unexplained in a run, which effect it is, and what is gained.
+
+    ``run`` holds one pose without the discarded cycle (`scara_iso.diagnose` applies the cycle rule
+    to a table); ``predicted`` is the model's readings by
+    axis, None for a constant pose (a constant is always free: an indicator has no absolute zero).
+    ``directions`` names how far each axis moves, such as ``{"joint 1": {"X": .., "Y": ..}}``.
+    ``held_out`` is a second run for the error on unseen cycles; without it that is
+    cross-validated. ``effects`` is the catalogue unless given; ``level`` the family-wise chance of
+    finding structure in scatter alone. ``sigma`` is the standard deviation of the readings of some
+    axes where nothing acts, known from elsewhere (as from 30 readings): it sharpens the naming, not
+    the tests. Same arguments, same result.
+
+    Raises `DataError` for fewer than 12 cycles or more than 500, several poses, no axis that
+    moves, a prediction that does not belong to the run, or a sigma that is not positive.
+    """
+    run = run.unwrapped()
+    catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
+    rng = np.random.default_rng(seed)
+    known = tuple(catalogue.values())
+    problem = problem_of(run, predicted, directions=directions or {}, effects=known, sigma=sigma)
+    terms, stages = find(problem, rng, level=level)
+    fitted = fit(terms, problem.residual.values, problem.rows, len(run))
+    second = _second(held_out, held_out_predicted, problem.residual)
+    if second is None:
+        unseen = _cross_validated(problem, fitted, stages, rng)
+    else:
+        unseen = on_second_run(fitted, catalogue, second)
+    courses = _courses(run, predicted or {}, problem.residual, fitted)
+    return _diagnosis(
+        problem, fitted, stages, unseen, courses, findings(problem, fitted, stages, catalogue)
+    )
+
+
+def _diagnosis(
+    problem: Problem,
+    fitted: Fit,
+    stages: Sequence[Stage],
+    unseen: HeldOut,
+    courses: tuple[dict[str, FloatArray], ...],
+    found: tuple[Found, ...],
+) -> Diagnosis:
+    shares = shares_of(problem.residual, fitted)
+    return Diagnosis(
+        verdict=_verdict(fitted, stages),
+        effects=found,
+        candidates=_candidates(fitted, stages),
+        p_value=stages[0].p_value,
+        p_value_at_floor=stages[0].p_value_at_floor,
+        error_before=_error(problem.residual, None, unseen.before),
+        error_after=_error(problem.residual, fitted, unseen.after),
+        shares=shares,
+        flags=_flags(problem.residual, stages),
+        notes=(*problem.residual.notes, *_coarse(shares), *_other_scatter(problem, fitted)),
+        repeatability=Repeatabilities(*map(repeatabilities, courses)),
+        series=Series(problem.residual.conditions.cycle, *courses[:3]),
+    )
+
+
+def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> Residual | None:
+    if run is None:
+        return None
+    run = run.unwrapped()
+    missing = [name for name in first.axes if name not in run.axes]
+    if missing:
+        raise DataError(
+            f"the second table lacks {', '.join(missing)}",
+            where=run.origin.source,
+            remedy="hold out a run of the same axes",
+        )
+    model = predicted or {}
+    columns = [run.axes[name].readings - np.asarray(model.get(name, 0.0)) for name in first.axes]
+    columns = [
+        same_turn(column, first.values[:, k])
+        if run.axes[name].dimension is Dimension.ANGLE
+        else column
+        for k, (name, column) in enumerate(zip(first.axes, columns, strict=True))
+    ]
+    conditions = Conditions(run.cycle, run.covariates)
+    return Residual(first.axes, np.stack(columns, axis=1), first.division, conditions)
+
+
+def _cross_validated(
+    problem: Problem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
+) -> HeldOut:
+    chained = {m.effect for m in problem.members if m.hidden}
+    likely = max(
+        (stage.choice.probability.get(name, 0.0) for stage in stages if stage.choice
+         for name in chained),
+        default=0.0,
+    )  # fmt: skip
+    return cross_validated(problem, fitted, rng, with_chains=likely > WORTH_CHAINS)
+
+
+def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:
+    """Whether the search ended with structure that no effect accounts for."""
+    if fitted.terms and isinstance(fitted.terms[-1].form, Process):
+        return False
+    return stages[-1].choice is not None
+
+
+def _verdict(fitted: Fit, stages: Sequence[Stage]) -> Verdict:
+    if stages[0].choice is None:
+        return Verdict.NOTHING
+    return Verdict.UNEXPLAINED if _unexplained(fitted, stages) else Verdict.EXPLAINED
+
+
+def _candidates(fitted: Fit, stages: Sequence[Stage]) -> tuple[Rival, ...]:
+    choice = stages[-1].choice
+    if choice is None or not _unexplained(fitted, stages):
+        return ()
+    return (choice.ranked[0], *choice.rivals)
+
+
+def _error(residual: Residual, fitted: Fit | None, unseen: FloatArray) -> Error:
+    predicted = residual.values.mean(axis=0) if fitted is None else fitted.predicted
+    rms = np.sqrt(((residual.values - predicted) ** 2).mean(axis=0))
+    return Error(_named(residual, rms), _named(residual, unseen))
+
+
+def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
+    return dict(zip(residual.axes, map(float, values), strict=True))
+
+
+def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
+    marginal = stages[-1].marginal
+    if marginal.gaussian_outlier > FLAG_LEVEL:
+        return ()
+    cycle = int(residual.conditions.cycle[marginal.outlier_row])
+    p = marginal.gaussian_outlier
+    return (Flag(residual.axes[marginal.outlier_axis], cycle, p, p <= marginal.floor),)
+
+
+def _coarse(shares: Mapping[str, Shares]) -> list[str]:
+    """Return a line for each axis whose scatter is largely the dial's rounding."""
+    return [
+        f"{axis}: {share.resolution:.0%} of the variance is rounding to the dial's division; "
+        "measure with a finer indicator"
+        for axis, share in shares.items()
+        if share.resolution > MUCH_ROUNDING
+    ]
+
+
+def _other_scatter(problem: Problem, fitted: Fit) -> list[str]:
+    """Return a note for each axis whose remaining scatter is not the one that was stated."""
+    left = (problem.residual.values - fitted.predicted).std(axis=0, ddof=1)
+    known = np.zeros_like(left) if problem.sigma is None else problem.sigma
+    return [
+        f"{axis}: scatter {scatter:.3g}, not {stated:.3g} as stated: leave the stated one out"
+        for axis, scatter, stated in zip(problem.residual.axes, left, known, strict=True)
+        if stated and not 1 / SAME_SCATTER < scatter / stated < SAME_SCATTER
+    ]
+
+
+def _courses(
+    run: Run, predicted: Prediction, residual: Residual, fitted: Fit
+) -> tuple[dict[str, FloatArray], ...]:
+    """Return by axis: measured, predicted before and after, measured with effects removed."""
+    measured = {name: np.asarray(axis.readings) for name, axis in run.axes.items()}
+    before, after, removed = {}, {}, {}
+    for name, readings in measured.items():
+        model = np.asarray(predicted.get(name, np.zeros(len(run))), dtype=np.float64)
+        before[name] = model + (readings - model).mean()
+        after[name], removed[name] = before[name], readings
+        a, slope = _searched(readings - model, residual, name)
+        effect = slope * sum((part[:, a] for part in fitted.parts), np.zeros(len(run)))
+        after[name] = before[name] + effect - effect.mean()
+        if name in residual.axes:
+            after[name] = model + fitted.predicted[:, a]
+        removed[name] = readings - effect
+    return measured, before, after, removed
+
+
+def _searched(left: FloatArray, residual: Residual, name: str) -> tuple[int, float]:
+    """Return which axis of the search stands for this one, and its slope on it.
+
+    An axis that copies another has that one's effects; one that never moves has none (slope 0).
+    """
+    if name in residual.axes:
+        return residual.axes.index(name), 1.0
+    values = residual.values - residual.values.mean(axis=0)
+    slopes = (left - left.mean()) @ values / (values**2).sum(axis=0)
+    a = int(np.argmax(np.abs(slopes) * np.linalg.norm(values, axis=0)))
+    return a, float(slopes[a])

@@ -1,0 +1,37 @@
+"""A package shows one face, and what is behind a name is imported when the name is first used.
+
+The imports that a type checker reads in the package's `__init__` are the one list of its names. So
+a command pays only for what it uses. Other packages import from the face and from nothing behind
+it; tests/test_architecture.py holds them to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+
+
+def face(package: str) -> Callable[[str], object]:
+    """Return the ``__getattr__`` of a package that imports its names under ``TYPE_CHECKING``."""
+
+    @cache
+    def homes() -> dict[str, str]:
+        import ast  # noqa: PLC0415 - a name of a face is wanted; before that the start is short
+        from pkgutil import get_data  # noqa: PLC0415
+
+        tree = ast.parse(get_data(package, "__init__.py") or b"")
+        return {
+            alias.name: node.module
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom) and node.module
+            for alias in node.names
+            if alias.asname
+        }
+
+    def find(name: str) -> object:
+        if name not in homes():
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        return getattr(import_module(homes()[name]), name)
+
+    return find

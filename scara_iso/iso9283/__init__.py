@@ -1,0 +1,48 @@
+"""The test of ISO 9283: which cycles count, where the poses are, what the readings amount to.
+
+`analyze` turns a `Run` into an `Analysis`; `checks` has one file for each finding.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.iso9283.analysis import analyze as analyze
+    from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
+    from scara_iso.iso9283.conformity import Conformity as Conformity, Decision as Decision
+    from scara_iso.iso9283.cycles import (
+        CYCLES_RUN as CYCLES_RUN,
+        CYCLES_USED as CYCLES_USED,
+        UsedCycles as UsedCycles,
+        used_cycles as used_cycles,
+    )
+    from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES
+    from scara_iso.iso9283.poses import (
+        Conditions as Conditions,
+        Plan as Plan,
+        Plane as Plane,
+        Solid as Solid,
+        make_plan as make_plan,
+    )
+    from scara_iso.iso9283.results import (
+        Analysis as Analysis,
+        AxisResult as AxisResult,
+        Cycles as Cycles,
+        Finding as Finding,
+        LimitCheck as LimitCheck,
+        PoseResult as PoseResult,
+        RadialResult as RadialResult,
+        Severity as Severity,
+    )
+    from scara_iso.iso9283.statistics import (
+        GAUSSIAN_ERROR as GAUSSIAN_ERROR,
+        GAUSSIAN_RP as GAUSSIAN_RP,
+        Repeatability as Repeatability,
+        hidden as hidden,
+        repeatability as repeatability,
+        standard_deviation as standard_deviation,
+        two_divisions as two_divisions,
+    )
+else:
+    __getattr__ = face(__name__)

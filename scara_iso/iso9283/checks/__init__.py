@@ -1,0 +1,31 @@
+"""What a user should know about a test's figures: one small file per check.
+
+Each module's docstring is the page that explains its finding, ``CODE`` names the finding, and
+``check(measured)`` yields it. Third parties add a module through the entry-point group
+``scara_iso.checks``.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from functools import cache
+from types import ModuleType
+
+from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.plugins import find_modules
+
+Check = Callable[[Measured], Iterator[Finding]]
+
+
+@cache
+def find_checks() -> tuple[Check, ...]:
+    """Return every check there is: those of this folder by name, then those of others."""
+    modules = find_modules(sys.modules[__name__], "scara_iso.checks")
+    return tuple(module.check for module in modules)
+
+
+def check_shape(module: ModuleType) -> None:
+    """Raise `AttributeError` or `TypeError` unless a module has ``check`` and ``CODE``."""
+    if not (callable(module.check) and isinstance(module.CODE, str)):
+        raise TypeError("check is no function, or CODE no text")

@@ -1,0 +1,32 @@
+"""The dial is too coarse for the figure.
+
+A reading rounded to whole divisions carries a standard uncertainty u of resolution / sqrt(12), with
+the indicator's own combined. Where its expanded uncertainty U = 2 u is more than a quarter of the
+figure (RP, of an angle 3 S), the figure says too much about the dial. U is what the rule is usually
+read to compare; the text of ISO 9283 was not verified. Measure again with a finer indicator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "coarse-resolution"
+LARGEST_SHARE = 0.25  # background knowledge of ISO 9283's practice, not verified in the text
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a warning for each axis or plane whose U = 2 u is more than 25 % of its figure."""
+    for pose in measured.poses:
+        for name, figure in pose.figures.items():
+            ratio = figure.expanded_ratio
+            if ratio is not None and ratio > LARGEST_SHARE:
+                yield Finding(
+                    CODE,
+                    "warning",
+                    f"the indicator's U = 2 u is {ratio:.0%} of the figure, more than "
+                    f"{LARGEST_SHARE:.0%}: measure with a finer one",
+                    name,
+                    pose.label,
+                )

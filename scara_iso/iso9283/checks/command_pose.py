@@ -1,0 +1,47 @@
+"""A command pose is stated, and no accuracy AP can be given.
+
+AP (7.2.1) is the distance from the command pose to the mean: it means something only where the
+dials' zero is referred to the command pose; say so with ``# dial_zero: command``. A command pose
+belongs to one pose: with several, write ``# command_X[P3]: 0.1`` for each, or columns
+``command_X``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "command-pose"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a warning for a command coordinate of no pose, and a note where AP is left out."""
+    run = measured.run
+    stated = {name: axis.command for name, axis in run.axes.items() if axis.command is not None}
+    labels = [pose.label for pose in measured.poses]
+    for name, command in stated.items():
+        found = [label for label in labels if run.command_of(name, label) is not None]
+        several = len(labels) > 1 and not isinstance(command, Mapping)
+        if several:
+            said = f"one command coordinate for {len(labels)} poses is of none of them"
+        elif not found:
+            said = "a command coordinate is stated for a pose that is not in the table"
+        elif len(found) < len(labels):
+            lacking = [str(label) for label in labels if label not in found]
+            said = f"no command coordinate is stated for {', '.join(lacking[:10])}"
+        else:
+            continue
+        yield Finding(
+            CODE,
+            "warning",
+            f"{said}; not used: write '# command_{name}[{labels[0] or 'P1'}]: ...' for each pose",
+            name,
+        )
+    if stated and not run.dial_zero_is_command:
+        yield Finding(
+            CODE,
+            "info",
+            "no accuracy AP: the dials' zero is not said to be referred to the command pose; add "
+            "'# dial_zero: command' if it is",
+        )

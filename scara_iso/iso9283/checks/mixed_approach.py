@@ -1,0 +1,41 @@
+"""The pose was approached from both sides.
+
+With arrivals from both sides the gap and the wind-up of the drive enter the figure; a
+unidirectional figure of a catalogue is not comparable. ``analyze --definitions`` gives ISO 230-2's
+figures for each direction and the reversal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "mixed-approach"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a warning for each pose approached from both sides, and for an unknown coding."""
+    approach = measured.run.covariates.get("approach")
+    if approach is None:
+        return
+    others = np.setdiff1d(approach, [-1, 1])
+    if len(others):
+        yield Finding(
+            CODE,
+            "warning",
+            f"the column approach holds {others[0]:g}, where only +1 and -1 say a side",
+        )
+        return
+    for pose in measured.poses:
+        if np.ptp(approach[pose.rows]) > 0:
+            yield Finding(
+                CODE,
+                "warning",
+                "the pose is approached from both sides: RP includes the reversal; --definitions "
+                "gives each direction",
+                pose=pose.label,
+                rule="good practice (no clause verified): every visit comes from the same side",
+            )

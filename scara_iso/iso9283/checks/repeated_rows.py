@@ -1,0 +1,29 @@
+"""Rows repeat the row before them more often than chance can do.
+
+A visit that is written several times counts several times, and the interval beside RP comes out
+too narrow. Take one row a visit. A coarse dial that says the same in neighbouring rows, a slow
+drift and a channel that is stuck for a while are not meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.repeats import REPEATED_BY_CHANCE, repeats_in
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "repeated-rows"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a warning for each pose whose rows repeat."""
+    for pose in measured.poses:
+        found = repeats_in(measured.run, pose.rows)
+        if found.p_value < REPEATED_BY_CHANCE:
+            yield Finding(
+                CODE,
+                "warning",
+                f"{found.said} (by chance with p < {REPEATED_BY_CHANCE:g}): the interval is too "
+                "narrow; take one row a visit",
+                pose=pose.label,
+            )

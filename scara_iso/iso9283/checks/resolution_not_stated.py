@@ -1,0 +1,30 @@
+"""The indicator's resolution is not stated.
+
+Without it the dial's share of the figure is not known. Where all readings lie on equal steps, the
+step stands for it in the interval of RP; nothing tells whether the dial is finer. State it in the
+table's head as ``# resolution: 0.001``, in the table's unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.dial import common_step
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "resolution-not-stated"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a warning for each axis without a resolution, with the step its readings show."""
+    for axis in measured.run.axes.values():
+        if axis.resolution is None:
+            step = common_step(axis.readings)
+            taken = f"; its readings lie on steps of {step:.4g} {axis.unit}, taken as the dial's"
+            yield Finding(
+                CODE,
+                "warning",
+                f"the resolution is not stated{taken if step else ''}; state it: interval and "
+                "verdict rest on it",
+                axis.name,
+            )

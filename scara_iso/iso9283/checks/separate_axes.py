@@ -1,0 +1,28 @@
+"""X, Y and Z come from separate runs.
+
+The standard's radial figure is the scatter of one attained point. Where each axis was measured in
+a run of its own (``# axes_recorded: separately``), rows are paired by number only, and the radial
+figure is that of independent axes, not of a joint measurement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "separate-axes"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a note where radial figures are made of axes from separate runs."""
+    stated = measured.run.metadata.get("axes_recorded", "").strip().lower()
+    radial = [name for name in ("XY", "XYZ") if getattr(measured.poses[0], name) is not None]
+    if stated.startswith("separate") and radial:
+        yield Finding(
+            CODE,
+            "info",
+            f"{' and '.join(radial)}: the axes come from separate runs and are paired by row "
+            "number; this is no joint measurement",
+            rule="ISO 9283 7.2.2: one attained position has all its coordinates",
+        )

@@ -1,0 +1,29 @@
+"""Theta is given as a length.
+
+A dial that touches a lever shows a displacement, not an angle: the same rotation reads twice as
+much at twice the radius. With ``# theta_radius_mm: R`` in the table's head the angle is given too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.quantities import Dimension
+
+CODE = "theta-as-length"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a note where theta is a length of unknown radius."""
+    theta = measured.run.axes.get("theta")
+    if theta is None or theta.dimension is not Dimension.LENGTH:
+        return
+    if "theta_radius_mm" not in measured.run.metadata:
+        yield Finding(
+            CODE,
+            "info",
+            "given as a length at a radius that is not stated: no angle can be said; add "
+            "'# theta_radius_mm: R'",
+            "theta",
+        )

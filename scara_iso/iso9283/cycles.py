@@ -1,0 +1,288 @@
+"""The procedure of ISO 9283 as this tool holds a table to it: which cycles count.
+
+The paper runs 31 cycles and drops the first, so that the side of the gap on which the first
+arrival happens to rest does not count. The standard (clause 6.9) knows 30 cycles, which all count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.errors import DataError, Fault, UsageError
+from scara_iso.iso9283.repeats import REPEATED_BY_CHANCE, repeats_in
+from scara_iso.run import IntArray, Run
+
+CYCLES_RUN = 31
+CYCLES_USED = 30
+_FEWEST_RUN = 2
+_MOST_REPEATED = 0.25  # of the rows: the interval is then too narrow by a seventh
+
+_TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Rows:
+    """Poses of which the same number of cycles counts; row numbers, shape (poses, cycles used)."""
+
+    poses: tuple[str | None, ...]
+    rows: npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class UsedCycles:
+    """The rows that count; without gaps every pose has the same number of cycles."""
+
+    poses: tuple[str | None, ...]
+    rows: tuple[npt.NDArray[np.intp], ...]
+    """Row numbers of the run by pose, shape (cycles used,) each."""
+    read: int
+    """Cycles of each pose in the table, of the one with the fewest."""
+    discarded: tuple[int, ...]
+    """Numbers of the cycles left out, as the table numbers them."""
+    missing: tuple[tuple[tuple[int, int], ...], ...]
+    """First and last number of each gap, by pose."""
+    all_count: bool = False
+    """Whether it is stated that every row counts, and that none was discarded before."""
+
+    @property
+    def used(self) -> int:
+        """Cycles of each pose that the figures are computed from, of the one with the fewest."""
+        return min(map(len, self.rows))
+
+    def of_equal_length(self) -> Iterator[Rows]:
+        """Yield the poses that can be computed together."""
+        for length in dict.fromkeys(map(len, self.rows)):
+            found = [k for k, rows in enumerate(self.rows) if len(rows) == length]
+            yield Rows(tuple(self.poses[k] for k in found), np.stack([self.rows[k] for k in found]))
+
+
+@dataclass(frozen=True, slots=True)
+class _Rule:
+    """How many cycles were run, what is said of the first of them, and whether any may lack."""
+
+    cycles: int
+    asked: bool
+    first_gone: bool | None
+    all_count: bool
+    allow_gaps: bool
+
+    def drops_first(self, numbers: IntArray) -> bool | None:
+        """Return whether the first row is to be left out, None where that cannot be known."""
+        start, last = int(numbers[0]), int(numbers[-1])
+        if self.all_count:
+            wanted = (self.cycles,) if self.asked else (CYCLES_USED, CYCLES_RUN)
+            return False if start in (0, 1) and last - start + 1 in wanted else None
+        if self.allow_gaps and start > 2 and last == self.cycles:
+            start = 2  # counted from 1, and more than the first is missing
+        match (last - start + 1 - self.cycles, start, self.first_gone):
+            case (0, 0 | 1, None | False):
+                return True
+            case (-1, 2, None):
+                return False
+            case (-1, 0 | 1 | 2, True):
+                return False
+            case (0, 0 | 1 | 2, True) if self.asked:  # the user counts what the table holds
+                return False
+        return None
+
+    def is_open(self, numbers: IntArray) -> bool:
+        """Return whether the rows may or may not hold the first cycle: nobody says which."""
+        return (
+            int(numbers[-1]) - int(numbers[0]) + 1 == self.cycles - 1
+            and int(numbers[0]) in (0, 1)
+            and self.first_gone is None
+            and not self.all_count
+        )
+
+    def gaps(self, numbers: IntArray) -> tuple[tuple[int, int], ...]:
+        """Return first and last number of what is missing between the rows, and before them."""
+        before = [1] if int(numbers[0]) > 2 else []
+        padded = np.array([*before, *numbers])
+        holes = np.flatnonzero(np.diff(padded) > 1)
+        return tuple((int(padded[k]) + 1, int(padded[k + 1]) - 1) for k in holes)
+
+
+def used_cycles(
+    run: Run,
+    *,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
+) -> UsedCycles:
+    """Return the rows of a run that count, by the cycle rule of docs/tables.md.
+
+    ``first_cycle_discarded`` states what the table does not say: that its first cycle is gone
+    already; ``all_count``, that every row counts and none was discarded (``# first_cycle: counts``
+    in a table). ``cycles`` accepts another number than 31, or 30 that all count. ``allow_gaps``
+    takes what is there of cycles that are missing. Raises `DataError` with every fault of every
+    pose: another number, a gap, a repeat, an order that goes back, or 30 cycles of which nobody
+    says whether the first is among them; and where visits are written several times.
+    """
+    if cycles is not None and cycles < _FEWEST_RUN:
+        raise UsageError(f"{cycles} cycles", remedy=f"say how many were run, {_FEWEST_RUN} or more")
+    if all_count and first_cycle_discarded:
+        raise UsageError("every cycle counts, or the first is discarded", remedy="say one of them")
+    rule = _rule(run, first_cycle_discarded, cycles, all_count=all_count, allow_gaps=allow_gaps)
+    found = [_of_one_pose(run, rule, label, rows) for label, rows in run.rows_by_pose()]
+    if any(pose.faults for pose in found):
+        raise _broken(run, rule, found)
+    lengths = {len(pose.rows) for pose in found if not pose.missing}
+    if len({pose.discarded is None for pose in found}) > 1 or len(lengths) > 1:
+        what = "some poses hold their first cycle and others do not"
+        raise DataError(what, where=run.origin.source, remedy="give every pose the same cycles")
+    discarded = {pose.discarded for pose in found if pose.discarded is not None}
+    return UsedCycles(
+        poses=tuple(pose.label for pose in found),
+        rows=tuple(pose.rows for pose in found),
+        read=min(len(pose.rows) for pose in found) + bool(discarded),
+        discarded=tuple(sorted(discarded)),
+        missing=tuple(pose.missing for pose in found),
+        all_count=rule.all_count,
+    )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Pose:
+    """The rows of one pose that count, and what is wrong with them."""
+
+    label: str | None
+    rows: npt.NDArray[np.intp]
+    discarded: int | None = None
+    missing: tuple[tuple[int, int], ...] = ()
+    faults: tuple[Fault, ...] = ()
+    is_open: bool = False
+    repeats: bool = False
+
+
+def _of_one_pose(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> _Pose:
+    numbers = run.cycle[rows]
+    faults = tuple(_number_faults(run, rule, label, rows))
+    repeats = repeats_in(run, rows)
+    if repeats.p_value < REPEATED_BY_CHANCE and repeats.share > _MOST_REPEATED:
+        what = _of_pose(f"{repeats.said}: they are no readings of their own", label)
+        return _Pose(label, rows, faults=(Fault(what), *faults), repeats=True)
+    if faults:
+        return _Pose(label, rows, faults=faults)
+    drop = rule.drops_first(numbers)
+    if drop is None:
+        fault = _count_fault(rule, label, numbers)
+        return _Pose(label, rows, faults=(fault,), is_open=rule.is_open(numbers))
+    gaps = rule.gaps(numbers)
+    if drop:
+        return _Pose(label, rows[1:], int(numbers[0]), gaps)
+    return _Pose(label, rows, missing=gaps)
+
+
+def _rule(
+    run: Run, first_cycle_discarded: bool, cycles: int | None, *, all_count: bool, allow_gaps: bool
+) -> _Rule:
+    gone = _first_gone(run, first_cycle_discarded)
+    text = run.metadata.get("first_cycle", "counts" if all_count else "")
+    if text and text.strip().lower() != "counts":
+        raise DataError(
+            f"first_cycle is {text!r}", where=run.origin.source,
+            remedy="write counts, or leave the line out",
+        )  # fmt: skip
+    if text and gone:
+        raise DataError(
+            "every cycle is said to count, and the first to be discarded",
+            where=run.origin.source,
+            remedy="correct the one that is wrong",
+        )
+    usual = CYCLES_USED if text else CYCLES_RUN
+    return _Rule(cycles or usual, cycles is not None, gone, bool(text), allow_gaps)
+
+
+def _first_gone(run: Run, stated_by_user: bool) -> bool | None:
+    text = run.metadata.get("first_cycle_discarded")
+    if text is None:
+        return stated_by_user or None
+    truth = _TRUTHS.get(text.strip().lower())
+    if truth is None:
+        raise DataError(
+            f"first_cycle_discarded is {text!r}", where=run.origin.source,
+            remedy="write true or false",
+        )  # fmt: skip
+    if stated_by_user and not truth:
+        raise DataError(
+            "the table says first_cycle_discarded: false, the option says that it is discarded",
+            where=run.origin.source,
+            remedy="correct the one that is wrong",
+        )
+    return truth
+
+
+def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> Iterator[Fault]:
+    numbers = run.cycle[rows]
+    steps = np.diff(numbers)
+    wrong = steps < 1 if rule.allow_gaps else steps != 1
+    for k in np.flatnonzero(wrong) + 1:
+        before, here = int(numbers[k - 1]), int(numbers[k])
+        if here == before:
+            what = f"cycle {here} is there twice"
+        elif here < before:
+            what = f"cycle {here} comes after cycle {before}: the order goes back"
+        else:
+            what = f"{name_gap(before + 1, here - 1)} missing"
+        yield Fault(_of_pose(what, label), line=_line(run, rows[k]))
+
+
+def name_gap(first: int, last: int) -> str:
+    """Return ``cycle 5 is`` or ``cycles 5 to 7 are``."""
+    return f"cycle {first} is" if first == last else f"cycles {first} to {last} are"
+
+
+def _count_fault(rule: _Rule, label: str | None, numbers: IntArray) -> Fault:
+    rows, first, last = len(numbers), int(numbers[0]), int(numbers[-1])
+    what = f"{rows} cycles, numbered {first} to {last}"
+    if rule.is_open(numbers):
+        what += (
+            f": either the first of {rule.cycles} was discarded before, and all {rows} count, "
+            f"or it is still among them, and one is missing, or {rows} were run, and all count"
+        )
+    elif rule.all_count:
+        what += f", where {rule.cycles} from 1 are wanted, of which all count"
+    elif rule.first_gone:
+        what += f", where {rule.cycles - 1} are wanted because the first is said to be discarded"
+    else:
+        what += f", where {rule.cycles} from 1 are wanted (the first of them is discarded)"
+    return Fault(_of_pose(what, label))
+
+
+def _broken(run: Run, rule: _Rule, found: Sequence[_Pose]) -> DataError:
+    faults = [fault for pose in found for fault in pose.faults]
+    what = "the table breaks the cycle rule"
+    remedy = _remedy(run, rule, found, " ".join(fault.message for fault in faults))
+    return DataError(what, where=run.origin.source, remedy=remedy, faults=faults)
+
+
+def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
+    if " twice" in said or any(pose.repeats for pose in found):
+        return "take one row a visit, and number the cycles from 1"
+    if "cycles_planned" in run.metadata:
+        return (
+            f"the recording was cut short: scara-iso record --resume {run.origin.source} goes on "
+            f"with it; or say --cycles {run.cycle.max()}, with --allow-gaps where some are missing"
+        )
+    if any(pose.is_open for pose in found):
+        return (
+            "say --first-cycle-discarded (or '# first_cycle_discarded: true' in the file) if it "
+            f"was; --all-count (or '# first_cycle: counts') if all {rule.cycles - 1} count; "
+            f"--cycles {rule.cycles - 1} to discard the first of these all the same"
+        )
+    if " missing" in said and "goes back" not in said:
+        return "repeat the missing cycles, or say --allow-gaps: the rest counts, the gap is listed"
+    return "repeat the missing cycles, or say --cycles N for a test of another length"
+
+
+def _of_pose(what: str, label: str | None) -> str:
+    return what if label is None else f"pose {label}: {what}"
+
+
+def _line(run: Run, row: int) -> int | None:
+    return None if run.lines is None else int(run.lines[row])

@@ -1,0 +1,269 @@
+"""The test of ISO 9283 and of the paper's section II: cube, diagonal plane, poses P1 to P5.
+
+What follows from the geometry of the arm is computed and checked; velocity, load, dwell and the
+order of visits are the conditions of the test, carried along so that one table holds all that a
+robot program needs. Sources: Mousavi et al., section II, eq. 1, Fig. 1 and 2; ISO 9283, 6.8, as
+known in the trade.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from scara_iso.errors import UsageError
+from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rectangle, Workspace, largest_rectangle
+from scara_iso.run import FloatArray
+
+POSES = ("P1", "P2", "P3", "P4", "P5")
+
+_TOLERANCE = (0.08, 0.12)
+"""m = (0.1 ± 0.02) L, eq. 1; ISO 9283 asks the same of the ends of the plane's diagonals."""
+
+
+class Solid(Enum):
+    """What is laid into the workspace."""
+
+    CUBE = "cube"
+    """The largest cube. Where the stroke is its shortest side, the cube keeps the centre of the
+    largest square that fits seen from above."""
+    BOX = "box"
+    """The largest rectangular area times the stroke, which may take the cube's place where one
+    axis has a small range."""
+
+
+class Plane(Enum):
+    """A diagonal plane by its corners, in their order around it.
+
+    The numbering of the corners is background knowledge of ISO 9283's figure, not quoted from it:
+    here C1 to C4 go counter-clockwise around the lower face from the corner of least x and y, seen
+    from above, and C5 to C8 lie above them.
+    """
+
+    C1_C2_C7_C8 = "C1-C2-C7-C8"
+    C2_C3_C8_C5 = "C2-C3-C8-C5"
+    C3_C4_C5_C6 = "C3-C4-C5-C6"
+    C4_C1_C6_C7 = "C4-C1-C6-C7"
+
+    @property
+    def corners(self) -> tuple[int, ...]:
+        """Numbers of the four corners."""
+        return tuple(int(name[1]) for name in self.value.split("-"))
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """How the poses are visited. Raises `UsageError` for what no test can mean."""
+
+    cycles: int = 31
+    """Cycles run; the paper runs 31, of which the first only settles the contact side."""
+    discarded: int = 1
+    velocity_percent: float = 100.0
+    """Percent of the rated velocity."""
+    load_percent: float = 100.0
+    """Percent of the rated load."""
+    dwell_s: float = 2.0
+    """Time at each pose before the reading: at least the robot's stabilisation time. The default
+    is a choice of this program."""
+    order: tuple[str, ...] = ("P5", "P4", "P3", "P2", "P1")
+    """Order of visits in each cycle, which begins at P1; background knowledge of ISO 9283."""
+
+    def __post_init__(self) -> None:
+        faults = [] if 0 <= self.discarded < self.cycles else ["no cycle is left to be used"]
+        faults += [
+            f"{name} is {value:g}"
+            for name, value in (("velocity_percent", self.velocity_percent),
+                                ("load_percent", self.load_percent))
+            if not 0 <= value <= 100 or (name == "velocity_percent" and value == 0)
+        ]  # fmt: skip
+        faults += [] if 0 <= self.dwell_s < math.inf else [f"dwell_s is {self.dwell_s:g}"]
+        unknown = [name for name in self.order if name not in POSES]
+        faults += [f"no pose {name!r}" for name in unknown]
+        faults += [] if self.order else ["no pose is visited"]
+        if faults:
+            raise UsageError(
+                f"no such test: {', '.join(faults)}",
+                remedy="percentages go up to 100, times are not negative, poses are P1 to P5",
+            )
+
+    @property
+    def used(self) -> int:
+        """Cycles of which the readings count."""
+        return self.cycles - self.discarded
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedPose:
+    """One pose: where the tool is, and the joints that bring it there."""
+
+    name: str
+    x_mm: float
+    y_mm: float
+    z_mm: float
+    theta_deg: float
+    joint_1_deg: float
+    joint_2_deg: float
+    joint_3_mm: float
+    joint_4_deg: float
+    singularity_deg: float
+    """By how much joint 2 misses straight or folded, where the arm is singular."""
+    manipulability: float
+    """|sin joint 2|: 1 where the arm moves equally well in all directions, 0 where singular."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Plan:
+    """The planned test. Lengths in mm, in the base frame; arrays read-only."""
+
+    solid: Solid
+    corners: FloatArray
+    """C1 to C8, shape (8, 3)."""
+    plane: Plane
+    elbow: Elbow
+    poses: tuple[PlannedPose, ...]
+    """P1 the centre of the plane, P2 to P5 on its diagonals, next to its corners in their order."""
+    diagonal_mm: float
+    """L of eq. 1. The paper takes the diagonal of the cube, ISO 9283 that of the plane: they are
+    the same line, since a diagonal plane holds two space diagonals of its cube or box."""
+    m_mm: float
+    """Distance of P2 to P5 from their corners, along the diagonal."""
+    stroke_limits: bool
+    """Whether a larger cube would fit if the stroke were longer."""
+    conditions: Conditions
+
+    def __post_init__(self) -> None:
+        self.corners.flags.writeable = False
+
+    @property
+    def size_mm(self) -> tuple[float, float, float]:
+        """Edges along x, y and z."""
+        x, y, z = (self.corners[6] - self.corners[0]).tolist()
+        return x, y, z
+
+    @property
+    def m_over_diagonal(self) -> float:
+        """Share of m in L, which eq. 1 wants within 0.1 ± 0.02."""
+        return self.m_mm / self.diagonal_mm
+
+    def rows(self) -> list[Mapping[str, str | int | float]]:
+        """Return one cycle as a table, one row for each visit in order, for a robot program."""
+        by_name = {pose.name: pose for pose in self.poses}
+        return [
+            {
+                "visit": number,
+                "pose": name,
+                **{
+                    key: getattr(by_name[name], key)
+                    for key in PlannedPose.__slots__
+                    if key != "name"
+                },
+                "velocity_percent": self.conditions.velocity_percent,
+                "load_percent": self.conditions.load_percent,
+                "dwell_s": self.conditions.dwell_s,
+                "cycles": self.conditions.cycles,
+            }
+            for number, name in enumerate(self.conditions.order, start=1)
+        ]
+
+
+def make_plan(
+    arm: Arm,
+    *,
+    solid: Solid = Solid.CUBE,
+    plane: Plane = Plane.C1_C2_C7_C8,
+    elbow: Elbow | None = None,
+    m_over_diagonal: float = 0.1,
+    theta_deg: float = 0.0,
+    conditions: Conditions | None = None,
+) -> Plan:
+    """Return the test for ``arm``, every pose within reach and limits.
+
+    With ``elbow`` the cube lies in what that elbow reaches; without, in what either reaches, and
+    the elbow that keeps all poses furthest from singularities is taken. Raises `UsageError` for an
+    m outside eq. 1, an arm without stroke or area, and poses that one elbow does not reach.
+    """
+    _check(arm, m_over_diagonal)
+    workspace = Workspace.of(arm, tuple(Elbow) if elbow is None else (elbow,))
+    area = largest_rectangle(workspace, square=solid is Solid.CUBE)
+    corners = _corners(area, arm, solid)
+    places, diagonal = _places(corners[[c - 1 for c in plane.corners]], m_over_diagonal)
+    poses = np.column_stack([places, np.full(len(places), theta_deg)])
+    side, joints = _reached(arm, poses, tuple(Elbow) if elbow is None else (elbow,))
+    return Plan(
+        solid=solid,
+        corners=corners,
+        plane=plane,
+        elbow=side,
+        poses=_planned(arm, poses, joints),
+        diagonal_mm=diagonal,
+        m_mm=m_over_diagonal * diagonal,
+        stroke_limits=solid is Solid.CUBE and area.width > arm.stroke_mm,
+        conditions=Conditions() if conditions is None else conditions,
+    )
+
+
+def _check(arm: Arm, m_over_diagonal: float) -> None:
+    low, high = _TOLERANCE
+    if not low - 1e-12 <= m_over_diagonal <= high + 1e-12:
+        raise UsageError(
+            f"m = {m_over_diagonal:g} L is outside (0.1 ± 0.02) L",
+            remedy=f"choose it from {low:g} to {high:g}",
+        )
+    if arm.stroke_mm < SMALLEST_MM:
+        raise UsageError(
+            f"a stroke of {arm.stroke_mm:g} mm leaves no room for a cube",
+            remedy="give the quill its lowest and highest z",
+        )
+
+
+def _corners(area: Rectangle, arm: Arm, solid: Solid) -> FloatArray:
+    """Return C1 to C8 of the solid over ``area``, in the middle of the stroke, shape (8, 3).
+
+    The centre is rounded to whole micrometres, as a controller takes them, and the edges give way.
+    """
+    x, y = (math.floor(side * 1000 - 1) / 1000 for side in (area.width, area.depth))
+    z = arm.stroke_mm
+    if solid is Solid.CUBE:
+        x = y = z = min(x, y, z)
+    middle = np.array([round(area.x, 3), round(area.y, 3), sum(arm.quill_mm) / 2]) + 0.0
+    around = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+    signs = [(*xy, up) for up in (-1, 1) for xy in around]
+    return np.asarray(middle + np.array(signs) * (x, y, z) / 2)
+
+
+def _places(corners: FloatArray, m_over_diagonal: float) -> tuple[FloatArray, float]:
+    """Return P1 to P5, shape (5, 3), in the plane of four corners, and the plane's diagonal."""
+    centre = corners.mean(axis=0)
+    diagonal = float(np.linalg.norm(corners[2] - corners[0]))
+    inner = corners + 2 * m_over_diagonal * (centre - corners)
+    return np.round(np.vstack([centre, inner]), 3), diagonal
+
+
+def _reached(arm: Arm, poses: FloatArray, elbows: tuple[Elbow, ...]) -> tuple[Elbow, FloatArray]:
+    """Return the elbow that reaches all poses furthest from singularities, and the joints."""
+    found: list[tuple[float, Elbow, FloatArray]] = []
+    faults = []
+    for elbow in elbows:
+        try:
+            joints = arm.inverse(poses, elbow=elbow)
+            found.append((float(arm.singularity_deg(joints).min()), elbow, joints))
+        except UsageError as error:
+            faults.append(str(error))
+    if not found:
+        raise UsageError(
+            f"no elbow reaches all poses: {'; '.join(faults)}",
+            remedy="name an elbow: the cube is then laid into what that elbow reaches",
+        )
+    # rounding must not choose between mirrored elbows
+    _, elbow, joints = max(found, key=lambda f: round(f[0], 6))
+    return elbow, joints
+
+
+def _planned(arm: Arm, poses: FloatArray, joints: FloatArray) -> tuple[PlannedPose, ...]:
+    apart, turn = arm.singularity_deg(joints), np.abs(np.sin(np.radians(joints[:, 1])))
+    table = np.column_stack([poses, joints, apart, turn]).tolist()
+    return tuple(PlannedPose(name, *row) for name, row in zip(POSES, table, strict=True))

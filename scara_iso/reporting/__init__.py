@@ -1,0 +1,64 @@
+"""What is said about a result, decided once; `render` decides how it looks.
+
+A report is sections of blocks: text, tables, strips and notices. Figures are rounded here and
+nowhere else.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.reporting.analysis import analysis_report as analysis_report
+    from scara_iso.reporting.backlash import (
+        backlash_report as backlash_report,
+        sweep_report as sweep_report,
+    )
+    from scara_iso.reporting.blocks import (
+        Block as Block,
+        Course as Course,
+        Figure as Figure,
+        Notice as Notice,
+        Plane as Plane,
+        Prediction as Prediction,
+        Report as Report,
+        Section as Section,
+        Strip as Strip,
+        Table as Table,
+        Text as Text,
+    )
+    from scara_iso.reporting.comparison import comparison_report as comparison_report
+    from scara_iso.reporting.design import design_report as design_report
+    from scara_iso.reporting.diagnosis import (
+        Failure as Failure,
+        diagnosis_report as diagnosis_report,
+        summary_report as summary_report,
+    )
+    from scara_iso.reporting.digits import U_of_scatter as U_of_scatter, rounded as rounded
+    from scara_iso.reporting.dossier import (
+        Dossier as Dossier,
+        InputFile as InputFile,
+        Provenance as Provenance,
+        document as document,
+    )
+    from scara_iso.reporting.explain import (
+        Page as Page,
+        find_page as find_page,
+        list_report as list_report,
+        page_report as page_report,
+        pages as pages,
+    )
+    from scara_iso.reporting.limits import conformity as conformity
+    from scara_iso.reporting.paper import next_steps as next_steps, paper_section as paper_section
+    from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
+    from scara_iso.reporting.ports import (
+        Probe as Probe,
+        dialects_report as dialects_report,
+        ports_report as ports_report,
+        probe_json as probe_json,
+        probe_report as probe_report,
+    )
+    from scara_iso.reporting.stated import NOT_STATED as NOT_STATED, head as head
+    from scara_iso.reporting.words import printable as printable
+else:
+    __getattr__ = face(__name__)

@@ -1,0 +1,248 @@
+"""What is said of an analysis: the verdict first, the findings last."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from scara_iso.iso9283 import CYCLES_USED, Analysis, AxisResult, Finding, PoseResult, RadialResult
+from scara_iso.reporting.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.reporting.digits import U_of_scatter, interval, rounded
+from scara_iso.reporting.limits import conformity, limits
+from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
+
+_NAMED_FIRST = 5
+"""So many warnings are named at the top; of more, their number is said there."""
+_GRAVITY = {"error": 0, "warning": 1, "info": 2}
+
+
+def analysis_report(analysis: Analysis) -> Report:
+    """Return what is said of an analysis."""
+    sections = [Section("", (*_origin(analysis), *verdict(analysis)))]
+    for pose in analysis.poses:
+        label = pose.label or ""
+        name = f"pose {label}: " if label else ""
+        sections.append(Section(f"{name}repeatability", tuple(pose_figures(pose)), label))
+        sections.append(Section(f"{name}readings over the cycles", tuple(_strips(pose)), label))
+    return (*sections, *limits(analysis), *findings(analysis))
+
+
+def _origin(analysis: Analysis) -> Iterator[Block]:
+    origin = analysis.run.origin
+    title = " · ".join(part for part in (analysis.run.metadata.get("robot"), origin.source) if part)
+    yield Text(f"ISO 9283 repeatability{f' of {title}' if title else ''}", "strong")
+    if origin.understood:
+        yield Text(f"read as {origin.understood}", "quiet")
+    yield from (Text(note, "quiet") for note in origin.notes)
+
+
+def verdict(analysis: Analysis) -> Iterator[Block]:
+    """Yield the figure that the test is about, warnings, and whether limits are kept."""
+    if len(analysis.poses) == 1:
+        yield Text(_headline(analysis.poses[0]), "strong")
+    else:
+        yield Text(_largest(analysis.poses), "strong")
+    yield from _warnings(analysis)
+    yield Text(_cycles(analysis))
+    yield from conformity(analysis)
+
+
+def _warnings(analysis: Analysis) -> Iterator[Block]:
+    grave = [finding for finding in analysis.findings if finding.severity != "info"]
+    by_subject: dict[str, list[str]] = {}
+    for finding in grave:
+        by_subject.setdefault(_subject(finding) or "test", []).append(finding.code)
+    if grave:
+        said = "; ".join(f"{name}: {', '.join(codes)}" for name, codes in by_subject.items())
+        count = f"{len(grave)} warning{'s' if len(grave) > 1 else ''}"
+        yield Text(f"{count} - {said}" if len(grave) <= _NAMED_FIRST else f"{count}, below", "warn")
+
+
+def _cycles(analysis: Analysis) -> str:
+    cycles = analysis.cycles
+    each = " at each pose" if len(analysis.poses) > 1 else ""
+    if any(pose.missing for pose in analysis.poses):
+        each += " or more" if each else ""
+    if cycles.all_count:
+        own = ": the standard's own 30 cycles" if cycles.used == CYCLES_USED else ""
+        return f"{cycles.read} cycles read{each}; all of them count, none was discarded{own}."
+    if cycles.discarded:
+        left_out = f"the extra cycle {cycles.discarded[0]} is discarded"
+    else:
+        left_out = "the first was discarded before, none is discarded here"
+    return f"{cycles.read} cycles read{each}; {left_out}; {cycles.used} count."
+
+
+def _headline(pose: PoseResult) -> str:
+    if pose.XY is None:
+        return f"RP: {', '.join(_axis_verdict(axis) for axis in pose.axes.values())}"
+    U = U_of_RP(pose.XY, len(pose.rows))
+    radial = f"RP in XY: {rounded(pose.XY.RP, U)} mm radial (ISO 9283)"
+    rss = pose.XY.RP_rss
+    return radial if rss is None else f"{radial}, {rounded(rss, U)} mm by the paper's eq. 23"
+
+
+def _axis_verdict(axis: AxisResult) -> str:
+    if axis.unit == "deg":
+        return f"{axis.name} ± {_of_scatter(axis.three_sigma, axis.n)} deg"
+    return f"{axis.name} {rounded(axis.RP, U_of_RP(axis, axis.n))} mm"
+
+
+def _largest(poses: Sequence[PoseResult]) -> str:
+    def figure(pose: PoseResult) -> float:
+        if pose.XY is not None:
+            return pose.XY.RP
+        return max(_lengths(pose) or [axis.three_sigma for axis in pose.axes.values()])
+
+    worst = max(poses, key=figure)
+    return f"{len(poses)} poses; the largest figure at {worst.label}: {_headline(worst)}"
+
+
+def pose_figures(pose: PoseResult) -> Iterator[Block]:
+    """Yield the tables of a pose: RP of axes, plane and space, accuracy, other words."""
+    for unit in ("mm", "deg"):
+        axes = [axis for axis in pose.axes.values() if axis.unit == unit]
+        if axes:
+            yield _axes_table(pose, axes, unit)
+    yield from (Text(line) for line in _accuracy(pose))
+    for axis in pose.axes.values():
+        if axis.angle is not None:
+            yield Text(
+                f"theta at a radius of {axis.angle.radius_mm:g} mm: RP = ± "
+                f"{_of_scatter(axis.angle.three_sigma_deg, axis.n)} deg (7.2.2, ± 3 S); "
+                f"{_of_scatter(axis.angle.RP_deg, axis.n)} deg by eq. 2-6"
+            )
+    defined = [axis for axis in pose.axes.values() if axis.definitions]
+    if defined:
+        yield _definitions_table(defined)
+
+
+def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Table:
+    angle = unit == "deg"
+    rows = [
+        (
+            axis.name,
+            rounded(axis.mean, U_of_mean(axis)),
+            *_parts(axis, axis.n),
+            *_with_interval(axis),
+            _share(axis.expanded_ratio),
+        )
+        for axis in axes
+    ]
+    rule = "; an angle's RP is ± 3 s (7.2.2)" if angle else ""
+    return Table(
+        (
+            "axis",
+            "mean",
+            "l_bar",
+            "S_l",
+            "RP",
+            *(("± 3 s", "95 % interval") if angle else ("95 % interval", "3 s")),
+            "U/3 s" if angle else "U/RP",
+        ),
+        (*rows, *(() if angle else _radial_rows(pose))),
+        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u",
+    )
+
+
+def _with_interval(axis: AxisResult) -> tuple[str, str]:
+    """Return the interval of RP and 3 s; of an angle, ± 3 s and its own interval."""
+    three_sigma = _of_scatter(axis.three_sigma, axis.n)
+    if axis.unit == "deg":
+        return three_sigma, interval(axis.three_sigma_interval)
+    return interval(axis.RP_interval), three_sigma
+
+
+def _radial_rows(pose: PoseResult) -> Iterator[tuple[str, ...]]:
+    n = len(pose.rows)
+    for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
+        if found is None:
+            continue
+        yield (
+            f"{name} radial",
+            "",
+            *_parts(found, n),
+            interval(found.RP_interval),
+            "",
+            _share(found.expanded_ratio),
+        )
+        if found.RP_rss is not None:
+            rss = rounded(found.RP_rss, U_of_RP(found, n))
+            ends = interval(found.RP_rss_interval)
+            yield (f"{name} eq. 23", "", "", "", rss, ends, "", "")
+
+
+def _parts(found: AxisResult | RadialResult, n: int) -> list[str]:
+    """Return l_bar, S_l and RP to the same place; the appendix of a report has all digits."""
+    U = U_of_RP(found, n)
+    return [rounded(x, U) for x in (found.l_bar, found.S_l, found.RP)]
+
+
+def _of_scatter(figure: float, n: int) -> str:
+    return rounded(figure, U_of_scatter(figure, n))
+
+
+def _accuracy(pose: PoseResult) -> Iterator[str]:
+    said = [
+        f"{axis.name} {rounded(axis.accuracy, U_of_mean(axis), sign='+')} {axis.unit}"
+        for axis in pose.axes.values()
+        if axis.accuracy is not None
+    ]
+    for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
+        if found is not None and found.accuracy is not None:
+            U = max(U_of_mean(pose.axes[axis]) for axis in name)
+            said.append(f"{name} {rounded(found.accuracy, U)} mm")
+    if said:
+        yield f"accuracy AP (7.2.1, mean minus command): {', '.join(said)}"
+
+
+def _definitions_table(axes: Sequence[AxisResult]) -> Table:
+    scatter = [U_of_scatter(axis.three_sigma, axis.n) for axis in axes]
+    rows = [
+        (found[0].name, *(rounded(d.value, U) for d, U in zip(found, scatter, strict=True)))
+        for found in zip(*(axis.definitions for axis in axes), strict=True)
+    ]
+    header = ("other words", *(f"{axis.name} [{axis.unit}]" for axis in axes))
+    meanings = "; ".join(f"{d.name}: {d.meaning}" for d in axes[0].definitions)
+    return Table(header, tuple(rows), meanings)
+
+
+def _strips(pose: PoseResult) -> Iterator[Block]:
+    for axis in pose.axes.values():
+        caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
+        yield Strip(axis.name, pose.cycle, axis.readings, caption)
+
+
+def findings(analysis: Analysis) -> Iterator[Section]:
+    """Yield the deviations from the standard, and what else was found."""
+    if analysis.deviations:
+        rows = sorted({(finding.rule, _said(finding)) for finding in analysis.deviations})
+        said = tuple(Text(f"{rule} - {what}") for rule, what in rows)
+        yield Section("deviations from ISO 9283", said)
+    others = [finding for finding in analysis.findings if not finding.rule]
+    others.sort(key=lambda finding: _GRAVITY[finding.severity])
+    if others:
+        how = Text("scara-iso explain CODE says more of each", "quiet")
+        yield Section("findings", (*map(_notice, others), how))
+
+
+def _notice(finding: Finding) -> Notice:
+    return Notice(finding.severity, finding.code, _subject(finding), finding.message)
+
+
+def _said(finding: Finding) -> str:
+    subject = _subject(finding)
+    return f"{subject}: {finding.message}" if subject else finding.message
+
+
+def _subject(finding: Finding) -> str:
+    return ", ".join(part for part in (finding.pose, finding.axis) if part)
+
+
+def _share(ratio: float | None) -> str:
+    return "" if ratio is None else f"{ratio:.0%}"
+
+
+def _lengths(pose: PoseResult) -> list[float]:
+    """Return RP of the length axes, or what may hide behind an RP of 0."""
+    axes = [axis for axis in pose.axes.values() if axis.unit == "mm"]
+    return [a.RP or (a.RP_interval[1] if a.RP_interval else 0.0) for a in axes]

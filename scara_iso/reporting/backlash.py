@@ -1,0 +1,159 @@
+"""What is said of the two-inertia model, and the paper's Table II."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from scara_iso.iso9283 import PoseResult
+from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+from scara_iso.reporting.digits import four_digits, p_equals, rounded
+from scara_iso.reporting.uncertainty import U_of_RP
+from scara_iso.reporting.words import words
+from scara_iso.robot import Backlash, Crossing
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis import GearDiagnosis
+
+
+def backlash_report(result: Backlash, actual: PoseResult | None = None) -> Report:
+    """Return what is said of a gear; ``actual`` is a measured pose to set beside it."""
+    sections = [
+        Section("", tuple(_verdict(result))),
+        Section("two-inertia model", (_table(result),)),
+    ]
+    table = _comparison(result, actual)
+    if table is not None:
+        sections.append(Section("at the tool (the paper's Table II)", (table,)))
+    return (*sections, Section("", tuple(_assumptions(result))))
+
+
+def _verdict(result: Backlash) -> Iterator[Block]:
+    yield Text("Backlash by the two-inertia model (paper, eq. 7-22)", "strong")
+    for name, crossing in _crossings(result):
+        width = (
+            "" if crossing.deviation_mm is None else f", {_mm(crossing.deviation_mm)} at the tool"
+        )
+        yield Text(
+            f"{name}: the load moves {four_digits(crossing.load_deviation_rad)} rad{width}: "
+            f"1/{crossing.inertia_ratio:.6g} of the gap",
+            "strong",
+        )
+
+
+def _crossings(result: Backlash) -> Iterator[tuple[str, Crossing]]:
+    yield "I_m as given", result.as_given
+    if result.reflected is not None:
+        yield f"I_m through 1:{result.ratio:g}", result.reflected
+
+
+def _table(result: Backlash) -> Table:
+    crossings = list(_crossings(result))
+    found = [crossing for _, crossing in crossings]
+    rows = [
+        ("gap 2D [rad] (eq. 18)", [four_digits(result.gap_rad)] * len(found)),
+        ("I_m [kg m2]", [four_digits(c.motor_inertia) for c in found]),
+        ("I_L [kg m2]", [four_digits(c.load_inertia) for c in found]),
+        ("1 + I_L/I_m (eq. 20)", [f"{c.inertia_ratio:.6g}" for c in found]),
+        ("load deviation [rad] (eq. 16)", [four_digits(c.load_deviation_rad) for c in found]),
+        ("motor deviation [rad]", [four_digits(c.motor_deviation_rad) for c in found]),
+    ]
+    return Table(
+        ("", *(name for name, _ in crossings)),
+        tuple((label, *values) for label, values in rows),
+    )
+
+
+def _comparison(result: Backlash, actual: PoseResult | None) -> Table | None:
+    """Return Table II, each row with what it is; None without an arm and a measurement."""
+    rows = [
+        (f"theoretical, {name} (eq. 21)", _mm(crossing.deviation_mm), "reversal width")
+        for name, crossing in _crossings(result)
+        if crossing.deviation_mm is not None
+    ]
+    if actual is not None and actual.XY is not None:
+        rows.append(
+            ("actual, radial (ISO 9283)", _measured(actual, actual.XY.RP), "one-sided scatter")
+        )
+        if actual.XY.RP_rss is not None:
+            rows.append(
+                ("actual, eq. 23", _measured(actual, actual.XY.RP_rss), "one-sided scatter")
+            )
+    if result.free_play_mm is not None:
+        rows.append(("free play (eq. 22)", _mm(result.free_play_mm), "whole gap"))
+    if not rows:
+        return None
+    note = (
+        "A reversal width (right contact to left contact) is not a one-sided scatter: a cycle that "
+        "always arrives on the same flank shows none of the gap."
+    )
+    return Table(("", "at the tool", "what it is"), tuple(rows), note)
+
+
+def _assumptions(result: Backlash) -> Iterator[Block]:
+    if result.ratio is None:
+        yield Text("I_m is taken as given, on the load's shaft; --ratio N reflects it there.")
+    if result.arm_m is None:
+        yield Text("Without --arm no width at the tool can be said.")
+    assumed = "plastic impacts, no friction, no torque but the motor's (paper, section IV)"
+    yield Text(f"assumed: {assumed}", "quiet")
+
+
+def sweep_report(closed: GearDiagnosis) -> Report:
+    """Return what is said of a measured sweep: what eq. 16 leaves, and which effect it is."""
+    blocks = [*gear_blocks(closed), gear_errors(closed, "rad", "each reversal")]
+    return (Section("measured sweep", (*blocks, *(Text(line) for line in closed.notes))),)
+
+
+def gear_blocks(closed: GearDiagnosis) -> Iterator[Block]:
+    """Yield verdict and effects of a diagnosis of reversals."""
+    near = ", ".join(words(r.effect) for r in closed.candidates)
+    yield Text(
+        f"{words(closed.verdict.value)} ({p_equals(closed)})"
+        + (f": structure that no known effect fits; nearest: {near}" if near else ""),
+        "strong",
+    )
+    for found in closed.effects:
+        rivals = ", ".join(f"{words(r.effect)} ({r.probability:.0%})" for r in found.rivals)
+        at = "" if found.joint is None else f" at joint {found.joint}"
+        yield Text(
+            f"{words(found.effect)}{at}: probability {found.probability:.0%}"
+            + (f"; not excluded: {rivals}" if rivals else ""),
+            "strong",
+        )
+        for name, value in found.parameters.items():
+            yield Text(f"{name} {_between(value, found.intervals.get(name))}")
+        yield Text(f"cause: {found.cause}")
+        yield Text(f"confirm: {found.confirm_by}")
+
+
+def gear_errors(closed: GearDiagnosis, unit: str, left_out: str) -> Table:
+    """Return the error before and after, fitted and with ``left_out`` predicted unseen."""
+    rows = (
+        ("eq. 16", closed.rms_before, closed.held_out_before),
+        ("with the effect", closed.rms_after, closed.held_out_after),
+    )
+    return Table(
+        (f"rms error [{unit}]", "fitted", "held out"),
+        tuple(
+            (name, f"{fitted:.2g}", "" if unseen is None else f"{unseen:.2g}")
+            for name, fitted, unseen in rows
+        ),
+        f"held out: {left_out} predicted without it, the choice of effect repeated",
+    )
+
+
+def _between(value: float, ends: tuple[float, float] | None) -> str:
+    if ends is None:
+        return f"{value:.3g}"
+    U = (ends[1] - ends[0]) / 2
+    return f"{rounded(value, U)} (95 %: {rounded(ends[0], U)} .. {rounded(ends[1], U)})"
+
+
+def _measured(pose: PoseResult, RP: float) -> str:
+    assert pose.XY is not None  # noqa: S101 - the caller has seen it
+    return f"{rounded(RP, U_of_RP(pose.XY, len(pose.rows)))} mm"
+
+
+def _mm(value: float | None) -> str:
+    return "" if value is None else f"{four_digits(value)} mm"

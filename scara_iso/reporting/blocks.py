@@ -1,0 +1,111 @@
+"""The few blocks that a report is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from scara_iso.iso9283 import Severity
+from scara_iso.run import FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A paragraph."""
+
+    text: str
+    tone: Literal["plain", "quiet", "strong", "good", "warn", "bad"] = "plain"
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Columns of text; the first is aligned to the left, the others to the right.
+
+    ``verbatim`` cells are text that somebody stated: a serial number 0123 is no number.
+    """
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+    verbatim: bool = False
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Strip:
+    """Readings of one axis over the cycles, to be drawn small."""
+
+    label: str
+    cycle: IntArray
+    readings: FloatArray
+    caption: str
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """One finding, in words."""
+
+    severity: Severity
+    code: str
+    subject: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Course:
+    """Readings of one axis over the cycles, in ``unit``, with their mean and the dial's step."""
+
+    axis: str
+    unit: str
+    cycle: IntArray
+    readings: FloatArray
+    mean: float
+    resolution: float | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Plane:
+    """Attained places in the XY plane about their barycentre, with the circle of radius RP [mm].
+
+    ``positions`` of shape (2, n), ``barycentre`` of shape (2,).
+    """
+
+    positions: FloatArray
+    barycentre: FloatArray
+    RP: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prediction:
+    """Readings of one axis and what the model says of them, before and after the diagnosis."""
+
+    axis: str
+    unit: str
+    cycle: IntArray
+    measured: FloatArray
+    before: FloatArray
+    after: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Figure:
+    """The data of a picture, and in words what is to be seen in it."""
+
+    data: Course | Plane | Prediction
+    title: str
+    caption: str
+
+
+Block = Text | Table | Strip | Notice | Figure
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Blocks under a heading; an empty heading is none."""
+
+    heading: str
+    blocks: tuple[Block, ...]
+    one_of: str = ""
+    """Which of several poses or tables it is about; the same for all sections of one of them."""
+
+
+Report = tuple[Section, ...]

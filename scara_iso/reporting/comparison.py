@@ -1,0 +1,234 @@
+"""What is said of a comparison: what changed first, then every figure with its interval."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from scara_iso.comparison import (
+    MOST_CYCLES,
+    Comparison,
+    Contrast,
+    Ends,
+    Pair,
+    Verdict,
+    poses_in_common,
+)
+from scara_iso.reporting.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.reporting.digits import p_value, rounded
+
+_CHANGED = (Verdict.LESS, Verdict.MORE)
+_SAID = {
+    Verdict.LESS: "less",
+    Verdict.MORE: "more",
+    Verdict.NOT_SHOWN: "not shown",
+    Verdict.DIAL: "the dial",
+}
+
+
+def comparison_report(comparison: Comparison) -> Report:
+    """Return what is said of a comparison."""
+    first = comparison.pairs[0].before
+    head = [Text(f"comparison with {_name(first.run.origin.source)}", "strong")]
+    if len(comparison.pairs) > 1:
+        head.append(Text(f"{len(comparison.pairs)} tables, each against this first one", "quiet"))
+    sections = [Section("", tuple(head))]
+    for pair in comparison.pairs:
+        name = _name(pair.after.run.origin.source)
+        sections += [replace(section, one_of=name) for section in _pair(pair)]
+    return (*sections, Section("", (Text(_method(comparison), "quiet"),)))
+
+
+def headline(pair: Pair) -> str:
+    """Return what a pair shows, in a sentence or three; a dial that stood still shows nothing."""
+    every = (*pair.spreads, *pair.means)
+    if not any(map(_live, every)):
+        return "nothing is compared: one of the dials stood still"
+    said = []
+    for what, contrasts in (("repeatability", pair.spreads), ("mean", pair.means)):
+        changed = [_changed(one) for one in contrasts if one.verdict in _CHANGED and _live(one)]
+        said += [f"{what}: {', '.join(changed)}"] if changed else []
+    if any(one.verdict not in _CHANGED for one in every if _live(one)):
+        said += [f"{'else ' if said else ''}no difference that {_cycles(pair)} can show"]
+    return "; ".join(said)
+
+
+def _live(one: Contrast) -> bool:
+    return not {"no-scatter", "stuck-channel"} & set(one.doubts)
+
+
+def _changed(one: Contrast) -> str:
+    name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
+    if one.ratio is None or one.ratio_interval is None:
+        return f"{name} {rounded(one.difference, _U(one), sign='+')} {one.unit}"
+    way = "better" if one.verdict is Verdict.LESS else "worse"
+    return f"{name} {way} ({', 95 % interval '.join(_ratio(one))})"
+
+
+def _cycles(pair: Pair) -> str:
+    before, after = pair.before.cycles.used, pair.after.cycles.used
+    return f"{before} cycles" if before == after else f"{before} and {after} cycles"
+
+
+def _pair(pair: Pair) -> Iterator[Section]:
+    blocks: list[Block] = [Text(headline(pair), "strong"), *_caution(pair)]
+    yield Section(f"{_name(pair.after.run.origin.source)}: what changed", tuple(blocks))
+    yield Section("repeatability", tuple(_tables(pair.spreads)))
+    yield Section("mean", tuple(_tables(pair.means)))
+    yield Section("readings before and after", tuple(_strips(pair)))
+    notices = [
+        Notice(f.severity, f.code, _subject(f.pose, f.axis), f.message) for f in pair.findings
+    ]
+    if notices:
+        yield Section("to be read with it", tuple(notices))
+
+
+def _caution(pair: Pair) -> Iterator[Block]:
+    every = (*pair.spreads, *pair.means)
+    still = _names(one for one in every if not _live(one))
+    if still:
+        said = f"{still}: readings stand still in one of the runs. That is no repair: was the dial"
+        yield Text(f"{said} touched, or too coarse?", "warn")
+    drifting = _names(one for one in every if "trend" in one.doubts)
+    if drifting:
+        yield Text(
+            f"{drifting}: readings drift in one of the runs. The test deals cycles between the "
+            "runs as if their order did not count: diagnose the drift first.",
+            "warn",
+        )
+    if any(one.verdict is Verdict.DIAL for one in every):
+        said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
+        yield Text(said, "warn")
+
+
+def _names(contrasts: Iterable[Contrast]) -> str:
+    return ", ".join(dict.fromkeys(one.figure for one in contrasts))
+
+
+def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
+    for unit in ("mm", "deg"):
+        of_unit = [one for one in contrasts if one.unit == unit]
+        if of_unit:
+            yield _figures(of_unit, unit)
+    yield _power(contrasts)
+
+
+def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
+    rows = [
+        (
+            _row_name(one),
+            rounded(one.before, _U(one)),
+            rounded(one.after, _U(one)),
+            rounded(one.difference, _U(one), sign="+"),
+            _ends(one.interval, _U(one), sign="+"),
+            p_value(one),
+            _SAID[one.verdict] + ("*" if one.doubts else ""),
+        )
+        for one in contrasts
+    ]
+    said = {"mean": "means", "RP": "RP = l_bar + 3 S_l", "three_sigma": "± 3 s of an angle (7.2.2)"}
+    note = f"in {unit}; {said[contrasts[0].quantity]}; p among all figures"
+    note += "; *: read it with the notes below" if any(one.doubts for one in contrasts) else ""
+    return Table(
+        ("figure", "before", "after", "change", "95 % interval", "p", "change is"),
+        tuple(rows),
+        note,
+    )
+
+
+def _power(contrasts: Sequence[Contrast]) -> Table:
+    means = contrasts[0].quantity == "mean"
+    rows = [
+        (
+            _row_name(one),
+            *(() if means else _ratio(one)),
+            _needed(one.cycles_needed),
+            _least(one),
+        )
+        for one in contrasts
+    ]
+    note = (
+        "Cycles wanted: how many in each run would show this change in 4 of 5 tests, if it is the "
+        "true one. Shown here: the change that these cycles show in 4 of 5 tests"
+    )
+    note += (
+        "; a mean moves also where the indicator was mounted or zeroed anew."
+        if means
+        else ", as a ratio up or down."
+    )
+    ratio = () if means else ("after/before", "95 % interval")
+    return Table(("figure", *ratio, "cycles wanted", "shown here"), tuple(rows), note)
+
+
+def _row_name(one: Contrast) -> str:
+    return one.figure if one.pose is None else f"{one.pose} {one.figure}"
+
+
+def _U(one: Contrast) -> float:  # noqa: N802 - GUM's symbol
+    return _reach(one.difference, one.interval)
+
+
+def _reach(figure: float, ends: Ends) -> float:
+    """Return how far the ends of an interval are from its figure, 0 where nothing bounds it."""
+    distances = [abs(end - figure) for end in ends if end is not None]
+    return sum(distances) / max(len(distances), 1)
+
+
+def _ratio(one: Contrast) -> tuple[str, str]:
+    assert one.ratio_interval is not None  # noqa: S101 - not a mean
+    if one.ratio is None:
+        return "", _ends(one.ratio_interval, 0.0)
+    U = _reach(one.ratio, one.ratio_interval)
+    return f"×{rounded(one.ratio, U)}", _ends(one.ratio_interval, U)
+
+
+def _ends(ends: Ends, U: float, *, sign: str = "") -> str:
+    return "..".join("any" if end is None else rounded(end, U, sign=sign) for end in ends)
+
+
+def _needed(cycles: int | None) -> str:
+    if cycles is None:
+        return ""
+    if cycles >= MOST_CYCLES:
+        return f"> {MOST_CYCLES - 1}"
+    magnitude = 10 ** max(math.floor(math.log10(cycles)) - 1, 0)
+    return f"{math.ceil(cycles / magnitude) * magnitude}"
+
+
+def _least(one: Contrast) -> str:
+    if one.smallest_shown is None:
+        return "none"
+    if one.quantity == "mean":
+        return f"{one.smallest_shown:.2g} {one.unit}"
+    return f"×{one.smallest_shown:.2f}"
+
+
+def _strips(pair: Pair) -> Iterator[Block]:
+    poses = poses_in_common(pair.before, pair.after)[0]
+    for name in dict.fromkeys(one.figure for one in pair.means):
+        for pose, when in zip(poses, ("before", "after"), strict=True):
+            axis = pose.axes[name]
+            caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
+            yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
+    others = len({one.pose for one in pair.means}) - 1
+    if others:
+        yield Text(f"the first pose; --plot draws {others} more", "quiet")
+
+
+def _method(comparison: Comparison) -> str:
+    pairs = len(comparison.pairs)
+    shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
+    return (
+        f"Cycles are dealt to the two runs at random {comparison.shuffles} times (studentised "
+        "permutation, seed fixed). Intervals of one quantity hold together with 95 %, p is that "
+        f"among all its figures{shared}. The dials' rounding is taken off. Method: docs/compare.md"
+    )
+
+
+def _subject(pose: str | None, axis: str | None) -> str:
+    return ", ".join(part for part in (pose, axis) if part)
+
+
+def _name(source: str) -> str:
+    return source or "the first run"

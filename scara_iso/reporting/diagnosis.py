@@ -1,0 +1,228 @@
+"""What is said of a diagnosis: what was found, how sure, what else, what to do, what it brings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
+from scara_iso.effects import find_effects
+from scara_iso.reporting.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, rounded
+from scara_iso.reporting.reversals import reversals_section
+from scara_iso.reporting.words import words
+
+_SURE, _LIKELY = 0.9, 0.6
+_DUST = 1e-9
+"""Share of a size below which its standard error is the rounding of the arithmetic."""
+_UNITS = "lengths in mm, angles in degrees"
+
+
+def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
+    """Return what is said of one pose's diagnosis; ``title`` names the table."""
+    head = (Text(f"diagnosis of {title}", "strong"), Text(_UNITS, "quiet"))
+    sections = [Section("", (*head, *_verdict(diagnosis)))]
+    sections += [Section(words(f.effect), tuple(_effect(f))) for f in diagnosis.effects]
+    if diagnosis.reversals is not None:
+        sections.append(reversals_section(diagnosis.reversals))
+    sections.append(Section("error and repeatability", tuple(_figures(diagnosis))))
+    sections.append(Section("what RP is made of", (_shares(diagnosis),)))
+    sections.append(Section("measured minus predicted", tuple(_strips(diagnosis))))
+    notices = tuple(_notices(diagnosis))
+    return (*sections, *((Section("notes", notices),) if notices else ()))
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A table that could not be diagnosed."""
+
+    message: str
+    exit_code: int
+
+
+def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) -> Report:
+    """Return one row for each of several tables, and how many there are of each verdict."""
+    rows = tuple(_summary(table, one) for table, one in zip(tables, found, strict=True))
+    verdicts = [row[1] for row in rows]
+    counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
+    table = Table(("", "verdict", "effects", "p"), rows)
+    failures = [
+        Notice("error", "not-diagnosed", name, one.message)
+        for name, one in zip(tables, found, strict=True)
+        if isinstance(one, Failure)
+    ]
+    return (Section("", (Text(f"{len(tables)} diagnosed: {counts}", "strong"), table, *failures)),)
+
+
+def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, ...]:
+    if isinstance(one, Failure):
+        return (table, "not diagnosed", "", "")
+    effects = "; ".join(_sureness(found) for found in one.effects)
+    return (
+        table,
+        one.verdict.value,
+        effects,
+        p_value(one),
+    )
+
+
+def diagnosis_verdict(diagnosis: Diagnosis) -> str:
+    """Return the verdict in one sentence."""
+    return next(block.text for block in _verdict(diagnosis))
+
+
+def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
+    match diagnosis.verdict:
+        case Verdict.NOTHING:
+            yield Text(
+                f"nothing to explain: no structure beyond chance ({p_equals(diagnosis)})",
+                "good",
+            )
+            yield Text(
+                "none found does not mean none there: --design with this table says how large an "
+                "effect it would have shown"
+            )
+        case Verdict.EXPLAINED:
+            said = "; ".join(_sureness(found) for found in diagnosis.effects)
+            yield Text(f"explained: {said}", "strong")
+        case Verdict.UNEXPLAINED:
+            yield Text(
+                f"unexplained: structure is there ({p_equals(diagnosis)}), and no known "
+                "effect accounts for it",
+                "warn",
+            )
+            if diagnosis.candidates:
+                yield Text(f"nearest: {_rivals(diagnosis.candidates)}")
+
+
+def _sureness(found: Found) -> str:
+    """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
+    where = f" on {', '.join(found.axes)}" if found.axes else ""
+    if found.probability >= _SURE or not found.rivals:
+        return f"{words(found.effect)}{where} ({found.probability:.0%})"
+    others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals
+    names = " or ".join([words(found.effect), *(words(rival.effect) for rival in others)])
+    return f"{names}{where}"
+
+
+def _rivals(rivals: Sequence[Rival]) -> str:
+    return ", ".join(f"{words(rival.effect)} ({rival.probability:.0%})" for rival in rivals)
+
+
+def _effect(found: Found) -> Iterator[Block]:
+    yield Text(
+        f"{p_equals(found)}, probability {found.probability:.0%}"
+        + (f"; not excluded: {_rivals(found.rivals)}" if found.rivals else "")
+    )
+    yield Text(", ".join(_parameter(k, v, found) for k, v in found.parameters.items()))
+    if found.joint is not None:
+        angle = found.angles[found.joint]
+        yield Text(f"moves along {found.joint.removeprefix('along ')}, within {angle:.0f} degrees")
+    elif found.angles:
+        angles = ", ".join(f"{name} {angle:.0f}" for name, angle in found.angles.items())
+        yield Text(f"names no joint: degrees from {angles}", "quiet")
+    yield Text(f"cause: {found.cause}")
+    yield Text(f"confirm: {found.confirm_by}")
+    for line in found.unidentified:
+        yield Text(f"not identifiable: {line}", "warn")
+
+
+def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
+    if not isinstance(value, Mapping):
+        said = value if isinstance(value, str) else f"{value:.3g}"
+        return f"{words(name)} {said} {_unit(found.effect, name)}".rstrip()
+    errors = found.standard_errors.get(name, {})
+    parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
+    return f"{words(name)} {', '.join(parts)} {_unit(found.effect, name)}".rstrip()
+
+
+def _size(axis: str, size: float, error: float | None) -> str:
+    """Return a size to the last of the two digits that its standard error has (GUM, 7.2.6)."""
+    if not error or error < _DUST * abs(size):
+        return f"{axis} {size:+.3g}"
+    return f"{axis} {rounded(size, error, sign='+')} ± {rounded(error, error)}"
+
+
+def _unit(effect: str, parameter: str) -> str:
+    """Return the unit of a parameter, as far as it is not that of the reading."""
+    units = (
+        p.unit for e in find_effects() if e.name == effect
+        for p in e.parameters if p.name == parameter
+    )  # fmt: skip
+    return next(units, "").replace("reading/", "per ").removeprefix("reading")
+
+
+def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
+    before, after = diagnosis.error_before, diagnosis.error_after
+    n = len(diagnosis.series.cycle)
+    yield Table(
+        ("rms error", "before", "after", "held out, before", "held out, after"),
+        tuple(
+            (
+                axis,
+                *(_of_scatter(rms, n) for rms in (before.rms[axis], after.rms[axis])),
+                *(_of_scatter(error.held_out_rms[axis], n) for error in (before, after)),
+            )
+            for axis in before.rms
+        ),
+        "held out: on cycles that the fit did not see, the choice of effect repeated",
+    )
+    RP = diagnosis.repeatability
+    columns = (RP.measured, RP.model_before, RP.model_after, RP.with_effect_removed)
+    yield Table(
+        ("RP", "measured", "model before", "model after", "effect removed"),
+        tuple(
+            (
+                name,
+                *(_of_scatter(column[name], n) if name in column else "" for column in columns),
+            )
+            for name in RP.measured
+        ),
+        "effect removed: what the robot would reach if the cause were cured; the ISO figure itself "
+        "is the measured one",
+    )
+    grown = [n for n, value in RP.with_effect_removed.items() if value > RP.measured[n] * 1.001]
+    if diagnosis.effects and grown:
+        yield Text(
+            f"{', '.join(grown)}: RP grows though the readings scatter less, because distances to "
+            "a mean between two levels are nearly equal and hide in S_l (docs/repeatability.md)",
+            "quiet",
+        )
+
+
+def _of_scatter(figure: float, n: int) -> str:
+    return rounded(figure, U_of_scatter(figure, n))
+
+
+def _shares(diagnosis: Diagnosis) -> Table:
+    rows = tuple(
+        (axis, f"{part.effects:.0%}", f"{part.resolution:.0%}", f"{part.unexplained:.0%}")
+        for axis, part in diagnosis.shares.items()
+    )
+    left = "unexplained" if diagnosis.verdict is Verdict.UNEXPLAINED else "scatter"
+    return Table(("variance", "effects", "resolution", left), rows)
+
+
+def _strips(diagnosis: Diagnosis) -> Iterator[Block]:
+    series = diagnosis.series
+    for axis, measured in series.measured.items():
+        for name, predicted in (
+            ("before", series.predicted_before[axis]),
+            ("after", series.predicted_after[axis]),
+        ):
+            left = (measured - predicted).round(12) + 0.0
+            caption = f"{left.min():+.2g} .. {left.max():+.2g}"
+            yield Strip(f"{axis} {name}", series.cycle, left, caption)
+
+
+def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
+    for flag in diagnosis.flags:
+        yield Notice(
+            "warning",
+            "check-the-sheet",
+            flag.axis,
+            f"the reading of cycle {flag.cycle} stands apart ({p_equals(flag)} in Gaussian "
+            "scatter): look at the raw record",
+        )
+    for note in diagnosis.notes:
+        yield Text(note)

@@ -1,0 +1,105 @@
+"""The page of every finding and effect: what it means and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from inspect import cleandoc
+from itertools import groupby
+
+from scara_iso import effects
+from scara_iso.comparison import PAGES
+from scara_iso.effects import Effect, GearEffect
+from scara_iso.errors import UsageError
+from scara_iso.iso9283 import checks
+from scara_iso.plugins import find_modules
+from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """``text`` holds paragraphs; ``parameters`` of an effect are name, unit and meaning."""
+
+    code: str
+    kind: str
+    title: str
+    text: tuple[str, ...]
+    parameters: tuple[tuple[str, str, str], ...] = ()
+
+
+def pages() -> dict[str, Page]:
+    """Return the pages by code: findings of a table, effects on readings, effects on reversals."""
+    modules = find_modules(checks, "scara_iso.checks")
+    texts = {module.CODE: module.__doc__ or "" for module in modules}
+    texts |= PAGES
+    findings = [_finding(code, text) for code, text in sorted(texts.items())]
+    found = [
+        _effect(module.EFFECT, module.__doc__ or "")
+        for module in find_modules(effects, "scara_iso.effects")
+    ]
+    return {page.code: page for page in (*findings, *sorted(found, key=lambda page: page.kind))}
+
+
+def find_page(code: str) -> Page:
+    """Return a page; ``-`` and ``_`` are the same. Raises `UsageError` with the nearest codes."""
+    found = pages()
+    known = {_plain(name): name for name in found}
+    if _plain(code) in known:
+        return found[known[_plain(code)]]
+    near = [known[name] for name in get_close_matches(_plain(code), known)]
+    remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all codes"
+    raise UsageError(f"no finding or effect is called {code[:80]!r}", remedy=remedy)
+
+
+def page_report(page: Page) -> Report:
+    """Return what is said of one code."""
+    blocks: list[Block] = [Text(f"{page.code}: {page.title}", "strong")]
+    blocks += [Text(paragraph) for paragraph in page.text]
+    blocks.append(Text(page.kind, "quiet"))
+    sections = [Section("", tuple(blocks))]
+    if page.parameters:
+        sections.append(Section("parameters", tuple(_parameters(page))))
+    return tuple(sections)
+
+
+def list_report(found: Iterable[Page]) -> Report:
+    """Return all codes with their titles, by kind."""
+    return tuple(
+        Section(_heading(kind), tuple(Text(f"{page.code}: {page.title}") for page in same))
+        for kind, same in groupby(found, key=lambda page: page.kind)
+    )
+
+
+def _heading(kind: str) -> str:
+    noun, _, rest = kind.partition(" ")
+    return f"{noun}s {rest}".strip()
+
+
+def _parameters(page: Page) -> Iterator[Block]:
+    yield Table(("name", "unit"), tuple((name, unit or "-") for name, unit, _ in page.parameters))
+    for name, _, meaning in page.parameters:
+        yield Text(f"{name}: {meaning}")
+
+
+def _finding(code: str, doc: str) -> Page:
+    title, *text = _paragraphs(doc)
+    return Page(code, "finding", title, tuple(text))
+
+
+def _effect(effect: Effect | GearEffect, doc: str) -> Page:
+    title, *text = _paragraphs(doc)
+    kind = "effect on readings" if isinstance(effect, Effect) else "effect on a reversal"
+    said = (*text, f"Cause: {effect.cause}.", f"To confirm: {effect.confirm_by}.")
+    given = tuple((p.name, p.unit, p.meaning) for p in effect.parameters)
+    return Page(effect.name, kind, title, said, given)
+
+
+def _paragraphs(doc: str) -> list[str]:
+    """Return the paragraphs of a docstring, each on one line, without its code marks."""
+    found = [" ".join(part.split()).replace("`", "") for part in cleandoc(doc).split("\n\n")]
+    return [found[0].rstrip("."), *found[1:]]
+
+
+def _plain(code: str) -> str:
+    return code.strip().lower().replace("_", "-")

@@ -1,0 +1,94 @@
+"""Every value between the readings and RP, so that each figure can be checked by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from scara_iso.iso9283 import AxisResult, PoseResult
+from scara_iso.reporting.blocks import Block, Table
+from scara_iso.reporting.digits import decimals
+from scara_iso.run import FloatArray
+
+_MORE_PLACES = 3  # than a reading has: enough that sums of them agree to the last one printed
+
+
+def intermediates(pose: PoseResult) -> Iterator[Block]:
+    """Yield sums, means and standard deviations behind each RP, eq. 2-6 and 7.2.2."""
+    rows = []
+    for axis in pose.axes.values():
+        left = axis.readings - axis.mean
+        rows.append(_row(axis.name, axis.unit, _places(pose), axis.readings, np.abs(left)))
+    rows += [
+        _row(name, "mm", _places(pose), None, _distances(pose, name))
+        for name in ("XY", "XYZ")
+        if name in pose.figures
+    ]
+    yield Table(
+        (
+            "figure", "unit", "n", "sum", "mean", "sum of l_j", "l_bar",
+            "sum of (l_j - l_bar)²", "S_l", "RP = l_bar + 3 S_l",
+        ),
+        tuple(rows),
+        "l_j: distance of cycle j from the mean (of an axis, eq. 2) or from the barycentre "
+        "(XY and XYZ, 7.2.2); S_l with n - 1; eq. 23 is the root of RP² of X plus RP² of Y. "
+        "Computed with all digits; more of them are printed here than the figures bear, so that "
+        "each can be checked by hand.",
+    )  # fmt: skip
+    angles = [axis for axis in pose.axes.values() if axis.unit == "deg"]
+    for axis in angles:
+        yield _angle(axis, _places(pose))
+
+
+def by_cycle(pose: PoseResult) -> Iterator[Block]:
+    """Yield the deviation of each cycle from the mean, and its distance to the barycentre."""
+    places = _places(pose)
+    columns = {
+        f"{axis.name} - mean [{axis.unit}]": axis.readings - axis.mean
+        for axis in pose.axes.values()
+    }
+    texts = [[f"{v:+.{places}f}" for v in values] for values in columns.values()]
+    radial = [name for name in ("XY", "XYZ") if name in pose.figures]
+    texts += [[f"{v:.{places}f}" for v in _distances(pose, name)] for name in radial]
+    yield Table(
+        ("cycle", *columns, *(f"l_j {name} [mm]" for name in radial)),
+        tuple(zip(map(str, pose.cycle.tolist()), *texts, strict=True)),
+        "l_j of an axis is the deviation without its sign",
+    )
+
+
+def _row(
+    name: str,
+    unit: str,
+    places: int,
+    readings: FloatArray | None,
+    l: FloatArray,  # noqa: E741
+) -> tuple[str, ...]:
+    n, l_bar = len(l), float(l.mean())
+    squares = float(((l - l_bar) ** 2).sum())
+    S_l = float(np.sqrt(squares / (n - 1)))
+    sums = ("", "") if readings is None else (readings.sum(), readings.mean())
+    said = [f"{v:.{places}f}" if v != "" else "" for v in (*sums, l.sum(), l_bar)]
+    return (
+        name, unit, str(n), *said, f"{squares:.6g}", f"{S_l:.{places}f}",
+        f"{l_bar + 3 * S_l:.{places}f}",
+    )  # fmt: skip
+
+
+def _angle(axis: AxisResult, places: int) -> Table:
+    s = axis.three_sigma / 3
+    row = (axis.name, f"{s:.{places}f}", f"{axis.three_sigma:.{places}f}")
+    return Table(("angle", "S [deg]", "RP = ± 3 S [deg]"), (row,), "7.2.2, S with n - 1")
+
+
+def _distances(pose: PoseResult, names: str) -> FloatArray:
+    """Return the distance of each cycle to the barycentre of the named axes, shape (n,)."""
+    squares = [(pose.axes[name].readings - pose.axes[name].mean) ** 2 for name in names]
+    return np.asarray(np.sqrt(np.sum(squares, axis=0)))
+
+
+def _places(pose: PoseResult) -> int:
+    """Return decimal places: some more than the finest dial shows."""
+    steps = [axis.resolution or axis.three_sigma for axis in pose.axes.values()]
+    return decimals([step for step in steps if step]) + _MORE_PLACES - 2

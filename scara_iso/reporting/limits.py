@@ -1,0 +1,136 @@
+"""What is said of figures against the limits that the user gave."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, Decision, LimitCheck
+from scara_iso.reporting.blocks import Section, Table, Text
+from scara_iso.reporting.digits import decimals
+
+_MOST_PLACES = 15
+_FIGURES = "In mm; XY by the larger of its two figures; an angle in degrees, by ± 3 s. "
+_INTERVAL = (
+    "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
+    "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
+    "is wrong in one test of forty or fewer with Gaussian scatter. Cycles wanted: about so many in "
+    "one run prove it, were the figure as read; none do where the dial hides the scatter, or the "
+    "calibration alone reaches the limit."
+)
+_SIMPLE = (
+    "Simple acceptance was chosen: pass where RP is at most the limit; what so few cycles leave "
+    "open is not counted. Guard band: U = 2 u of the indicator (ISO 14253-1)."
+)
+_WORDS = {
+    Conformity.PASS: "pass",
+    Conformity.FAIL: "FAIL",
+    Conformity.NOT_PROVABLE: "not provable",
+}
+
+
+def conformity(analysis: Analysis) -> Iterator[Text]:
+    """Yield whether the limits are kept, by which rule, and what would prove it."""
+    by_verdict: dict[Conformity, list[LimitCheck]] = {}
+    for check in analysis.limits:
+        by_verdict.setdefault(check.verdict, []).append(check)
+    simple = any(check.decision is Decision.SIMPLE for check in analysis.limits)
+    how = "by simple acceptance" if simple else "with the whole 95 % interval"
+    failed = by_verdict.get(Conformity.FAIL, [])
+    open_ = by_verdict.get(Conformity.NOT_PROVABLE, [])
+    if failed:
+        yield Text(f"FAIL: OUTSIDE the limit {how}: {', '.join(_names(failed))}", "bad")
+    if open_:
+        names = ", ".join(_names(open_))
+        yield Text(f"NOT PROVABLE with these cycles: {names}{_would_prove(open_)}", "warn")
+    if analysis.conformity is Conformity.PASS:
+        yield Text(f"PASS: inside the limits {how}", "good")
+    drifting = {finding.axis for finding in analysis.findings if finding.code == "trend"}
+    if analysis.limits and drifting and not simple:
+        named = ", ".join(sorted(filter(None, drifting)))
+        yield Text(f"{named}: a drift voids the interval, and what is decided by it", "warn")
+
+
+def limits(analysis: Analysis) -> Iterator[Section]:
+    """Yield the figures against their limits, where the user gave any."""
+    if analysis.limits:
+        simple = analysis.limits[0].decision is Decision.SIMPLE
+        table = (_simple_table if simple else _interval_table)(analysis.limits)
+        yield Section("limits", (table,))
+
+
+def _interval_table(checks: Sequence[LimitCheck]) -> Table:
+    rows = []
+    for check in checks:
+        ends = check.interval or ()
+        places = deciding_places(check.limit, (check.RP, *ends))
+        said = [f"{value:.{places}f}" for value in (check.RP, *ends)]
+        interval = "..".join(said[1:]) or "none"
+        wanted = _wanted(check)
+        rows.append(
+            (_name(check), said[0], interval, _exact(check.limit), _WORDS[check.verdict], wanted)
+        )
+    header = ("limit of", "RP", "95 % interval", "limit", "verdict", "cycles wanted")
+    return Table(header, tuple(rows), _FIGURES + _INTERVAL)
+
+
+def _simple_table(checks: Sequence[LimitCheck]) -> Table:
+    rows = []
+    for check in checks:
+        places = deciding_places(check.limit, (check.RP,))
+        guard = (
+            "not known" if check.guard is None else f"± {check.guard:.{decimals([check.guard])}f}"
+        )
+        near = ", in the guard band" if check.guard is not None and not check.clear else ""
+        rows.append(
+            (
+                _name(check),
+                f"{check.RP:.{places}f}",
+                _exact(check.limit),
+                guard,
+                _WORDS[check.verdict] + near,
+            )
+        )
+    return Table(
+        ("limit of", "RP", "limit", "guard band", "verdict"), tuple(rows), _FIGURES + _SIMPLE
+    )
+
+
+def deciding_places(limit: float, values: Sequence[float]) -> int:
+    """Return the decimal places with which ``values`` stand to ``limit`` as the values themselves.
+
+    Three significant digits of the first at least: 0.01231 against 0.0123 needs one more.
+    """
+    places = decimals(values[:1])
+    while places < _MOST_PLACES and any(
+        (float(f"{value:.{places}f}") > limit) != (value > limit) for value in values
+    ):
+        places += 1
+    return places
+
+
+def _exact(limit: float) -> str:
+    return f"{limit:.15g}"
+
+
+def _wanted(check: LimitCheck) -> str:
+    if check.verdict is not Conformity.NOT_PROVABLE:
+        return ""
+    if check.cycles_wanted is None:
+        return "none would do"
+    return f"{'over ' if check.cycles_wanted >= MOST_CYCLES else ''}{check.cycles_wanted}"
+
+
+def _would_prove(checks: Sequence[LimitCheck]) -> str:
+    wanted = [check.cycles_wanted for check in checks]
+    most = max((cycles for cycles in wanted if cycles is not None), default=None)
+    if most is None or None in wanted or most >= MOST_CYCLES:
+        return ""
+    return f"; about {most} cycles would"
+
+
+def _name(check: LimitCheck) -> str:
+    return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
+
+
+def _names(checks: Sequence[LimitCheck]) -> list[str]:
+    return [_name(check) for check in checks]

@@ -1,0 +1,37 @@
+"""The rows of the table as they were read, each with its line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from decimal import Decimal
+
+from scara_iso.iso9283 import Analysis, PoseResult
+from scara_iso.reporting.blocks import Block, Table
+from scara_iso.run import Axis, FloatArray
+
+
+def raw_data(analysis: Analysis, pose: PoseResult) -> Iterator[Block]:
+    """Yield every row of a pose, the discarded ones marked; lengths in mm, angles in degrees."""
+    run = analysis.run
+    rows = dict(run.rows_by_pose())[pose.label]
+    counted = set(pose.rows.tolist())
+    columns = {} if run.lines is None else {"line": [str(n) for n in run.lines[rows]]}
+    columns |= {"cycle": [str(n) for n in run.cycle[rows]]}
+    columns |= {
+        f"{axis.name} [{axis.unit}]": _digits(axis, axis.readings[rows])
+        for axis in run.axes.values()
+    }
+    columns |= {
+        name: [f"{v:.12g}" for v in values[rows]] for name, values in run.covariates.items()
+    }
+    columns |= {"counts": ["yes" if row in counted else "discarded" for row in rows.tolist()]}
+    note = "" if run.lines is None else f"line: where the row stands in {run.origin.source}"
+    yield Table(tuple(columns), tuple(zip(*columns.values(), strict=True)), note)
+
+
+def _digits(axis: Axis, values: FloatArray) -> list[str]:
+    """Return readings with the digits of the dial, or with all where those do not hold them."""
+    if axis.resolution is None:
+        return [f"{v:.12g}" for v in values]
+    places = max(0, -int(Decimal(repr(axis.resolution)).normalize().as_tuple().exponent))
+    return [f"{v:.{places}f}" if round(v, places) == v else f"{v:.12g}" for v in values.tolist()]

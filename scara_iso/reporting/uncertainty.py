@@ -1,0 +1,66 @@
+"""The uncertainty budget: what a reading is uncertain by, and what nobody stated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from scara_iso.iso9283 import Analysis, AxisResult, RadialResult
+from scara_iso.quantities import rounding_uncertainty
+from scara_iso.reporting.blocks import Block, Table, Text
+from scara_iso.reporting.digits import U_of_scatter, rounded
+from scara_iso.reporting.stated import NOT_STATED
+from scara_iso.run import Axis
+
+_OPEN = (
+    "Not in the budget, because no reading tells it: the angle between the indicator and its axis "
+    "(cosine error), the shape and wear of its tip, the stiffness of its stand, the temperature of "
+    "robot and stand. They add to what is combined here."
+)
+_NO_CALIBRATION = (
+    "Where the calibration is not stated, the combined uncertainty holds the resolution alone: "
+    "the indicator's own errors are left out of it, and it is too small."
+)
+_WHAT_IT_IS = (
+    "The indicator makes single readings uncertain; how far RP itself could differ if the test "
+    "were repeated is its 95 % interval, in which rounding and a stated calibration are counted."
+)
+
+
+def uncertainty_budget(analysis: Analysis) -> Iterator[Block]:
+    """Yield a line for each axis, the same at every pose, and what is left open."""
+    combined = analysis.poses[0].axes
+    rows = [_line(axis, combined[name].uncertainty) for name, axis in analysis.run.axes.items()]
+    yield Table(
+        ("axis", "resolution a", "u of it: a / √12", "u of the calibration", "combined u",
+         "expanded U = 2 u", "in"),
+        tuple(rows),
+        "rounding to a division is a rectangular distribution (GUM F.2.2.1); the calibration's is "
+        "the standard uncertainty in the line indicator_uncertainty; both combined as independent "
+        "(GUM 5.1.2)",
+    )  # fmt: skip
+    if any(axis.uncertainty is None for axis in analysis.run.axes.values()):
+        yield Text(_NO_CALIBRATION)
+    yield Text(_WHAT_IT_IS)
+    yield Text(_OPEN)
+
+
+def U_of_RP(found: AxisResult | RadialResult, n: int) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of an RP of n cycles: half of its interval, where it has one."""
+    if found.RP_interval is None:
+        return U_of_scatter(found.RP, n)
+    return (found.RP_interval[1] - found.RP_interval[0]) / 2
+
+
+def U_of_mean(axis: AxisResult) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of the mean reading: its scatter, and what the indicator adds to every reading."""
+    return 2 * math.hypot(axis.three_sigma / 3 / math.sqrt(axis.n), axis.uncertainty or 0.0)
+
+
+def _line(axis: Axis, combined: float | None) -> tuple[str, ...]:
+    rounding = None if axis.resolution is None else rounding_uncertainty(axis.resolution)
+    expanded = None if combined is None else 2 * combined
+    found = (rounding, axis.uncertainty, combined, expanded)
+    stated = NOT_STATED if axis.resolution is None else f"{axis.resolution:g}"
+    said = [NOT_STATED if u is None else rounded(u, u) for u in found]
+    return (axis.name, stated, *said, axis.unit)

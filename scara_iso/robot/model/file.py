@@ -1,0 +1,195 @@
+"""MODEL.toml: read with every fault named by its key, written back with its comments kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scara_iso.disk import write_file
+from scara_iso.errors import DataError, Fault, UsageError
+from scara_iso.files import read_file, read_toml
+from scara_iso.quantities import Dimension
+from scara_iso.robot.arm import Arm, Elbow
+from scara_iso.robot.model.declared import declared_effects
+from scara_iso.robot.model.keys import Faults, number, only, pair, section
+from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model
+from scara_iso.run import AXES
+
+if TYPE_CHECKING:
+    from tomlkit.items import InlineTable
+
+_LARGEST = 1_000_000  # bytes
+_ARM = ("link_1_mm", "link_2_mm", "joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg")
+_PAIRS = {"joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg"}
+_SECTIONS = {"robot", "gearbox", "pose", "indicator", "effect"}
+
+
+def read_model(path: str | Path) -> Model:
+    """Return the model of a TOML file; docs/model-file.md gives its keys.
+
+    Raises `NoInputError` for a file that cannot be read and `DataError` with every fault, each
+    named by its key.
+    """
+    document = read_toml(path)
+    faults = Faults()
+    faults += [Fault(f"{key}: no such section") for key in document if key not in _SECTIONS]
+    robot = section(document, "robot", faults)
+    indicators = dict(_indicators(section(document, "indicator", faults), faults))
+    gears = dict(_gearboxes(section(document, "gearbox", faults), faults))
+    arm = _arm(robot, faults)
+    model = Model(
+        robot=str(robot.get("name", "")),
+        indicators=indicators,
+        arm=arm,
+        joints_deg=_pose(section(document, "pose", faults), arm, faults),
+        gearboxes=gears,
+        effects=tuple(declared_effects(document.get("effect", []), indicators, gears, faults)),
+    )
+    if faults:
+        raise DataError(
+            f"no model can be read: {len(faults)} fault{'s' if len(faults) > 1 else ''}",
+            where=str(path),
+            remedy="examples/fum_scara.toml holds every key",
+            faults=faults,
+        )
+    return model
+
+
+def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Path) -> None:
+    """Write the model file ``path`` to ``to`` with ``effects`` added; comments are kept.
+
+    ``to`` may be ``path`` itself. Raises as `write_file`.
+    """
+    import tomlkit  # noqa: PLC0415 - only where a model is written
+
+    document = tomlkit.parse(_text(Path(path)))
+    tables = document.setdefault("effect", tomlkit.aot())
+    for effect in effects:
+        listed = isinstance(tables, tomlkit.items.Array)  # effect = [...] in place of [[effect]]
+        table = tomlkit.inline_table() if listed else tomlkit.table()
+        table["name"] = effect.name
+        if effect.joint is not None:
+            table["joint"] = effect.joint
+        for name, value in effect.parameters.items():
+            table[name] = _inline(value) if isinstance(value, Mapping) else value
+        tables.append(table)
+    write_file(Path(to), tomlkit.dumps(document).encode())
+
+
+def _inline(values: Mapping[str, float]) -> InlineTable:
+    import tomlkit  # noqa: PLC0415 - only where a model is written
+
+    table = tomlkit.inline_table()
+    table.update(values)
+    return table
+
+
+def _text(path: Path) -> str:
+    data = read_file(path, _LARGEST)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise DataError("not UTF-8", where=str(path)) from error
+
+
+def _checked(build: Callable[[], Any], where: str, faults: Faults) -> Any:
+    try:
+        return build()
+    except UsageError as error:
+        faults.add(where, error.what)
+        return None
+
+
+def _arm(robot: Mapping[str, Any], faults: Faults) -> Arm | None:
+    only(robot, {"name", *_ARM}, "robot", faults)
+    if not any(key in robot for key in _ARM):
+        return None
+    missing = [key for key in ("link_1_mm", "link_2_mm") if key not in robot]
+    for key in missing:
+        faults.add(f"robot.{key}", "missing")
+    given: dict[str, Any] = {
+        key: (pair if key in _PAIRS else number)(robot, key, "robot", faults)
+        for key in _ARM
+        if key in robot
+    }
+    if missing or any(value is None for value in given.values()):
+        return None
+    arm: Arm | None = _checked(lambda: Arm(**given), "robot", faults)
+    return arm
+
+
+def _pose(pose: Mapping[str, Any], arm: Arm | None, faults: Faults) -> tuple[float, float] | None:
+    only(pose, {"joint_deg", "x_mm", "y_mm", "elbow"}, "pose", faults)
+    if pose.get("elbow", "right") not in ("left", "right"):
+        faults.add("pose.elbow", f"{repr(pose['elbow'])[:40]}: right or left")
+    if "joint_deg" in pose:
+        if len(pose) > 1:
+            faults.add("pose", "give either joint_deg, or x_mm and y_mm")
+        return _within(pair(pose, "joint_deg", "pose", faults), arm, faults)
+    x, y = (number(pose, key, "pose", faults) for key in ("x_mm", "y_mm"))
+    if x is None or y is None:
+        if pose:
+            faults.add("pose", "give joint_deg, or x_mm and y_mm")
+        return None
+    if arm is None:
+        faults.add("pose", "x_mm and y_mm need the link lengths of robot")
+        return None
+    elbow = Elbow.LEFT if pose.get("elbow") == "left" else Elbow.RIGHT
+    joints = _checked(lambda: arm.inverse([x, y], elbow=elbow), "pose", faults)
+    return None if joints is None else (float(joints[0]), float(joints[1]))
+
+
+def _within(joints: tuple[float, float], arm: Arm | None, faults: Faults) -> tuple[float, float]:
+    for k, over in enumerate([] if arm is None else arm.excess(joints).tolist(), 1):
+        if over > 0:
+            faults.add("pose.joint_deg", f"joint {k} is {over:g} deg outside its limits")
+    return joints
+
+
+def _gearboxes(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[int, Gearbox]]:
+    known = {field.name for field in fields(Gearbox)}
+    for key in table:
+        where = f"gearbox.{key}"
+        if key not in ("joint_1", "joint_2"):
+            faults.add(where, "no such joint: joint_1 or joint_2")
+            continue
+        entry = section(table, key, faults)
+        only(entry, known, where, faults)
+        for name in ("Im", "IL", "arcmin"):
+            if name not in entry:
+                faults.add(f"{where}.{name}", "missing")
+        given = {name: number(entry, name, where, faults) for name in known & set(entry)}
+        faults += [
+            Fault(f"{where}.{name}: must be positive")
+            for name in ("stiffness", "friction", "payload_kg")
+            if (given.get(name) or 0.0) < 0
+        ]
+        if {"Im", "IL", "arcmin"} <= {name for name, value in given.items() if value is not None}:
+            gear = Gearbox(**given)  # type: ignore[arg-type]
+            if _checked(gear.backlash, where, faults) is not None:
+                yield int(key[-1]), gear
+
+
+def _indicators(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[str, Indicator]]:
+    if not table:
+        faults.add("indicator", "missing: one section for each axis, such as [indicator.X]")
+    for axis in table:
+        where = f"indicator.{axis}"
+        if axis not in AXES:
+            faults.add(where, f"no such axis: {', '.join(AXES)}")
+            continue
+        entry = section(table, axis, faults)
+        known = {"unit", "resolution", "uncertainty", "level", "scatter"}
+        only(entry, known, where, faults)
+        given = {key: number(entry, key, where, faults) for key in known - {"unit"}}
+        unit = entry.get("unit", "mm")
+        if unit not in ("mm", "deg"):
+            faults.add(f"{where}.unit", f"{unit!r}: mm or deg")
+            continue
+        for key in ("resolution", "uncertainty", "scatter"):
+            if (given[key] or 0.0) < 0 or (key == "resolution" and given[key] == 0):
+                faults.add(f"{where}.{key}", "must be positive")
+        yield axis, Indicator(axis, Dimension(unit), given["resolution"], given["uncertainty"],
+                              given["level"] or 0.0, given["scatter"] or 0.0)  # fmt: skip

@@ -1,0 +1,87 @@
+"""What a model is made of; lengths in mm, joint angles in degrees, inertias in kg m2."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from scara_iso.quantities import Dimension
+from scara_iso.robot.arm import Arm
+from scara_iso.robot.two_inertia import Backlash, backlash
+
+Value = float | str | Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Gearbox:
+    """One joint's drive, as its catalogue gives it."""
+
+    Im: float
+    IL: float
+    arcmin: float
+    ratio: float | None = None
+    stiffness: float | None = None
+    """Of gear and shaft, at the output [N m/rad]."""
+    friction: float | None = None
+    """Coulomb friction on the load [N m]."""
+    payload_kg: float | None = None
+    """Payload that ``IL`` includes [kg]; the reversal then follows a ``payload_kg`` column."""
+
+    def backlash(self, arm: float | None = None) -> Backlash:
+        """Return the two-inertia model of this gear, eq. 16; ``arm``: joint to tool [m]."""
+        return backlash(Im=self.Im, IL=self.IL, arcmin=self.arcmin, arm=arm, ratio=self.ratio)
+
+
+@dataclass(frozen=True, slots=True)
+class Indicator:
+    """One dial: what it shows at the pose, its smallest step and its certificate."""
+
+    axis: str
+    dimension: Dimension = Dimension.LENGTH
+    resolution: float | None = None
+    uncertainty: float | None = None
+    level: float = 0.0
+    """Reading at the pose without any effect."""
+    scatter: float = 0.0
+    """Standard deviation of the arrivals that no effect explains; used to simulate."""
+
+
+@dataclass(frozen=True, slots=True)
+class DeclaredEffect:
+    """An effect that the model knows of.
+
+    ``parameters`` are those of the effect; a mapping gives one value for each axis it acts on,
+    and an effect acts on the axes of its first such mapping (``size``). A gear effect names its
+    ``joint``.
+    """
+
+    name: str
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    joint: int | None = None
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """The axes on which the effect acts, in the order of the file."""
+        maps = (value for value in self.parameters.values() if isinstance(value, Mapping))
+        return tuple(next(maps, {}))
+
+    def on_axis(self, axis: str) -> dict[str, float | str]:
+        """Return the parameters that hold for one axis."""
+        return {
+            name: value[axis] if isinstance(value, Mapping) else value
+            for name, value in self.parameters.items()
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A robot at one pose, seen by indicators, with the effects that are known."""
+
+    robot: str
+    indicators: Mapping[str, Indicator]
+    arm: Arm | None = None
+    joints_deg: tuple[float, float] | None = None
+    """Joints 1 and 2 at the pose; None where the pose is not given."""
+    gearboxes: Mapping[int, Gearbox] = field(default_factory=dict)
+    """By the number of the joint."""
+    effects: tuple[DeclaredEffect, ...] = ()

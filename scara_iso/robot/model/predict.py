@@ -1,0 +1,166 @@
+"""What the model expects the dials to read: pose, reversal of the gears, declared effects."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from scara_iso.effects import (
+    Conditions,
+    Effect,
+    GearEffect,
+    Sweep,
+    find_effects,
+    find_gear_effects,
+)
+from scara_iso.errors import UsageError
+from scara_iso.robot.arm import project
+from scara_iso.robot.model.parts import DeclaredEffect, Model
+from scara_iso.run import Axis, FloatArray, Origin, Run
+
+_PLANE = {"X": (1.0, 0.0), "Y": (0.0, 1.0)}
+"""What the indicators of the plane see, in the base frame."""
+
+
+def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Run:
+    """Return the readings that ``model`` expects over the cycles of ``procedure``.
+
+    Each is pose + half the gears' reversal on the side of ``approach`` + every declared effect
+    whose course is determined; an effect of chance (which flank, a random walk) moves the
+    expectation by nothing. Without an ``approach`` column every cycle arrives on the same flank and
+    the reversal is a constant, which belongs to the pose; ``reversal`` False leaves it out. Raises
+    `UsageError` for an effect that lacks a parameter or needs a column that the procedure does not
+    have.
+    """
+    known = {effect.name: effect for effect in find_effects()}
+    axes = {}
+    for name, indicator in model.indicators.items():
+        readings = np.full(len(procedure), indicator.level)
+        if reversal:
+            readings += _reversal(model, procedure, name)
+        for declared in model.effects:
+            effect = known.get(declared.name)
+            if effect is None or name not in declared.axes:
+                continue
+            if not is_random(effect, declared, name):
+                readings += course(effect, declared, procedure, name)
+        axes[name] = Axis(
+            name, readings, indicator.dimension, indicator.resolution, indicator.uncertainty
+        )
+    return Run(
+        cycle=procedure.cycle,
+        axes=axes,
+        covariates=procedure.covariates,
+        metadata={"robot": model.robot},
+        origin=Origin(source="model"),
+    )
+
+
+def is_random(effect: Effect, declared: DeclaredEffect, axis: str) -> bool:
+    """Return whether chance draws the course of an effect anew in every test."""
+    return effect.is_random(_values(effect, declared, axis))
+
+
+def course(
+    effect: Effect,
+    declared: DeclaredEffect,
+    procedure: Conditions,
+    axis: str,
+    rng: np.random.Generator | None = None,
+) -> FloatArray:
+    """Return what one effect adds to the readings of one axis, shape (n,), in the axis' unit."""
+    values = _values(effect, declared, axis)
+    for column in effect.columns_needed(values):
+        if column not in procedure.covariates or not effect.takes(column):
+            raise UsageError(
+                f"effect {declared.name} needs the column {column}, which the test does not have",
+                remedy="record it, simulate it, or take the effect out of the model",
+            )
+    # A course that is not random draws nothing: any generator gives the same.
+    return effect.series(procedure, values, np.random.default_rng(0) if rng is None else rng)
+
+
+def _values(effect: Effect, declared: DeclaredEffect, axis: str) -> dict[str, float | str]:
+    missing = [p.name for p in effect.parameters if p.name not in declared.parameters]
+    if missing:
+        raise UsageError(
+            f"effect {declared.name}: {', '.join(missing)} not given",
+            remedy=f"it takes {', '.join(p.name for p in effect.parameters)}",
+        )
+    return declared.on_axis(axis)
+
+
+def _reversal(model: Model, procedure: Conditions, axis: str) -> FloatArray:
+    approach = procedure.covariates.get("approach")
+    if approach is None or axis not in _PLANE:
+        return np.zeros(len(procedure))
+    payload = procedure.covariates.get("payload_kg")
+    width = np.zeros(1)
+    for joint in model.gearboxes:
+        width = width + lever_mm(model, joint)[axis] * sweep_of(model, joint, payload).deviation
+    return np.asarray(np.sign(approach) * width / 2)
+
+
+def lever_mm(model: Model, joint: int) -> dict[str, float]:
+    """Return how far the dials X and Y move for each radian of a joint, in mm.
+
+    0 where the model holds no arm or pose.
+    """
+    if model.arm is None or model.joints_deg is None:
+        return dict.fromkeys(_PLANE, 0.0)
+    column = model.arm.jacobian(model.joints_deg)[..., joint - 1]
+    return dict(zip(_PLANE, project(column, list(_PLANE.values())).tolist(), strict=True))
+
+
+def reversal_mm(model: Model, joint: int) -> dict[str, float]:
+    """Return what the dials X and Y read of one joint's reversal, in mm: its whole width.
+
+    Eq. 16 with the gear effects declared for the joint, times the lever that the arm gives it; 0
+    where the model holds no arm or pose.
+    """
+    moved = load_deviation_rad(model, joint)
+    return {axis: lever * moved for axis, lever in lever_mm(model, joint).items()}
+
+
+def load_deviation_rad(model: Model, joint: int) -> float:
+    """Return eq. 16's load deviation of one joint, right minus left contact, effects included."""
+    return float(sweep_of(model, joint).deviation[0])
+
+
+def sweep_of(model: Model, joint: int, payload: FloatArray | None = None) -> Sweep:
+    """Return what eq. 16 takes of one joint, with the gear effects declared for it.
+
+    One entry, or one for each ``payload`` [kg]: a point mass at the tool, where the gearbox says
+    which payload its I_L includes, else without influence. Raises `UsageError` where that leaves no
+    inertia. The torque at a reversal is taken to be the friction, which holds the wound-up gear.
+    """
+    gear = model.gearboxes[joint]
+    I_L = np.full(1 if payload is None else len(payload), gear.IL)
+    if payload is not None and gear.payload_kg is not None:
+        distance = math.hypot(*lever_mm(model, joint).values()) / 1000
+        I_L = gear.IL + (payload - gear.payload_kg) * distance**2
+    if np.any(I_L <= 0):
+        raise UsageError(
+            f"gearbox.joint_{joint}: without its payload of {gear.payload_kg:g} kg no I_L is left",
+            remedy="check IL and payload_kg",
+        )
+    one = np.ones_like(I_L)
+    sweep = Sweep(
+        I_m=gear.Im * one,
+        I_L=I_L,
+        gap=math.radians(gear.arcmin / 60) * one,
+        torque=None if gear.friction is None else gear.friction * one,
+        ratio=None if gear.ratio is None else gear.ratio * one,
+    )
+    for effect, declared in _gear_effects(model, joint):
+        sweep = effect.changed(sweep, **declared.on_axis(""))
+    return sweep
+
+
+def _gear_effects(model: Model, joint: int) -> Iterator[tuple[GearEffect, DeclaredEffect]]:
+    known = {effect.name: effect for effect in find_gear_effects()}
+    for declared in model.effects:
+        if declared.name in known and declared.joint == joint:
+            yield known[declared.name], declared

@@ -1,0 +1,80 @@
+"""Each package shows one face: other packages import from it and from nothing behind it."""
+
+import ast
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import scara_iso
+
+ROOT = Path(scara_iso.__file__).parent
+FACES = sorted(path.parent.name for path in ROOT.glob("*/__init__.py"))
+BEHIND = {
+    ("reporting.explain", "iso9283.checks"),  # reads the docstrings of the folder
+}
+
+
+def module_of(path):
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported(path):
+    """Yield each of our modules that a file imports, below scara_iso."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module
+            yield from (f"{node.module}.{name.name}" for name in node.names)
+
+
+def is_module(name):
+    place = ROOT.joinpath(*name.split("."))
+    return place.is_dir() or place.with_suffix(".py").exists()
+
+
+def behind_faces(path):
+    """Yield the inner modules of other packages that a file imports."""
+    own = module_of(path).split(".")[0]
+    ours = (name.removeprefix("scara_iso.") for name in imported(path) if "scara_iso." in name)
+    for name in ours:
+        if "." in name and is_module(name) and name.split(".")[0] not in (own, ""):
+            yield name
+
+
+def names_of(face):
+    """Return what the page of a face says it shows."""
+    tree = ast.parse((ROOT / face / "__init__.py").read_text(encoding="utf-8"))
+    return [
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"scara_iso.{face}.")
+        for alias in node.names
+    ]
+
+
+def test_no_module_looks_behind_the_face_of_another_package():
+    found = {(module_of(path), name) for path in ROOT.rglob("*.py") for name in behind_faces(path)}
+    assert found == BEHIND
+
+
+@pytest.mark.parametrize("face", FACES)
+def test_a_face_has_the_names_it_shows(face):
+    package = import_module(f"scara_iso.{face}")
+    for name in names_of(face):
+        found = getattr(package, name)
+        assert type(found) is not type(ast), f"{name} is a module"
+
+
+@pytest.mark.parametrize("face", FACES)
+def test_a_face_shows_nothing_else(face):
+    with pytest.raises(AttributeError, match="nothing_of_the_kind"):
+        _ = import_module(f"scara_iso.{face}").nothing_of_the_kind
+
+
+def test_no_package_has_the_name_of_a_public_function():
+    public = {name for name in dir(scara_iso) if name.islower()}
+    assert not public & {path.name for path in ROOT.iterdir()}
+    assert not public & {path.stem for path in ROOT.glob("*.py")}
