@@ -42,7 +42,7 @@ Trigger: TypeAlias = Enter | Listen | Timer
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """``stable`` equal readings in a row, within one count, make a reading that was asked for.
+    """``stable`` equal readings in a row make a reading that was asked for.
 
     A reading that comes by itself, or a key pressed, within ``rearm_s`` [s] of the one before is
     not taken: a key that bounced or was held down, or an instrument that sent twice.
