@@ -40,7 +40,7 @@ def read_or_refuse(text):
 
 
 LONG = """
-from scara_iso.gears.sweeps import read_sweep
+from scara_iso.diagnosis import read_sweep
 from scara_iso.errors import ScaraIsoError
 from scara_iso.quantities import find_unit
 from scara_iso.tables import read_table

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         find_dialects as find_dialects,
         make_generic as make_generic,
     )
-    from scara_iso.acquisition.manifest import sha256 as sha256
+    from scara_iso.acquisition.manifest import check_manifest as check_manifest, sha256 as sha256
     from scara_iso.acquisition.ports import (
         PULSE as PULSE,
         Clock as Clock,
@@ -79,7 +79,6 @@ if TYPE_CHECKING:
         Voided as Voided,
         Waiting as Waiting,
         as_json as as_json,
-        check_manifest as check_manifest,
         check_metadata as check_metadata,
         manifest_path as manifest_path,
         parse_gauges as parse_gauges,
