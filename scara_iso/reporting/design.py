@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from scara_iso.diagnosis import Design, PlannedRun, Smallest
-from scara_iso.reporting.blocks import Report, Section, Table, Text
+from scara_iso.reporting.blocks import Number, Report, Section, Table, Text
 from scara_iso.reporting.digits import decimals
 from scara_iso.reporting.words import words
 
@@ -43,10 +43,10 @@ def _table(plan: PlannedRun, found: Design) -> Table:
     return Table(("effect", "as planned", *letters), rows, notes)
 
 
-def _travel(column: Sequence[Smallest], name: str, places: int) -> str:
+def _travel(column: Sequence[Smallest], name: str, places: int) -> Number | str:
     for one in column:
         if one.effect == name:
-            return "-" if one.travel is None else f"{one.travel:.{places}f}"
+            return "-" if one.travel is None else Number(one.travel, f".{places}f")
     return ""
 
 

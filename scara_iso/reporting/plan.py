@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.iso9283 import PosePlan
-from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
 
@@ -44,14 +44,14 @@ def _verdict(plan: PosePlan, robot: str) -> Iterator[Block]:
 
 
 def _poses(plan: PosePlan) -> Table:
-    rows = tuple(
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
         (
             pose.name,
-            *(f"{v:.1f}" for v in (pose.x_mm, pose.y_mm, pose.z_mm)),
-            *(f"{v:.2f}" for v in (pose.joint_1_deg, pose.joint_2_deg)),
-            f"{pose.joint_3_mm:.1f}",
-            f"{pose.joint_4_deg:.2f}",
-            f"{pose.singularity_deg:.1f}",
+            *(Number(v, ".1f") for v in (pose.x_mm, pose.y_mm, pose.z_mm)),
+            *(Number(v, ".2f") for v in (pose.joint_1_deg, pose.joint_2_deg)),
+            Number(pose.joint_3_mm, ".1f"),
+            Number(pose.joint_4_deg, ".2f"),
+            Number(pose.singularity_deg, ".1f"),
         )
         for pose in plan.poses
     )
@@ -61,8 +61,8 @@ def _poses(plan: PosePlan) -> Table:
 
 
 def _corners(plan: PosePlan) -> Table:
-    rows = tuple(
-        (f"C{k}", *(f"{v:.1f}" for v in corner))
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (f"C{k}", *(Number(v, ".1f") for v in corner))
         for k, corner in enumerate(plan.corners.tolist(), 1)
     )
     return Table(("corner", "x", "y", "z"), rows)
