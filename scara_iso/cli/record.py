@@ -31,9 +31,7 @@ _Cycles = Annotated[
 ]
 _Stable = Annotated[
     int,
-    typer.Option(
-        metavar="K", help="Ask until K readings in a row agree within one count.", min=1, max=50
-    ),
+    typer.Option(metavar="K", help="Ask until K readings in a row are equal.", min=1, max=50),
 ]
 _Rearm = Annotated[
     float | None,

@@ -108,7 +108,7 @@ class Bench:
     def measure(self, stable: int) -> list[Taken] | None:
         """Return one reading of every gauge, or None after saying what went wrong.
 
-        ``stable`` readings in a row lie within one count of the last place.
+        ``stable`` readings of each gauge in a row are equal.
         """
         series: list[list[Taken]] = []
         until = self._clock.now() + SETTLING_S
@@ -117,9 +117,10 @@ class Bench:
             if taken is None:
                 return None
             series = [*series, taken][-stable:]
-            if len(series) == stable and all(map(_settled, zip(*series, strict=True))):
+            restless = [one[-1].gauge for one in zip(*series, strict=True) if not _equal(one)]
+            if len(series) == stable and not restless:
                 return taken
-        for gauge in self.gauges:
+        for gauge in restless or self.gauges:
             self.problem(gauge, "unsettled", f"not {stable} equal readings in {SETTLING_S:g} s")
         return None
 
@@ -270,7 +271,5 @@ def _changed(gauge: Gauge, reason: str) -> DisplayChangedError:
     )
 
 
-def _settled(series: Sequence[Taken]) -> bool:
-    """Say whether the readings of one gauge lie within one count of the last place."""
-    values = [taken.reading.value for taken in series]
-    return max(values) - min(values) <= series[-1].reading.resolution
+def _equal(readings: Iterable[Taken]) -> bool:
+    return len({taken.reading.value for taken in readings}) == 1
