@@ -120,6 +120,8 @@ def test_actual_takes_one_pose_with_x_and_y(call, tmp_path):
     silent = without_its_statement(tmp_path)
     assert call("backlash", *FIRST_JOINT, "--actual", silent)[0] == 65
     assert call("backlash", *FIRST_JOINT, "--actual", silent, "--first-cycle-discarded")[0] == 0
+    assert call("backlash", *FIRST_JOINT, "--actual", silent, "--all-count")[0] == 0
+    assert call("backlash", *FIRST_JOINT, "--actual", silent, "--cycles", "30")[0] == 0
 
 
 @pytest.mark.parametrize("bad", ["0", "-1", "nan", "inf", "1e999", "", "twelve"])
