@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from scara_iso.iso9283.conformity import Conformity, Decision
+from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.quantities import Dimension
 from scara_iso.run import FloatArray, IntArray, Run
 
@@ -174,6 +174,8 @@ class Finding:
     axis: str | None = None
     pose: str | None = None
     rule: str = ""
+    voids_interval: bool = False
+    """Whether the 95 % interval of its axis and pose, and of what is made of it, does not hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,10 +191,12 @@ class LimitCheck:
     pose: str | None
     interval: Interval | None
     """95 %, of `RP`."""
-    decision: Decision
+    decision: DecisionRule
     cycles_wanted: int | None
     """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
     where it is proven, or where no number of cycles would."""
+    interval_void: bool = False
+    """Whether a finding says that the interval does not hold: then it proves nothing inside."""
 
     @property
     def inside(self) -> bool:
@@ -207,11 +211,13 @@ class LimitCheck:
     @property
     def verdict(self) -> Conformity:
         """What the rule of `decision` makes of it."""
-        if self.decision is Decision.SIMPLE:
+        if self.decision is DecisionRule.SIMPLE:
             return Conformity.PASS if self.inside else Conformity.FAIL
         if self.interval is None or self.interval[0] <= self.limit < self.interval[1]:
             return Conformity.NOT_PROVABLE
-        return Conformity.PASS if self.interval[1] <= self.limit else Conformity.FAIL
+        if self.interval[0] > self.limit:
+            return Conformity.FAIL
+        return Conformity.NOT_PROVABLE if self.interval_void else Conformity.PASS
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,7 +41,7 @@ Trigger: TypeAlias = Enter | Listen | Timer
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class RecordingPlan:
     """``stable`` equal readings in a row make a reading that was asked for.
 
     A reading that comes by itself, or a key pressed, within ``rearm_s`` [s] of the one before is
@@ -63,7 +63,7 @@ class Job:
 
     table: Path
     gauges: tuple[GaugeSpec, ...]
-    plan: Plan
+    plan: RecordingPlan
     metadata: Mapping[str, str] = field(default_factory=dict)
     resume: bool = False
     excel_locale: str | None = None
