@@ -136,7 +136,7 @@ def _table_of(raw: Path) -> Path:
 def _doubts_beside(raw: Path, history: History) -> tuple[str, ...]:
     """Return what the manifest beside a raw file says against it, where there should be one."""
     table = _table_of(raw)
-    if not history.has_table and not manifest_path(table).exists():
+    if not (history.has_table or manifest_path(table).exists() or table.exists()):
         return ()
     return find_doubts(table).recording
 
