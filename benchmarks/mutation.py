@@ -30,7 +30,10 @@ from cosmic_ray.plugins import get_operator, operator_names
 
 ROOT = Path(__file__).parents[1]
 _DIAGNOSIS = "tests/test_diagnosis_parts.py tests/test_diagnosis.py"
-_RECORDER = "tests/test_session.py tests/test_record_cli.py tests/test_durability.py"
+_RECORDER = (
+    "tests/test_tampering.py tests/test_session.py tests/test_record_cli.py "
+    "tests/test_durability.py"
+)
 TESTS = {
     "scara_iso/robot/two_inertia.py": "tests/test_two_inertia.py",
     "scara_iso/iso9283/analysis.py": "tests/test_analysis.py tests/test_checks.py "

@@ -138,6 +138,9 @@ def test_states_are_sought_where_they_can_show(rng):
     assert find(views, np.array([np.nan, 0.2, 0.3])) == [(1, 0.2)]
     assert find(views, np.array([np.nan, 0.2, 0.0])) == [(1, 0.2), (2, 0.0), (3, 0.0), (5, 0.0)]
     assert find(views, np.full(3, np.nan)) == []
+    three = Views(np.concatenate([y * [1, 1, 1e9]] * 3, axis=1), 3)
+    every = [(0, 0.1), (1, 0.2), (2, 0.3), (3, 0.0), (4, 0.0), (5, 0.0)]
+    assert find(three, np.array([0.1, 0.2, 0.3])) == every
 
 
 def sides(rng, apart):
