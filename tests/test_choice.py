@@ -246,3 +246,10 @@ def test_joint_evidence_of_one_axis_two_and_named_directions():
     assert both.item() == pytest.approx((free + 15.0) / 2)
     cut = joint_evidence(np.full((1, 6, 1), 5000.0), Views(np.zeros((N, 6)), 2))
     assert cut.item() == pytest.approx(((np.exp(300.0) / 2) ** 2) / 3, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", [Choice, Weighed])
+def test_a_result_never_changes_and_is_compared_as_one_object(kind):
+    assert kind.__dataclass_params__.frozen
+    assert kind.__eq__ is object.__eq__
+    assert "__slots__" in vars(kind)
