@@ -4,8 +4,8 @@
 
 Cosmic Ray makes the mutants. A place in the code is drawn first and a change of it second, so that
 one sum with eleven possible replacements does not count eleven times. What changes nothing but an
-annotation is no mutant. The survivors are printed with their line; docs/tests.md says which of them
-are equivalent, that is, which no test could tell from the code.
+annotation is no mutant. Tests that fail on the code as it is would notice anything: they are run
+first, and nothing is counted where they fail. The survivors are printed with their line.
 """
 
 from __future__ import annotations
@@ -18,9 +18,10 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from queue import Queue
 
@@ -91,11 +92,14 @@ def _meaning(source: str) -> str:
     return ast.dump(_Bare().visit(ast.parse(source)))
 
 
-def mutants_of(module: str, rng: random.Random) -> Iterator[Mutant]:
-    """Yield one mutant for each place of a module that can be changed."""
-    source = (ROOT / module).read_text(encoding="utf-8")
-    places: dict[tuple[int, int], list[tuple[str, int]]] = {}
-    nodes = list(ast_nodes(get_ast(source)))
+Change = tuple[str, int]
+"""Name of an operator, and which of the places in a module that it can change."""
+
+
+def places_of(module: str) -> list[tuple[str, int, list[Change]]]:
+    """Return each place of a module that can be changed: module, line and its possible changes."""
+    places: dict[tuple[int, int], list[Change]] = {}
+    nodes = list(ast_nodes(get_ast((ROOT / module).read_text(encoding="utf-8"))))
     for name in sorted(operator_names()):
         if get_operator(name).arguments():
             continue  # it wants names of variables of this code
@@ -103,13 +107,19 @@ def mutants_of(module: str, rng: random.Random) -> Iterator[Mutant]:
         found = (start for node in nodes for start, _ in operator.mutation_positions(node))
         for occurrence, start in enumerate(found):
             places.setdefault(start, []).append((name, occurrence))
-    meaning = _meaning(source)
-    for start, changes in sorted(places.items()):
-        rng.shuffle(changes)
-        for name, occurrence in changes:
+    return [(module, start[0], changes) for start, changes in sorted(places.items())]
+
+
+def drawn(modules: Sequence[str], rng: random.Random) -> Iterator[Mutant]:
+    """Yield one mutant for each place of the modules that can be changed, in random order."""
+    places = [place for module in modules for place in places_of(module)]
+    rng.shuffle(places)
+    for module, line, changes in places:
+        source = (ROOT / module).read_text(encoding="utf-8")
+        for name, occurrence in rng.sample(changes, len(changes)):
             mutated = mutate_code(source, get_operator(name)(), occurrence)
-            if mutated and _parses(mutated) and _meaning(mutated) != meaning:
-                yield Mutant(module, start[0], name, mutated)
+            if mutated and _parses(mutated) and _meaning(mutated) != _meaning(source):
+                yield Mutant(module, line, name, mutated)
                 break
 
 
@@ -158,13 +168,13 @@ def main() -> None:
     asked = options.parse_args()
     rng = random.Random(asked.seed)  # noqa: S311 - a sample
     modules = [module for module in TESTS if asked.only in module]
-    everything = [mutant for module in modules for mutant in mutants_of(module, rng)]
-    sample = rng.sample(everything, min(asked.mutants, len(everything)))
-    print(f"{len(sample)} mutants of {len(everything)} places, seed {asked.seed}", flush=True)
+    sample = list(islice(drawn(modules, rng), asked.mutants))
+    print(f"{len(sample)} mutants, seed {asked.seed}", flush=True)
     with tempfile.TemporaryDirectory() as scratch:
         trees: Queue[Path] = Queue()
         for k in range(asked.jobs):
             trees.put(_copy(Path(scratch) / str(k)))
+        _check_unchanged({mutant.module for mutant in sample}, trees.queue[0])
 
         def tried(mutant: Mutant) -> bool:
             tree = trees.get()
@@ -181,11 +191,19 @@ def main() -> None:
     _print_scores(sample, outcomes)
 
 
+def _check_unchanged(modules: Iterable[str], tree: Path) -> None:
+    """End the program where the tests of a module fail on the module as it is."""
+    for module in sorted(modules):
+        source = (ROOT / module).read_text(encoding="utf-8")
+        if not survives(Mutant(module, 0, "none", source), tree):
+            sys.exit(f"the tests of {module} fail without a mutant: {TESTS[module]}")
+
+
 def _print_scores(sample: list[Mutant], outcomes: list[bool]) -> None:
-    drawn = Counter(mutant.module for mutant in sample)
+    tried = Counter(mutant.module for mutant in sample)
     alive = Counter(m.module for m, survived in zip(sample, outcomes, strict=True) if survived)
     print("\n| module | mutants | noticed | % |\n|---|---|---|---|")
-    for module, count in drawn.items():
+    for module, count in tried.items():
         noticed = count - alive[module]
         print(f"| {module} | {count} | {noticed} | {100 * noticed / count:.0f} |")
     noticed = len(sample) - sum(outcomes)
