@@ -31,10 +31,10 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import check_outputs, settings, write_json
 from scara_iso.disk import write_file
 from scara_iso.errors import ScaraIsoError, UsageError
-from scara_iso.iso9283 import Conformity, Decision
+from scara_iso.iso9283 import Conformity, DecisionRule
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import CyclesWanted, Diagnosis, Reading
+    from scara_iso.diagnosis import CyclesWanted, Diagnosis, TableOptions
     from scara_iso.iso9283 import Analysis
     from scara_iso.reporting import Dossier, Failure, InputFile
     from scara_iso.robot import Gearbox, Model
@@ -64,7 +64,7 @@ def report_command(
     output: Output = None,
     pose: Pose = None,
     limit: Limits = None,
-    decision: LimitRule = Decision.INTERVAL,
+    decision: LimitRule = DecisionRule.INTERVAL,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
@@ -80,14 +80,14 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    from scara_iso.diagnosis import CyclesWanted, Reading
+    from scara_iso.diagnosis import CyclesWanted, TableOptions
     from scara_iso.reporting import printable
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else _writer(path, excel_locale)
     check_outputs([path], [table, model])
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
-    reading = Reading(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet)
     dossier = _test(table, model, reading, wanted, (parse_limits(limit or ()), decision))
     if path is not None and write is not None:
         write_file(path, write(dossier))
@@ -185,9 +185,9 @@ _ENDINGS = (*_KINDS, ".csv")
 def _test(
     table: str,
     model_file: str | None,
-    reading: Reading,
+    reading: TableOptions,
     wanted: CyclesWanted,
-    limits: tuple[dict[str, float], Decision],
+    limits: tuple[dict[str, float], DecisionRule],
 ) -> Dossier:
     from scara_iso import __version__, analyze
     from scara_iso.reporting import Dossier, Provenance
@@ -216,7 +216,7 @@ def _test(
     )
 
 
-def _read(table: str, reading: Reading, pose: str | None) -> tuple[Run, InputFile]:
+def _read(table: str, reading: TableOptions, pose: str | None) -> tuple[Run, InputFile]:
     """Return the run of a table, and the hash of the very bytes that it was read from."""
     from hashlib import sha256
     from io import BytesIO

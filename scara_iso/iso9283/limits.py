@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.conformity import Conformity, Decision
+from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.results import AxisResult, Interval, LimitCheck, PoseResult
 from scara_iso.quantities import Dimension
 
@@ -27,7 +27,7 @@ def check_limits(
     poses: Sequence[PoseResult],
     limits: Mapping[str, float],
     *,
-    decision: Decision = Decision.INTERVAL,
+    decision: DecisionRule = DecisionRule.INTERVAL,
 ) -> Iterator[LimitCheck]:
     """Yield the comparison of each pose's figures with the limit that holds for them.
 
@@ -93,7 +93,7 @@ def _of_axis(axis: AxisResult) -> _Figure:
 
 
 def _check(
-    pose: str | None, name: str, measured: _Figure, limit: float, decision: Decision
+    pose: str | None, name: str, measured: _Figure, limit: float, decision: DecisionRule
 ) -> LimitCheck:
     check = LimitCheck(
         figure=name,

@@ -10,20 +10,20 @@ from scara_iso.comparison import (
     MOST_CYCLES,
     Comparison,
     Contrast,
+    ContrastVerdict,
     Ends,
     Pair,
-    Verdict,
     poses_in_common,
 )
 from scara_iso.reporting.blocks import Block, Notice, Report, Section, Strip, Table, Text
 from scara_iso.reporting.digits import p_value, rounded
 
-_CHANGED = (Verdict.LESS, Verdict.MORE)
+_CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
 _SAID = {
-    Verdict.LESS: "less",
-    Verdict.MORE: "more",
-    Verdict.NOT_SHOWN: "not shown",
-    Verdict.DIAL: "the dial",
+    ContrastVerdict.LESS: "less",
+    ContrastVerdict.MORE: "more",
+    ContrastVerdict.NOT_SHOWN: "not shown",
+    ContrastVerdict.DIAL: "the dial",
 }
 
 
@@ -62,7 +62,7 @@ def _changed(one: Contrast) -> str:
     name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
     if one.ratio is None or one.ratio_interval is None:
         return f"{name} {rounded(one.difference, _U(one), sign='+')} {one.unit}"
-    way = "better" if one.verdict is Verdict.LESS else "worse"
+    way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
     return f"{name} {way} ({', 95 % interval '.join(_ratio(one))})"
 
 
@@ -97,7 +97,7 @@ def _caution(pair: Pair) -> Iterator[Block]:
             "runs as if their order did not count: diagnose the drift first.",
             "warn",
         )
-    if any(one.verdict is Verdict.DIAL for one in every):
+    if any(one.verdict is ContrastVerdict.DIAL for one in every):
         said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
         yield Text(said, "warn")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, Decision, LimitCheck
+from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, LimitCheck
 from scara_iso.reporting.blocks import Section, Table, Text
 from scara_iso.reporting.digits import decimals
 
@@ -33,7 +33,7 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     by_verdict: dict[Conformity, list[LimitCheck]] = {}
     for check in analysis.limits:
         by_verdict.setdefault(check.verdict, []).append(check)
-    simple = any(check.decision is Decision.SIMPLE for check in analysis.limits)
+    simple = any(check.decision is DecisionRule.SIMPLE for check in analysis.limits)
     how = "by simple acceptance" if simple else "with the whole 95 % interval"
     failed = by_verdict.get(Conformity.FAIL, [])
     open_ = by_verdict.get(Conformity.NOT_PROVABLE, [])
@@ -53,7 +53,7 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
 def limits(analysis: Analysis) -> Iterator[Section]:
     """Yield the figures against their limits, where the user gave any."""
     if analysis.limits:
-        simple = analysis.limits[0].decision is Decision.SIMPLE
+        simple = analysis.limits[0].decision is DecisionRule.SIMPLE
         table = (_simple_table if simple else _interval_table)(analysis.limits)
         yield Section("limits", (table,))
 

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from scara_iso.acquisition.indicators import Garbage, InstrumentFault, Notice, Reading
+from scara_iso.acquisition.indicators import DeviceNotice, Garbage, InstrumentFault, Reading
 from scara_iso.acquisition.ports import Clock
-from scara_iso.acquisition.recorder.events import Kind, Noticed, Problem, Refused, Said
+from scara_iso.acquisition.recorder.events import Noticed, Problem, ProblemKind, Refused, Said
 from scara_iso.acquisition.recorder.gauge import Gauge, no_unit
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.shown import DisplayChangedError
@@ -99,7 +99,7 @@ class Bench:
                         self._faulted = True
                         self._unreadable.add(gauge.axis)
                         self.problem(gauge, "fault", f"{code}: {message}")
-                    case Notice(message=message, switched_on=on):
+                    case DeviceNotice(message=message, switched_on=on):
                         if on and gauge.shown and not self._opening:
                             raise _zero_gone(gauge, message)
                         self._tell(Noticed(gauge.axis, message))
@@ -174,7 +174,7 @@ class Bench:
             self._journal.append("refused", axis=axis, text=text, reason=reason)
             self._tell(Refused(axis, text, reason))
 
-    def problem(self, gauge: Gauge, kind: Kind, message: str) -> None:
+    def problem(self, gauge: Gauge, kind: ProblemKind, message: str) -> None:
         """Write down and say that there is no reading."""
         if self._opening:
             self.notice(gauge, message)

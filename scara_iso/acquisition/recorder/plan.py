@@ -38,7 +38,7 @@ Trigger: TypeAlias = Enter | Listen | Timer
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class RecordingPlan:
     """``stable`` equal readings in a row, within one count, make a reading that was asked for.
 
     A reading that comes by itself, or a key pressed, within ``rearm_s`` [s] of the one before is

@@ -21,7 +21,7 @@ from scara_iso.acquisition.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.acquisition.recorder.gauge import Gauge
 from scara_iso.acquisition.recorder.history import History, read_history
 from scara_iso.acquisition.recorder.journal import Journal
-from scara_iso.acquisition.recorder.plan import Listen, Plan
+from scara_iso.acquisition.recorder.plan import Listen, RecordingPlan
 from scara_iso.acquisition.recorder.position import Position
 from scara_iso.acquisition.recorder.session import Session
 from scara_iso.acquisition.recorder.spec import GaugeSpec
@@ -45,7 +45,7 @@ class Job:
 
     table: Path
     gauges: tuple[GaugeSpec, ...]
-    plan: Plan
+    plan: RecordingPlan
     metadata: Mapping[str, str] = field(default_factory=dict)
     resume: bool = False
     excel_locale: str | None = None
