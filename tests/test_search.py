@@ -130,6 +130,10 @@ def test_a_random_course_ends_the_search_and_stays(rng, scripted):
     terms, stages = find(problem(NOISE, STEPS), rng)
     assert [term.effect for term in terms] == ["random_walk"]
     assert len(stages) == 1
+    scripted(stage("step", step(6)), stage("random_walk", WALK))
+    terms, stages = find(problem(NOISE, STEPS), rng)
+    assert [term.effect for term in terms] == ["step", "random_walk"]
+    assert len(stages) == 2
 
 
 def test_a_fourth_effect_is_chosen_and_not_taken(rng, scripted):
