@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from scara_iso.acquisition.ports.tape import decode, encode
+from scara_iso.acquisition.ports.tape import checksum, decode_record, encode
 from scara_iso.acquisition.recorder import history as module
 from scara_iso.acquisition.recorder.history import History, read_history
 from scara_iso.errors import DataError
@@ -363,9 +363,20 @@ def test_a_file_that_is_no_recording_says_so_with_at_most_ten_lines():
 def test_a_file_is_read_line_by_line_and_damage_is_noted(tmp_path):
     path = tmp_path / "run.raw.jsonl"
     lines = [encode(r) for r in (session(), stored(1, "0.5"), stored(2, "0.7"))]
-    assert all(map(decode, lines))
+    assert all(map(decode_record, lines))
     path.write_bytes(lines[0] + lines[1] + b"torn\n" + lines[2])
     history = read_history(path)
     assert history.damaged == [3]
     assert history.readings() == {"X": {1: 0.5, 2: 0.7}}
     assert history.source == str(path)
+
+
+def test_a_whole_file_whose_lines_name_each_other_raises_no_doubt(tmp_path):
+    path, previous = tmp_path / "run.raw.jsonl", "00000000"
+    for record in (session(), stored(1), stored(2)):
+        line = encode({**record, "prev": previous})
+        previous = checksum(line)
+        path.write_bytes((path.read_bytes() if path.exists() else b"") + line)
+    history = read_history(path)
+    assert history.doubts == ()
+    assert history.previous == previous

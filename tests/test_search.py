@@ -9,7 +9,7 @@ from scara_iso.diagnosis.fit import Term
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.marginal import MarginalTests
 from scara_iso.diagnosis.permutation import OrderTest
-from scara_iso.diagnosis.problem import Problem, remainder
+from scara_iso.diagnosis.problem import SearchProblem, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import Stage, chosen, find, find_again
 from scara_iso.diagnosis.tuning import UNKNOWN
@@ -39,7 +39,9 @@ def problem(values, members, division=0.0, effects=()):
     values = np.reshape(values, (N, -1)).astype(float)
     axes = tuple("XYZ"[: values.shape[1]])
     residual = Residual(axes, values, np.full(len(axes), division), CONDITIONS)
-    return Problem(residual, tuple(members), effects={name: EFFECTS[name] for name in effects})
+    return SearchProblem(
+        residual, tuple(members), effects={name: EFFECTS[name] for name in effects}
+    )
 
 
 def marginal(two_levels=1.0, outlier=1.0, row=0, floor=0.001):
@@ -128,6 +130,10 @@ def test_a_random_course_ends_the_search_and_stays(rng, scripted):
     terms, stages = find(problem(NOISE, STEPS), rng)
     assert [term.effect for term in terms] == ["random_walk"]
     assert len(stages) == 1
+    scripted(stage("step", step(6)), stage("random_walk", WALK))
+    terms, stages = find(problem(NOISE, STEPS), rng)
+    assert [term.effect for term in terms] == ["step", "random_walk"]
+    assert len(stages) == 2
 
 
 def test_a_fourth_effect_is_chosen_and_not_taken(rng, scripted):
