@@ -10,7 +10,7 @@ from scara_iso.reporting import Dossier, Failure, head
 
 
 def report_json(dossier: Dossier) -> Json:
-    """Return the object of ``report --json``; its parts are those of the other commands."""
+    """Return the JSON object of ``report``; its parts are those of the other commands."""
     analysis, made = dossier.analysis, dossier.provenance
     run = analysis.run
     return {

@@ -213,7 +213,7 @@ def _strips(pair: Pair) -> Iterator[Block]:
             yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
     others = len({one.pose for one in pair.means}) - 1
     if others:
-        yield Text(f"the first pose; --plot draws {others} more", "quiet")
+        yield Text(f"the first pose; `plot=FILE` draws {others} more", "quiet")
 
 
 def _method(comparison: Comparison) -> str:

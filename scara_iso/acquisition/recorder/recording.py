@@ -147,7 +147,7 @@ def refuse_existing(table: Path) -> None:
         if path.exists():
             raise CannotCreateError(
                 "exists already", where=str(path),
-                remedy="use another name, or --resume to go on with it",
+                remedy="use another name, or `resume=True` to go on with it",
             )  # fmt: skip
 
 
@@ -158,7 +158,7 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
         if job.resume and is_recorded(spec.address):
             raise UsageError("a recorded stream begins anew: record it into a new file")
         if job.plan.stable > 1 and spec.address.startswith("replay:"):
-            raise UsageError("a recorded stream is not asked twice", remedy="leave --stable out")
+            raise UsageError("a recorded stream is not asked twice", remedy="leave `stable=` out")
         asked = not isinstance(job.plan.trigger, Listen)
         port = open_port(spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked)
         stack.callback(port.close)
@@ -198,7 +198,7 @@ def _read_earlier(job: Job, raw: Path) -> History:
         raise DataError(
             f"cycle {cycle} is missing and later ones are there",
             where=str(raw),
-            remedy="--rebuild the table of what is there, and repeat the test",
+            remedy="make the table of what is there with `rebuild=True`, and repeat the test",
         )
     return history
 
@@ -217,7 +217,7 @@ def _compare(job: Job, history: History) -> None:
         raise UsageError(
             f"recorded with {_listed(recorded)}, and now {_listed(given)}",
             where=history.source,
-            remedy="give the same --gauge options, or none",
+            remedy="give the same `gauge=` as before, or none",
         )
 
 
@@ -255,7 +255,7 @@ def _finish(
         _remove(disk, journal.path)
         return InstrumentError(
             "no reading was recorded, and nothing is left behind",
-            remedy="`scara-iso ports --probe PORT` shows what an indicator sends",
+            remedy="scara-iso ports with `probe=PORT` shows what an indicator sends",
         )
     rows = int(history.complete_rows().sum())
     journal.append("end", complete=history.is_complete)
@@ -265,12 +265,12 @@ def _finish(
             _remove(disk, path)
         return InstrumentError(
             f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
-            where=str(job.table), remedy="go on with --resume",
+            where=str(job.table), remedy="go on with `resume=True`",
         )  # fmt: skip
     if job.table.exists() and not job.resume:
         raise CannotCreateError(
             "was written by another program meanwhile", where=str(job.table),
-            remedy=f"scara-iso record --rebuild {journal.path} OTHER.csv makes the table",
+            remedy=f"record with `rebuild=True`, {journal.path} and another name makes the table",
         )  # fmt: skip
     _write(disk, job.table, _table_bytes(history), history, beside=True)
     tell(Done(rows, job.plan.cycles, str(job.table), str(journal.path)))
@@ -315,5 +315,5 @@ def _cannot_write(path: Path, error: OSError) -> ScaraIsoError:
     return WriteError(
         f"cannot be written ({error.strerror or error})",
         where=str(path),
-        remedy="the raw file holds every reading: `scara-iso record --rebuild` it elsewhere",
+        remedy="the raw file holds every reading: `rebuild=True` makes a table elsewhere",
     )
