@@ -246,11 +246,11 @@ def _count_fault(rule: _Rule, label: str | None, numbers: IntArray) -> Fault:
             f"or it is still among them, and one is missing, or {rows} were run, and all count"
         )
     elif rule.all_count:
-        what += f", where {rule.cycles} from 1 are wanted, of which all count"
+        what += f", where {rule.cycles} from 1 are needed, of which all count"
     elif rule.first_gone:
-        what += f", where {rule.cycles - 1} are wanted because the first is said to be discarded"
+        what += f", where {rule.cycles - 1} are needed because the first is said to be discarded"
     else:
-        what += f", where {rule.cycles} from 1 are wanted (the first of them is discarded)"
+        what += f", where {rule.cycles} from 1 are needed (the first of them is discarded)"
     return Fault(_of_pose(what, label))
 
 

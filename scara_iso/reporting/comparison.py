@@ -149,16 +149,16 @@ def _power(contrasts: Sequence[Contrast]) -> Table:
         for one in contrasts
     ]
     note = (
-        "Cycles wanted: how many in each run would show this change in 4 of 5 tests, if it is the "
+        "Cycles needed: how many in each run would show this change in 4 of 5 tests, if it is the "
         "true one. Shown here: the change that these cycles show in 4 of 5 tests"
     )
     note += (
-        "; a mean moves also where the indicator was mounted or zeroed anew."
+        "; a mean moves also where the indicator was mounted or zeroed again."
         if means
         else ", as a ratio up or down."
     )
     ratio = () if means else ("after/before", "95 % interval")
-    return Table(("figure", *ratio, "cycles wanted", "shown here"), tuple(rows), note)
+    return Table(("figure", *ratio, "cycles needed", "shown here"), tuple(rows), note)
 
 
 def _row_name(one: Contrast) -> str:

@@ -1,4 +1,4 @@
-"""A recording from its first byte to its files: new, gone on with, or rebuilt."""
+"""A recording from its first byte to its files: new, resumed, or rebuilt."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
     ports = []
     for spec in job.gauges:
         if job.resume and is_recorded(spec.address):
-            raise UsageError("a recorded stream begins anew: record it into a new file")
+            raise UsageError("a recorded stream starts again: record it into a new file")
         if job.plan.stable > 1 and spec.address.startswith("replay:"):
             raise UsageError("a recorded stream is not asked twice", remedy="leave `stable=` out")
         asked = not isinstance(job.plan.trigger, Listen)
@@ -190,7 +190,7 @@ def _read_earlier(job: Job, raw: Path) -> History:
     if job.table.exists() and find_doubts(job.table).table and not _is_made_of(history, job.table):
         raise CannotCreateError(
             "was changed after it was recorded", where=str(job.table),
-            remedy="move it away: it would be written anew from the raw file",
+            remedy="move it away: it would be written again from the raw file",
         )  # fmt: skip
     history.inherit(_doubts_beside(raw, history))
     cycle = history.cycle
