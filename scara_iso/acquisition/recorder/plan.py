@@ -67,5 +67,5 @@ def parse_trigger(text: str) -> Trigger:
                 return Timer(value)
     raise UsageError(
         f"unknown trigger {text!r}",
-        remedy="use `trigger=enter`, `trigger=data` or `trigger=timer:2` (seconds)",
+        remedy="use `trigger=enter`, `trigger=data` or `trigger=timer:SECONDS`",
     )
