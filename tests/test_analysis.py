@@ -287,7 +287,7 @@ def test_a_step_that_is_not_stated_is_seen(rng):
 
 @pytest.mark.parametrize("limits", [{"XY": 1.0}, {"Q": 1.0}, {"X": 0.0}, {"X": math.nan}])
 def test_a_limit_that_cannot_be_meant_is_refused(rng, limits):
-    with pytest.raises(UsageError, match="--limit"):
+    with pytest.raises(UsageError, match="`limit="):
         analyze(run_with([scatter(rng, "X")]), limits=limits)
 
 

@@ -1,6 +1,7 @@
 """Each package shows one face: other packages import from it and from nothing behind it."""
 
 import ast
+import re
 from importlib import import_module
 from pathlib import Path
 
@@ -98,3 +99,23 @@ def test_a_name_stands_for_one_thing():
             places.setdefault(name, []).append(module_of(path))
     twice = {name: where for name, where in places.items() if len(where) > 1}
     assert {name: where for name, where in twice.items() if name not in HOOKS} == {}
+
+
+OPTION = re.compile(r"(?<![\w-])--[A-Za-z]")
+SCREEN = {"render.terminal"}
+"""Shows what the command line has no room for, and how to see it."""
+
+
+def strings(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def test_only_the_command_line_names_its_options():
+    naming = {
+        module_of(path)
+        for path in ROOT.rglob("*.py")
+        if "cli" not in path.relative_to(ROOT).parts and any(map(OPTION.search, strings(path)))
+    }
+    assert naming == SCREEN

@@ -328,7 +328,7 @@ def test_30_cycles_of_which_nothing_is_said(rng):
     assert "discarded before" in caught.value.faults[0].message
     assert "one is missing" in caught.value.faults[0].message
     assert "30 were run, and all count" in caught.value.faults[0].message
-    for option in ("--first-cycle-discarded", "--all-count", "--cycles 30"):
+    for option in ("`first_cycle_discarded=True`", "`all_count=True`", "`cycles=30`"):
         assert option in caught.value.remedy
 
 
@@ -386,7 +386,7 @@ def test_a_gap_at_one_pose_of_two_leaves_the_other_whole(rng):
     with pytest.raises(DataError) as caught:
         scara_iso.analyze(run)
     assert [fault.message for fault in caught.value.faults] == ["pose B: cycle 7 is missing"]
-    assert "--allow-gaps" in caught.value.remedy
+    assert "`allow_gaps=True`" in caught.value.remedy
     found = scara_iso.analyze(run, allow_gaps=True)
     assert [(pose.label, pose.axes["X"].n) for pose in found.poses] == [("A", 30), ("B", 29)]
 
@@ -476,8 +476,8 @@ def test_a_recording_that_was_cut_short_names_resume(rng):
     head = HEAD + "# first_cycle_discarded: false\n# cycles_planned: 31\n"
     with pytest.raises(DataError) as caught:
         counted(table(range(1, 21), rng, head))
-    assert "record --resume" in caught.value.remedy
-    assert "--cycles 20" in caught.value.remedy
+    assert "`resume=True`" in caught.value.remedy
+    assert "`cycles=20`" in caught.value.remedy
     assert counted(table(range(1, 21), rng, head), cycles=20) == (20, [1], 19)
 
 

@@ -293,7 +293,7 @@ def test_an_unknown_unit_is_refused_and_the_option_named(tmp_path, monkeypatch, 
             ports={"X": lambda c: Script(c, answer=lambda k: value, shows=None)},
             monkeypatch=monkeypatch,
         )  # fmt: skip
-    assert "--unit mm" in caught.value.remedy
+    assert "`unit=mm`" in caught.value.remedy
     assert list(tmp_path.iterdir()) == []
 
 

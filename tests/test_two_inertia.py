@@ -114,7 +114,7 @@ def test_a_result_is_frozen():
 def test_every_bad_value_is_refused_by_name(name, value):
     with pytest.raises(UsageError) as refused:
         backlash(**{**PAPER, "ratio": 50, name: value})
-    assert f"--{name} {value:g}" in str(refused.value)
+    assert f"`{name}={value:g}`" in str(refused.value)
     assert refused.value.exit_code == 2
 
 
@@ -122,7 +122,7 @@ def test_all_bad_values_are_named_in_one_line():
     with pytest.raises(UsageError) as refused:
         backlash(Im=0, IL=-1, arcmin=math.nan, arm=math.inf, ratio=-50)
     said = str(refused.value)
-    assert said.startswith("--Im 0, --IL -1, --arcmin nan, --arm inf, --ratio -50: ")
+    assert said.startswith("`Im=0`, `IL=-1`, `arcmin=nan`, `arm=inf`, `ratio=-50`: ")
     assert "\n" not in said
 
 

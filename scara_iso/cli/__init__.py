@@ -15,7 +15,7 @@ import typer
 from typer._completion_classes import completion_init
 
 from scara_iso import __version__
-from scara_iso.cli.output import settings
+from scara_iso.cli.output import as_options, settings
 from scara_iso.errors import DataError, ScaraIsoError, UsageError
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
@@ -167,7 +167,7 @@ def _warn(message: Warning | str, *_: object, **__: object) -> None:
     from scara_iso.reporting import printable
 
     if sys.stderr is not None:
-        sys.stderr.write(f"scara-iso: {printable(str(message))}\n")
+        sys.stderr.write(f"scara-iso: {printable(as_options(str(message)))}\n")
 
 
 def _tell(error: Exception) -> int:
@@ -176,7 +176,7 @@ def _tell(error: Exception) -> int:
     lines, code = _explain(error)
     if settings.debug:
         lines = [*"".join(traceback.format_exception(error)).rstrip("\n").split("\n"), *lines]
-    _say([printable(line) for line in lines])
+    _say([printable(as_options(line)) for line in lines])
     return code
 
 

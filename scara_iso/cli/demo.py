@@ -2,8 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from scara_iso.cli.options import AsJson
 from scara_iso.cli.output import write_json, write_report
+
+if TYPE_CHECKING:
+    from scara_iso.reporting import Section
+
+NEXT_STEPS = (
+    "scara-iso analyze YOUR_TABLE.csv --limit XY=0.02",
+    "scara-iso analyze YOUR_TABLE.csv --definitions",
+    "scara-iso backlash --Im 2.65e-4 --IL 4.749 --arcmin 12 --arm 0.7 --ratio 50",
+    "scara-iso --help",
+)
 
 
 def demo_command(*, json: AsJson = False) -> None:
@@ -13,7 +25,7 @@ def demo_command(*, json: AsJson = False) -> None:
     """
     from scara_iso import analyze
     from scara_iso.render import analysis_json, backlash_json
-    from scara_iso.reporting import analysis_report, backlash_report, next_steps, paper_section
+    from scara_iso.reporting import analysis_report, backlash_report, paper_section
     from scara_iso.robot import first_joint, printed, table_1
 
     analysis = analyze(table_1())
@@ -30,4 +42,10 @@ def demo_command(*, json: AsJson = False) -> None:
         return
     write_report(analysis_report(analysis))
     write_report(backlash_report(gear, pose))
-    write_report((paper_section(pose, gear), next_steps()))
+    write_report((paper_section(pose, gear), _next_steps()))
+
+
+def _next_steps() -> Section:
+    from scara_iso.reporting import Section, Text
+
+    return Section("try next", tuple(map(Text, NEXT_STEPS)))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +29,22 @@ class Settings:
 settings = Settings()
 
 
+_PARAMETER = re.compile(r"`([A-Za-z]\w*)=([^`]*)`")
+_QUOTES = "'\""
+
+
+def as_options(text: str) -> str:
+    """Return ``text`` with the parameters that it names (`` `unit=mm` ``) as options."""
+    return _PARAMETER.sub(_option, text)
+
+
+def _option(named: re.Match[str]) -> str:
+    option, value = f"--{named[1].replace('_', '-')}", named[2]
+    if value in ("", "True"):
+        return option
+    return f"{option} {value if value[0] in _QUOTES else shlex.quote(value)}"
+
+
 def write_json(document: Mapping[str, Any]) -> None:
     """Write one JSON object on a line of standard output."""
     from scara_iso.render import to_text
@@ -38,7 +56,24 @@ def write_report(report: Report) -> None:
     """Write a report on standard output."""
     from scara_iso.render import open_console, show
 
-    show(report, open_console(sys.stdout, no_color=settings.no_color))
+    show(_in_options(report), open_console(sys.stdout, no_color=settings.no_color))
+
+
+def _in_options(report: Report) -> Report:
+    from scara_iso.reporting import Notice, Text
+
+    return tuple(
+        replace(
+            section,
+            blocks=tuple(
+                replace(block, text=as_options(block.text))
+                if isinstance(block, Text | Notice)
+                else block
+                for block in section.blocks
+            ),
+        )
+        for section in report
+    )
 
 
 def write_text(text: str, path: Path | None) -> None:

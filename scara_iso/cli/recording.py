@@ -71,7 +71,7 @@ class RecordOptions:
 
 
 def record_table(options: RecordOptions) -> None:
-    """Record a table, new or gone on with; raises as `record` and for options that are missing."""
+    """Record a table, new or resumed; raises as `record` and for options that are missing."""
     if options.table is None:
         raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
     on_terminal = not options.json and sys.stdout.isatty()

@@ -1,4 +1,4 @@
-"""What a difference decides against chance: interval, p-value, verdict, cycles wanted.
+"""What a difference decides against chance: interval, p-value, verdict, cycles needed.
 
 A difference counts only as far as the dials' rounding does not explain it (`comparison.dial`), in
 units of its standard error, against the largest such difference among all figures of each deal:

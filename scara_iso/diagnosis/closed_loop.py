@@ -57,7 +57,7 @@ class CyclesWanted:
             raise DataError(
                 f"{len(labels)} poses, of which one is diagnosed at a time",
                 where=run.origin.source,
-                remedy=f"name it: --pose {labels[0]}",
+                remedy=f"name it: `pose={labels[0]}`",
             )
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
 
@@ -204,7 +204,7 @@ def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
         raise DataError(
             f"the model has no indicator {', '.join(unknown)}",
             where=run.origin.source,
-            remedy="take the model of this robot, or leave --model out",
+            remedy="take the model of this robot, or leave `model=` out",
         )
     for name, axis in run.axes.items():
         if name in model.indicators and model.indicators[name].dimension is not axis.dimension:

@@ -1,6 +1,6 @@
 """Every level, prior and threshold of the diagnosis, and what chose it.
 
-``benchmarks/diagnosis.py --only TABLE`` is meant where only a table is named; its figures stand in
+One table of ``benchmarks/diagnosis.py`` is meant where only a table is named; its figures stand in
 docs/diagnosis.md, section 7, those of ``benchmarks/gear.py`` in section 5. The weights of single
 effects, chosen on the tables *naming* (prior) and *power* (test), stand in their files.
 """

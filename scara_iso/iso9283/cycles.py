@@ -246,11 +246,11 @@ def _count_fault(rule: _Rule, label: str | None, numbers: IntArray) -> Fault:
             f"or it is still among them, and one is missing, or {rows} were run, and all count"
         )
     elif rule.all_count:
-        what += f", where {rule.cycles} from 1 are wanted, of which all count"
+        what += f", where {rule.cycles} from 1 are needed, of which all count"
     elif rule.first_gone:
-        what += f", where {rule.cycles - 1} are wanted because the first is said to be discarded"
+        what += f", where {rule.cycles - 1} are needed because the first is said to be discarded"
     else:
-        what += f", where {rule.cycles} from 1 are wanted (the first of them is discarded)"
+        what += f", where {rule.cycles} from 1 are needed (the first of them is discarded)"
     return Fault(_of_pose(what, label))
 
 
@@ -266,18 +266,22 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         return "take one row a visit, and number the cycles from 1"
     if "cycles_planned" in run.metadata:
         return (
-            f"the recording was cut short: scara-iso record --resume {run.origin.source} goes on "
-            f"with it; or say --cycles {run.cycle.max()}, with --allow-gaps where some are missing"
+            f"the recording of {run.origin.source} was cut short: record with `resume=True` goes "
+            f"on with it; or say `cycles={run.cycle.max()}`, with `allow_gaps=True` where some are "
+            "missing"
         )
     if any(pose.is_open for pose in found):
         return (
-            "say --first-cycle-discarded (or '# first_cycle_discarded: true' in the file) if it "
-            f"was; --all-count (or '# first_cycle: counts') if all {rule.cycles - 1} count; "
-            f"--cycles {rule.cycles - 1} to discard the first of these all the same"
+            "say `first_cycle_discarded=True` (or '# first_cycle_discarded: true' in the file) if "
+            f"it was; `all_count=True` (or '# first_cycle: counts') if all {rule.cycles - 1} "
+            f"count; `cycles={rule.cycles - 1}` to discard the first of these all the same"
         )
     if " missing" in said and "goes back" not in said:
-        return "repeat the missing cycles, or say --allow-gaps: the rest counts, the gap is listed"
-    return "repeat the missing cycles, or say --cycles N for a test of another length"
+        return (
+            "repeat the missing cycles, or say `allow_gaps=True`: the rest counts, "
+            "the gap is listed"
+        )
+    return "repeat the missing cycles, or say `cycles=N` for a test of another length"
 
 
 def _of_pose(what: str, label: str | None) -> str:

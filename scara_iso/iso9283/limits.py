@@ -41,11 +41,11 @@ def check_limits(
     """
     wrong = [f"{limit:g}" for limit in limits.values() if not (math.isfinite(limit) and limit > 0)]
     if wrong:
-        raise UsageError(f"--limit {wrong[0]}: not a positive, finite length")
+        raise UsageError(f"`limit={wrong[0]}`: not a positive, finite length")
     unknown = sorted(set(limits) - {EVERY_LENGTH} - set(_figures(poses[0])))
     if unknown:
         raise UsageError(
-            f"--limit {unknown[0]}=...: this table has no such figure",
+            f"`limit={unknown[0]}=...`: this table has no such figure",
             remedy=f"it has {', '.join(_figures(poses[0]))}",
         )
     lengths = [
@@ -53,8 +53,8 @@ def check_limits(
     ]
     if EVERY_LENGTH in limits and not lengths:
         raise UsageError(
-            f"--limit {limits[EVERY_LENGTH]:g} is a length, and this table has none",
-            remedy="name the figure, as in --limit theta=0.05 (degrees)",
+            f"`limit={limits[EVERY_LENGTH]:g}` is a length, and this table has none",
+            remedy="name the figure, as in `limit=theta=0.05` (degrees)",
         )
     void = {(one.pose, one.axis) for one in findings if one.voids_interval}
     for pose in poses:

@@ -41,7 +41,7 @@ def to_text(document: Mapping[str, Any]) -> str:
 
 
 def analysis_json(analysis: Analysis) -> Json:
-    """Return the object of ``analyze --json``, schema ``scara-iso/analyze/1``."""
+    """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/1``."""
     cycles = analysis.cycles
     return {
         "schema": "scara-iso/analyze/1",
@@ -148,7 +148,7 @@ def _limit(check: LimitCheck) -> Json:
 def backlash_json(
     result: Backlash, actual: PoseResult | None = None, closed: GearDiagnosis | None = None
 ) -> Json:
-    """Return the object of ``backlash --json``, schema ``scara-iso/backlash/1``.
+    """Return the JSON object of ``backlash``, schema ``scara-iso/backlash/1``.
 
     ``actual`` is a measured pose, given as ``actual`` beside the model; ``closed`` what a measured
     sweep leaves unexplained.
@@ -221,7 +221,7 @@ def _crossing(crossing: Crossing) -> Json:
 
 
 def run_json(run: Run, *, seed: int) -> Json:
-    """Return the object of ``simulate --json``, schema ``scara-iso/simulate/1``."""
+    """Return the JSON object of ``simulate``, schema ``scara-iso/simulate/1``."""
     return {
         "schema": "scara-iso/simulate/1",
         "unit": "mm",
@@ -241,7 +241,7 @@ def run_json(run: Run, *, seed: int) -> Json:
 
 
 def plan_json(plan: PosePlan) -> Json:
-    """Return the object of ``plan --json``, schema ``scara-iso/plan/1``."""
+    """Return the JSON object of ``plan``, schema ``scara-iso/plan/1``."""
     return {
         "schema": "scara-iso/plan/1",
         "unit": "mm",
@@ -259,7 +259,7 @@ def plan_json(plan: PosePlan) -> Json:
 
 
 def explain_json(pages: Iterable[Page]) -> Json:
-    """Return the object of ``explain --json``, schema ``scara-iso/explain/1``."""
+    """Return the JSON object of ``explain``, schema ``scara-iso/explain/1``."""
     return {
         "schema": "scara-iso/explain/1",
         "pages": [

@@ -1,4 +1,4 @@
-"""The object of ``compare --json``, schema ``scara-iso/compare/1``."""
+"""The JSON object of ``compare``, schema ``scara-iso/compare/1``."""
 
 from __future__ import annotations
 

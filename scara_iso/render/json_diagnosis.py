@@ -10,7 +10,7 @@ from scara_iso.render.json import Json, gear_json, rivals_json
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> Json:
-    """Return the object of ``diagnose --json``, schema ``scara-iso/diagnose/1``."""
+    """Return the JSON object of ``diagnose``, schema ``scara-iso/diagnose/1``."""
     RP = diagnosis.repeatability
     return {
         "schema": "scara-iso/diagnose/1",
@@ -108,7 +108,7 @@ def _found(found: Found) -> Json:
 
 
 def design_json(plan: PlannedRun, found: Design) -> Json:
-    """Return the object of ``diagnose --design --json``, schema ``scara-iso/design/1``."""
+    """Return the JSON object of ``design``, schema ``scara-iso/design/1``."""
     return {
         "schema": "scara-iso/design/1",
         "unit": "mm",

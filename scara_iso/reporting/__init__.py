@@ -53,7 +53,7 @@ if TYPE_CHECKING:
         pages as pages,
     )
     from scara_iso.reporting.limits import conformity as conformity
-    from scara_iso.reporting.paper import next_steps as next_steps, paper_section as paper_section
+    from scara_iso.reporting.paper import paper_section as paper_section
     from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
     from scara_iso.reporting.ports import (
         Probe as Probe,

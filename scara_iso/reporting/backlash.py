@@ -92,9 +92,9 @@ def _comparison(result: Backlash, actual: PoseResult | None) -> Table | None:
 
 def _assumptions(result: Backlash) -> Iterator[Block]:
     if result.ratio is None:
-        yield Text("I_m is taken as given, on the load's shaft; --ratio N reflects it there.")
+        yield Text("I_m is taken as given, on the load's shaft; `ratio=N` reflects it there.")
     if result.arm_m is None:
-        yield Text("Without --arm no width at the tool can be said.")
+        yield Text("Without `arm=` the width at the tool is not known.")
     assumed = "plastic impacts, no friction, no torque but the motor's (paper, section IV)"
     yield Text(f"assumed: {assumed}", "quiet")
 

@@ -159,16 +159,16 @@ def _power(contrasts: Sequence[Contrast]) -> Table:
         for one in contrasts
     ]
     note = (
-        "Cycles wanted: how many in each run would show this change in 4 of 5 tests, if it is the "
+        "Cycles needed: how many in each run would show this change in 4 of 5 tests, if it is the "
         "true one. Shown here: the change that these cycles show in 4 of 5 tests"
     )
     note += (
-        "; a mean moves also where the indicator was mounted or zeroed anew."
+        "; a mean moves also where the indicator was mounted or zeroed again."
         if means
         else ", as a ratio up or down."
     )
     ratio = () if means else ("after/before", "95 % interval")
-    return Table(("figure", *ratio, "cycles wanted", "shown here"), tuple(rows), note)
+    return Table(("figure", *ratio, "cycles needed", "shown here"), tuple(rows), note)
 
 
 def _row_name(one: Contrast) -> str:
@@ -224,7 +224,7 @@ def _strips(pair: Pair) -> Iterator[Block]:
             yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
     others = len({one.pose for one in pair.means}) - 1
     if others:
-        yield Text(f"the first pose; --plot draws {others} more", "quiet")
+        yield Text(f"the first pose; `plot=FILE` draws {others} more", "quiet")
 
 
 def _method(comparison: Comparison) -> str:

@@ -89,8 +89,8 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
                 "good",
             )
             yield Text(
-                "none found does not mean none there: --design with this table says how large an "
-                "effect it would have shown"
+                "an effect may be too small to show: `design=True` with this table tells how large "
+                "it must be to be found"
             )
         case Verdict.EXPLAINED:
             said = "; ".join(_sureness(found) for found in diagnosis.effects)

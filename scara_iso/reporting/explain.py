@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -15,6 +16,9 @@ from scara_iso.errors import UsageError
 from scara_iso.iso9283 import checks
 from scara_iso.plugins import find_modules
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+
+_CODE = re.compile(r"`+([^`]+)`+")
+_PARAMETER = re.compile(r"[A-Za-z]\w*=\S*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,9 +100,14 @@ def _effect(effect: Effect | GearEffect, doc: str) -> Page:
 
 
 def _paragraphs(doc: str) -> list[str]:
-    """Return the paragraphs of a docstring, each on one line, without its code marks."""
-    found = [" ".join(part.split()).replace("`", "") for part in cleandoc(doc).split("\n\n")]
+    """Return the paragraphs of a docstring, each on one line; code marks only at parameters."""
+    found = [_CODE.sub(_bare, " ".join(part.split())) for part in cleandoc(doc).split("\n\n")]
     return [found[0].rstrip("."), *found[1:]]
+
+
+def _bare(mark: re.Match[str]) -> str:
+    """Return what is marked as code, and as `name=value` where it is a parameter."""
+    return f"`{mark[1]}`" if _PARAMETER.fullmatch(mark[1]) else mark[1]
 
 
 def _plain(code: str) -> str:

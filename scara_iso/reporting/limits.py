@@ -13,7 +13,7 @@ _FIGURES = "In mm; XY by the larger of its two figures; an angle in degrees, by 
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
-    "is wrong in one test of forty or fewer with Gaussian scatter. Cycles wanted: about so many in "
+    "is wrong in one test of forty or fewer with Gaussian scatter. Cycles needed: about so many in "
     "one run prove it, were the figure as read; none do where the dial hides the scatter, or the "
     "calibration alone reaches the limit. No pass on the interval of readings that drift."
 )
@@ -70,7 +70,7 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
         interval = Interval(*said) if said else "none"
         limit, verdict = Number(check.limit, ".15g"), _WORDS[check.verdict]
         rows.append((_name(check), RP, interval, limit, verdict, _wanted(check)))
-    header = ("limit of", "RP", "95 % interval", "limit", "verdict", "cycles wanted")
+    header = ("limit of", "RP", "95 % interval", "limit", "verdict", "cycles needed")
     return Table(header, tuple(rows), _FIGURES + _INTERVAL)
 
 

@@ -45,22 +45,6 @@ def paper_section(table_1: PoseResult, gear: Backlash) -> Section:
     return Section("what of the paper's print follows from its data", (Text(said), table))
 
 
-def next_steps() -> Section:
-    """Return what a new user may try."""
-    return Section(
-        "try next",
-        tuple(
-            Text(line)
-            for line in (
-                "scara-iso analyze YOUR_TABLE.csv --limit XY=0.02",
-                "scara-iso analyze YOUR_TABLE.csv --definitions",
-                "scara-iso backlash --Im 2.65e-4 --IL 4.749 --arcmin 12 --arm 0.7 --ratio 50",
-                "scara-iso --help",
-            )
-        ),
-    )
-
-
 def _row(label: str, printed: float | None, found: float | None) -> tuple[Cell, ...]:
     if found is None:
         return (label, "", "", "")

@@ -31,7 +31,7 @@ def _verdict(plan: PosePlan, robot: str) -> Iterator[Block]:
     yield Text(f"ISO 9283 test{f' of {robot}' if robot else ''}", "strong")
     yield Text(f"largest {plan.solid.value}: {x:.1f} x {y:.1f} x {z:.1f} mm", "strong")
     if plan.stroke_limits:
-        yield Text("the stroke limits the cube; --solid box takes the largest area instead", "warn")
+        yield Text("the stroke limits the cube; `solid=box` takes the largest area instead", "warn")
     low = plan.m_over_diagonal
     yield Text(
         f"plane {plan.plane.value}, elbow {plan.elbow.value}; m = {plan.m_mm:.1f} mm = "

@@ -38,7 +38,7 @@ def ports_report(devices: Iterable[tuple[str, str, str]]) -> Report:
     """Return the ports of this machine: name, description and USB identity of each."""
     rows = tuple(devices)
     if not rows:
-        text = "No serial port is there. sim: simulates one: --gauge X=opto-rs232@sim:"
+        text = "No serial port is there. sim: simulates one: `gauge=X=opto-rs232@sim:`"
         return (Section("Serial ports", (Text(text),)),)
     table = Table(("port", "identity", "description"), rows)
     return (Section("Serial ports", (table,)),)
@@ -76,7 +76,7 @@ def probe_report(probe: Probe) -> Report:
     """Return what a probed port sent and which dialects it speaks."""
     heading = f"{probe.port} at {probe.line}, {probe.seconds:g} s"
     if not probe.received:
-        text = "Nothing was received. Press DATA on the indicator, or ask: --ask opto-rs232"
+        text = "Nothing was received. Press DATA on the indicator, or ask: `ask=opto-rs232`"
         return (Section(heading, (Text(text, "bad"),)),)
     blocks: list[Block] = [Text(f"{len(probe.received)} bytes: {_bytes(probe.received)}"),
                            Text(probe.received.hex(" "), "quiet")]  # fmt: skip
@@ -110,7 +110,7 @@ def _bytes(data: bytes) -> str:
 
 
 def probe_json(probe: Probe) -> dict[str, object]:
-    """Return the object of ``ports --probe --json``, schema ``scara-iso/probe/1``."""
+    """Return the object of a probe of ``ports``, schema ``scara-iso/probe/1``."""
     return {
         "schema": "scara-iso/probe/1",
         "port": probe.port,

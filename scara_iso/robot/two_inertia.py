@@ -66,7 +66,7 @@ def backlash(
     ``Im`` and ``IL`` are the inertias of motor and load [kg m2], ``arm`` the distance to the tool
     [m], ``ratio`` the gear's N. Raises `UsageError` unless every value is positive and finite.
     """
-    given = {"--Im": Im, "--IL": IL, "--arcmin": arcmin, "--arm": arm, "--ratio": ratio}
+    given = {"Im": Im, "IL": IL, "arcmin": arcmin, "arm": arm, "ratio": ratio}
     _require_positive({name: value for name, value in given.items() if value is not None})
     gap = math.radians(arcmin / 60)
     result = Backlash(
@@ -89,7 +89,7 @@ def _cross(I_m: float, I_L: float, gap: float, arm: float | None) -> Crossing:
 
 
 def _require_positive(values: dict[str, float]) -> None:
-    wrong = [f"{k} {v:g}" for k, v in values.items() if not (math.isfinite(v) and v > 0)]
+    wrong = [f"`{k}={v:g}`" for k, v in values.items() if not (math.isfinite(v) and v > 0)]
     if wrong:
         raise UsageError(
             f"{', '.join(wrong)}: not a positive, finite number",

@@ -89,13 +89,13 @@ def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
     marks = columns.marks
     if decimal is not None:
         return
-    remedy = "say which mark is the decimal one: --decimal , or --decimal ."
+    remedy = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
     comma = marks.get(Mark.COMMA) or marks.get(Mark.EITHER)
     if Mark.BOTH in marks or (comma and Mark.POINT in marks):
         for mark, (line, column, text) in marks.items():
             faults.add(
                 f"{quoted(text)} with {mark.value}: commas and points "
-                "both occur, --decimal says which is decimal",
+                "both occur, `decimal=` says which is decimal",
                 line,
                 column,
                 remedy=remedy,
@@ -104,7 +104,7 @@ def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
         line, column, text = marks[Mark.EITHER]
         faults.add(
             f"{quoted(text)} could have a decimal comma or group "
-            "thousands: --decimal , or --decimal . says which",
+            "thousands: `decimal=,` or `decimal=.` says which",
             line,
             column,
             remedy=remedy,

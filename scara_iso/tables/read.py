@@ -72,7 +72,7 @@ def read_table(
     if data.startswith(OLD_WORKBOOK):
         raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
     if sheet is not None:
-        raise refuse(name, "--sheet is for workbooks, this is text", remedy="leave --sheet out")
+        raise refuse(name, "`sheet=` is for workbooks, this is text", remedy="leave `sheet=` out")
     return _read_text(data, name, options)
 
 
@@ -113,7 +113,7 @@ def _check_split(run: Run, layout: Layout, name: str) -> None:
         whole = np.array_equal(first, np.round(first)) and np.array_equal(second, np.round(second))
         if whole and np.ptp(first) == 0 and np.abs(second).max() >= 10:
             message = f"{left.name} never changes and {right.name} is whole: split decimal commas?"
-            raise refuse(name, message, remedy="say --decimal . if the numbers are whole")
+            raise refuse(name, message, remedy="say `decimal=.` if the numbers are whole")
 
 
 def _check_end(
@@ -240,7 +240,7 @@ def _which_sheet(name: str, names: list[str], found: list[str], asked: str | Non
         return refuse(
             name,
             f"no sheet {quoted(asked)}; there are {listed(map(quoted, names))}",
-            remedy="name one of them with --sheet",
+            remedy="name one of them with `sheet=`",
         )
     if not found:
         return refuse(
@@ -249,5 +249,5 @@ def _which_sheet(name: str, names: list[str], found: list[str], asked: str | Non
     return refuse(
         name,
         f"sheets {listed(map(quoted, found))} hold a table each",
-        remedy=f"say which, for example --sheet {quoted(found[0])}",
+        remedy=f"say which, for example `sheet={quoted(found[0])}`",
     )

@@ -73,7 +73,7 @@ def read_scales(
         faults.add(
             f"no unit stated for {listed(missing)}",
             header_line,
-            remedy="name it with --unit mm, or in a line '# unit: mm' above the header",
+            remedy="name it with `unit=mm`, or in a line '# unit: mm' above the header",
         )
     sizes = _Sizes(statements, units, general, faults)
     resolutions = sizes.of("resolution", resolution)
@@ -92,9 +92,9 @@ def _general_unit(
     stated = _stated_unit(statements, "unit", faults)
     if asked and stated and not same_size(asked, stated):
         faults.add(
-            f"--unit {option} against the file's unit {stated.name}",
+            f"`unit={option}` against the file's unit {stated.name}",
             statements["unit"].line,
-            remedy="leave --unit out, or correct the file",
+            remedy="leave `unit=` out, or correct the file",
         )
     return asked or stated
 
@@ -225,7 +225,7 @@ class _Sizes:
             asked = (self.general or unit).to_base(option)
             if value is not None and stated and asked != value:
                 self.faults.add(
-                    f"--resolution {option!r} against the file's {stated.value}", stated.line
+                    f"`resolution={option!r}` against the file's {stated.value}", stated.line
                 )
             value = asked
         if value is None:

@@ -69,18 +69,18 @@ def test_every_fault_is_counted_and_a_thousand_are_listed():
 @pytest.mark.parametrize(
     ("data", "option"),
     [
-        (f"{MM}cycle;X\n1;1,234\n2;2,345\n", "--decimal"),
-        (f"{MM}cycle;X\n1;1.234,5\n2;1,234.5\n", "--decimal"),
-        (f"{MM}cycle;X\n1;0,5\n2;0.5\n", "--decimal"),
-        (f"{MM}cycle;X\n1;1,234.5\n2;0.5\n", "--decimal"),
-        (f'{MM}cycle,X\n1,"1,234"\n2,"2,345"\n', "--decimal"),
-        ("cycle,X\n1,0.1\n", "--unit"),
+        (f"{MM}cycle;X\n1;1,234\n2;2,345\n", "`decimal="),
+        (f"{MM}cycle;X\n1;1.234,5\n2;1,234.5\n", "`decimal="),
+        (f"{MM}cycle;X\n1;0,5\n2;0.5\n", "`decimal="),
+        (f"{MM}cycle;X\n1;1,234.5\n2;0.5\n", "`decimal="),
+        (f'{MM}cycle,X\n1,"1,234"\n2,"2,345"\n', "`decimal="),
+        ("cycle,X\n1,0.1\n", "`unit="),
     ],
 )
 def test_an_option_is_named_where_a_file_can_be_read_two_ways(data, option):
     error = faults(data)
     assert option in error.remedy
-    assert option in str(error.faults[0]) or option == "--unit"
+    assert option in str(error.faults[0]) or option == "`unit="
 
 
 def test_the_option_decides():
@@ -274,7 +274,7 @@ ROWS = [["cycle", "X [mm]"], [1, 0.1], [2, 0.2]]
 def test_of_several_sheets_the_user_says_which():
     other = [["cycle", "X [mm]"], [1, 0.5]]
     assert len(read_table(book(ROWS, [["notes"], ["none"]]))) == 2
-    assert "--sheet" in faults(book(ROWS, other)).remedy
+    assert "`sheet=" in faults(book(ROWS, other)).remedy
     assert read_table(book(ROWS, other), sheet="S2").axes["X"].readings.tolist() == [0.5]
     assert "S1" in faults(book(ROWS, other), sheet="S3").what
     faults(b"cycle,X [mm]\n1,0.1\n", sheet="S1")
@@ -334,7 +334,7 @@ def test_decimal_commas_split_into_two_axes_are_asked_about(header, row):
     text = f"# unit: mm\n{header}\n{rows}\n".encode()
     with pytest.raises(DataError, match="split decimal commas") as caught:
         read_table(text)
-    assert "--decimal ." in caught.value.remedy
+    assert "`decimal=.`" in caught.value.remedy
     assert read_table(text, decimal=".").axes["X"].readings[0] == 0
 
 
@@ -353,4 +353,4 @@ def test_points_in_one_column_and_commas_in_another_are_asked_about(row, marks):
         return
     error = faults(text)
     assert {fault.column for fault in error.faults} == marks
-    assert "--decimal" in error.remedy
+    assert "`decimal=" in error.remedy

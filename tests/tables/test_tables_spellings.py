@@ -205,5 +205,5 @@ def is_asked(data):
     try:
         read_table(data)
     except DataError as error:
-        return "--decimal" in error.remedy
+        return "`decimal=" in error.remedy
     return False

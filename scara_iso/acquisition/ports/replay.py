@@ -167,7 +167,7 @@ def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
                 if text not in frames:
                     raise DataError(
                         f"the bytes of cycle {cycle}, axis {axis}, are not there",
-                        where=str(path), remedy="--rebuild makes the table of what was stored",
+                        where=str(path), remedy="`rebuild=True` makes the table of what was stored",
                     )  # fmt: skip
                 found[cycle] = (time - float(record["t"]) + at, frames[text] + dialect.terminator)
                 frames.clear()

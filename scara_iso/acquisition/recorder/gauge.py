@@ -182,7 +182,7 @@ def no_unit(gauge: Gauge) -> UsageError:
     return UsageError(
         f"{gauge.dialect.key} does not say its unit",
         where=f"gauge {gauge.axis}",
-        remedy=f"look at the display and give --unit mm, or {gauge.axis}={gauge.dialect.key}"
+        remedy=f"look at the display and give `unit=mm`, or {gauge.axis}={gauge.dialect.key}"
         f"?unit=mm@{gauge.port.address}",
     )
 

@@ -85,5 +85,5 @@ def parse_trigger(text: str) -> Trigger:
                 return Timer(value)
     raise UsageError(
         f"unknown trigger {text!r}",
-        remedy="use --trigger enter, data, or timer:SECONDS (such as timer:2)",
+        remedy="use `trigger=enter`, `trigger=data` or `trigger=timer:SECONDS`",
     )

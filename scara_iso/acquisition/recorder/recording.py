@@ -69,9 +69,9 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
     ports = []
     for spec in job.gauges:
         if job.resume and is_recorded(spec.address):
-            raise UsageError("a recorded stream begins anew: record it into a new file")
+            raise UsageError("a recorded stream starts again: record it into a new file")
         if job.plan.stable > 1 and spec.address.startswith("replay:"):
-            raise UsageError("a recorded stream is not asked twice", remedy="leave --stable out")
+            raise UsageError("a recorded stream is not asked twice", remedy="leave `stable=` out")
         asked = not isinstance(job.plan.trigger, Listen)
         port = open_port(spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked)
         stack.callback(port.close)
@@ -104,7 +104,7 @@ def _end(
         remove(journal.path, disk)
         return InstrumentError(
             "no reading was recorded, and nothing is left behind",
-            remedy="`scara-iso ports --probe PORT` shows what an indicator sends",
+            remedy="scara-iso ports with `probe=PORT` shows what an indicator sends",
         )
     rows = int(history.complete_rows().sum())
     journal.append("end", complete=history.is_complete)
@@ -114,12 +114,12 @@ def _end(
             remove(path, disk)
         return InstrumentError(
             f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
-            where=str(job.table), remedy="go on with --resume",
+            where=str(job.table), remedy="go on with `resume=True`",
         )  # fmt: skip
     if job.table.exists() and not job.resume:
         raise CannotCreateError(
             "was written by another program meanwhile", where=str(job.table),
-            remedy=f"scara-iso record --rebuild {journal.path} OTHER.csv makes the table",
+            remedy=f"record with `rebuild=True`, {journal.path} and another name makes the table",
         )  # fmt: skip
     write_table_of(history, job.table, table_of(history), disk=disk)
     tell(Done(rows, job.plan.cycles, str(job.table), str(journal.path)))

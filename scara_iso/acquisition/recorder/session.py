@@ -173,7 +173,7 @@ class Session:
             raise InstrumentError(
                 f"no reading of cycle {self._cycle} after {ATTEMPTS} requests; "
                 f"at last {self._bench.last_problem}",
-                remedy="check cable, settings and that the indicator is on, then use --resume",
+                remedy="check cable, settings and that the indicator is on, then use `resume=True`",
             )
         self._say_waiting()
 

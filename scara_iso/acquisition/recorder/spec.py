@@ -61,7 +61,7 @@ def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
     axis = _AXES.get(name.strip().lower())
     if not (equals and at and address.strip()) or axis is None:
         raise UsageError(
-            f"--gauge {text!r}: not AXIS=DRIVER@PORT" if axis else f"no axis {name.strip()!r}",
+            f"`gauge={text}`: not AXIS=DRIVER@PORT" if axis else f"no axis {name.strip()!r}",
             remedy=f"write {_EXAMPLE}; axes: {', '.join(AXES)}",
         )
     key, options = split_options(driver, OPTIONS)
@@ -85,7 +85,7 @@ def parse_gauges(texts: Iterable[str], *, unit: str | None = None) -> tuple[Gaug
     if not gauges or twice:
         raise UsageError(
             f"two gauges for {', '.join(twice)}" if twice else "no indicator is named",
-            remedy=f"give --gauge {_EXAMPLE}, once for each axis",
+            remedy=f"give `gauge={_EXAMPLE}`, once for each axis",
         )
     return gauges
 
@@ -152,7 +152,7 @@ def parse_metadata(texts: Iterable[str]) -> dict[str, str]:
     pairs = [text.partition("=") for text in texts]
     wrong = [key for key, equals, _ in pairs if not equals]
     if wrong:
-        raise UsageError(f"--meta {wrong[0]!r}: not KEY=VALUE", remedy='--meta robot="FUM SCARA"')
+        raise UsageError(f"`meta={wrong[0]}`: not KEY=VALUE", remedy="`meta=robot=FUM SCARA`")
     return check_metadata({key.strip(): value.strip() for key, _, value in pairs})
 
 

@@ -68,7 +68,7 @@ def read_sweep(source: Source) -> MeasuredSweep:
     found = _of_workbook(data, name) if data.startswith(WORKBOOK) else _of_text(data, name)
     rows = [(line, cells) for line, cells in found if _is_row(cells)]
     if not 2 <= len(rows) <= _MOST_ROWS:
-        raise refuse(name, "a header and at least one row are wanted", remedy=_REMEDY)
+        raise refuse(name, "a header and at least one row are needed", remedy=_REMEDY)
     faults = Faults(name, _WHAT)
     columns = _columns(rows, faults)
     faults.check()

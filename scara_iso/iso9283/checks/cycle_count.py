@@ -2,7 +2,7 @@
 
 ISO 9283 6.9 asks for 30 cycles. The paper runs 31 and drops the first, so that the side of the
 gap on which the first arrival rests does not count; the standard does not know that cycle, and
-``--all-count`` says that none was run and discarded.
+``all_count=True`` says that none was run and discarded.
 """
 
 from __future__ import annotations

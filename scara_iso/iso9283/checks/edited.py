@@ -1,9 +1,9 @@
 """A recording was changed, or it cannot be seen whether it was.
 
 The recorder writes a manifest with the hashes of the table and of the raw file, and each line of
-the raw file names the one before it. One of these is not what it was. ``record --rebuild
-OUT.raw.jsonl OTHER.csv`` makes the table of the raw file anew, to compare; the doubt stays in its
-head, and in that of a recording that is gone on with.
+the raw file names the one before it. One of these is not what it was. Recording with
+``rebuild=True`` makes the table of the raw file again, to compare; the doubt stays in its
+head, and in that of a recording that is resumed.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Cycles are missing from the table.
 
-With ``--allow-gaps`` the cycles that are there count. A cycle that is missing may be missing
+With ``allow_gaps=True`` the cycles that are there count. A cycle that is missing may be missing
 because of what was seen in it: say why, or repeat the test.
 """
 

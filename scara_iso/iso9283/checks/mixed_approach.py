@@ -1,7 +1,7 @@
 """The pose was approached from both sides.
 
 With arrivals from both sides the gap and the wind-up of the drive enter the figure; a
-unidirectional figure of a catalogue is not comparable. ``analyze --definitions`` gives ISO 230-2's
+unidirectional figure of a catalogue is not comparable. ``definitions=True`` gives ISO 230-2's
 figures for each direction and the reversal.
 """
 
@@ -34,8 +34,8 @@ def check(measured: Measured) -> Iterator[Finding]:
             yield Finding(
                 CODE,
                 "warning",
-                "the pose is approached from both sides: RP includes the reversal; --definitions "
-                "gives each direction",
+                "the pose is approached from both sides: RP includes the reversal; "
+                "`definitions=True` gives each direction",
                 pose=pose.label,
                 rule="good practice (no clause verified): every visit comes from the same side",
             )

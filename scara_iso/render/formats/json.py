@@ -15,7 +15,7 @@ def render(document: Document) -> bytes:
 
 
 def report_json(dossier: Dossier) -> Json:
-    """Return the object of ``report --json``; its parts are those of the other commands."""
+    """Return the JSON object of ``report``; its parts are those of the other commands."""
     analysis, made = dossier.analysis, dossier.provenance
     run = analysis.run
     return {
