@@ -292,6 +292,12 @@ def test_help_has_an_example(call, command):
     assert "--json" in out
 
 
+@pytest.mark.parametrize("words", [[], ["--no-color"]])
+def test_alone_it_prints_its_help(capsys, words):
+    assert main(words) == 0
+    assert "Commands" in capsys.readouterr().out
+
+
 def test_help_and_version(call):
     code, out, _ = call("--help")
     assert code == 0

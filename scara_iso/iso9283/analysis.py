@@ -11,7 +11,7 @@ import numpy as np
 from scara_iso.dial import step_of
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283.checks import find_checks
-from scara_iso.iso9283.conformity import Decision
+from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import Rows, UsedCycles, used_cycles
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.other_definitions import definitions
@@ -55,7 +55,7 @@ def analyze(
     all_count: bool = False,
     allow_gaps: bool = False,
     limits: Mapping[str, float] | None = None,
-    decision: str = Decision.INTERVAL.value,
+    decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a run, with intervals and findings.
@@ -98,13 +98,13 @@ def analyze(
     )
 
 
-def _rule(decision: str) -> Decision:
-    words = [rule.value for rule in Decision]
+def _rule(decision: str) -> DecisionRule:
+    words = [rule.value for rule in DecisionRule]
     if decision not in words:
         raise UsageError(
             f"decision {decision!r}: no such rule", remedy=f"use one of {', '.join(words)}"
         )
-    return Decision(decision)
+    return DecisionRule(decision)
 
 
 def _pose_results(

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.conformity import Conformity, Decision
+from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.results import AxisResult, Finding, Interval, LimitCheck, PoseResult
 from scara_iso.quantities import Dimension
 
@@ -31,7 +31,7 @@ def check_limits(
     limits: Mapping[str, float],
     findings: Sequence[Finding] = (),
     *,
-    decision: Decision = Decision.INTERVAL,
+    decision: DecisionRule = DecisionRule.INTERVAL,
 ) -> Iterator[LimitCheck]:
     """Yield the comparison of each pose's figures with the limit that holds for them.
 
@@ -104,7 +104,7 @@ def _check(
     name: str,
     measured: _Figure,
     limit: float,
-    decision: Decision,
+    decision: DecisionRule,
     *,
     is_void: bool,
 ) -> LimitCheck:
