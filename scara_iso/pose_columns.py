@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,11 +17,26 @@ Commanded = float | Mapping[str, float] | None
 """A coordinate of the command pose: of the only pose, or by pose; None where not stated."""
 CONDITIONS = frozenset({"approach", "payload_kg", "speed", "temperature_C", "time_s"})
 """Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
-
+POSE_NAMES = frozenset({
+    "pose", "pose label", "pose name", "pose no", "point", "point no", "point name", "punkt",
+    "punkt nr", "target", "target point", "ziel", "zielpunkt", "position", "station", "messpunkt",
+    "messposition", "messstelle", "measuring point", "measurement point", "test point", "location",
+})  # fmt: skip
+"""What people call the column of poses, in lower case."""
 
 _FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
 _SAMPLE = 999  # rows that show whether a column has few values
 _FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
+
+
+def pose_column(names: Iterable[str]) -> str | None:
+    """Return which column holds the poses: ``pose``, or else the one with another name for it."""
+    found = [name for name in names if name.strip().lower().replace("_", " ") in POSE_NAMES]
+    if len(found) > 1 and "pose" not in found:
+        raise DataError(
+            f"columns {', '.join(map(repr, found))} all name the pose", remedy="leave one of them"
+        )
+    return "pose" if "pose" in found else next(iter(found), None)
 
 
 def number_cycles(

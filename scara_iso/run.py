@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
-from scara_iso.pose_columns import Commanded, by_pose, check_clusters, number_cycles
+from scara_iso.pose_columns import Commanded, by_pose, check_clusters, number_cycles, pose_column
 from scara_iso.quantities import TURN, Dimension, parse_unit, unwrap
 
 if TYPE_CHECKING:
@@ -223,17 +223,17 @@ class Run:
     ) -> Run:
         """Return the run that a pandas table holds.
 
-        Columns X, Y, Z and theta are axes, ``cycle`` (see `number_cycles`), ``pose`` and
-        ``command_X`` are what they say, and any other numeric column is a covariate. ``unit`` and
-        ``resolution`` (in that unit) hold for every axis, unless `to_frame` left others in
-        ``attrs``. Raises `DataError` for a value that is missing or not finite, naming column and
-        row, and for a column that parts the readings as poses do.
+        Columns X, Y, Z and theta are axes, ``cycle`` (see `number_cycles`), ``pose`` (or another
+        of `POSE_NAMES`, in any case) and ``command_X`` are what they say, any other numeric one is
+        a covariate. ``unit`` and ``resolution`` (in that unit) hold for every axis, unless
+        `to_frame` left others in ``attrs``. Raises `DataError` for a value that is missing or not
+        finite, naming column and row, and for a column that parts the readings as poses do.
         """
         kept = frame.attrs.get("axes", {})
         given = {"unit": unit, "resolution": resolution}
         values = {str(name): frame[name] for name in frame.columns}
-        labels = values.pop("pose", None)
-        pose = None if labels is None else labels.to_numpy(dtype=str)
+        named = pose_column(values)
+        pose = None if named is None else values.pop(named).to_numpy(dtype=str)
         numbers = {name: _finite(name, column) for name, column in values.items()}
         counted = numbers.pop("cycle", None)
         if counted is not None and np.any(counted != np.round(counted)):
@@ -282,7 +282,10 @@ def _finite(name: str, column: pd.Series) -> FloatArray:
     try:
         values = column.to_numpy(dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise DataError(f"column {name!r} is not numeric") from error
+        raise DataError(
+            f"column {name!r} is not numeric",
+            remedy="leave it out, or name it 'pose' if it tells the poses",
+        ) from error
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
         raise DataError(f"column {name!r}, row {bad[0] + 1}: missing or not finite")

@@ -48,9 +48,22 @@ def test_a_plain_frame_takes_unit_and_resolution():
     assert run.covariates["speed"].tolist() == [1, 2]
 
 
+@pytest.mark.parametrize("name", ["target", "Punkt", "station", "measuring_point", "Pose"])
+def test_a_frame_s_poses_go_by_the_names_that_a_table_s_go_by(name):
+    """Zeroed at each pose, the three would pass for one; nothing but the name tells them apart."""
+    frame = pd.DataFrame({name: [1, 2, 3] * 2, "X": [0.0, 0.1, 0.2, 0.0, 0.1, 0.2]})
+    run = Run.from_frame(frame)
+    assert run.covariates == {}
+    assert run.pose.tolist() == ["1", "2", "3"] * 2
+    assert run.cycle.tolist() == [1, 1, 1, 2, 2, 2]
+    both = Run.from_frame(frame.assign(pose="P1", cycle=range(6)).rename(columns={name: "target"}))
+    assert set(both.pose) == {"P1"}
+
+
 @pytest.mark.parametrize(
     ("frame", "said"),
     [
+        ({"X": [1.0, 2.0], "target": ["a", "b"], "Punkt": ["a", "b"]}, "all name the pose"),
         ({"X": [1.0, np.nan]}, "row 2"),
         ({"X": ["a", "b"]}, "not numeric"),
         ({"X": [1.0, 2.0], "cycle": [1.0, 1.5]}, "not whole"),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
 
+from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import Unit, find_unit
 from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.numbers import BLANKS, parse_cell
@@ -51,13 +52,7 @@ _CYCLE = _CYCLE_PROPER | {
 }  # fmt: skip
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),
-    **dict.fromkeys(
-        ("pose", "pose label", "pose name", "pose no", "point", "point no", "point name", "punkt",
-         "punkt nr", "target", "target point", "ziel", "zielpunkt", "position", "station",
-         "messpunkt", "messposition", "messstelle", "measuring point", "measurement point",
-         "test point", "location"),
-        Kind.POSE,
-    ),
+    **dict.fromkeys(POSE_NAMES, Kind.POSE),
     **dict.fromkeys(("timestamp", "time stamp", "zeitstempel", "datetime", "date time"),
                     Kind.TIMESTAMP),
     **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit"), Kind.OPEN),
