@@ -33,6 +33,11 @@ def test_a_step_by_25_4_is_a_unit_that_changed(text):
     assert "25.4" in shown(*STEADY).changed(text)
 
 
+@pytest.mark.parametrize("before", [("8.000",), ("8.000", "8.001")])
+def test_a_step_by_25_4_is_seen_from_the_first_reading_on(before):
+    assert "25.4" in shown(*before).changed("0.315")
+
+
 @pytest.mark.parametrize("text", ["0.812", "0.900", "0.100", "-0.812", "5.812", "0.000", "-0.032"])
 def test_other_values_are_no_change_of_display(text):
     assert shown(*STEADY).changed(text) == ""

@@ -31,6 +31,16 @@ def sent(axis, poses, *, delay, damaged=(), missing=()):
     ]
 
 
+@pytest.mark.parametrize("delays", [{"X": 0.0, "Y": 1.0}, {"X": 1.0, "Y": 0.0}])
+@pytest.mark.parametrize("axis", ["X", "Y"])
+@pytest.mark.parametrize("pose", [1, 2])
+def test_a_frame_missing_before_the_time_between_visits_is_known(
+    tmp_path, monkeypatch, delays, axis, pose
+):
+    record(tmp_path, monkeypatch, 6, delays, missing={(axis, pose)})
+    assert poses_of(tmp_path)[-3:] == [4, 5, 6]
+
+
 def record(tmp_path, monkeypatch, poses, delays, **faults):
     ports = {
         axis: lambda c, a=axis: Script(c, pushes=sent(a, poses, delay=delays[a], **faults))

@@ -80,7 +80,7 @@ class Session:
         self._clock = clock
         self._operator = operator
         self._tell = tell
-        self._cycle = position.cycle
+        self._cycle = self._first = position.cycle
         self._present = set(position.present)
         self._latest = deque(position.latest, maxlen=VOIDABLE)
         self._stored_at: dict[str, float] = {}
@@ -149,8 +149,12 @@ class Session:
     def _hear(self, axis: str, time: float, *, whole: bool = True) -> str:
         """Strike what is of another visit than a frame; return why it is not to be taken itself."""
         heard = self._visits.hear(axis, time, whole=whole)
-        if heard.broken and self._present:
-            self._strike(self._cycle, sorted(self._present), f"{heard.broken}: cycle asked again")
+        first = max(self._first, self._cycle - heard.mixed)
+        broken = heard.broken or ("an earlier visit was of two" if heard.mixed else "")
+        if broken and self._present:
+            self._strike(self._cycle, sorted(self._present), f"{broken}: cycle asked again")
+        for cycle in range(self._cycle - 1, first - 1, -1):
+            self._strike(cycle, list(self._gauges), "mixed two visits, perhaps: cycle asked again")
         return heard.refused
 
     def _attend(self) -> None:

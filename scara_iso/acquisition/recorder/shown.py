@@ -16,7 +16,6 @@ from scara_iso.quantities import parse_unit
 
 INCH = Decimal("25.4")
 _LOOK_BACK = 100
-_LEAST = 3
 _FEWEST = 4
 _LIKE = Decimal("0.1")
 """A step is one of 25.4 within this share: what the arm scatters, and the rounding of inches."""
@@ -59,7 +58,7 @@ class Shown:
         values = [Decimal(shown) for _, shown in self._texts]
         level, value = median(values), Decimal(text)
         steady = max(values) - min(values) <= abs(level) * 3 * _LIKE
-        if len(values) < _LEAST or not steady:
+        if not steady:
             return ""
         for name, expected in (("1/25.4", level / INCH), ("25.4", level * INCH)):
             counts = min(abs(level), abs(expected) * INCH).scaleb(before)

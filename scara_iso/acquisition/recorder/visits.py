@@ -7,6 +7,7 @@ that comes behind a whole visit, within that half of the gauge's last, was sent 
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -24,6 +25,8 @@ class Heard:
 
     broken: str
     refused: str
+    mixed: int = 0
+    """How many visits, the last ones, were taken for whole before one of them proved not to be."""
 
 
 class Visits:
@@ -33,20 +36,24 @@ class Visits:
         self._axes = frozenset(axes)
         self._spoke = set(present)
         self._timed = timed
-        self._began = 0.0
+        self._began = math.inf
         self._spoilt = ""
         self._last: dict[str, tuple[float, list[str]]] = {}
         self._done = False
         self._gaps: deque[float] = deque(maxlen=_GAPS)
+        self._untimed: list[float] = []
+        """How long the visits took before the time between them was known [s]."""
 
     def hear(self, axis: str, time: float, *, whole: bool) -> Heard:
         """Take a frame of a gauge, ``whole`` or damaged, at ``time`` [s]."""
-        half = median(self._gaps) / 2 if self._timed and self._gaps else 0.0
+        half = self._half()
         if self._done and axis in self._last and time - self._last[axis][0] < half:
             return Heard(
                 "", f"{axis} sent twice, or not in turn: visits are {2 * half:.1f} s apart"
             )
         self._measure(axis, time)
+        half = half or self._half()
+        mixed = self._take_mixed(half)
         broken = self._next_visit(axis, time, half)
         if broken:
             self._end()
@@ -58,9 +65,21 @@ class Visits:
             broken = broken or f"the frame of {axis} was damaged"
         refused = f"the frame of {self._spoilt} was damaged: send all again" if self._spoilt else ""
         self._done = self._spoke == self._axes and not refused
+        if self._done and not half:
+            self._untimed.append(time - self._began)
         if self._spoke == self._axes:
             self._end()
-        return Heard(broken, refused)
+        return Heard(broken, refused, mixed)
+
+    def _half(self) -> float:
+        return median(self._gaps) / 2 if self._timed and self._gaps else 0.0
+
+    def _take_mixed(self, half: float) -> int:
+        """Return how many visits were untimed, once, if one of them took too long to be one."""
+        if not half:
+            return 0
+        lasted, self._untimed = self._untimed, []
+        return len(lasted) if max(lasted, default=0.0) > half else 0
 
     def _next_visit(self, axis: str, time: float, half: float) -> str:
         if axis in self._spoke:
