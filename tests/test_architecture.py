@@ -12,6 +12,7 @@ ROOT = Path(scara_iso.__file__).parent
 FACES = sorted(path.parent.name for path in ROOT.glob("*/__init__.py"))
 BEHIND = {
     ("reporting.explain", "iso9283.checks"),  # reads the docstrings of the folder
+    ("reporting.explain", "iso9283.characteristics"),
 }
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from scara_iso.iso9283 import CYCLES_USED, Analysis, AxisResult, Finding, PoseResult, RadialResult
 from scara_iso.reporting.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.reporting.characteristics import characteristics
 from scara_iso.reporting.digits import U_of_scatter, interval, rounded
 from scara_iso.reporting.limits import conformity, limits
 from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
@@ -23,7 +24,7 @@ def analysis_report(analysis: Analysis) -> Report:
         name = f"pose {label}: " if label else ""
         sections.append(Section(f"{name}repeatability", tuple(pose_figures(pose)), label))
         sections.append(Section(f"{name}readings over the cycles", tuple(_strips(pose)), label))
-    return (*sections, *limits(analysis), *findings(analysis))
+    return (*sections, *characteristics(analysis), *limits(analysis), *findings(analysis))
 
 
 def _origin(analysis: Analysis) -> Iterator[Block]:

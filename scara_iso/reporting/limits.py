@@ -69,7 +69,7 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
         rows.append(
             (_name(check), said[0], interval, _exact(check.limit), _WORDS[check.verdict], wanted)
         )
-    header = ("limit of", "RP", "95 % interval", "limit", "verdict", "cycles wanted")
+    header = ("limit of", _figure(checks), "95 % interval", "limit", "verdict", "cycles wanted")
     return Table(header, tuple(rows), _FIGURES + _INTERVAL)
 
 
@@ -91,8 +91,14 @@ def _simple_table(checks: Sequence[LimitCheck]) -> Table:
             )
         )
     return Table(
-        ("limit of", "RP", "limit", "guard band", "verdict"), tuple(rows), _FIGURES + _SIMPLE
+        ("limit of", _figure(checks), "limit", "guard band", "verdict"),
+        tuple(rows),
+        _FIGURES + _SIMPLE,
     )
+
+
+def _figure(checks: Sequence[LimitCheck]) -> str:
+    return "RP" if all(check.code.startswith("RP") for check in checks) else "figure"
 
 
 def deciding_places(limit: float, values: Sequence[float]) -> int:
