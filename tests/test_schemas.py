@@ -81,6 +81,15 @@ def few_facts(path):
     return path
 
 
+def referred(path):
+    """Write one pose of a calibrated dial whose zero is the command pose."""
+    rows = [f"{cycle},{0.001 * (cycle * 7 % 11):.3f}" for cycle in range(1, 32)]
+    stated = ["unit: mm", "dial_zero: command", "command_X: 0", "indicator_uncertainty: 0.001"]
+    lines = [*(f"# {line}" for line in stated), "cycle,X", *rows, ""]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
 def one_apart(path):
     """Write one axis with a reading that stands apart."""
     readings = np.random.default_rng(5).normal(0, 0.01, 31)
@@ -128,6 +137,7 @@ def documents(tmp_path_factory):
             *written("analyze", full, "--limit", "XY=0.09", "--definitions"),
             *written("analyze", full, "--limit", "XY=0.045", code=1),
             *written("analyze", few),
+            *written("analyze", referred(folder / "referred.csv")),
         ],
         "backlash": [
             *written(*JOINT),
