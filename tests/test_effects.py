@@ -14,8 +14,8 @@ import pytest
 
 from scara_iso import effects
 from scara_iso.cli import main
-from scara_iso.diagnosis import diagnose
 from scara_iso.diagnosis.hypotheses import hypotheses_of
+from scara_iso.diagnosis.readings import diagnose
 from scara_iso.effects import (
     Chain,
     Conditions,

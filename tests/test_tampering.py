@@ -8,7 +8,7 @@ from disks import UnsyncedDisk
 from hypothesis import given, settings, strategies as st
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.tape import decode, encode, read_tape
+from scara_iso.acquisition.ports.tape import decode_record, encode, read_tape
 from scara_iso.acquisition.recorder import (
     Quit,
     Take,
@@ -56,7 +56,7 @@ def flip(lines):
 def forge(lines):
     """Give a reading another value, with a checksum that fits."""
     k = find(lines, b'"event":"stored"')
-    record = decode(lines[k])
+    record = decode_record(lines[k])
     return [*lines[:k], encode({**record, "text": "9.999"}), *lines[k + 1 :]]
 
 
@@ -226,7 +226,7 @@ def test_a_manifest_that_is_there_is_not_written_over(tmp_path):
 
 def unchained(lines):
     """Return the lines as older versions wrote them."""
-    records = [{k: v for k, v in decode(line).items() if k != "prev"} for line in lines]
+    records = [{k: v for k, v in decode_record(line).items() if k != "prev"} for line in lines]
     return [encode(record) for record in records]
 
 

@@ -11,13 +11,13 @@ from scara_iso.faces import face
 if TYPE_CHECKING:
     from scara_iso.acquisition.indicators import (
         Decoder as Decoder,
+        DeviceNotice as DeviceNotice,
         Dialect as Dialect,
         Event as Event,
         Garbage as Garbage,
         InstrumentFault as InstrumentFault,
         LinePulse as LinePulse,
         LineSettings as LineSettings,
-        Notice as Notice,
         Parity as Parity,
         Reading as Reading,
         diagnose_parity as diagnose_parity,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         find_dialects as find_dialects,
         make_generic as make_generic,
     )
-    from scara_iso.acquisition.manifest import sha256 as sha256
+    from scara_iso.acquisition.manifest import check_manifest as check_manifest, sha256 as sha256
     from scara_iso.acquisition.ports import (
         PULSE as PULSE,
         Clock as Clock,
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
         DevicePort as DevicePort,
         Port as Port,
         ReplayPort as ReplayPort,
+        Signal as Signal,
         SimulatedPort as SimulatedPort,
-        Source as Source,
         StreamClock as StreamClock,
         SystemClock as SystemClock,
         choose_clock as choose_clock,
@@ -64,9 +64,9 @@ if TYPE_CHECKING:
         Operator as Operator,
         Pause as Pause,
         Paused as Paused,
-        Plan as Plan,
         Problem as Problem,
         Quit as Quit,
+        RecordingPlan as RecordingPlan,
         Refused as Refused,
         Said as Said,
         Started as Started,
@@ -79,7 +79,6 @@ if TYPE_CHECKING:
         Voided as Voided,
         Waiting as Waiting,
         as_json as as_json,
-        check_manifest as check_manifest,
         check_metadata as check_metadata,
         manifest_path as manifest_path,
         parse_gauges as parse_gauges,

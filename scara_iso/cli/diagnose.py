@@ -24,7 +24,7 @@ from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import CyclesWanted, Diagnosis, Reading
+    from scara_iso.diagnosis import CyclesWanted, Diagnosis, TableOptions
 
 Tables = Annotated[
     list[str] | None,
@@ -88,9 +88,9 @@ def diagnose_command(
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
-    from scara_iso.diagnosis import CyclesWanted, Reading
+    from scara_iso.diagnosis import CyclesWanted, TableOptions
 
-    reading = Reading(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     named = tables or []
     if design:
@@ -154,7 +154,13 @@ class _Files:
 
 
 def _diagnose_table(
-    table: str, files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
+    table: str,
+    files: _Files,
+    reading: TableOptions,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    as_json: bool,
 ) -> None:
     from scara_iso.diagnosis import diagnose, save_model
 

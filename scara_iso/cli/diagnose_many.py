@@ -11,7 +11,13 @@ from functools import partial
 import typer
 
 from scara_iso.cli.output import settings, write_json, write_report
-from scara_iso.diagnosis import CyclesWanted, Diagnosis, Reading, close_the_loop_at_poses, diagnose
+from scara_iso.diagnosis import (
+    CyclesWanted,
+    Diagnosis,
+    TableOptions,
+    close_the_loop_at_poses,
+    diagnose,
+)
 from scara_iso.errors import ScaraIsoError
 from scara_iso.render import diagnosis_json, open_console, track
 from scara_iso.reporting import Failure, summary_report
@@ -21,7 +27,7 @@ from scara_iso.run import Run
 def diagnose_many(
     tables: Sequence[str],
     model: str | None,
-    reading: Reading,
+    reading: TableOptions,
     wanted: CyclesWanted,
     *,
     seed: int,
@@ -55,7 +61,7 @@ def diagnose_poses_of(run: Run, wanted: CyclesWanted, *, seed: int, as_json: boo
 
 
 def _diagnose_one(
-    table: str, *, model: str | None, reading: Reading, wanted: CyclesWanted, seed: int
+    table: str, *, model: str | None, reading: TableOptions, wanted: CyclesWanted, seed: int
 ) -> Diagnosis | Failure:
     try:
         return diagnose(reading.read(table), model, **asdict(wanted), seed=seed)

@@ -13,7 +13,7 @@ from scara_iso.cli.output import check_outputs, write_json, write_report, write_
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.iso9283 import Plan
+    from scara_iso.iso9283 import PosePlan
     from scara_iso.robot import Arm
 
 
@@ -80,7 +80,7 @@ def plan_command(
 
     Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
     """
-    from scara_iso.iso9283 import Conditions, Plane, Solid, make_plan
+    from scara_iso.iso9283 import DiagonalPlane, PoseTestConditions, Solid, make_plan
     from scara_iso.reporting import visits_csv
     from scara_iso.robot import Elbow, read_model
     from scara_iso.tables import find_locale
@@ -89,13 +89,13 @@ def plan_command(
     described = read_model(model)
     if described.arm is None:
         raise UsageError(f"{model} holds no arm", remedy="give link lengths and limits in [robot]")
-    conditions = Conditions(
+    conditions = PoseTestConditions(
         cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
     )
     plan = make_plan(
         described.arm,
         solid=Solid(solid.value),
-        plane=Plane(plane.value),
+        plane=DiagonalPlane(plane.value),
         elbow=None if elbow is None else Elbow(elbow.value),
         m_over_diagonal=m,
         conditions=conditions,
@@ -107,13 +107,13 @@ def plan_command(
     _write(plan, described.robot, as_json=json)
 
 
-def _draw(plan: Plan, arm: Arm, picture: Path) -> None:
+def _draw(plan: PosePlan, arm: Arm, picture: Path) -> None:
     from scara_iso.render import plot_plan
 
     plot_plan(plan, arm, picture)
 
 
-def _write(plan: Plan, robot: str, *, as_json: bool) -> None:
+def _write(plan: PosePlan, robot: str, *, as_json: bool) -> None:
     from scara_iso.render import plan_json
     from scara_iso.reporting import plan_report
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -31,15 +32,15 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import check_outputs, settings, write_json
 from scara_iso.disk import write_file
 from scara_iso.errors import ScaraIsoError, UsageError
-from scara_iso.iso9283 import Conformity, Decision
+from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.render import endings
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import CyclesWanted, Diagnosis, Reading
+    from scara_iso.diagnosis import CyclesWanted, Diagnosis, TableOptions
     from scara_iso.iso9283 import Analysis
-    from scara_iso.reporting import Dossier, Failure, InputFile
+    from scara_iso.reporting import Document, Dossier, Failure, InputFile
     from scara_iso.robot import Gearbox, Model
     from scara_iso.run import Run
-    from scara_iso.tables import SheetLocale
 
 _SEED = 9283
 
@@ -50,7 +51,7 @@ ModelFile = Annotated[
 Output = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", help="File, by its ending: .html .md .csv .xlsx .pdf .json; else "
+        "-o", "--output", help=f"File, by its ending: {' '.join(endings())}; else "
         "TABLE's name with .html, in this folder.",
     ),
 ]  # fmt: skip
@@ -64,7 +65,7 @@ def report_command(
     output: Output = None,
     pose: Pose = None,
     limit: Limits = None,
-    decision: LimitRule = Decision.INTERVAL,
+    decision: LimitRule = DecisionRule.INTERVAL,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
@@ -80,17 +81,17 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    from scara_iso.diagnosis import CyclesWanted, Reading
-    from scara_iso.reporting import printable
+    from scara_iso.diagnosis import CyclesWanted, TableOptions
+    from scara_iso.reporting import document, printable
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else _writer(path, excel_locale)
     check_outputs([path], [table, model])
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
-    reading = Reading(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet)
     dossier = _test(table, model, reading, wanted, (parse_limits(limit or ()), decision))
     if path is not None and write is not None:
-        write_file(path, write(dossier))
+        write_file(path, write(document(dossier)))
         typer.echo(printable(f"{path} is written"), err=json)
     if json:
         from scara_iso.render import report_json
@@ -108,86 +109,26 @@ def _stem(table: str) -> str:
     return "report" if table == "-" else Path(table).stem
 
 
-def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
+def _writer(path: Path, locale: str | None) -> Callable[[Document], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
-    kind = path.suffix.lower()
-    if kind not in _ENDINGS:
-        raise UsageError(
-            f"{path.name}: a report is written as {', '.join(_ENDINGS)}",
-            remedy="let the name end in one of them",
-        )
-    if locale is not None and kind != ".csv":
+    from scara_iso.render import find_format
+
+    render = find_format(path.name, path.suffix)
+    if locale is None:
+        return render
+    if path.suffix.lower() != ".csv":
         raise UsageError("--excel-locale spells a .csv", remedy="let the name end in .csv")
-    if kind == ".csv":
-        from scara_iso.tables import find_locale
+    from scara_iso.tables import find_locale
 
-        return lambda dossier: _csv(dossier, _title(dossier), find_locale(locale))
-    render = _KINDS[kind]
-    return lambda dossier: render(dossier, _title(dossier))
-
-
-def _title(dossier: Dossier) -> str:
-    robot = dossier.analysis.run.metadata.get("robot", "").strip()
-    return f"ISO 9283 repeatability of {robot or dossier.provenance.files[0].name}"
-
-
-def _html(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render import to_html
-    from scara_iso.reporting import document
-
-    return to_html(document(dossier), title).encode()
-
-
-def _markdown(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render import to_markdown
-    from scara_iso.reporting import document
-
-    return to_markdown(document(dossier), title).encode()
-
-
-def _csv(dossier: Dossier, title: str, locale: SheetLocale) -> bytes:
-    from scara_iso.render import to_csv
-    from scara_iso.reporting import document
-
-    return to_csv(document(dossier), title, locale).encode()
-
-
-def _workbook(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render import to_workbook
-    from scara_iso.reporting import document
-
-    return to_workbook(document(dossier), title)
-
-
-def _pdf(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render import to_pdf
-    from scara_iso.reporting import document
-
-    return to_pdf(document(dossier), title)
-
-
-def _json(dossier: Dossier, title: str) -> bytes:  # noqa: ARG001 - JSON holds no title
-    from scara_iso.render import report_json, to_text
-
-    return f"{to_text(report_json(dossier))}\n".encode()
-
-
-_KINDS: dict[str, Callable[[Dossier, str], bytes]] = {
-    ".html": _html,
-    ".md": _markdown,
-    ".xlsx": _workbook,
-    ".json": _json,
-    ".pdf": _pdf,
-}
-_ENDINGS = (*_KINDS, ".csv")
+    return partial(render, locale=find_locale(locale))
 
 
 def _test(
     table: str,
     model_file: str | None,
-    reading: Reading,
+    reading: TableOptions,
     wanted: CyclesWanted,
-    limits: tuple[dict[str, float], Decision],
+    limits: tuple[dict[str, float], DecisionRule],
 ) -> Dossier:
     from scara_iso import __version__, analyze
     from scara_iso.reporting import Dossier, Provenance
@@ -216,7 +157,7 @@ def _test(
     )
 
 
-def _read(table: str, reading: Reading, pose: str | None) -> tuple[Run, InputFile]:
+def _read(table: str, reading: TableOptions, pose: str | None) -> tuple[Run, InputFile]:
     """Return the run of a table, and the hash of the very bytes that it was read from."""
     from hashlib import sha256
     from io import BytesIO

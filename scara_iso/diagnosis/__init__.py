@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.choice import posterior as posterior
     from scara_iso.diagnosis.closed_loop import (
         CyclesWanted as CyclesWanted,
-        Reading as Reading,
+        TableOptions as TableOptions,
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
         diagnose as diagnose,
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
         Alike as Alike,
         Change as Change,
         Design as Design,
-        Plan as Plan,
+        PlannedRun as PlannedRun,
         Smallest as Smallest,
         design as design,
         planned_columns as planned_columns,

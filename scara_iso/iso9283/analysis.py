@@ -12,7 +12,7 @@ from scara_iso.dial import step_of
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283.characteristics import find_characteristics
 from scara_iso.iso9283.checks import find_checks
-from scara_iso.iso9283.conformity import Decision
+from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import Rows, UsedCycles, used_cycles
 from scara_iso.iso9283.estimates import largest_calibration, reading_uncertainty, scatter_estimates
 from scara_iso.iso9283.limits import binding, check_limits
@@ -54,7 +54,7 @@ def analyze(
     all_count: bool = False,
     allow_gaps: bool = False,
     limits: Mapping[str, float] | None = None,
-    decision: str = Decision.INTERVAL.value,
+    decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a run, with intervals and findings.
@@ -86,24 +86,25 @@ def analyze(
         poses=_pose_results(run, chosen, other_definitions=other_definitions),
     )
     found = [one for compute in find_characteristics() for one in compute(measured)]
-    held = check_limits(found, limits or {}, decision=rule)
+    findings = tuple(finding for check in find_checks() for finding in check(measured))
+    held = check_limits(found, limits or {}, findings, decision=rule)
     return Analysis(
         run=run,
         cycles=measured.cycles,
         poses=measured.poses,
-        findings=tuple(finding for check in find_checks() for finding in check(measured)),
+        findings=findings,
         limits=binding(held),
         characteristics=held,
     )
 
 
-def _rule(decision: str) -> Decision:
-    words = [rule.value for rule in Decision]
+def _rule(decision: str) -> DecisionRule:
+    words = [rule.value for rule in DecisionRule]
     if decision not in words:
         raise UsageError(
             f"decision {decision!r}: no such rule", remedy=f"use one of {', '.join(words)}"
         )
-    return Decision(decision)
+    return DecisionRule(decision)
 
 
 def _pose_results(

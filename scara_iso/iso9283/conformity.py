@@ -8,7 +8,7 @@ EVERY_LENGTH = ""
 """Key of a limit that holds for every repeatability of a length without a limit of its own."""
 
 
-class Decision(Enum):
+class DecisionRule(Enum):
     """The rule by which a figure is held against its limit; the value is the word in outputs."""
 
     INTERVAL = "interval"

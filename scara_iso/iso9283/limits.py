@@ -8,16 +8,17 @@ there for who asks for it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, Decision
-from scara_iso.iso9283.results import Characteristic, LimitCheck
+from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule
+from scara_iso.iso9283.results import Characteristic, Finding, LimitCheck
 from scara_iso.run import AXES
 
 MOST_CYCLES = 100_000
 """Stands for that many cycles and more."""
+_AXES_OF = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 _ORDER = (*AXES, "", "XY", "XYZ")
 _POWER = 1.3  # benchmarks/conformity.py: 4 of 5 tests prove it (Gaussian scatter)
 
@@ -25,13 +26,15 @@ _POWER = 1.3  # benchmarks/conformity.py: 4 of 5 tests prove it (Gaussian scatte
 def check_limits(
     characteristics: Sequence[Characteristic],
     limits: Mapping[str, float],
+    findings: Sequence[Finding] = (),
     *,
-    decision: Decision = Decision.INTERVAL,
+    decision: DecisionRule = DecisionRule.INTERVAL,
 ) -> tuple[Characteristic, ...]:
     """Return the characteristics, each with its comparison with the limit that holds for it.
 
-    ``limits`` by name (`Characteristic.limited_by`), in mm, or degrees for an angle. Raises
-    `UsageError` for a limit that is not positive and finite, or of what the run does not have.
+    ``limits`` by name (`Characteristic.limited_by`), in mm, or degrees for an angle; ``findings`` of
+    the same poses say which intervals are void. Raises `UsageError` for a limit that is not
+    positive and finite, or of what the run does not have.
     """
     wrong = [f"{limit:g}" for limit in limits.values() if not (math.isfinite(limit) and limit > 0)]
     if wrong:
@@ -48,7 +51,8 @@ def check_limits(
             f"--limit {limits[EVERY_LENGTH]:g} is a length, and this table has none",
             remedy="name the figure, as in --limit theta=0.05 (degrees)",
         )
-    return tuple(_held(one, limits, decision) for one in characteristics)
+    void = {(one.pose, one.axis) for one in findings if one.voids_interval}
+    return tuple(_held(one, limits, decision, void) for one in characteristics)
 
 
 def binding(characteristics: Iterable[Characteristic]) -> tuple[LimitCheck, ...]:
@@ -77,12 +81,23 @@ def _plain_names(characteristics: Iterable[Characteristic]) -> list[str]:
     return list(dict.fromkeys(name for name in names if name and ":" not in name))
 
 
-def _held(found: Characteristic, limits: Mapping[str, float], decision: Decision) -> Characteristic:
+def _held(
+    found: Characteristic,
+    limits: Mapping[str, float],
+    decision: DecisionRule,
+    void: Collection[tuple[str | None, str | None]],
+) -> Characteristic:
     limit = next((limits[name] for name in found.limited_by if name in limits), None)
-    return found if limit is None else replace(found, limit=_check(found, limit, decision))
+    if limit is None:
+        return found
+    axes, poses = _AXES_OF.get(found.of, (found.of,)), found.between or (found.pose,)
+    is_void = any((pose, axis) in void for pose in poses for axis in axes)
+    return replace(found, limit=_check(found, limit, decision, is_void=is_void))
 
 
-def _check(found: Characteristic, limit: float, decision: Decision) -> LimitCheck:
+def _check(
+    found: Characteristic, limit: float, decision: DecisionRule, *, is_void: bool
+) -> LimitCheck:
     check = LimitCheck(
         figure=found.name,
         code=found.code,
@@ -93,8 +108,9 @@ def _check(found: Characteristic, limit: float, decision: Decision) -> LimitChec
         interval=found.estimate.interval,
         decision=decision,
         cycles_wanted=None,
+        interval_void=is_void,
     )
-    if check.verdict is not Conformity.NOT_PROVABLE:
+    if is_void or check.verdict is not Conformity.NOT_PROVABLE:
         return check
     return replace(check, cycles_wanted=_cycles_wanted(found, limit))
 

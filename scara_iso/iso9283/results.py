@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from scara_iso.iso9283.conformity import Conformity, Decision
+from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import FloatArray, IntArray, Run
 
@@ -230,7 +230,7 @@ class LimitCheck:
     pose: str | None
     interval: Interval | None
     """95 %, of `RP`."""
-    decision: Decision
+    decision: DecisionRule
     cycles_wanted: int | None
     """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
     where it is proven, or where no number of cycles would."""
@@ -248,7 +248,7 @@ class LimitCheck:
     @property
     def verdict(self) -> Conformity:
         """What the rule of `decision` makes of it."""
-        if self.decision is Decision.SIMPLE:
+        if self.decision is DecisionRule.SIMPLE:
             return Conformity.PASS if self.inside else Conformity.FAIL
         if self.interval is None or self.interval[0] <= self.limit < self.interval[1]:
             return Conformity.NOT_PROVABLE
@@ -271,6 +271,8 @@ class Characteristic:
     """Standard uncertainty of one reading."""
     calibration: float | None = None
     """The part of it that the certificate states."""
+    between: tuple[str | None, ...] = ()
+    """Labels of the poses, where there are several."""
     limit: LimitCheck | None = None
 
     @property

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
         Characteristic,
         Finding,
         LimitCheck,
-        Plan,
+        PosePlan,
         PoseResult,
         RadialResult,
     )
@@ -260,7 +260,7 @@ def run_json(run: Run, *, seed: int) -> Json:
     }
 
 
-def plan_json(plan: Plan) -> Json:
+def plan_json(plan: PosePlan) -> Json:
     """Return the object of ``plan --json``, schema ``scara-iso/plan/1``."""
     return {
         "schema": "scara-iso/plan/1",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.iso9283 import Analysis, Characteristic
-from scara_iso.reporting.blocks import Section, Table
+from scara_iso.reporting.blocks import Cell, Number, Section, Table
 from scara_iso.reporting.digits import U_of_scatter, interval, rounded
 
 _OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")
@@ -20,7 +20,7 @@ def characteristics(analysis: Analysis) -> Iterator[Section]:
         yield Section("characteristics", (Table(header, tuple(rows), how),))
 
 
-def _row(found: Characteristic) -> tuple[str, ...]:
+def _row(found: Characteristic) -> tuple[Cell, ...]:
     estimate = found.estimate
     ends = estimate.interval
     U = U_of_scatter(estimate.value, estimate.n) if ends is None else (ends[1] - ends[0]) / 2
@@ -30,6 +30,6 @@ def _row(found: Characteristic) -> tuple[str, ...]:
         found.of,
         rounded(estimate.value, U),
         interval(ends),
-        str(estimate.n),
+        Number(estimate.n),
         estimate.unit,
     )

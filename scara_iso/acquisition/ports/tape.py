@@ -39,7 +39,7 @@ def encode(record: Mapping[str, object]) -> bytes:
     return b'%b,"crc":"%08x"}\n' % (body[:-1], zlib.crc32(body))
 
 
-def decode(line: bytes) -> Record | None:
+def decode_record(line: bytes) -> Record | None:
     """Return the record of a line, or None where the line is torn or damaged.
 
     A line that lost only its end of line is whole: what is appended after it begins with one.
@@ -73,7 +73,7 @@ def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
             while line := file.readline(LONGEST_LINE):
                 number += 1
                 if line != b"\n":
-                    record = decode(line)
+                    record = decode_record(line)
                     yield number, record and {**record, "crc": checksum(line)}
     except OSError as error:
         raise NoInputError(

@@ -34,7 +34,7 @@ _GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simu
 _MAX_CYCLES = 10_000_000
 
 
-class Column:
+class AxisReadings:
     """Readings of one axis by cycle [mm or deg], in the memory of one number each."""
 
     def __init__(self) -> None:
@@ -84,7 +84,7 @@ class History:
     def __init__(self, source: str) -> None:
         self.source = source
         self.header: Record = {}
-        self.columns: dict[str, Column] = {}
+        self.columns: dict[str, AxisReadings] = {}
         self.times = array("d")
         self.troubles: Counter[str] = Counter()
         self.latest: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
@@ -181,7 +181,7 @@ class History:
         _check_header(record)
         self._inherited += map(str, record.get("doubts", ()))
         if not self.header:
-            self.columns = {str(axis): Column() for axis in record["gauges"]}
+            self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
         self.header = _merged(self.header, record) if self.header else record
         self._trigger = str(record["trigger"])
 

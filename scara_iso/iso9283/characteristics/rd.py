@@ -42,12 +42,13 @@ def compute(test: Measured) -> Iterator[Characteristic]:
         rows = _visited_in_turn(first, second)
         if rows is not None:
             for of, axes in _groups(test.run, first, second):
-                yield _characteristic(f"{first.label}-{second.label}", of, axes, rows)
+                yield _characteristic((str(first.label), str(second.label)), of, axes, rows)
 
 
 def _characteristic(
-    pose: str, of: str, axes: Sequence[Axis], rows: tuple[IntArray, IntArray]
+    between: tuple[str, str], of: str, axes: Sequence[Axis], rows: tuple[IntArray, IntArray]
 ) -> Characteristic:
+    pose = "-".join(between)
     stated = [u for u in map(reading_uncertainty, axes) if u is not None]
     return Characteristic(
         CODE,
@@ -57,6 +58,7 @@ def _characteristic(
         limited_by=(f"{CODE}:{pose}", CODE),
         reading_u=math.sqrt(2) * max(stated) if len(stated) == len(axes) else None,
         calibration=largest_calibration(axes),
+        between=between,
     )
 
 
