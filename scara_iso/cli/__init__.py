@@ -42,7 +42,6 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
     """
     app = typer.Typer(
         name="scara-iso",
-        no_args_is_help=True,
         add_completion=False,  # --install-completion writes a shell's start-up files in place
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
@@ -81,6 +80,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     # A second thread of the linear algebra gains nothing on thirty readings and costs three times.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = _general_first(sys.argv[1:] if argv is None else argv)
+    if set(arguments) <= set(_ANYWHERE):
+        arguments.append("--help")
     settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
     with warnings.catch_warnings():
@@ -198,8 +199,7 @@ def _explain(error: Exception) -> tuple[list[str], int]:
         lines += [f"  {error.remedy}"] if error.remedy else []
         return lines, error.exit_code
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
-        said = error.format_message()  # empty where the help was shown for want of a command
-        return [f"scara-iso: {said}", _help_hint(error)] if said else [], int(error.exit_code)
+        return [f"scara-iso: {error.format_message()}", _help_hint(error)], int(error.exit_code)
     if isinstance(error, OSError):
         return [f"scara-iso: cannot write: {error}"], CANNOT_WRITE
     return [

@@ -62,7 +62,8 @@ def analyze(
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``first_cycle_discarded``, ``cycles``,
     ``all_count`` and ``allow_gaps`` are as in `used_cycles`. ``limits`` are in mm (degrees for an
     angle) by figure (``X``, ``XY``...); the key `limits.EVERY_LENGTH` holds for every length.
-    ``decision`` is ``interval`` (a limit is kept or broken where the whole 95 % interval says so)
+    ``decision`` is ``interval`` (a limit is kept or broken where the whole 95 % interval says so,
+    and not kept on an interval that a finding voids)
     or ``simple`` (RP at most the limit). ``other_definitions`` adds half range, 2 s, 3 s and ISO
     230-2. Raises `DataError` where the run breaks the cycle rule, and `UsageError` for another
     rule or a limit of a figure that the run does not have.

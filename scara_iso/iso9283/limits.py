@@ -1,7 +1,9 @@
 """Figures against the limits that a user gives.
 
 A limit is kept where the whole 95 % interval of the figure is at most the limit, and broken where
-all of it is above; else these cycles prove neither. Simple acceptance (RP at most the limit) is
+all of it is above; else these cycles prove neither. An interval that a finding voids (a drift)
+keeps no limit: scatter that hangs together reads too small. What is above is above, drift and all.
+Simple acceptance (RP at most the limit) is
 there for who asks for it.
 """
 
@@ -32,8 +34,9 @@ def check_limits(
 ) -> tuple[Characteristic, ...]:
     """Return the characteristics, each with its comparison with the limit that holds for it.
 
-    ``limits`` by name (`Characteristic.limited_by`), in mm, or degrees for an angle; ``findings`` of
-    the same poses say which intervals are void. Raises `UsageError` for a limit that is not
+    ``limits`` by name (`Characteristic.limited_by`), in mm, or degrees for an angle;
+    ``findings`` of the same poses say which intervals are void. Raises `UsageError` for a limit
+    that is not
     positive and finite, or of what the run does not have.
     """
     wrong = [f"{limit:g}" for limit in limits.values() if not (math.isfinite(limit) and limit > 0)]

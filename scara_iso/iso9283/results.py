@@ -212,6 +212,8 @@ class Finding:
     axis: str | None = None
     pose: str | None = None
     rule: str = ""
+    voids_interval: bool = False
+    """Whether the 95 % interval of its axis and pose, and of what is made of it, does not hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,6 +236,8 @@ class LimitCheck:
     cycles_wanted: int | None
     """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
     where it is proven, or where no number of cycles would."""
+    interval_void: bool = False
+    """Whether a finding says that the interval does not hold: then it proves nothing inside."""
 
     @property
     def inside(self) -> bool:
@@ -252,7 +256,9 @@ class LimitCheck:
             return Conformity.PASS if self.inside else Conformity.FAIL
         if self.interval is None or self.interval[0] <= self.limit < self.interval[1]:
             return Conformity.NOT_PROVABLE
-        return Conformity.PASS if self.interval[1] <= self.limit else Conformity.FAIL
+        if self.interval[0] > self.limit:
+            return Conformity.FAIL
+        return Conformity.NOT_PROVABLE if self.interval_void else Conformity.PASS
 
 
 @dataclass(frozen=True, slots=True)

@@ -158,6 +158,7 @@ def _limit(check: LimitCheck) -> Json:
         "limit": check.limit,
         "verdict": check.verdict.value,
         "rule": check.decision.value,
+        "interval_void": check.interval_void,
         "cycles_wanted": check.cycles_wanted,
         "guard": check.guard,
         "inside": check.inside,

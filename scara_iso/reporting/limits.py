@@ -15,7 +15,7 @@ _INTERVAL = (
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
     "is wrong in one test of forty or fewer with Gaussian scatter. Cycles wanted: about so many in "
     "one run prove it, were the figure as read; none do where the dial hides the scatter, or the "
-    "calibration alone reaches the limit."
+    "calibration alone reaches the limit. No pass on the interval of readings that drift."
 )
 _SIMPLE = (
     "Simple acceptance was chosen: pass where RP is at most the limit; what so few cycles leave "
@@ -44,10 +44,13 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
         yield Text(f"NOT PROVABLE with these cycles: {names}{_would_prove(open_)}", "warn")
     if analysis.conformity is Conformity.PASS:
         yield Text(f"PASS: inside the limits {how}", "good")
-    drifting = {finding.axis for finding in analysis.findings if finding.code == "trend"}
-    if analysis.limits and drifting and not simple:
-        named = ", ".join(sorted(filter(None, drifting)))
-        yield Text(f"{named}: a drift voids the interval, and what is decided by it", "warn")
+    void = [check for check in analysis.limits if check.interval_void and not simple]
+    if void:
+        yield Text(
+            f"A drift voids the interval of {', '.join(_names(void))}, which can then not pass: "
+            "find its cause (diagnose), and measure again without it",
+            "warn",
+        )
 
 
 def limits(analysis: Analysis) -> Iterator[Section]:
@@ -117,6 +120,8 @@ def _guard_band(half_width: float) -> Number:
 def _wanted(check: LimitCheck) -> Number | str:
     if check.verdict is not Conformity.NOT_PROVABLE:
         return ""
+    if check.interval_void:
+        return "not while it drifts"
     if check.cycles_wanted is None:
         return "none would do"
     wanted = Number(check.cycles_wanted)

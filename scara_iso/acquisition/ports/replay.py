@@ -201,7 +201,7 @@ def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
     timeline = Timeline()
     axes: Iterable[str] = ()
     for _, record in read_tape(path):
-        if record is None:
+        if not record:
             continue
         if record["event"] == "session":
             axes = record.get("gauges", {})

@@ -98,14 +98,18 @@ class History:
         """Whether the last session that ended in good order left a table, and so a manifest."""
         self._chained = False
         self._broken: list[int] = []
+        self._harmed: list[int] = []
+        """Behind the last line, where that was changed: no next one names it."""
         self._inherited: list[str] = []
         self._trigger = ""
         self._asked: set[str] = set()
 
     def take(self, line: int, record: Record | None) -> None:
         """Take the next line of the file."""
-        if record is None:
+        self._harmed = []
+        if not record:
             self.damaged.append(line)
+            self._harmed = [] if record is None else [line + 1]
             return
         if not self._follows(line, record):
             self._broken.append(line)
@@ -129,8 +133,8 @@ class History:
     def doubts(self) -> tuple[str, ...]:
         """What is known to have been changed after it was recorded, a line each."""
         name = Path(self.source).name
-        places = ", ".join(map(str, self._broken[:_SHOWN]))
-        places += ", .." if len(self._broken) > _SHOWN else ""
+        broken = [*self._broken, *self._harmed]
+        places = ", ".join(map(str, broken[:_SHOWN])) + (", .." if len(broken) > _SHOWN else "")
         found = [f"{name}: lines were changed or taken away before line {places}"] if places else []
         return tuple(dict.fromkeys((*self._inherited, *found)))
 

@@ -78,7 +78,7 @@ def rebuild(
 def doubts_beside(raw: Path, history: History) -> tuple[str, ...]:
     """Return what the manifest beside a raw file says against it, where there should be one."""
     table = _table_beside(raw)
-    if not history.has_table and not manifest_path(table).exists():
+    if not (history.has_table or manifest_path(table).exists() or table.exists()):
         return ()
     return find_doubts(table).recording
 
