@@ -81,7 +81,7 @@ def test_no_package_has_the_name_of_a_public_function():
     assert not public & {path.stem for path in ROOT.glob("*.py")}
 
 
-HOOKS = {"check", "check_shape", "compose", "parse"}
+HOOKS = {"check", "check_shape", "compose", "compute", "parse", "render"}
 """What every plugin of a kind defines under the same name."""
 
 

@@ -36,8 +36,7 @@ def check_limits(
 
     ``limits`` by name (`Characteristic.limited_by`), in mm, or degrees for an angle;
     ``findings`` of the same poses say which intervals are void. Raises `UsageError` for a limit
-    that is not
-    positive and finite, or of what the run does not have.
+    that is not positive and finite, or of what the run does not have.
     """
     wrong = [f"{limit:g}" for limit in limits.values() if not (math.isfinite(limit) and limit > 0)]
     if wrong:
