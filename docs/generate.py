@@ -22,10 +22,12 @@ MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
 def reference() -> dict[str, str]:
     """Return the text of every page by its file name."""
-    effects = [page for page in pages().values() if page.kind != "finding"]
+    effects = [page for page in pages().values() if page.kind.startswith("effect")]
     findings = [page for page in pages().values() if page.kind == "finding"]
+    characteristics = [page for page in pages().values() if page.kind == "characteristic"]
     made = {
         "commands.md": ("Commands", _commands()),
+        "characteristics.md": ("Characteristics", _pages(characteristics)),
         "findings.md": ("Findings", _pages(findings)),
         "effects.md": ("Effects", _pages(effects)),
         "dialects.md": ("Dialects of indicators", _dialects()),
@@ -65,7 +67,7 @@ def _pages(found: Iterable[Page]) -> Iterator[str]:
         yield from page.text
         if page.parameters:
             yield _table(("parameter", "unit", "meaning"), page.parameters)
-        if page.kind != "finding":
+        if page.kind.startswith("effect"):
             yield f"An {page.kind}."
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
@@ -165,6 +166,26 @@ def same_turn(
 def within_half_a_turn(difference: float) -> float:
     """Return a difference of angles [deg] without whole turns: between -180 and 180."""
     return math.remainder(difference, TURN)
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A figure with what is known of it; nothing here is rounded."""
+
+    value: float
+    unit: str
+    """``mm`` or ``deg``; of `u`, `parts` and `interval` too."""
+    u: float | None
+    """Standard uncertainty: the root of the sum of squares of `parts`; None without `interval`."""
+    parts: Mapping[str, float]
+    """Standard uncertainties by origin: ``sampling`` (chance of the cycles, the dial's rounding
+    with it) and what the indicator adds, ``calibration`` or ``reading``."""
+    interval: tuple[float, float] | None
+    """95 %; None where so few readings allow none."""
+    n: int
+    """Number of cycles."""
+    clause: str
+    """Clause of ISO 9283, or equation of the paper."""
 
 
 def rounding_uncertainty(resolution: float) -> float:

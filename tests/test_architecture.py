@@ -13,6 +13,7 @@ ROOT = Path(scara_iso.__file__).parent
 FACES = sorted(path.parent.name for path in ROOT.glob("*/__init__.py"))
 BEHIND = {
     ("reporting.explain", "iso9283.checks"),  # reads the docstrings of the folder
+    ("reporting.explain", "iso9283.characteristics"),
 }
 
 
@@ -81,7 +82,7 @@ def test_no_package_has_the_name_of_a_public_function():
     assert not public & {path.stem for path in ROOT.glob("*.py")}
 
 
-HOOKS = {"check", "check_shape", "compose", "parse"}
+HOOKS = {"check", "check_shape", "compose", "compute", "parse", "render"}
 """What every plugin of a kind defines under the same name."""
 
 

@@ -47,7 +47,7 @@ def test_table_1_as_json(call):
     assert (code, err) == (0, "")
     assert out.count("\n") == 1
     document = json.loads(out, parse_constant=pytest.fail)
-    assert document["schema"] == "scara-iso/analyze/1"
+    assert document["schema"] == "scara-iso/analyze/2"
     assert document["cycles"] == {"read": 30, "discarded": [], "used": 30}
     (pose,) = document["poses"]
     assert {name: round(axis["RP"], 5) for name, axis in pose["axes"].items()} == {

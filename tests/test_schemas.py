@@ -81,6 +81,15 @@ def few_facts(path):
     return path
 
 
+def referred(path):
+    """Write one pose of a calibrated dial whose zero is the command pose."""
+    rows = [f"{cycle},{0.001 * (cycle * 7 % 11):.3f}" for cycle in range(1, 32)]
+    stated = ["unit: mm", "dial_zero: command", "command_X: 0", "indicator_uncertainty: 0.001"]
+    lines = [*(f"# {line}" for line in stated), "cycle,X", *rows, ""]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
 def one_apart(path):
     """Write one axis with a reading that stands apart."""
     readings = np.random.default_rng(5).normal(0, 0.01, 31)
@@ -128,6 +137,7 @@ def documents(tmp_path_factory):
             *written("analyze", full, "--limit", "XY=0.09", "--definitions"),
             *written("analyze", full, "--limit", "XY=0.045", code=1),
             *written("analyze", few),
+            *written("analyze", referred(folder / "referred.csv")),
         ],
         "backlash": [
             *written(*JOINT),
@@ -174,7 +184,7 @@ def test_a_schema_is_one(name):
 def test_every_output_has_a_schema(documents):
     assert set(documents) == set(SCHEMAS)
     written = "".join(path.read_text("utf-8") for path in (ROOT / "scara_iso").rglob("*.py"))
-    named = set(re.findall(r'"schema": "scara-iso/([a-z-]+)/1"', written))
+    named = set(re.findall(r'"schema": "scara-iso/([a-z-]+)/[12]"', written))
     assert set(SCHEMAS) == named | {"record"}
 
 
@@ -231,5 +241,6 @@ def test_a_schema_names_nothing_that_no_output_has(documents, name):
 def test_the_page_names_every_key(name):
     page = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
     said = set(re.findall(r"\w+", page))
-    assert name == "record" or f"`scara-iso/{name}/1`" in page
+    schema = SCHEMAS[name].get("properties", {}).get("schema", {}).get("const")
+    assert name == "record" or f"`{schema}`" in page
     assert {path[-1] for path in properties(SCHEMAS[name])} <= said

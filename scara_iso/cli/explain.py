@@ -1,4 +1,4 @@
-"""``scara-iso explain``: what a finding or an effect means."""
+"""``scara-iso explain``: what a finding, a characteristic or an effect means."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Code = Annotated[
     str | None,
     typer.Argument(
         metavar="CODE",
-        help="A finding or an effect; none lists all.",
+        help="A finding, characteristic or effect; none lists all.",
         autocompletion=_codes,
         show_default=False,
     ),
@@ -28,7 +28,7 @@ Code = Annotated[
 
 
 def explain_command(code: Code = None, *, json: AsJson = False) -> None:
-    """Say what a finding of analyze or an effect of diagnose means, and what to do.
+    """Say what a finding, a characteristic or an effect means, and what to do.
 
     Example: scara-iso explain coarse-resolution
     """

@@ -47,7 +47,7 @@ Limits = Annotated[
     typer.Option(
         metavar="[FIGURE=]MM",
         help="Exit with 1 where RP is not proven to be at most this: 0.02 for every length, "
-        "XY=0.02 for one figure. May be repeated.",
+        "XY=0.02 for one figure, RD=0.02 for a characteristic. May be repeated.",
     ),
 ]
 LimitRule = Annotated[

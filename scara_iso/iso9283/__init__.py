@@ -1,6 +1,7 @@
 """The test of ISO 9283: which cycles count, where the poses are, what the readings amount to.
 
-`analyze` turns a `Run` into an `Analysis`; `checks` has one file for each finding.
+`analyze` turns a `Run` into an `Analysis`; `characteristics` has one file for each clause,
+`checks` one for each finding.
 """
 
 from typing import TYPE_CHECKING
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.results import (
         Analysis as Analysis,
         AxisResult as AxisResult,
+        Characteristic as Characteristic,
         Cycles as Cycles,
         Finding as Finding,
         LimitCheck as LimitCheck,

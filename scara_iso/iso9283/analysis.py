@@ -10,23 +10,23 @@ import numpy as np
 
 from scara_iso.dial import step_of
 from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283.characteristics import find_characteristics
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import Rows, UsedCycles, used_cycles
-from scara_iso.iso9283.limits import check_limits
+from scara_iso.iso9283.estimates import largest_calibration, reading_uncertainty, scatter_estimates
+from scara_iso.iso9283.limits import binding, check_limits
 from scara_iso.iso9283.other_definitions import definitions
 from scara_iso.iso9283.results import (
     Analysis,
     AxisResult,
     Cycles,
-    Interval,
     Measured,
     PoseResult,
     RadialResult,
     ThetaAngle,
 )
 from scara_iso.iso9283.statistics import (
-    WIDEST,
     SamplingInterval,
     repeatability,
     root_sum_of_squares,
@@ -37,14 +37,13 @@ from scara_iso.iso9283.statistics import (
 )
 from scara_iso.quantities import (
     Dimension,
+    Estimate,
     parse_number,
-    rounding_uncertainty,
     within_half_a_turn,
 )
 from scara_iso.run import Axis, FloatArray, Run
 
 _FEWEST_CYCLES = 2
-_FEWEST_FOR_INTERVAL = 5
 
 
 def analyze(
@@ -87,14 +86,16 @@ def analyze(
         cycles=Cycles(chosen.read, chosen.discarded, chosen.used, all_count=chosen.all_count),
         poses=_pose_results(run, chosen, other_definitions=other_definitions),
     )
+    found = [one for compute in find_characteristics() for one in compute(measured)]
     findings = tuple(finding for check in find_checks() for finding in check(measured))
-    checked = check_limits(measured.poses, limits or {}, findings, decision=rule)
+    held = check_limits(found, limits or {}, findings, decision=rule)
     return Analysis(
         run=run,
         cycles=measured.cycles,
         poses=measured.poses,
         findings=findings,
-        limits=tuple(checked),
+        limits=binding(held),
+        characteristics=held,
     )
 
 
@@ -141,9 +142,9 @@ def _axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
     readings = axis.readings[chosen.rows]
     positions = readings[:, np.newaxis, :]
     folded = repeatability(positions)
-    RP_intervals = _intervals(rp_interval, folded.RP, positions, [axis])
-    three_sigma = 3 * standard_deviation(readings)
-    intervals = _intervals(three_sigma_interval, three_sigma, positions, [axis])
+    RP = _estimates(rp_interval, folded.RP, positions, [axis])
+    spread = 3 * standard_deviation(readings)
+    three_S = _estimates(three_sigma_interval, spread, positions, [axis])
     radius = _theta_radius(run, axis)
     uncertainty = reading_uncertainty(axis)
     return [
@@ -154,15 +155,13 @@ def _axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
             mean=float(folded.mean[k, 0]),
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
-            RP=float(folded.RP[k]),
-            RP_interval=RP_intervals[k],
-            three_sigma=float(three_sigma[k]),
-            three_sigma_interval=intervals[k],
+            repeatability=RP[k],
+            three_S=three_S[k],
             resolution=axis.resolution,
             uncertainty=uncertainty,
             calibration=axis.uncertainty,
             accuracy=_accuracy(run, axis, chosen.poses[k], float(folded.mean[k, 0])),
-            angle=_theta_angle(float(folded.RP[k]), float(three_sigma[k]), radius),
+            angle=_theta_angle(RP[k].value, three_S[k].value, radius),
         )
         for k in range(len(readings))
     ]
@@ -174,16 +173,6 @@ def _accuracy(run: Run, axis: Axis, pose: str | None, mean: float) -> float | No
     if command is None or not run.dial_zero_is_command:
         return None
     return within_half_a_turn(mean - command) if axis.unit == "deg" else mean - command
-
-
-def reading_uncertainty(axis: Axis) -> float | None:
-    """Return the standard uncertainty of one reading, in the axis' unit; None if nothing is stated.
-
-    Resolution / sqrt(12) and the indicator's own uncertainty, combined as independent (GUM 5.1.2).
-    """
-    parts = [] if axis.resolution is None else [rounding_uncertainty(axis.resolution)]
-    parts += [] if axis.uncertainty is None else [axis.uncertainty]
-    return math.hypot(*parts) if parts else None
 
 
 def _theta_radius(run: Run, axis: Axis) -> float | None:
@@ -224,25 +213,24 @@ def _radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult
         return [None] * len(chosen.poses)
     positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
     folded = repeatability(positions)
-    intervals = _intervals(rp_interval, folded.RP, positions, axes)
+    RP = _estimates(rp_interval, folded.RP, positions, axes)
     offsets = [
         [_accuracy(run, axis, pose, mean) for axis, mean in zip(axes, means, strict=True)]
         for pose, means in zip(chosen.poses, folded.mean.tolist(), strict=True)
     ]
     parts = [u for u in map(reading_uncertainty, axes) if u is not None]
-    rss = root_sum_of_squares(positions)
-    rss_intervals = _intervals(rss_interval, rss, positions, axes)
+    rss = _estimates(
+        rss_interval, root_sum_of_squares(positions), positions, axes, clause="paper eq. 23"
+    )
     return [
         RadialResult(
-            RP=float(folded.RP[k]),
-            RP_interval=intervals[k],
+            repeatability=RP[k],
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
-            RP_rss=float(rss[k]) if names == "XY" else None,
-            RP_rss_interval=rss_intervals[k] if names == "XY" else None,
+            root_sum_of_squares=rss[k] if names == "XY" else None,
             # A distance to the barycentre is no less certain than its least certain axis.
             uncertainty=max(parts) if len(parts) == len(axes) else None,
-            calibration=_calibration(axes),
+            calibration=largest_calibration(axes),
             accuracy=_distance(offsets[k]),
         )
         for k in range(len(positions))
@@ -254,27 +242,20 @@ def _distance(offsets: Sequence[float | None]) -> float | None:
     return math.hypot(*known) if len(known) == len(offsets) else None
 
 
-def _calibration(axes: Sequence[Axis]) -> float | None:
-    return max((axis.uncertainty for axis in axes if axis.uncertainty is not None), default=None)
-
-
-def _intervals(
+def _estimates(
     interval: SamplingInterval,
     figures: FloatArray,
     positions: FloatArray,
     axes: Sequence[Axis],
-) -> Sequence[Interval | None]:
-    """Return the interval of each pose's figure: chance, dial and calibration together.
-
-    Reaches are combined as independent (Zou and Donner 2008). What a certificate's uncertainty
-    makes of a scatter the sources leave open; here it is that of the figure itself.
-    """
-    if positions.shape[-1] < _FEWEST_FOR_INTERVAL:
-        return [None] * len(positions)
-    limits = interval(positions, resolutions=[step_of(axis) for axis in axes])
-    U = 2 * (_calibration(axes) or 0.0)
-    lower = np.maximum(figures - np.hypot(figures - limits[0], U), 0)
-    upper = figures + np.hypot(limits[1] - figures, U)
-    bounded = (upper > 0) & ((figures == 0) | (limits[1] < WIDEST * figures))
-    pairs = zip(lower.tolist(), upper.tolist(), bounded.tolist(), strict=True)
-    return [(low, high) if known else None for low, high, known in pairs]
+    *,
+    clause: str = "7.2.2",
+) -> list[Estimate]:
+    return scatter_estimates(
+        interval,
+        figures,
+        positions,
+        steps=[step_of(axis) for axis in axes],
+        calibration=largest_calibration(axes),
+        unit=axes[0].unit,
+        clause=clause,
+    )

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from enum import Enum
 
+EVERY_LENGTH = ""
+"""Key of a limit that holds for every repeatability of a length without a limit of its own."""
+
 
 class DecisionRule(Enum):
     """The rule by which a figure is held against its limit; the value is the word in outputs."""

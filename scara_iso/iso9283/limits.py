@@ -10,134 +10,128 @@ there for who asks for it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.conformity import Conformity, DecisionRule
-from scara_iso.iso9283.results import AxisResult, Finding, Interval, LimitCheck, PoseResult
-from scara_iso.quantities import Dimension
+from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule
+from scara_iso.iso9283.results import Characteristic, Finding, LimitCheck
+from scara_iso.run import AXES
 
-EVERY_LENGTH = ""
-"""Key of a limit that holds for every figure that is a length and has no limit of its own."""
 MOST_CYCLES = 100_000
 """Stands for that many cycles and more."""
 _AXES_OF = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
+_ORDER = (*AXES, "", "XY", "XYZ")
 _POWER = 1.3  # benchmarks/conformity.py: 4 of 5 tests prove it (Gaussian scatter)
 
 
 def check_limits(
-    poses: Sequence[PoseResult],
+    characteristics: Sequence[Characteristic],
     limits: Mapping[str, float],
     findings: Sequence[Finding] = (),
     *,
     decision: DecisionRule = DecisionRule.INTERVAL,
-) -> Iterator[LimitCheck]:
-    """Yield the comparison of each pose's figures with the limit that holds for them.
+) -> tuple[Characteristic, ...]:
+    """Return the characteristics, each with its comparison with the limit that holds for it.
 
-    ``limits`` by figure, in mm, or degrees for an angle; ``findings`` of the same poses say which
-    intervals are void. Raises `UsageError` for a limit that is
-    not positive and finite, or of a figure that the run does not have.
+    ``limits`` by name (`Characteristic.limited_by`), in mm, or degrees for an angle;
+    ``findings`` of the same poses say which intervals are void. Raises `UsageError` for a limit
+    that is not positive and finite, or of what the run does not have.
     """
     wrong = [f"{limit:g}" for limit in limits.values() if not (math.isfinite(limit) and limit > 0)]
     if wrong:
         raise UsageError(f"`limit={wrong[0]}`: not a positive, finite length")
-    unknown = sorted(set(limits) - {EVERY_LENGTH} - set(_figures(poses[0])))
+    names = {name for one in characteristics for name in one.limited_by}
+    unknown = sorted(set(limits) - {EVERY_LENGTH} - names)
     if unknown:
         raise UsageError(
             f"`limit={unknown[0]}=...`: this table has no such figure",
-            remedy=f"it has {', '.join(_figures(poses[0]))}",
+            remedy=f"it has {', '.join(_plain_names(characteristics))}",
         )
-    lengths = [
-        name for name, one in _figures(poses[0]).items() if one.dimension is Dimension.LENGTH
-    ]
-    if EVERY_LENGTH in limits and not lengths:
+    if EVERY_LENGTH in limits and EVERY_LENGTH not in names:
         raise UsageError(
             f"`limit={limits[EVERY_LENGTH]:g}` is a length, and this table has none",
             remedy="name the figure, as in `limit=theta=0.05` (degrees)",
         )
     void = {(one.pose, one.axis) for one in findings if one.voids_interval}
-    for pose in poses:
-        for name, measured in _figures(pose).items():
-            is_void = any((pose.label, axis) in void for axis in _AXES_OF.get(name, (name,)))
-            general = limits.get(EVERY_LENGTH) if measured.dimension is Dimension.LENGTH else None
-            limit = limits.get(name, general)
-            if limit is not None:
-                yield _check(pose.label, name, measured, limit, decision, is_void=is_void)
+    return tuple(_held(one, limits, decision, void) for one in characteristics)
 
 
-@dataclass(frozen=True, slots=True)
-class _Figure:
-    """A figure that a limit can hold for, with what its decision rests on."""
-
-    value: float
-    interval: Interval | None
-    uncertainty: float | None
-    calibration: float | None
-    n: int
-    dimension: Dimension = Dimension.LENGTH
-
-
-def _figures(pose: PoseResult) -> dict[str, _Figure]:
-    """Return the figures by name: of an angle 3 S (7.2.2), of XY the larger of 7.2.2 and eq. 23."""
-    n = len(pose.rows)
-    found = {name: _of_axis(axis) for name, axis in pose.axes.items()}
-    for name, plane in (("XY", pose.XY), ("XYZ", pose.XYZ)):
-        if plane is not None:
-            both = [(plane.RP, plane.RP_interval)]
-            if plane.RP_rss is not None:
-                both.append((plane.RP_rss, plane.RP_rss_interval))
-            value, interval = max(both, key=lambda one: one[0])
-            found[name] = _Figure(value, interval, plane.uncertainty, plane.calibration, n)
-    return found
+def binding(characteristics: Iterable[Characteristic]) -> tuple[LimitCheck, ...]:
+    """Return the comparisons by pose and figure: of XY that of the larger of 7.2.2 and eq. 23."""
+    largest: dict[tuple[str | None, str], Characteristic] = {}
+    for one in sorted(characteristics, key=_between_poses):
+        other = largest.setdefault((one.pose, one.name), one)
+        if one.estimate.value > other.estimate.value:
+            largest[one.pose, one.name] = one
+    poses = list(dict.fromkeys(pose for pose, _ in largest))
+    found = sorted(largest.values(), key=lambda one: (poses.index(one.pose), _rank(one.of)))
+    return tuple(one.limit for one in found if one.limit is not None)
 
 
-def _of_axis(axis: AxisResult) -> _Figure:
-    value, interval = axis.RP, axis.RP_interval
-    if axis.dimension is Dimension.ANGLE:
-        value, interval = axis.three_sigma, axis.three_sigma_interval
-    return _Figure(value, interval, axis.uncertainty, axis.calibration, axis.n, axis.dimension)
+def _between_poses(one: Characteristic) -> bool:
+    return one.name != one.of
+
+
+def _rank(of: str) -> int:
+    return _ORDER.index(of) if of in _ORDER else len(AXES)
+
+
+def _plain_names(characteristics: Iterable[Characteristic]) -> list[str]:
+    found = sorted(characteristics, key=lambda one: (_between_poses(one), _rank(one.of)))
+    names = (name for one in found for name in one.limited_by)
+    return list(dict.fromkeys(name for name in names if name and ":" not in name))
+
+
+def _held(
+    found: Characteristic,
+    limits: Mapping[str, float],
+    decision: DecisionRule,
+    void: Collection[tuple[str | None, str | None]],
+) -> Characteristic:
+    limit = next((limits[name] for name in found.limited_by if name in limits), None)
+    if limit is None:
+        return found
+    axes, poses = _AXES_OF.get(found.of, (found.of,)), found.between or (found.pose,)
+    is_void = any((pose, axis) in void for pose in poses for axis in axes)
+    return replace(found, limit=_check(found, limit, decision, is_void=is_void))
 
 
 def _check(
-    pose: str | None,
-    name: str,
-    measured: _Figure,
-    limit: float,
-    decision: DecisionRule,
-    *,
-    is_void: bool,
+    found: Characteristic, limit: float, decision: DecisionRule, *, is_void: bool
 ) -> LimitCheck:
     check = LimitCheck(
-        figure=name,
-        RP=measured.value,
+        figure=found.name,
+        code=found.code,
+        RP=found.estimate.value,
         limit=limit,
-        guard=None if measured.uncertainty is None else 2 * measured.uncertainty,
-        pose=pose,
-        interval=measured.interval,
+        guard=None if found.reading_u is None else 2 * found.reading_u,
+        pose=found.pose,
+        interval=found.estimate.interval,
         decision=decision,
         cycles_wanted=None,
         interval_void=is_void,
     )
-    if is_void or check.verdict is not Conformity.NOT_PROVABLE:
+    if check.verdict is not Conformity.NOT_PROVABLE:
         return check
-    return replace(check, cycles_wanted=_cycles_wanted(measured, limit))
+    return replace(check, cycles_wanted=_cycles_wanted(found, limit))
 
 
-def _cycles_wanted(measured: _Figure, limit: float) -> int | None:
+def _cycles_wanted(found: Characteristic, limit: float) -> int | None:
     """Return how many cycles bring the interval's end to the limit in most tests, if any do.
 
     Chance shrinks with the root of their number, the calibration does not, and where the lower
     limit is 0 the dial hides the scatter from however many.
     """
-    RP, U = measured.value, 2 * (measured.calibration or 0.0)
-    if measured.interval is None or measured.interval[0] == 0 or abs(limit - RP) <= U:
+    RP, interval = found.estimate.value, found.estimate.interval
+    U = 2 * (found.calibration or 0.0)
+    if interval is None or interval[0] == 0 or abs(limit - RP) <= U:
         return None
-    end = measured.interval[1] if limit > RP else measured.interval[0]
+    end = interval[1] if limit > RP else interval[0]
     side = math.copysign(1.0, limit - RP)
     reach = abs(_log_ratio(RP, side * math.sqrt(max((end - RP) ** 2 - U**2, 0.0))))
     room = abs(_log_ratio(RP, side * math.sqrt((limit - RP) ** 2 - U**2)))
-    return math.ceil(min(measured.n * (_POWER * reach / room) ** 2, MOST_CYCLES))
+    return math.ceil(min(found.estimate.n * (_POWER * reach / room) ** 2, MOST_CYCLES))
 
 
 def _log_ratio(RP: float, change: float) -> float:

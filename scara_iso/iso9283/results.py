@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
-from scara_iso.quantities import Dimension
+from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import FloatArray, IntArray, Run
 
 Severity = Literal["error", "warning", "info"]
@@ -49,14 +49,10 @@ class AxisResult:
     mean: float
     l_bar: float
     S_l: float
-    RP: float
-    RP_interval: Interval | None
-    """95 %: chance, dial and calibration. None for fewer than five cycles, or where one reading
-    carries the figure."""
-    three_sigma: float
+    repeatability: Estimate
+    """l_bar + 3 S_l, eq. 6."""
+    three_S: Estimate  # noqa: N815 - the standard's symbol
     """Three sample standard deviations; ISO 9283's RP_a for an angle."""
-    three_sigma_interval: Interval | None
-    """Likewise, of `three_sigma`."""
     resolution: float | None
     uncertainty: float | None
     """Standard uncertainty of one reading: resolution and indicator combined (GUM 5.1.2)."""
@@ -67,6 +63,29 @@ class AxisResult:
     zero is not referred to it."""
     angle: ThetaAngle | None = None
     definitions: tuple[Definition, ...] = ()
+
+    @property
+    def RP(self) -> float:  # noqa: N802 - the standard's symbol
+        """Value of `repeatability`."""
+        return self.repeatability.value
+
+    @property
+    def RP_interval(self) -> Interval | None:  # noqa: N802
+        """95 %: chance, dial and calibration.
+
+        None for fewer than five cycles, or where one reading carries the figure.
+        """
+        return self.repeatability.interval
+
+    @property
+    def three_sigma(self) -> float:
+        """Value of `three_S`."""
+        return self.three_S.value
+
+    @property
+    def three_sigma_interval(self) -> Interval | None:
+        """Likewise, of `three_S`."""
+        return self.three_S.interval
 
     @property
     def n(self) -> int:
@@ -94,19 +113,38 @@ class AxisResult:
 class RadialResult:
     """Several length axes together: ISO 9283 7.2.2, and the paper's eq. 23 for the plane."""
 
-    RP: float
-    RP_interval: Interval | None
+    repeatability: Estimate
+    """l_bar + 3 S_l of the distances to the barycentre."""
     l_bar: float
     S_l: float
-    RP_rss: float | None
-    """Root sum of squares of the axes' RP, eq. 23; None in space."""
-    RP_rss_interval: Interval | None
+    root_sum_of_squares: Estimate | None
+    """Of the axes' RP, eq. 23; None in space."""
     uncertainty: float | None
     """Standard uncertainty of a distance to the barycentre; None where an axis states none."""
     calibration: float | None
     """The indicators' part of it; None where none states one."""
     accuracy: float | None
     """Distance from the command pose to the barycentre, 7.2.1."""
+
+    @property
+    def RP(self) -> float:  # noqa: N802 - the standard's symbol
+        """Value of `repeatability`."""
+        return self.repeatability.value
+
+    @property
+    def RP_interval(self) -> Interval | None:  # noqa: N802
+        """95 %, as of an axis."""
+        return self.repeatability.interval
+
+    @property
+    def RP_rss(self) -> float | None:  # noqa: N802
+        """Value of `root_sum_of_squares`."""
+        return None if self.root_sum_of_squares is None else self.root_sum_of_squares.value
+
+    @property
+    def RP_rss_interval(self) -> Interval | None:  # noqa: N802
+        """95 %, of `root_sum_of_squares`."""
+        return None if self.root_sum_of_squares is None else self.root_sum_of_squares.interval
 
     @property
     def uncertainty_ratio(self) -> float | None:
@@ -183,8 +221,11 @@ class LimitCheck:
     """One figure against a limit that the user gave; lengths in mm, angles in degrees."""
 
     figure: str
-    """``X``, ``XY`` and so on."""
+    """``X``, ``XY`` and so on, with the code where it is no repeatability of a pose: ``RD X``."""
+    code: str
+    """Of the characteristic."""
     RP: float
+    """Value of the characteristic."""
     limit: float
     guard: float | None
     """Expanded uncertainty U = 2 u of the indicator; None where not known."""
@@ -217,7 +258,33 @@ class LimitCheck:
             return Conformity.NOT_PROVABLE
         if self.interval[0] > self.limit:
             return Conformity.FAIL
-        return Conformity.NOT_PROVABLE if self.interval_void else Conformity.PASS
+        return Conformity.PASS
+
+
+@dataclass(frozen=True, slots=True)
+class Characteristic:
+    """One figure of the test, by its code, where and of what; see `characteristics`."""
+
+    code: str
+    pose: str | None
+    """Label, or two of them: ``P1-P2``; None for a run of one pose."""
+    of: str
+    """``X``, ``XY``, ``theta`` and so on."""
+    estimate: Estimate
+    limited_by: tuple[str, ...] = ()
+    """Names by which a limit of it can be given; the first that is given holds."""
+    reading_u: float | None = None
+    """Standard uncertainty of one reading."""
+    calibration: float | None = None
+    """The part of it that the certificate states."""
+    between: tuple[str | None, ...] = ()
+    """Labels of the poses, where there are several."""
+    limit: LimitCheck | None = None
+
+    @property
+    def name(self) -> str:
+        """How it is called where it is held against a limit."""
+        return self.of if self.of in self.limited_by else f"{self.code} {self.of}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,6 +296,7 @@ class Analysis:
     poses: tuple[PoseResult, ...]
     findings: tuple[Finding, ...]
     limits: tuple[LimitCheck, ...] = ()
+    characteristics: tuple[Characteristic, ...] = ()
 
     @property
     def conformity(self) -> Conformity | None:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283 import (
         Analysis,
         AxisResult,
+        Characteristic,
         Finding,
         LimitCheck,
         PosePlan,
@@ -41,10 +42,10 @@ def to_text(document: Mapping[str, Any]) -> str:
 
 
 def analysis_json(analysis: Analysis) -> Json:
-    """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/1``."""
+    """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/2``."""
     cycles = analysis.cycles
     return {
-        "schema": "scara-iso/analyze/1",
+        "schema": "scara-iso/analyze/2",
         "unit": "mm",
         "source": analysis.run.origin.source,
         "read_as": analysis.run.origin.understood,
@@ -56,6 +57,7 @@ def analysis_json(analysis: Analysis) -> Json:
             "used": cycles.used,
         },
         "poses": [_pose(pose) for pose in analysis.poses],
+        "characteristics": [_characteristic(one) for one in analysis.characteristics],
         "limits": [_limit(check) for check in analysis.limits],
         "conformity": None if analysis.conformity is None else analysis.conformity.value,
         "deviations": [
@@ -125,6 +127,25 @@ def _radial(found: RadialResult) -> Json:
         "uncertainty": found.uncertainty,
         "uncertainty_ratio": found.uncertainty_ratio,
         "accuracy": found.accuracy,
+    }
+
+
+def _characteristic(found: Characteristic) -> Json:
+    estimate, check = found.estimate, found.limit
+    return {
+        "code": found.code,
+        "clause": estimate.clause,
+        "pose": found.pose,
+        "of": found.of,
+        "value": estimate.value,
+        "unit": estimate.unit,
+        "u": estimate.u,
+        "parts": dict(estimate.parts),
+        "interval": estimate.interval,
+        "n": estimate.n,
+        "limit": None
+        if check is None
+        else {"limit": check.limit, "verdict": check.verdict.value, "rule": check.decision.value},
     }
 
 

@@ -16,6 +16,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
+from scara_iso.reporting.characteristics import characteristics
 from scara_iso.reporting.digits import U_of_scatter, interval, rounded
 from scara_iso.reporting.limits import conformity, limits
 from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
@@ -33,7 +34,7 @@ def analysis_report(analysis: Analysis) -> Report:
         name = f"pose {label}: " if label else ""
         sections.append(Section(f"{name}repeatability", tuple(pose_figures(pose)), label))
         sections.append(Section(f"{name}readings over the cycles", tuple(_strips(pose)), label))
-    return (*sections, *limits(analysis), *findings(analysis))
+    return (*sections, *characteristics(analysis), *limits(analysis), *findings(analysis))
 
 
 def _origin(analysis: Analysis) -> Iterator[Block]:

@@ -10,6 +10,7 @@ from scara_iso.iso9283 import Analysis, PoseResult
 from scara_iso.reporting.analysis import findings, pose_figures, verdict
 from scara_iso.reporting.backlash import backlash_report
 from scara_iso.reporting.blocks import Block, Report, Section, Strip, Table, Text
+from scara_iso.reporting.characteristics import characteristics
 from scara_iso.reporting.diagnosis import Failure, diagnosis_report, diagnosis_verdict
 from scara_iso.reporting.figures import courses, plane, predictions
 from scara_iso.reporting.intermediates import by_cycle, intermediates
@@ -84,7 +85,7 @@ def _sections(dossier: Dossier) -> Report:
         sections.append(Section(_of(pose, "Repeatability"), tuple(pose_figures(pose))))
         pictures = (*courses(pose), *plane(pose, separate=separate))
         sections.append(Section(_of(pose, "Readings"), pictures))
-    sections += [_capital(section) for section in limits(analysis)]
+    sections += [_capital(section) for section in (*characteristics(analysis), *limits(analysis))]
     sections.append(Section("Uncertainty budget", tuple(budget_blocks(analysis))))
     sections += [_capital(section) for section in findings(analysis)]
     for pose in analysis.poses:

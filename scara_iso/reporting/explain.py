@@ -1,4 +1,4 @@
-"""The page of every finding and effect: what it means and what to do."""
+"""The page of every finding, characteristic and effect: what it means and what to do."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scara_iso import effects
 from scara_iso.comparison import PAGES
 from scara_iso.effects import Effect, GearEffect
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import checks
+from scara_iso.iso9283 import characteristics, checks
 from scara_iso.plugins import find_modules
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
@@ -33,16 +33,21 @@ class Page:
 
 
 def pages() -> dict[str, Page]:
-    """Return the pages by code: findings of a table, effects on readings, effects on reversals."""
+    """Return the pages by code: findings, characteristics, effects on readings, on reversals."""
     modules = find_modules(checks, "scara_iso.checks")
     texts = {module.CODE: module.__doc__ or "" for module in modules}
     texts |= PAGES
     findings = [_finding(code, text) for code, text in sorted(texts.items())]
+    figures = [
+        _characteristic(module.CODE, module.CLAUSE, module.__doc__ or "")
+        for module in find_modules(characteristics, "scara_iso.characteristics")
+    ]
     found = [
         _effect(module.EFFECT, module.__doc__ or "")
         for module in find_modules(effects, "scara_iso.effects")
     ]
-    return {page.code: page for page in (*findings, *sorted(found, key=lambda page: page.kind))}
+    every = (*findings, *figures, *sorted(found, key=lambda page: page.kind))
+    return {page.code: page for page in every}
 
 
 def find_page(code: str) -> Page:
@@ -53,7 +58,7 @@ def find_page(code: str) -> Page:
         return found[known[_plain(code)]]
     near = [known[name] for name in get_close_matches(_plain(code), known)]
     remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all codes"
-    raise UsageError(f"no finding or effect is called {code[:80]!r}", remedy=remedy)
+    raise UsageError(f"no finding, characteristic or effect is called {code[:80]!r}", remedy=remedy)
 
 
 def page_report(page: Page) -> Report:
@@ -89,6 +94,12 @@ def _parameters(page: Page) -> Iterator[Block]:
 def _finding(code: str, doc: str) -> Page:
     title, *text = _paragraphs(doc)
     return Page(code, "finding", title, tuple(text))
+
+
+def _characteristic(code: str, clause: str, doc: str) -> Page:
+    title, *text = _paragraphs(doc)
+    where = f"ISO 9283 {clause}" if clause[:1].isdigit() else clause
+    return Page(code, "characteristic", title, (*text, f"Defined in {where}."))
 
 
 def _effect(effect: Effect | GearEffect, doc: str) -> Page:

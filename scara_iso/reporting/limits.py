@@ -47,8 +47,8 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     void = [check for check in analysis.limits if check.interval_void and not simple]
     if void:
         yield Text(
-            f"A drift voids the interval of {', '.join(_names(void))}, which can then not pass: "
-            "find its cause (diagnose), and measure again without it",
+            f"A drift voids the interval of {', '.join(_names(void))}: what is decided by it holds "
+            "only while the robot drifts alike; diagnose finds the cause",
             "warn",
         )
 
@@ -70,7 +70,7 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
         interval = Interval(*said) if said else "none"
         limit, verdict = Number(check.limit, ".15g"), _WORDS[check.verdict]
         rows.append((_name(check), RP, interval, limit, verdict, _wanted(check)))
-    header = ("limit of", "RP", "95 % interval", "limit", "verdict", "cycles needed")
+    header = ("limit of", _figure(checks), "95 % interval", "limit", "verdict", "cycles needed")
     return Table(header, tuple(rows), _FIGURES + _INTERVAL)
 
 
@@ -90,8 +90,14 @@ def _simple_table(checks: Sequence[LimitCheck]) -> Table:
             )
         )
     return Table(
-        ("limit of", "RP", "limit", "guard band", "verdict"), tuple(rows), _FIGURES + _SIMPLE
+        ("limit of", _figure(checks), "limit", "guard band", "verdict"),
+        tuple(rows),
+        _FIGURES + _SIMPLE,
     )
+
+
+def _figure(checks: Sequence[LimitCheck]) -> str:
+    return "RP" if all(check.code.startswith("RP") for check in checks) else "figure"
 
 
 def deciding_places(limit: float, values: Sequence[float]) -> int:
@@ -114,8 +120,6 @@ def _guard_band(half_width: float) -> Number:
 def _wanted(check: LimitCheck) -> Number | str:
     if check.verdict is not Conformity.NOT_PROVABLE:
         return ""
-    if check.interval_void:
-        return "not while it drifts"
     if check.cycles_wanted is None:
         return "none would do"
     wanted = Number(check.cycles_wanted)

@@ -1,0 +1,44 @@
+"""Pose accuracy: how far the mean of the attained poses lies from the command pose.
+
+Of an axis the mean minus the command coordinate, of XY and XYZ the distance from the command pose
+to the barycentre. A dial knows it only where its zero is referred to the command pose: state
+`# dial_zero: command` and `# command_X` for each pose, else it is not given. Its uncertainty holds
+the scatter of the mean and what the indicator adds to every reading alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.estimates import distance_estimate, position_estimate
+from scara_iso.iso9283.results import AxisResult, Characteristic, Measured, PoseResult
+from scara_iso.quantities import Estimate
+
+CODE = "AP"
+CLAUSE = "7.2.1"
+
+
+def compute(test: Measured) -> Iterator[Characteristic]:
+    """Yield it for each axis, XY and XYZ of each pose whose command pose the dial knows."""
+    for pose in test.poses:
+        for name, found in pose.figures.items():
+            if found.accuracy is not None:
+                estimate = _estimate(found.accuracy, pose, name)
+                yield Characteristic(CODE, pose.label, name, estimate)
+
+
+def _estimate(value: float, pose: PoseResult, name: str) -> Estimate:
+    if name in pose.axes:
+        return _of_axis(value, pose.axes[name])
+    return distance_estimate(value, [_of_axis(0.0, pose.axes[letter]) for letter in name])
+
+
+def _of_axis(value: float, axis: AxisResult) -> Estimate:
+    return position_estimate(
+        value,
+        S=axis.three_sigma / 3,
+        n=axis.n,
+        reading_u=axis.uncertainty,
+        unit=axis.unit,
+        clause=CLAUSE,
+    )

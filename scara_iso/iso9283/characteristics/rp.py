@@ -1,0 +1,29 @@
+"""Pose repeatability: how closely the robot comes back to the same place.
+
+RP = l_bar + 3 S_l, where l_j is the distance of the attained position j to the barycentre, l_bar
+their mean and S_l their standard deviation with n - 1: of each axis that is a length (the paper's
+eq. 2-6), of the plane XY and of space XYZ (radial). No Gaussian scatter is assumed in it. Of an
+angle it is RP_a.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.conformity import EVERY_LENGTH
+from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.quantities import MILLIMETRE
+
+CODE = "RP"
+CLAUSE = "7.2.2"
+
+
+def compute(test: Measured) -> Iterator[Characteristic]:
+    """Yield it for each length axis, XY and XYZ of each pose."""
+    for pose in test.poses:
+        for name, found in pose.figures.items():
+            if found.repeatability.unit == MILLIMETRE.name:
+                yield Characteristic(
+                    CODE, pose.label, name, found.repeatability, (name, EVERY_LENGTH),
+                    found.uncertainty, found.calibration,
+                )  # fmt: skip

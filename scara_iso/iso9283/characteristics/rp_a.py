@@ -1,0 +1,26 @@
+"""Pose repeatability of an angle: plus or minus three standard deviations.
+
+RP_a = +/- 3 S_a, S_a with n - 1, of an axis that was given as an angle, in degrees. The paper
+treats theta as the other axes, by eq. 2-6; that figure stays beside it as RP of the axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.quantities import Dimension
+
+CODE = "RP_a"
+CLAUSE = "7.2.2"
+
+
+def compute(test: Measured) -> Iterator[Characteristic]:
+    """Yield it for each angle of each pose."""
+    for pose in test.poses:
+        for name, axis in pose.axes.items():
+            if axis.dimension is Dimension.ANGLE:
+                yield Characteristic(
+                    CODE, pose.label, name, axis.three_S, (name,),
+                    axis.uncertainty, axis.calibration,
+                )  # fmt: skip

@@ -1,0 +1,25 @@
+"""The paper's figure of a plane: root sum of squares of the axes' repeatability.
+
+The paper's eq. 23 combines RP of X and of Y. The standard's own figure of the plane is the radial
+RP (7.2.2). A limit on XY holds for both, so that the larger decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.conformity import EVERY_LENGTH
+from scara_iso.iso9283.results import Characteristic, Measured
+
+CODE = "RP_rss"
+CLAUSE = "paper eq. 23"
+
+
+def compute(test: Measured) -> Iterator[Characteristic]:
+    """Yield it for XY of each pose."""
+    for pose in test.poses:
+        if pose.XY is not None and pose.XY.root_sum_of_squares is not None:
+            yield Characteristic(
+                CODE, pose.label, "XY", pose.XY.root_sum_of_squares, ("XY", EVERY_LENGTH),
+                pose.XY.uncertainty, pose.XY.calibration,
+            )  # fmt: skip

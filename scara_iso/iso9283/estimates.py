@@ -1,0 +1,109 @@
+"""Figures of scatter and of position with their uncertainty: chance, dial, calibration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from scara_iso.iso9283.statistics import WIDEST, SamplingInterval
+from scara_iso.quantities import Estimate, rounding_uncertainty
+from scara_iso.run import Axis, FloatArray
+
+FEWEST_FOR_INTERVAL = 5
+_Z = 1.959964  # 97.5 % of the normal distribution
+
+
+def scatter_estimates(
+    interval: SamplingInterval,
+    figures: FloatArray,
+    positions: FloatArray,
+    *,
+    steps: Sequence[float],
+    calibration: float | None,
+    unit: str,
+    clause: str,
+) -> list[Estimate]:
+    """Return each pose's figure of scatter, shape (poses,), as an estimate.
+
+    ``positions`` have shape (poses, components, n). Reaches of chance and calibration are combined
+    as independent (Zou and Donner 2008). What a certificate's uncertainty makes of a scatter the
+    sources leave open; here it is that of the figure itself. The standard uncertainty of sampling
+    is a quarter of its 95 % interval, which is no even one.
+    """
+    n = positions.shape[-1]
+    known = {} if calibration is None else {"calibration": calibration}
+    if n < FEWEST_FOR_INTERVAL:
+        return [Estimate(x, unit, None, known, None, n, clause) for x in figures.tolist()]
+    limits = interval(positions, resolutions=steps)
+    U = 2 * (calibration or 0.0)
+    lower = np.maximum(figures - np.hypot(figures - limits[0], U), 0)
+    upper = figures + np.hypot(limits[1] - figures, U)
+    bounded = (upper > 0) & ((figures == 0) | (limits[1] < WIDEST * figures))
+    sampling = (limits[1] - limits[0]) / 4
+    columns = (figures, sampling, lower, upper, bounded)
+    return [
+        Estimate(x, unit, math.hypot(u, calibration or 0.0), {"sampling": u, **known},
+                 (low, high), n, clause)
+        if found
+        else Estimate(x, unit, None, known, None, n, clause)
+        for x, u, low, high, found in zip(*(column.tolist() for column in columns), strict=True)
+    ]  # fmt: skip
+
+
+def position_estimate(
+    value: float, *, S: float, n: int, reading_u: float | None, unit: str, clause: str
+) -> Estimate:
+    """Return a mean of n readings as an estimate.
+
+    ``S`` is the readings' standard deviation, ``reading_u`` what the indicator adds to all of them
+    alike. The interval is Student's, its reach combined with 2 ``reading_u``.
+    """
+    parts = {"sampling": S / math.sqrt(n)}
+    parts |= {} if reading_u is None else {"reading": reading_u}
+    if n < FEWEST_FOR_INTERVAL:
+        return Estimate(value, unit, None, parts, None, n, clause)
+    reach = math.hypot(_student(n - 1) * parts["sampling"], 2 * (reading_u or 0.0))
+    ends = (value - reach, value + reach)
+    return Estimate(value, unit, math.hypot(*parts.values()), parts, ends, n, clause)
+
+
+def distance_estimate(value: float, components: Sequence[Estimate]) -> Estimate:
+    """Return the length of a vector of means; it is no less certain than its worst component.
+
+    A length is wrong by no more than the vector is, so the interval holds at least 95 %.
+    """
+    worst = max(components, key=lambda one: one.u or 0.0)
+    ends = [one.interval for one in components if one.interval is not None]
+    if len(ends) < len(components):
+        return replace(worst, value=value, u=None, interval=None)
+    reach = math.hypot(*((high - low) / 2 for low, high in ends))
+    return replace(worst, value=value, interval=(max(value - reach, 0.0), value + reach))
+
+
+def reading_uncertainty(axis: Axis) -> float | None:
+    """Return the standard uncertainty of one reading, in the axis' unit; None if nothing is stated.
+
+    Resolution / sqrt(12) and the indicator's own uncertainty, combined as independent (GUM 5.1.2).
+    """
+    parts = [] if axis.resolution is None else [rounding_uncertainty(axis.resolution)]
+    parts += [] if axis.uncertainty is None else [axis.uncertainty]
+    return math.hypot(*parts) if parts else None
+
+
+def largest_calibration(axes: Sequence[Axis]) -> float | None:
+    """Return the largest standard uncertainty that a certificate states; None if none does."""
+    return max((axis.uncertainty for axis in axes if axis.uncertainty is not None), default=None)
+
+
+def _student(freedom: int) -> float:
+    """Return the 97.5 % quantile of Student's t: Abramowitz and Stegun 26.7.5."""
+    z, v = _Z, freedom
+    return (
+        z
+        + (z**3 + z) / (4 * v)
+        + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * v**2)
+        + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * v**3)
+    )
