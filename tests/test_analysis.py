@@ -302,3 +302,15 @@ def test_a_radial_figure_states_no_uncertainty_where_one_axis_states_none(rng):
     one = analyze(run_with([known, unknown])).poses[0].XY
     assert one.uncertainty is None
     assert one.uncertainty_ratio is None
+
+
+def test_a_pose_is_found_by_number_and_by_name(rng):
+    rows = np.repeat(np.arange(31), 2)
+    run = Run(rows + 1, {"X": Axis("X", rng.normal(0, 0.01, 62))}, pose=np.tile(["P1", "P2"], 31))
+    analysis = analyze(run)
+    assert analysis.poses["P2"] is analysis.poses[1]
+    assert analysis.poses[:1] == (analysis.poses["P1"],)
+    with pytest.raises(KeyError, match="no pose 'P3': there is P1, P2"):
+        _ = analysis.poses["P3"]
+    assert repr(analysis).startswith("<Analysis of a run: 2 pose(s), 30 cycles")
+    assert "array" not in repr(analysis.poses)

@@ -280,7 +280,9 @@ def test_help_and_version(call):
     for command in ("analyze", "backlash", "demo"):
         assert command in out
     assert re.fullmatch(r"scara-iso \d+\.\d+\.\d+\S*\n", call("--version")[1])
-    assert call()[0] == 2
+    code, out, err = call()
+    assert (code, err) == (0, "")
+    assert out == call("--help")[1]
 
 
 def shell(*argv, stdin=None, **env):

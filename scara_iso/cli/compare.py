@@ -111,7 +111,8 @@ def _together(errors: Sequence[ScaraIsoError], tables: int) -> ScaraIsoError:
     what = f"{len(errors)} of {tables} tables cannot be compared"
     remedies = dict.fromkeys(error.remedy for error in errors if error.remedy)
     if all(isinstance(error, NoInputError) for error in errors):
-        return NoInputError(f"{what}: {'; '.join(map(str, errors))}", remedy="; ".join(remedies))
+        said = "; ".join(error.headline for error in errors)
+        return NoInputError(f"{what}: {said}", remedy="; ".join(remedies))
     faults = [fault for error in errors for fault in _faults(error)]
     return DataError(what, remedy="; ".join(remedies), faults=faults)
 
@@ -119,4 +120,4 @@ def _together(errors: Sequence[ScaraIsoError], tables: int) -> ScaraIsoError:
 def _faults(error: ScaraIsoError) -> list[Fault]:
     of_it = error.faults if isinstance(error, DataError) else ()
     below = (Fault(f"{error.where}: {fault}") for fault in of_it if fault.message != error.what)
-    return [Fault(str(error)), *below]
+    return [Fault(error.headline), *below]

@@ -60,7 +60,7 @@ def _diagnose_one(
     try:
         return diagnose(reading.read(table), model, **asdict(wanted), seed=seed)
     except ScaraIsoError as error:
-        return Failure(str(error), error.exit_code)
+        return Failure(error.headline, error.exit_code)
 
 
 def _as_json(

@@ -264,7 +264,7 @@ def _diagnoses(
     except ScaraIsoError as error:
         if model is not None:
             raise
-        return dict.fromkeys(labels, Failure(str(error), error.exit_code))
+        return dict.fromkeys(labels, Failure(error.headline, error.exit_code))
 
 
 def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:

@@ -80,10 +80,10 @@ class Repeatabilities:
 class Series:
     """Readings over the cycles, shape (n,) for each axis."""
 
-    cycle: IntArray
-    measured: Mapping[str, FloatArray]
-    predicted_before: Mapping[str, FloatArray]
-    predicted_after: Mapping[str, FloatArray]
+    cycle: IntArray = field(repr=False)
+    measured: Mapping[str, FloatArray] = field(repr=False)
+    predicted_before: Mapping[str, FloatArray] = field(repr=False)
+    predicted_after: Mapping[str, FloatArray] = field(repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,3 +116,8 @@ class Diagnosis:
     """What could not be searched or told, one line each."""
     reversals: RunReversals | None = None
     """The gears, by payload; None without a model or the columns approach and payload_kg."""
+
+    def __repr__(self) -> str:
+        named = f" {', '.join(one.effect for one in self.effects)}" if self.effects else ""
+        axes, n = ", ".join(self.series.measured), len(self.series.cycle)
+        return f"<Diagnosis of {axes} over {n} cycles: {self.verdict.value}{named}>"

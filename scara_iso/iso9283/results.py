@@ -7,9 +7,10 @@ converts itself: `report` says it and `render` shows it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
+from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, Decision
 from scara_iso.quantities import Dimension
 from scara_iso.run import FloatArray, IntArray, Run
@@ -44,7 +45,7 @@ class AxisResult:
 
     name: str
     dimension: Dimension
-    readings: FloatArray
+    readings: FloatArray = field(repr=False)
     """The readings that count, shape (n,), in `unit`."""
     mean: float
     l_bar: float
@@ -124,9 +125,9 @@ class PoseResult:
     """One pose: its axes, and XY and XYZ where those axes are lengths."""
 
     label: str | None
-    rows: IntArray
+    rows: IntArray = field(repr=False)
     """Rows of the run that count, shape (n,), from 0."""
-    cycle: IntArray
+    cycle: IntArray = field(repr=False)
     """Their cycle numbers, shape (n,)."""
     axes: Mapping[str, AxisResult]
     XY: RadialResult | None
@@ -161,7 +162,7 @@ class Measured:
 
     run: Run
     cycles: Cycles
-    poses: tuple[PoseResult, ...]
+    poses: Poses
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,9 +221,15 @@ class Analysis:
 
     run: Run
     cycles: Cycles
-    poses: tuple[PoseResult, ...]
+    poses: Poses
+    """By number or by name: ``poses[0]``, ``poses["P1"]``."""
     findings: tuple[Finding, ...]
     limits: tuple[LimitCheck, ...] = ()
+
+    def __repr__(self) -> str:
+        of_it = self.run.origin.source or "a run"
+        used = f"{len(self.poses)} pose(s), {self.cycles.used} cycles"
+        return f"<Analysis of {of_it}: {used}, {len(self.findings)} findings>"
 
     @property
     def conformity(self) -> Conformity | None:
