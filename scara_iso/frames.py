@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from scara_iso.errors import DataError
 
 if TYPE_CHECKING:
     import pandas as pd
+    from typing_extensions import TypeIs
 
 FRAME = "data frame"
 """Where errors and reports say that a run is from."""
@@ -47,3 +49,9 @@ def refuse_without_unit(axes: Sequence[str], unit: str | None) -> None:
             where=FRAME,
             remedy='state it, such as unit="mm"',
         )
+
+
+def is_frame(found: object) -> TypeIs[pd.DataFrame]:
+    """Say whether this is a pandas table; none is where pandas was never imported."""
+    pandas = sys.modules.get("pandas")
+    return pandas is not None and isinstance(found, pandas.DataFrame)
