@@ -118,7 +118,33 @@ def test_report_is_the_command_and_writes_what_it_writes(said, tmp_path):
     own, by_command = ((tmp_path / n).read_text() for n in ("own.md", "command.md"))
     assert own.splitlines()[:-1] == by_command.splitlines()[:-1]  # the last names the command
     assert found.write(tmp_path / "again.md").read_text() == own
-    assert found._repr_html_().startswith("<!DOCTYPE html>")
+    assert found._repr_html_().startswith("<iframe sandbox")
+
+
+def test_figures_go_into_a_frame():
+    analysis = scara_iso.analyze(TABLE_1)
+    frame = analysis.to_frame()
+    assert frame["figure"].tolist() == ["X", "Y", "Z", "theta", "XY", "XYZ"]
+    row = frame.set_index("figure").loc["X"]
+    assert (row["RP"], row["n"], row["unit"]) == (analysis.poses[0].axes["X"].RP, 30, "mm")
+    assert (row["RP_low"], row["RP_high"]) == analysis.poses[0].axes["X"].RP_interval
+    assert np.isnan(row["RP_rss"])
+
+
+def test_a_diagnosis_gives_its_series_and_shows_itself():
+    found = scara_iso.diagnose(TABLE_1)
+    frame = found.to_frame()
+    assert np.array_equal(frame["Y_measured"], found.series.measured["Y"])
+    assert np.array_equal(frame["Y_predicted_after"], found.series.predicted_after["Y"])
+    assert repr(found).startswith("<Diagnosis of X, Y, Z, theta over 30 cycles: explained step")
+
+
+@pytest.mark.parametrize("of", [lambda: scara_iso.analyze(TABLE_1),
+                                lambda: scara_iso.compare(BEFORE, AFTER)])  # fmt: skip
+def test_a_result_is_a_page_in_a_notebook(of):
+    page = of()._repr_html_()
+    assert page.startswith('<iframe sandbox srcdoc="&lt;!DOCTYPE html&gt;')
+    assert page.count("<") == 2
 
 
 def test_record_is_a_run_of_what_was_stored(tmp_path):

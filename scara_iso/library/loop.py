@@ -12,7 +12,8 @@ from scara_iso import diagnosis
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis
 from scara_iso.errors import ScaraIsoError
 from scara_iso.library.inputs import Reading, Table
-from scara_iso.reporting import Failure
+from scara_iso.library.notebook import shows_itself
+from scara_iso.reporting import Failure, Report
 from scara_iso.robot import Model
 
 
@@ -105,3 +106,12 @@ def _diagnose_one(
         return diagnosis.diagnose(reading.read(table), model, **asdict(wanted), seed=seed)
     except ScaraIsoError as error:
         return Failure(error.headline, error.exit_code)
+
+
+def _page(found: Diagnosis) -> Report:
+    from scara_iso.reporting import diagnosis_report
+
+    return diagnosis_report(found, "")
+
+
+shows_itself(Diagnosis, _page, "Diagnosis")

@@ -22,6 +22,7 @@ from scara_iso.frames import is_frame
 from scara_iso.iso9283 import Analysis, Decision
 from scara_iso.library.figures import compared_with_its_manifest
 from scara_iso.library.inputs import Reading, Table
+from scara_iso.library.notebook import framed
 from scara_iso.reporting import Dossier, Failure, InputFile, Provenance, document
 from scara_iso.robot import Gearbox, Model, read_model
 from scara_iso.run import Run
@@ -50,7 +51,7 @@ class Document:
         return path
 
     def _repr_html_(self) -> str:
-        return _html(self.dossier, _title(self.dossier)).decode()
+        return framed(_html(self.dossier, _title(self.dossier)).decode())
 
 
 def report(
