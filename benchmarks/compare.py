@@ -20,13 +20,13 @@ import numpy as np
 from scipy import stats
 
 from scara_iso import analyze
-from scara_iso.comparison import Comparison, Contrast, Verdict, compare
+from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, compare
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.run import AXES, Axis, FloatArray, Run
 
 CYCLES = 30
 RATIO = 1.8
-SHOWN = (Verdict.LESS, Verdict.MORE)
+SHOWN = (ContrastVerdict.LESS, ContrastVerdict.MORE)
 Draw = Callable[[np.random.Generator, tuple[int, ...]], FloatArray]
 
 
@@ -126,7 +126,7 @@ def power_row(law: Law, rng: np.random.Generator, axes: int, runs: int, shuffles
     for _ in range(runs):
         found, before, after = compared(law, rng, axes, RATIO, apart=True, shuffles=shuffles)
         X = found.pairs[0].spreads[0]
-        shown.append(X.verdict is Verdict.MORE)
+        shown.append(X.verdict is ContrastVerdict.MORE)
         ratio.append(_holds(X.ratio_interval, RATIO))
         difference.append(_holds(X.interval, (RATIO - 1) * RP))
         if axes == 1:
@@ -149,7 +149,7 @@ def cycles_row(rng: np.random.Generator, runs: int, shuffles: int) -> str:
         compared(LAWS[0], rng, 1, ratio, apart=True, shuffles=shuffles)[0].pairs[0].spreads[0]
         for _ in range(runs)
     ]
-    share = np.mean([one.verdict is Verdict.MORE for one in shown])
+    share = np.mean([one.verdict is ContrastVerdict.MORE for one in shown])
     return f"smallest ratio shown by 30 cycles in 80 %: {ratio:.2f}; shown in {share:.1%}"
 
 

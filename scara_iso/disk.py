@@ -209,6 +209,8 @@ def _open_stream(path: Path) -> int | None:
 def _refuse_unwritable(path: Path) -> None:
     """Raise the `OSError` of writing in place: a rename would pass over a file's protection."""
     target = path.resolve()
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if target.exists() and not os.access(target, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     folder = target.parent

@@ -13,7 +13,7 @@ from scara_iso.errors import DataError
 if TYPE_CHECKING:
     from scara_iso.run import Run
 
-Command = float | Mapping[str, float] | None
+Commanded = float | Mapping[str, float] | None
 """A coordinate of the command pose: of the only pose, or by pose; None where not stated."""
 CONDITIONS = frozenset({"approach", "payload_kg", "speed", "temperature_C", "time_s"})
 """Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
@@ -54,7 +54,7 @@ def number_cycles(
 
 def by_pose(
     name: str, values: npt.NDArray[np.float64] | None, pose: npt.NDArray[np.str_] | None
-) -> Command:
+) -> Commanded:
     """Return what a column that holds one number for each pose says, or raise `DataError`."""
     if values is None:
         return None

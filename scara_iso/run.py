@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from scara_iso.errors import DataError
 from scara_iso.frames import FRAME, make_frame, numbers_of, refuse_without_unit
-from scara_iso.pose_columns import Command, by_pose, check_clusters, number_cycles
+from scara_iso.pose_columns import Commanded, by_pose, check_clusters, number_cycles
 from scara_iso.quantities import TURN, Dimension, parse_unit, unwrap
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Axis:
     dimension: Dimension = Dimension.LENGTH
     resolution: float | None = None
     uncertainty: float | None = None
-    command: Command = None
+    command: Commanded = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
@@ -261,10 +261,10 @@ class Run:
         return run
 
 
-def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Command) -> Axis:
+def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Commanded) -> Axis:
     size = parse_unit(stated["unit"])
 
-    def convert(value: Command) -> Command:
+    def convert(value: Commanded) -> Commanded:
         if isinstance(value, Mapping):
             return {label: size.to_base(number) for label, number in value.items()}
         return None if value is None else size.to_base(value)

@@ -10,7 +10,7 @@ from disks import UnsyncedDisk
 from scara_iso.acquisition.ports import StreamClock
 from scara_iso.acquisition.recorder import (
     Job,
-    Plan,
+    RecordingPlan,
     Stored,
     parse_gauges,
     parse_trigger,
@@ -119,7 +119,7 @@ def run_session(
     job = Job(
         folder / table,
         parse_gauges(gauges),
-        Plan(parse_trigger(trigger), cycles, stable, rearm_s),
+        RecordingPlan(parse_trigger(trigger), cycles, stable, rearm_s),
         metadata or {},
         resume,
     )

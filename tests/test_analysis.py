@@ -1,6 +1,7 @@
 """From a run to its figures: poses, planes, angles, accuracy, definitions and limits."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -189,6 +190,27 @@ def test_the_whole_fails_with_one_and_passes_with_all(rng):
         ({"X": between, "Y": 1e-4}, Conformity.FAIL),
     ]:
         assert analyze(run, limits=limits).conformity is whole
+
+
+def test_a_drift_keeps_no_limit_at_its_pose_and_breaks_one_all_the_same(rng):
+    pose = np.repeat(["P1", "P2"], 31)
+    moving = np.concatenate([np.zeros(31), np.linspace(0, 0.1, 31)])
+    X, Y = (Axis(name, rng.normal(0, 0.002, 62), resolution=1e-6) for name in "XY")
+    moved = replace(Y, readings=Y.readings + moving)
+    run = Run(np.tile(np.arange(1, 32), 2), {"X": X, "Y": moved}, pose=pose)
+
+    def verdicts(limit: float) -> dict[tuple[str | None, str], str]:
+        found = analyze(run, limits={"": limit}).limits
+        return {(one.pose, one.figure): one.verdict.value for one in found}
+
+    assert {key for key, said in verdicts(1.0).items() if said != "pass"} == {
+        ("P2", "Y"), ("P2", "XY")
+    }  # fmt: skip
+    assert set(verdicts(1.0).values()) == {"pass", "not-provable"}
+    assert verdicts(0.02)["P2", "Y"] == "fail"
+    (in_between,) = (one for one in analyze(run, limits={"Y": 0.12}).limits if one.pose == "P2")
+    assert in_between.interval_void
+    assert in_between.cycles_wanted is None
 
 
 def test_an_angle_is_decided_on_the_interval_of_3_s(rng):

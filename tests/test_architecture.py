@@ -78,3 +78,23 @@ def test_no_package_has_the_name_of_a_public_function():
     public = {name for name in dir(scara_iso) if name.islower()}
     assert not public & {path.name for path in ROOT.iterdir()}
     assert not public & {path.stem for path in ROOT.glob("*.py")}
+
+
+HOOKS = {"check", "check_shape", "compose", "parse"}
+"""What every plugin of a kind defines under the same name."""
+
+
+def public_definitions(path):
+    """Yield the public classes and functions at the top of a file."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+            yield node.name
+
+
+def test_a_name_stands_for_one_thing():
+    places = {}
+    for path in ROOT.rglob("*.py"):
+        for name in public_definitions(path):
+            places.setdefault(name, []).append(module_of(path))
+    twice = {name: where for name, where in places.items() if len(where) > 1}
+    assert {name: where for name, where in twice.items() if name not in HOOKS} == {}

@@ -120,6 +120,8 @@ def test_actual_takes_one_pose_with_x_and_y(call, tmp_path):
     silent = without_its_statement(tmp_path)
     assert call("backlash", *FIRST_JOINT, "--actual", silent)[0] == 65
     assert call("backlash", *FIRST_JOINT, "--actual", silent, "--first-cycle-discarded")[0] == 0
+    assert call("backlash", *FIRST_JOINT, "--actual", silent, "--all-count")[0] == 0
+    assert call("backlash", *FIRST_JOINT, "--actual", silent, "--cycles", "30")[0] == 0
 
 
 @pytest.mark.parametrize("bad", ["0", "-1", "nan", "inf", "1e999", "", "twelve"])
@@ -161,8 +163,9 @@ def test_demo_as_json(call):
 @pytest.mark.parametrize(
     ("limit", "code", "said"),
     [
-        ("0.035", 0, "PASS: inside the limits with the whole 95 % interval"),
-        ("0.03", 1, "NOT PROVABLE with these cycles: Z, XYZ; about"),
+        ("Z=0.035", 0, "PASS: inside the limits with the whole 95 % interval"),
+        ("Z=0.03", 1, "NOT PROVABLE with these cycles: Z; about"),
+        ("0.035", 1, "NOT PROVABLE with these cycles: Y, XY, XYZ\n  A drift voids the interval"),
         ("0.01", 1, "FAIL: OUTSIDE the limit with the whole 95 % interval: Z, XYZ"),
         ("XY=0.0153", 1, "NOT PROVABLE with these cycles: XY\n"),
     ],
@@ -172,6 +175,21 @@ def test_a_limit_makes_the_exit_code_a_verdict(call, limit, code, said):
     assert found == code
     assert said in out
     assert "XY by the larger of its two figures" in out
+
+
+def test_what_drifts_is_no_pass_in_text_table_and_json(call):
+    """Y of Table I steps in mid-test: its interval is void, and XY's with it, not Z's."""
+    code, out, _ = call("analyze", TABLE_1, "--limit", "0.1", "--json")
+    limits = {one["figure"]: one for one in json.loads(out)["limits"]}
+    assert code == 1
+    for name in ("X", "Y", "Z", "XY", "XYZ"):
+        void = "Y" in name
+        assert limits[name]["interval_void"] is void
+        assert limits[name]["verdict"] == ("not-provable" if void else "pass")
+    out = call("analyze", TABLE_1, "--limit", "0.1")[1]
+    assert "not while it drifts" in out
+    assert "PASS:" not in out
+    assert call("analyze", TABLE_1, "--limit", "0.1", "--decision", "simple")[0] == 0
 
 
 @pytest.mark.parametrize(
@@ -272,6 +290,12 @@ def test_help_has_an_example(call, command):
     assert code == 0
     assert "Example" in out
     assert "--json" in out
+
+
+@pytest.mark.parametrize("words", [[], ["--no-color"]])
+def test_alone_it_prints_its_help(capsys, words):
+    assert main(words) == 0
+    assert "Commands" in capsys.readouterr().out
 
 
 def test_help_and_version(call):

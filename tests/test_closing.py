@@ -9,7 +9,7 @@ import pytest
 import scara_iso
 from scara_iso.cli import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
-from scara_iso.diagnosis.planning import Plan, smallest_effects
+from scara_iso.diagnosis.planning import PlannedRun, smallest_effects
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.quantities import Dimension
@@ -330,7 +330,7 @@ def test_a_design_plans_no_angles_as_lengths(call, tmp_path):
 
 
 def test_a_long_plan_finds_less_than_the_shortest_step_of_a_short_one():
-    plan = Plan(Conditions(np.arange(2, 302)), 1.0, 0.0)
+    plan = PlannedRun(Conditions(np.arange(2, 302)), 1.0, 0.0)
     found = {one.effect: one.travel for one in smallest_effects(
         plan, [e for e in find_effects() if e.name == "linear_drift"], np.random.default_rng(1)
     )}  # fmt: skip

@@ -12,7 +12,7 @@ from scipy import stats
 
 from scara_iso import analyze
 from scara_iso.cli import main
-from scara_iso.comparison import Verdict, compare
+from scara_iso.comparison import ContrastVerdict, compare
 from scara_iso.comparison.dial import largest_bias, seen
 from scara_iso.comparison.permutation import mean_error
 from scara_iso.comparison.spread import spread
@@ -26,7 +26,7 @@ from scara_iso.render.json_comparison import comparison_json
 from scara_iso.reporting.comparison import comparison_report, headline
 from scara_iso.run import Axis, Run
 
-SHOWN = (Verdict.LESS, Verdict.MORE)
+SHOWN = (ContrastVerdict.LESS, ContrastVerdict.MORE)
 
 
 def analysis(readings, *, resolution=1e-6, metadata=None, pose=None, source="", angle=()):
@@ -87,9 +87,9 @@ def test_a_repair_is_shown_where_it_is_and_only_there(rng):
     before = analysis(gaussian(rng, 4.0, axes=axes))
     found = pair(before, analysis(gaussian(rng, 1.0, place=7.0, axes=axes)))
     verdicts = {one.figure: one.verdict for one in found.spreads}
-    assert verdicts["X"] is verdicts["XY"] is Verdict.LESS
-    assert verdicts["Y"] is verdicts["Z"] is Verdict.NOT_SHOWN
-    assert all(one.verdict is Verdict.MORE for one in found.means)
+    assert verdicts["X"] is verdicts["XY"] is ContrastVerdict.LESS
+    assert verdicts["Y"] is verdicts["Z"] is ContrastVerdict.NOT_SHOWN
+    assert all(one.verdict is ContrastVerdict.MORE for one in found.means)
     assert "X better" in headline(found)
 
 
@@ -164,10 +164,16 @@ def test_a_shift_of_the_indicator_changes_no_spread(rng):
 def test_a_dial_that_never_moves_hides_up_to_its_division(rng):
     stuck = analysis({"X": np.full(30, 0.5)}, resolution=0.01)
     found = pair(analysis({"X": 0.5 + 0.2 * rng.standard_normal(30)}, resolution=0.01), stuck)
-    assert found.spreads[0].verdict is Verdict.LESS  # no division hides RP of half a millimetre
+    assert (
+        found.spreads[0].verdict is ContrastVerdict.LESS
+    )  # no division hides RP of half a millimetre
     assert headline(found) == "nothing is compared: one of the dials stood still"
     both = pair(stuck, stuck).spreads[0]
-    assert (both.verdict, both.ratio, both.ratio_interval) == (Verdict.NOT_SHOWN, None, (0, None))
+    assert (both.verdict, both.ratio, both.ratio_interval) == (
+        ContrastVerdict.NOT_SHOWN,
+        None,
+        (0, None),
+    )
     silent = analysis({"X": np.full(30, 0.5)}, resolution=None)
     assert pair(stuck, silent).spreads[0].verdict not in SHOWN
 
@@ -209,7 +215,7 @@ def test_the_wanted_cycles_show_the_difference(rng):
         pair(analysis(gaussian(rng, n=n)), analysis(gaussian(rng, 1.3, n=n))).spreads[0].verdict
         for _ in range(60)
     ]
-    assert 0.6 < np.mean([verdict is Verdict.MORE for verdict in shown]) < 0.98
+    assert 0.6 < np.mean([verdict is ContrastVerdict.MORE for verdict in shown]) < 0.98
 
 
 def test_several_runs_share_the_level(rng):

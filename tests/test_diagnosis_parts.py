@@ -20,8 +20,8 @@ from scara_iso.diagnosis.hypotheses import (
 )
 from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
-from scara_iso.diagnosis.planning import Plan, collinear, smallest_effects
-from scara_iso.diagnosis.problem import Problem
+from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
+from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.reversals import diagnose_sweep
@@ -296,7 +296,7 @@ def test_the_test_weighs_effects_by_their_own_test_weights():
 
 def test_a_step_between_unseen_cycles_is_half_way_in_a_fold(rng):
     values = rng.normal(size=(N, 1)) + 9.0 * (np.arange(N) >= 9)[:, None]
-    problem = Problem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
+    problem = SearchProblem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
     (term,) = find_again(problem, np.delete(np.arange(N), 9), 1, with_chains=False)
     assert term.effect == "step"
     np.testing.assert_array_equal(term.columns[:, 0], [0.0] * 9 + [0.5] + [1.0] * (N - 10))
@@ -334,7 +334,7 @@ def test_a_dial_of_which_nothing_is_stated_is_known_by_its_steps(rng):
 
 def test_cross_validation_is_no_better_than_the_fit(rng):
     values = rng.normal(size=(N, 1)) + 6.0 * (np.arange(N) >= 9)[:, None]
-    problem = Problem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
+    problem = SearchProblem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
     terms, stages = find(problem, rng)
     assert [term.effect for term in terms] == ["step"]
     assert stages[-1].choice is None
@@ -409,7 +409,7 @@ def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_axes():
     effects = [effect for effect in find_effects() if effect.name in {"step", "linear_drift"}]
     found = {}
     for label, n, moved in (("plan", 20, 1), ("longer", 50, 1), ("axes", 20, 3)):
-        plan = Plan(Conditions(np.arange(n)), sigma=0.01, division=0.01, moved=moved)
+        plan = PlannedRun(Conditions(np.arange(n)), sigma=0.01, division=0.01, moved=moved)
         small = smallest_effects(plan, effects, np.random.default_rng(1))
         found[label] = {s.effect: s.travel for s in small}
     for name in ("step", "linear_drift"):

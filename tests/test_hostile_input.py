@@ -18,7 +18,7 @@ import pytest
 import scara_iso
 from scara_iso import effects, read_table
 from scara_iso.acquisition import indicators
-from scara_iso.acquisition.ports.tape import decode
+from scara_iso.acquisition.ports.tape import decode_record
 from scara_iso.acquisition.recorder import Quit, Take
 from scara_iso.cli import main
 from scara_iso.cli.keyboard import Lines
@@ -288,7 +288,7 @@ def test_a_raw_file_with_values_of_another_kind_is_no_defect(
     gauge = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:0.01", "--cycles", "2"]
     assert main(["record", "a.csv", *gauge]) == 0
     raw = tmp_path / "a.raw.jsonl"
-    records = [decode(line) for line in raw.read_bytes().splitlines(keepends=True)]
+    records = [decode_record(line) for line in raw.read_bytes().splitlines(keepends=True)]
     for record in records:
         if record["event"] == event:
             record[key] = value

@@ -8,9 +8,10 @@ from markdown_it import MarkdownIt
 
 from scara_iso import read_table
 from scara_iso.cli import main
-from scara_iso.render.markdown import to_markdown
+from scara_iso.render.formats import md
 from scara_iso.render.strips import LEVELS
 from scara_iso.reporting.blocks import Notice, Section, Table, Text
+from scara_iso.reporting.dossier import Document
 from scara_iso.reporting.words import printable
 from tests.hostile import TEXTS, table
 
@@ -106,7 +107,7 @@ def test_markdown_holds_our_elements_and_every_text(made):
 def test_markdown_says_a_text_wherever_it_stands(text):
     blocks = (Text(text), Text(text, "strong"), Table((text, "b"), ((text, text),), text),
               Notice("info", text, text, text))  # fmt: skip
-    source = to_markdown((Section(text, blocks),), text)
+    source = md.render(Document(text, (Section(text, blocks),), None)).decode()
     assert not re.search(r"(?i)<|\$|://|www\.|@", source)
     page = rendered(source)
     assert set(re.findall(r"<(\w+)", page)) == PLAIN - {"code"}

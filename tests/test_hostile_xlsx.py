@@ -11,8 +11,9 @@ from python_calamine import CalamineWorkbook
 
 from scara_iso import read_table
 from scara_iso.cli import main
-from scara_iso.render.workbook import to_workbook
-from scara_iso.reporting.blocks import Section, Table, Text
+from scara_iso.render.formats import xlsx
+from scara_iso.reporting.blocks import Number, Section, Table, Text
+from scara_iso.reporting.dossier import Document
 from scara_iso.reporting.words import printable
 from tests.hostile import TEXTS, table
 
@@ -89,24 +90,32 @@ def test_the_file_holds_no_formula_link_or_control_character(book):
 @pytest.mark.parametrize("text", TEXTS, ids=lambda text: ascii(text)[:24])
 def test_a_text_anywhere_in_a_report(text, read):
     stated = Table((text, text), ((text, text),), text, verbatim=True)
-    data = to_workbook((Section(text, (Text(text), stated)),), text)
+    data = xlsx.render(Document(text, (Section(text, (Text(text), stated)),), None))
     cells = [c for rows in read(data).values() for row in rows for c in row if c not in ("", None)]
     assert [c for c in cells if c != " "] == [shown(text)] * 8
 
 
 def test_a_text_that_is_edited_becomes_no_formula():
     texts = ("=1+1", "-2", "+x", "@x", "\uff1d1", "x", "12", "")
-    data = to_workbook((Section("", (Table(texts, (texts,), verbatim=True),)),), "t")
+    data = xlsx.render(Document("t", (Section("", (Table(texts, (texts,)),)),), None))
     *_, row = openpyxl.load_workbook(io.BytesIO(data))["Report"]
     assert [bool(cell.quotePrefix) for cell in row] == [True] * 5 + [False] * 3
 
 
 @pytest.mark.parametrize(
-    ("text", "shape"),
-    [("-1.9477e-07", "0.0000E+00"), ("0.0010", "0.0000"), ("12", "0"), ("1e5", "0E+00")],
+    ("number", "shape"),
+    [
+        (Number(-1.94773e-07, ".3e"), "0.000E+00"),
+        (Number(0.0010234, ".4f"), "0.0000"),
+        (Number(0.000001, ".3g"), "0E+00"),
+        (Number(12), "0"),
+        (Number(0.4071, ".0%"), "0%"),
+        (Number(0.0126667, "+.4f"), "+0.0000;-0.0000;+0.0000"),
+        (Number(0.0058, ".4f", mark="± "), '"± "0.0000'),
+    ],
 )
-def test_a_number_is_shown_with_its_digits(text, shape):
-    data = to_workbook((Section("", (Table(("a",), ((text,),)),)),), "t")
+def test_a_number_keeps_all_digits_and_is_shown_with_those_of_the_report(number, shape):
+    data = xlsx.render(Document("t", (Section("", (Table(("a",), ((number,),)),)),), None))
     cell = openpyxl.load_workbook(io.BytesIO(data))["Report"].cell(3, 1)
-    assert cell.value == float(text)
+    assert cell.value == number.value
     assert cell.number_format == shape

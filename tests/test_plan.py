@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.poses import Conditions, Plane, Solid, make_plan
+from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, make_plan
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.workspace import Workspace
 
@@ -15,7 +15,7 @@ FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # split and limits are 
 TALL = Arm(400, 300, (-130, 130), (-145, 145), (-300, 300))
 
 
-BOX = make_plan(FUM, solid=Solid.BOX, plane=Plane.C4_C1_C6_C7)  # takes most of a second
+BOX = make_plan(FUM, solid=Solid.BOX, plane=DiagonalPlane.C4_C1_C6_C7)  # takes most of a second
 
 
 def planned(plane, solid):
@@ -42,7 +42,7 @@ def test_a_box_takes_the_whole_stroke_and_more_room():
 
 @pytest.mark.parametrize("solid", Solid)
 def test_the_whole_solid_is_within_reach_and_stroke(solid):
-    plan = planned(Plane.C1_C2_C7_C8, solid)
+    plan = planned(DiagonalPlane.C1_C2_C7_C8, solid)
     low, high = plan.corners.min(axis=0), plan.corners.max(axis=0)
     x, y = np.meshgrid(np.linspace(low[0], high[0], 150), np.linspace(low[1], high[1], 150))
     assert Workspace.of(FUM).contains(np.stack([x, y], axis=-1)).all()
@@ -52,7 +52,7 @@ def test_the_whole_solid_is_within_reach_and_stroke(solid):
 
 @pytest.mark.parametrize(
     ("plane", "solid"),
-    [(plane, Solid.CUBE) for plane in Plane] + [(Plane.C4_C1_C6_C7, Solid.BOX)],
+    [(plane, Solid.CUBE) for plane in DiagonalPlane] + [(DiagonalPlane.C4_C1_C6_C7, Solid.BOX)],
 )
 def test_the_poses_lie_on_the_diagonals_of_the_plane(plane, solid):
     plan = planned(plane, solid)
@@ -69,7 +69,7 @@ def test_the_poses_lie_on_the_diagonals_of_the_plane(plane, solid):
 
 @pytest.mark.parametrize(
     ("plane", "solid"),
-    [(plane, Solid.CUBE) for plane in Plane] + [(Plane.C4_C1_C6_C7, Solid.BOX)],
+    [(plane, Solid.CUBE) for plane in DiagonalPlane] + [(DiagonalPlane.C4_C1_C6_C7, Solid.BOX)],
 )
 def test_the_diagonal_of_the_plane_is_that_of_the_solid(plane, solid):
     """The paper's L and ISO 9283's are one number."""
@@ -89,7 +89,7 @@ def test_the_four_planes_are_diagonal_and_the_corners_those_of_a_box():
     found = {tuple(np.round(c - corners[0], 9)) for c in corners}
     assert found == {tuple(np.round(e, 9)) for e in expected}
     assert corners[4:] - corners[:4] == pytest.approx(np.tile([0, 0, z], (4, 1)))
-    for plane in Plane:
+    for plane in DiagonalPlane:
         a, b, c, _ = corners[[k - 1 for k in plane.corners]]
         spans = np.count_nonzero(np.abs(np.cross(b - a, c - a)) > 1e-6)
         assert spans == 2  # parallel to one edge only: no face of the box
@@ -120,7 +120,7 @@ def test_an_elbow_named_keeps_the_cube_in_its_own_reach():
 
 
 def test_one_row_for_each_visit_holds_what_a_robot_needs():
-    conditions = Conditions(velocity_percent=50, load_percent=10, dwell_s=1.5)
+    conditions = PoseTestConditions(velocity_percent=50, load_percent=10, dwell_s=1.5)
     rows = make_plan(FUM, conditions=conditions).rows()
     assert [row["pose"] for row in rows] == ["P5", "P4", "P3", "P2", "P1"]
     assert [row["visit"] for row in rows] == [1, 2, 3, 4, 5]
@@ -168,4 +168,4 @@ def test_impossible_robots_are_refused(arm, says):
 )
 def test_conditions_that_cannot_be_meant_are_refused(change, says):
     with pytest.raises(UsageError, match=says):
-        Conditions(**change)
+        PoseTestConditions(**change)

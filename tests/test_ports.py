@@ -30,7 +30,7 @@ from scara_iso.acquisition.ports import (
     refuse_same_device,
 )
 from scara_iso.acquisition.ports.simulated import MODEL_CYCLES
-from scara_iso.acquisition.ports.tape import decode, encode, read_tape
+from scara_iso.acquisition.ports.tape import decode_record, encode, read_tape
 from scara_iso.acquisition.recorder.spec import (
     parse_gauge,
     parse_gauges,
@@ -511,13 +511,13 @@ def test_a_file_that_is_no_metadata_is_refused(tmp_path, text):
 
 def test_a_line_proves_itself_whole(tmp_path):
     line = encode({"event": "in", "t": 1.5, "hex": "00"})
-    assert decode(line) == {"event": "in", "t": 1.5, "hex": "00"}
-    assert decode(line[:-1]) is not None
+    assert decode_record(line) == {"event": "in", "t": 1.5, "hex": "00"}
+    assert decode_record(line[:-1]) is not None
     for k in range(len(line) - 1):
-        assert decode(line[:k]) is None
+        assert decode_record(line[:k]) is None
         for bit in range(8):
             damaged = line[:k] + bytes([line[k] ^ 1 << bit]) + line[k + 1 :]
-            assert decode(damaged) is None, damaged
+            assert decode_record(damaged) is None, damaged
 
 
 def test_a_line_without_end_takes_bounded_memory(tmp_path):

@@ -12,7 +12,7 @@ import pytest
 from scara_iso import read_table
 from scara_iso.acquisition.indicators import LineSettings
 from scara_iso.acquisition.ports import DevicePort
-from scara_iso.acquisition.ports.tape import decode
+from scara_iso.acquisition.ports.tape import decode_record
 from scara_iso.acquisition.recorder import raw_path
 from scara_iso.cli import main
 
@@ -97,7 +97,9 @@ def test_a_cable_pulled_mid_frame_is_seen_within_a_second(tmp_path, capsys, inst
     assert "another program" in err
     assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [0.101]
     assert b"+012.".hex() in raw_path(tmp_path / "run.csv").read_text()
-    records = [decode(line) for line in raw_path(tmp_path / "run.csv").read_bytes().splitlines()]
+    records = [
+        decode_record(line) for line in raw_path(tmp_path / "run.csv").read_bytes().splitlines()
+    ]
     last_byte = next(r["t"] for r in records if r.get("hex") == b"+012.".hex())
     assert records[-1]["event"] == "end"
     assert records[-1]["t"] - last_byte < 1.0

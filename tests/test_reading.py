@@ -130,6 +130,17 @@ def test_one_command_pose_is_not_that_of_five(rng):
     assert "command-pose" in codes(found)
 
 
+def test_a_pose_without_its_command_is_named_and_the_others_are_used(rng):
+    """No 'not used' beside an AP that is printed; the line to write is of a pose in want."""
+    head = HEAD + "# dial_zero: command\n# command_X[P1]: 100\n# command_Y[P1]: 100\n"
+    found = scara_iso.analyze(read(poses_in_turn(rng, head=head)))
+    assert found.poses[0].axes["X"].accuracy is not None
+    said = [one.message for one in found.findings if one.code == "command-pose"]
+    for axis, message in zip("XY", said, strict=True):
+        assert "not used" not in message
+        assert f"command_{axis}[P2]" in message
+
+
 @pytest.mark.parametrize("how", ["lines", "columns", "frame", "written"])
 def test_each_pose_has_its_command(rng, how):
     lines = "".join(

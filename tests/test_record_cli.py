@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.tape import decode, encode
+from scara_iso.acquisition.ports.tape import decode_record, encode
 from scara_iso.acquisition.recorder import (
     CycleDone,
     Done,
@@ -448,7 +448,7 @@ def test_a_raw_file_that_lacks_its_fields_is_no_defect(run, tmp_path, record):
 def forged(tmp_path, port):
     """Return the raw file of a recording, changed to name another port."""
     raw = raw_path(tmp_path / "a.csv")
-    lines = [decode(line) for line in raw.read_bytes().splitlines(keepends=True)]
+    lines = [decode_record(line) for line in raw.read_bytes().splitlines(keepends=True)]
     for record in lines:
         for gauge in record.get("gauges", {}).values():
             gauge["spec"] = f"X=opto-rs232@{port}"

@@ -4,7 +4,7 @@ import pytest
 from bench import Orders, Script, run_session
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.tape import decode, encode
+from scara_iso.acquisition.ports.tape import decode_record, encode
 from scara_iso.acquisition.ports.timeline import Timeline
 from scara_iso.acquisition.recorder import Note, Quit, Take, Void, raw_path
 from scara_iso.cli import main
@@ -180,7 +180,7 @@ def test_a_clock_that_jumped_between_sessions_is_said_in_the_table(tmp_path, mon
         )  # fmt: skip
     raw = raw_path(tmp_path / "run.csv")
     records, hour = [], 9
-    for one in map(decode, filter(None, raw.read_bytes().splitlines())):
+    for one in map(decode_record, filter(None, raw.read_bytes().splitlines())):
         hour = 8 if one["event"] == "session" and records else hour
         records.append({**one, "wall": f"2026-01-01T{hour:02d}:00:{one['t']:09.6f}Z"})
     raw.write_bytes(b"".join(map(encode, records)))

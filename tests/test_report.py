@@ -19,11 +19,8 @@ from hostile import TEXTS
 from scara_iso import analyze, read_table
 from scara_iso.cli import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
-from scara_iso.render.csv import to_csv
-from scara_iso.render.html import to_html
-from scara_iso.render.markdown import to_markdown
-from scara_iso.render.pdf import to_pdf
-from scara_iso.render.workbook import to_workbook
+from scara_iso.render import endings, find_format
+from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
 from scara_iso.reporting.blocks import Course, Figure, Plane, Prediction, Table, Text
 from scara_iso.reporting.dossier import Dossier, InputFile, Provenance, document
 from scara_iso.reporting.stated import FIELDS, NOT_STATED, head
@@ -71,12 +68,12 @@ def five_poses(tmp_path, rng):
 
 
 def section(report, heading):
-    return next(s for s in report if s.heading == heading)
+    return next(s for s in report.sections if s.heading == heading)
 
 
 def rows_of(report, heading):
     table = next(b for b in section(report, heading).blocks if isinstance(b, Table))
-    return {row[0]: dict(zip(table.header, row, strict=True)) for row in table.rows}
+    return {str(row[0]): dict(zip(table.header, map(str, row), strict=True)) for row in table.rows}
 
 
 def make(tmp_path, monkeypatch, table, *options):
@@ -125,8 +122,8 @@ def test_the_distance_of_each_cycle_gives_the_radial_figure():
 
 
 def test_the_report_says_what_its_results_relate_to():
-    said = [b.text for s in document(Dossier(analyze(read_table(WARM_UP)), MADE)) for b in s.blocks
-            if isinstance(b, Text)]  # fmt: skip
+    report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
+    said = [b.text for s in report.sections for b in s.blocks if isinstance(b, Text)]
     assert [text for text in said if "relate only to the item tested" in text]
 
 
@@ -227,8 +224,8 @@ def test_text_of_a_file_stays_text_in_every_form(tmp_path, monkeypatch, hostile)
 def test_every_hostile_text_is_shown_and_nothing_else():
     run = read_table(WARM_UP)
     run = replace(run, metadata={f"key {k}": text for k, text in enumerate(TEXTS)})
-    report = document(Dossier(analyze(run), MADE))
-    page = to_html(report, TEXTS[0])
+    report = replace(document(Dossier(analyze(run), MADE)), title=TEXTS[0])
+    page = html.render(report).decode()
     outside = re.sub(r"<svg.*?</svg>", "", page, flags=re.DOTALL)
     known = {
         "html", "head", "meta", "title", "style", "body", "main", "h1", "h2", "section", "p",
@@ -236,12 +233,13 @@ def test_every_hostile_text_is_shown_and_nothing_else():
     }  # fmt: skip
     assert set(re.findall(r"<(\w+)", outside)) <= known
     assert not [c for c in page if ord(c) < 32 and c != "\n"]
-    page.encode()
-    to_markdown(report, "").encode()
-    for cell in (c for row in csv.reader(io.StringIO(to_csv(report, ""))) for c in row):
+    assert md.render(report)
+    for cell in (
+        c for row in csv.reader(io.StringIO(csv_format.render(report).decode())) for c in row
+    ):
         assert cell.strip()[:1] not in ("=", "@")
-    assert to_pdf(report, TEXTS[0]).startswith(b"%PDF")
-    book = openpyxl.load_workbook(io.BytesIO(to_workbook(report, TEXTS[0])))
+    assert pdf.render(report).startswith(b"%PDF")
+    book = openpyxl.load_workbook(io.BytesIO(xlsx.render(report)))
     assert {c.data_type for sheet in book for row in sheet for c in row} <= {"s", "n", "inlineStr"}
 
 
@@ -250,7 +248,7 @@ def test_a_german_excel_gets_its_marks(tmp_path, monkeypatch):
     assert main(["report", str(WARM_UP), "-o", "out.csv", "--excel-locale", "de"]) == 0
     text = Path("out.csv").read_bytes().decode("utf-8-sig")
     assert Path("out.csv").read_bytes().startswith(b"\xef\xbb\xbf")
-    assert "7;2;0,11;0,81;0,36;0,480;yes" in text.splitlines()
+    assert "7;2;0,11;0,81;0,36;0,48;yes" in text.splitlines()
 
 
 def test_numbers_of_the_workbook_are_numbers_and_a_serial_number_is_none(
@@ -348,7 +346,7 @@ def test_a_spelling_for_excel_wants_a_table(tmp_path, capsys):
 def test_another_ending_names_the_known_ones(tmp_path, capsys):
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.docx")]) == 2
     said = capsys.readouterr().err
-    assert ".html, .md, .xlsx, .json, .pdf, .csv" in said
+    assert ".csv, .html, .json, .md, .pdf, .xlsx" in said
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "no" / "out.md")]) == 73
 
 
@@ -361,11 +359,11 @@ def test_without_its_library_a_pdf_is_refused_with_what_to_do(tmp_path, monkeypa
 
 def test_the_pdf_holds_the_text_of_the_report():
     report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
-    data = to_pdf(report, "title")
+    data = pdf.render(report)
     assert data.startswith(b"%PDF")
     assert data.count(b"/Type /Page\n") >= 4
-    assert to_pdf(report, "title") == data
-    assert to_pdf(report, "another") != data
+    assert pdf.render(report) == data
+    assert pdf.render(replace(report, title="another")) != data
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
@@ -425,3 +423,64 @@ def test_the_page_of_the_fields_names_every_key():
     rows = {row.split("|")[1].strip(): row for row in text.splitlines() if row.startswith("| ")}
     for field, keys in FIELDS.items():
         assert all(f"`{key}`" in rows[field] for key in keys), field
+
+
+def test_numbers_are_whole_where_somebody_computes_and_rounded_where_somebody_reads(
+    tmp_path, monkeypatch
+):
+    found = make(tmp_path, monkeypatch, TABLE_1)
+    axis = json.loads(found["json"])["analysis"]["poses"][0]["axes"]["X"]
+    low, high = axis["RP_interval"]
+    header = ["95 % interval, low", "95 % interval, high"]
+    rows = list(csv.reader(io.StringIO(found["csv"].decode())))
+    above = next(row for row in rows if row[:2] == ["axis", "mean"])
+    of_x = dict(zip(above, next(row for row in rows if row[:1] == ["X"]), strict=True))
+    assert [float(of_x[name]) for name in header] == [low, high]
+    assert (float(of_x["RP"]), float(of_x["U/RP"])) == (axis["RP"], 2 * axis["uncertainty_ratio"])
+    book = [list(row) for row in openpyxl.load_workbook(io.BytesIO(found["xlsx"]))["Report"]]
+    above = next(row for row in book if row[1].value == "mean")
+    at = {name.value: cell for name, cell in zip(above, book[book.index(above) + 1], strict=True)}
+    figures = [at[name].value for name in ("RP", *header)]  # openpyxl writes 16 digits
+    assert figures == pytest.approx([axis["RP"], low, high], rel=1e-15)
+    assert (at["RP"].number_format, at["U/RP"].number_format) == ("0.000", "0%")
+    assert "| 0.014 | 0.009..0.029 | 0.0175 | 41% |" in found["md"].decode()
+
+
+def test_a_unit_behind_numbers_has_a_column_of_its_own(tmp_path, monkeypatch):
+    found = make(tmp_path, monkeypatch, TABLE_1, "--model", str(MODEL))
+    rows = list(csv.reader(io.StringIO(found["csv"].decode())))
+    assert ["", "at the tool", "unit", "what it is"] in rows
+    radial = next(row for row in rows if row[:1] == ["actual, radial (ISO 9283)"])
+    figure = json.loads(found["json"])["analysis"]["poses"][0]["XY"]["RP_radial"]
+    assert (float(radial[1]), *radial[2:]) == (figure, "mm", "one-sided scatter")
+    assert "| actual, radial (ISO 9283) | 0.0141 mm | one-sided scatter |" in found["md"].decode()
+
+
+def test_the_uncertainty_budget_is_data(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    table = tmp_path / "run.csv"
+    table.write_text("# indicator_uncertainty_X: 0.004\n" + WARM_UP.read_text())
+    assert main(["report", str(table), "-o", "out.json"]) == 0
+    X, Y, *_ = json.loads(Path("out.json").read_text())["uncertainty"]
+    u = math.hypot(0.01 / math.sqrt(12), 0.004)
+    assert X == {
+        "axis": "X", "unit": "mm", "resolution": 0.01,
+        "u_resolution": pytest.approx(0.01 / math.sqrt(12)), "u_calibration": 0.004,
+        "u": pytest.approx(u), "U": pytest.approx(2 * u),
+    }  # fmt: skip
+    assert Y["u_calibration"] is None
+
+
+def test_a_format_is_a_file_of_its_folder():
+    assert set(endings()) == {f".{kind}" for kind in KINDS}
+    report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
+    for ending in endings():
+        render = find_format("report", ending.upper())
+        assert isinstance(render(report), bytes)
+        assert render(report) == render(report)
+
+
+def test_the_help_names_every_ending(capsys):
+    assert main(["report", "--help"]) == 0
+    said = capsys.readouterr().out
+    assert [ending for ending in endings() if ending not in said] == []

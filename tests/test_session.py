@@ -222,12 +222,32 @@ def test_both_gauges_of_a_cycle_or_none(tmp_path, monkeypatch):
 
 
 def test_stable_waits_for_equal_readings_and_stores_the_last(tmp_path, monkeypatch):
-    series = ["0.150", "0.110", "0.104", "0.102", "0.101", "0.102", "0.101"]
+    series = ["0.150", "0.103", "0.102", "0.103", "0.101", "0.101", "0.101"]
     said = run_session(
         tmp_path, [OPTO], ports={"X": script(*series)}, cycles=1, stable=3,
         monkeypatch=monkeypatch,
     )  # fmt: skip
+    assert stored(said) == [(1, "0.101")]
+
+
+def test_stable_closes_a_flipped_bit_in_the_last_digit(tmp_path, monkeypatch):
+    """The characters 2 and 3 differ in one bit, their numbers in one count."""
+    said = run_session(
+        tmp_path, [OPTO], ports={"X": script("0.102", "0.103", "0.102", "0.102")}, cycles=1,
+        stable=2, monkeypatch=monkeypatch,
+    )  # fmt: skip
     assert stored(said) == [(1, "0.102")]
+
+
+def test_only_the_gauge_that_does_not_settle_is_named(tmp_path, monkeypatch):
+    y = [[(0.02, b"01A+0000.%d\r" % (500 + k % 2))] for k in range(5000)]
+    with pytest.raises(InstrumentError):
+        run_session(
+            tmp_path, [OPTO, MUX_Y],
+            ports={"X": script(*["0.101"] * 5000), "Y": lambda c: Script(c, answer=answers(*y))},
+            cycles=1, stable=2, monkeypatch=monkeypatch,
+        )  # fmt: skip
+    assert problems(run_session.said) == [("Y", "unsettled")] * 3
 
 
 def test_a_value_that_does_not_settle_is_said_and_not_stored(tmp_path, monkeypatch):

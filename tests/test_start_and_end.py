@@ -32,6 +32,7 @@ SPEAKING = {
     "explain": [],
     "record": ["run.csv", "--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:1"],
     "--help": [],
+    "--no-color": [],
     "--version": [],
 }
 

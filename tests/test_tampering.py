@@ -8,7 +8,7 @@ from disks import UnsyncedDisk
 from hypothesis import given, settings, strategies as st
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.tape import decode, encode, read_tape
+from scara_iso.acquisition.ports.tape import decode_record, encode, read_tape
 from scara_iso.acquisition.recorder import (
     Quit,
     Take,
@@ -56,7 +56,7 @@ def flip(lines):
 def forge(lines):
     """Give a reading another value, with a checksum that fits."""
     k = find(lines, b'"event":"stored"')
-    record = decode(lines[k])
+    record = decode_record(lines[k])
     return [*lines[:k], encode({**record, "text": "9.999"}), *lines[k + 1 :]]
 
 
@@ -120,6 +120,47 @@ def test_a_damaged_or_deleted_manifest_is_remembered(recording, capsys, go_on, t
     manifest.unlink() if text is None else manifest.write_text(text)
     go_on(recording)
     assert all(said_everywhere(recording, capsys, "manifest").values())
+
+
+def flip_last(lines):
+    return [*lines[:-1], lines[-1].replace(b"complete", b"complet3")]
+
+
+def strike_last(lines):
+    """End with the line that strikes a reading out, as a kill does, and harm it."""
+    k = find(lines, b'"event":"void"')
+    return [*lines[:k], lines[k].replace(b"slipped", b"sliPped")]
+
+
+@pytest.mark.parametrize("go_on", [resume, rebuild])
+@pytest.mark.parametrize("tamper", [flip_last, strike_last])
+def test_a_last_line_that_was_changed_is_no_tear(recording, capsys, go_on, tamper):
+    change(recording, tamper)
+    (recording / "run.manifest.json").unlink()
+    if go_on is resume:
+        (recording / "run.csv").unlink()
+    go_on(recording)
+    found = said_everywhere(recording, capsys, "lines were changed or taken away before")
+    assert all(found.values()), found
+
+
+@pytest.mark.parametrize("cut", range(1, 40))
+def test_a_last_line_that_a_crash_tore_is_not_called_changed(recording, cut):
+    raw = raw_path(recording / "run.csv")
+    raw.write_bytes(raw.read_bytes()[:-cut])
+    assert read_history(raw).doubts == ()
+
+
+@pytest.mark.parametrize(
+    "go_on", [resume, lambda _: main(["record", "--rebuild", "run.raw.jsonl"])]
+)
+def test_a_table_whose_manifest_is_gone_is_doubted_though_no_end_is_recorded(
+    recording, capsys, go_on
+):
+    change(recording, lambda lines: lines[:-1])
+    (recording / "run.manifest.json").unlink()
+    go_on(recording)
+    assert all(said_everywhere(recording, capsys, MISSING).values())
 
 
 def test_a_doubt_outlives_every_later_session(recording, capsys):
@@ -226,7 +267,7 @@ def test_a_manifest_that_is_there_is_not_written_over(tmp_path):
 
 def unchained(lines):
     """Return the lines as older versions wrote them."""
-    records = [{k: v for k, v in decode(line).items() if k != "prev"} for line in lines]
+    records = [{k: v for k, v in decode_record(line).items() if k != "prev"} for line in lines]
     return [encode(record) for record in records]
 
 

@@ -54,6 +54,20 @@ def room_for(size):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+@every_writer
+@pytest.mark.parametrize("name", ["", ".", "/", ".."])
+def test_a_name_of_no_file_is_no_defect(folder, capsys, writer, name):
+    assert main([*WRITERS[writer][1], name]) in (2, 73)
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["", ".", "/", "..", "./"])
+@pytest.mark.parametrize("more", [[], ["--resume"]])
+def test_a_recording_of_no_name_is_no_defect(folder, capsys, name, more):
+    assert main(["record", name, *X, *more]) in (66, 73)
+    assert list(folder.iterdir()) == []
+
+
 # openpyxl's temporary file would meet the limit first
 @pytest.mark.parametrize("writer", [name for name in WRITERS if name != "report.xlsx"])
 def test_a_full_disk_leaves_the_old_file_and_nothing_else(folder, capsys, writer):

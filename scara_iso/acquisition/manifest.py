@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from scara_iso.errors import CannotCreateError
+
 SCHEMA = "scara-iso/manifest/1"
 _CHUNK = 1 << 18
 
@@ -95,5 +97,7 @@ def sha256(path: Path, size: int = -1) -> str:
 
 
 def _beside(table: Path, ending: str) -> Path:
+    if not table.name:
+        raise CannotCreateError("names no file", where=str(table), remedy="name a file, OUT.csv")
     stem = table.stem if table.suffix.lower() == ".csv" else table.name
     return table.with_name(stem + ending)

@@ -23,7 +23,7 @@ from scara_iso.cli.options import (
     parse_limits,
 )
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.iso9283 import Conformity, Decision
+from scara_iso.iso9283 import Conformity, DecisionRule
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import Analysis
@@ -33,7 +33,7 @@ def analyze_command(
     table: Table,
     *,
     limit: Limits = None,
-    decision: LimitRule = Decision.INTERVAL,
+    decision: LimitRule = DecisionRule.INTERVAL,
     definitions: Annotated[
         bool, typer.Option("--definitions", help="Also half range, 2 s, 3 s and ISO 230-2.")
     ] = False,

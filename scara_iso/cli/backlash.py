@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from scara_iso.cli.options import AsJson, FirstDiscarded
+from scara_iso.cli.options import AllCount, AllowGaps, AsJson, CyclesRun, FirstDiscarded
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
 
@@ -40,6 +40,9 @@ def backlash_command(
     actual: Actual = None,
     measured: Measured = None,
     first_cycle_discarded: FirstDiscarded = False,
+    cycles: CyclesRun = None,
+    all_count: AllCount = False,
+    allow_gaps: AllowGaps = False,
     json: AsJson = False,
 ) -> None:
     """Deviation of the load through a gear's backlash, by the paper's model.
@@ -51,7 +54,13 @@ def backlash_command(
     result = backlash(Im=Im, IL=IL, arcmin=arcmin, arm=arm, ratio=ratio)
     pose = None
     if actual is not None:
-        pose = _measured_pose(actual, first_cycle_discarded)
+        pose = _one_pose(
+            actual,
+            first_cycle_discarded=first_cycle_discarded,
+            cycles=cycles,
+            all_count=all_count,
+            allow_gaps=allow_gaps,
+        )
     closed = None if measured is None else _closed(measured)
     if json:
         from scara_iso.render import backlash_json
@@ -76,10 +85,11 @@ def _closed(sweep: str) -> GearDiagnosis:
     return replace(closed, notes=(*found.notes, *closed.notes))
 
 
-def _measured_pose(table: str, first_cycle_discarded: bool) -> PoseResult:
+def _one_pose(table: str, **counted: Any) -> PoseResult:
+    """Return the figures of a table of one pose; ``counted`` as in `scara_iso.analyze`."""
     from scara_iso import analyze, read_table
 
-    poses = analyze(read_table(table), first_cycle_discarded=first_cycle_discarded).poses
+    poses = analyze(read_table(table), **counted).poses
     if len(poses) > 1 or poses[0].XY is None:
         raise DataError(
             "--actual takes a table of one pose with X and Y as lengths",

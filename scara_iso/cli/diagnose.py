@@ -25,7 +25,7 @@ from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import CyclesWanted, Diagnosis
-    from scara_iso.library import Reading
+    from scara_iso.library import TableOptions
 
 Tables = Annotated[
     list[str] | None,
@@ -90,9 +90,9 @@ def diagnose_command(
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
     from scara_iso.diagnosis import CyclesWanted
-    from scara_iso.library import Reading
+    from scara_iso.library import TableOptions
 
-    reading = Reading(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     named = tables or []
     if design:
@@ -156,7 +156,13 @@ class _Files:
 
 
 def _diagnose_table(
-    table: str, files: _Files, reading: Reading, wanted: CyclesWanted, *, seed: int, as_json: bool
+    table: str,
+    files: _Files,
+    reading: TableOptions,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    as_json: bool,
 ) -> None:
     from scara_iso.diagnosis import save_model
     from scara_iso.library import diagnose

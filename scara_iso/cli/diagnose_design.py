@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.diagnosis import CyclesWanted, Plan, design, planned_columns
+from scara_iso.diagnosis import CyclesWanted, PlannedRun, design, planned_columns
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
-from scara_iso.library import Reading
+from scara_iso.library import TableOptions
 from scara_iso.quantities import Dimension
 from scara_iso.render import design_json
 from scara_iso.reporting import design_report
@@ -23,7 +23,7 @@ _SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
 
 def show_design(
     tables: Sequence[str],
-    reading: Reading,
+    reading: TableOptions,
     wanted: CyclesWanted,
     *,
     sigma: float | None,
@@ -50,7 +50,7 @@ def show_design(
         write_report(design_report(plan, found))
 
 
-def _like(run: Run, sigma: float | None) -> Plan:
+def _like(run: Run, sigma: float | None) -> PlannedRun:
     """Return the test of a table: its columns, its dial, its scatter from cycle to cycle."""
     lengths = [axis for axis in run.axes.values() if axis.dimension is Dimension.LENGTH]
     if not lengths:
@@ -61,7 +61,7 @@ def _like(run: Run, sigma: float | None) -> Plan:
         )
     axis = max(lengths, key=lambda axis: _scatter(axis.readings))
     scatter = sigma or _scatter(axis.readings) or (axis.resolution or _RESOLUTION_MM)
-    return Plan(Conditions(run.cycle, run.covariates), scatter, axis.resolution or 0.0)
+    return PlannedRun(Conditions(run.cycle, run.covariates), scatter, axis.resolution or 0.0)
 
 
 def _scatter(readings: FloatArray) -> float:
@@ -69,14 +69,16 @@ def _scatter(readings: FloatArray) -> float:
     return float(np.sqrt((np.diff(readings) ** 2).mean() / 2)) if len(readings) > 1 else 0.0
 
 
-def _planned(cycles: int, sigma: float | None, resolution: float | None, columns: str) -> Plan:
+def _planned(
+    cycles: int, sigma: float | None, resolution: float | None, columns: str
+) -> PlannedRun:
     cycle = np.arange(2, cycles + 1)
     known = planned_columns(cycle)
     names = [name.strip() for name in columns.split(",") if name.strip()]
     unknown = [name for name in names if name not in known]
     if unknown:
         raise UsageError(f"--columns {unknown[0]}", remedy=f"known are {', '.join(known)}")
-    return Plan(
+    return PlannedRun(
         Conditions(cycle, {name: known[name] for name in names}),
         sigma or _SIGMA_MM,
         _RESOLUTION_MM if resolution is None else resolution,

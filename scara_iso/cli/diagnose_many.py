@@ -9,7 +9,7 @@ import typer
 
 from scara_iso.cli.output import settings, write_json, write_report
 from scara_iso.diagnosis import CyclesWanted, Diagnosis, close_the_loop_at_poses
-from scara_iso.library import Reading, diagnose_each
+from scara_iso.library import TableOptions, diagnose_each
 from scara_iso.render import diagnosis_json, open_console, track
 from scara_iso.reporting import Failure, summary_report
 from scara_iso.run import Run
@@ -18,7 +18,7 @@ from scara_iso.run import Run
 def show_many(
     tables: Sequence[str],
     model: str | None,
-    reading: Reading,
+    reading: TableOptions,
     wanted: CyclesWanted,
     *,
     seed: int,

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import Decision
+from scara_iso.iso9283 import DecisionRule
 
 NOT_WITHIN_LIMITS = 1
 _LIMIT_REMEDY = "write --limit 0.02 for every length, or --limit XY=0.02"
@@ -51,7 +51,7 @@ Limits = Annotated[
     ),
 ]
 LimitRule = Annotated[
-    Decision,
+    DecisionRule,
     typer.Option(
         "--decision",
         help="How --limit decides: interval (all of the 95 % interval inside, or outside), or "

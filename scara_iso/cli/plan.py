@@ -12,7 +12,7 @@ from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
 
 if TYPE_CHECKING:
-    from scara_iso.iso9283 import Plan
+    from scara_iso.iso9283 import PosePlan
     from scara_iso.robot import Arm
 
 
@@ -104,13 +104,13 @@ def plan_command(
     _write(found, described.robot, as_json=json)
 
 
-def _draw(plan: Plan, arm: Arm, picture: Path) -> None:
+def _draw(plan: PosePlan, arm: Arm, picture: Path) -> None:
     from scara_iso.render import plot_plan
 
     plot_plan(plan, arm, picture)
 
 
-def _write(plan: Plan, robot: str, *, as_json: bool) -> None:
+def _write(plan: PosePlan, robot: str, *, as_json: bool) -> None:
     from scara_iso.render import plan_json
     from scara_iso.reporting import plan_report
 

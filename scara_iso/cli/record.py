@@ -31,9 +31,7 @@ _Cycles = Annotated[
 ]
 _Stable = Annotated[
     int,
-    typer.Option(
-        metavar="K", help="Ask until K readings in a row agree within one count.", min=1, max=50
-    ),
+    typer.Option(metavar="K", help="Ask until K readings in a row are equal.", min=1, max=50),
 ]
 _Rearm = Annotated[
     float | None,
@@ -86,13 +84,13 @@ def record_command(
     Options of an indicator stand behind its driver: X=mitutoyo-mux?unit=mm&channel=1@COM3.
     They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
     """
-    from scara_iso.cli.recording import Options, rebuild_table, record_table
+    from scara_iso.cli.recording import RecordOptions, rebuild_table, record_table
 
     if rebuild is not None:
         rebuild_table(rebuild, table, excel_locale=excel_locale, json=json)
         return
     record_table(
-        Options(
+        RecordOptions(
             table=table, gauges=tuple(gauge or ()), trigger=trigger, cycles=cycles,
             stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()), meta_file=meta_file,
             resume=resume, excel_locale=excel_locale, json=json,

@@ -19,7 +19,7 @@ from scara_iso.acquisition import (
     Job,
     Listen,
     Operator,
-    Plan,
+    RecordingPlan,
     Said,
     SystemDisk,
     Trigger,
@@ -54,7 +54,7 @@ _SHOWN = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
+class RecordOptions:
     """The options of the command, as given."""
 
     table: Path | None
@@ -71,7 +71,7 @@ class Options:
     json: bool
 
 
-def record_table(options: Options) -> None:
+def record_table(options: RecordOptions) -> None:
     """Record a table, new or gone on with; raises as `record` and for options that are missing."""
     if options.table is None:
         raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
@@ -85,7 +85,7 @@ def record_table(options: Options) -> None:
         _confirm(recorded, on_terminal=on_terminal)
     specs = parse_gauges(options.gauges or recorded, unit=options.unit)
     trigger = _trigger(options.trigger or header.get("trigger"), on_terminal=on_terminal)
-    plan = Plan(
+    plan = RecordingPlan(
         trigger,
         options.cycles or int(header.get("cycles", _CYCLES)),
         options.stable,
@@ -124,7 +124,7 @@ def _screen(job: Job, earlier: History | None, operator: Operator) -> Screen:
     return Screen(live, operator, title=f"scara-iso record {job.table.name}", earlier=stored)
 
 
-def _operator(plan: Plan, stack: ExitStack, *, on_terminal: bool) -> Operator:
+def _operator(plan: RecordingPlan, stack: ExitStack, *, on_terminal: bool) -> Operator:
     if sys.stdin.isatty() and (on_terminal or plan.trigger == Enter()):
         return Keys(stack.enter_context(open_keyboard()))
     return Lines(sys.stdin) if plan.trigger == Enter() else Nobody()

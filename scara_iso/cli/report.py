@@ -27,7 +27,8 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import check_outputs, settings, write_json
 from scara_iso.disk import write_file
-from scara_iso.iso9283 import Conformity, Decision
+from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.render import endings
 
 ModelFile = Annotated[
     str | None,
@@ -36,7 +37,7 @@ ModelFile = Annotated[
 Output = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", help="File, by its ending: .html .md .csv .xlsx .pdf .json; else "
+        "-o", "--output", help=f"File, by its ending: {' '.join(endings())}; else "
         "TABLE's name with .html, in this folder.",
     ),
 ]  # fmt: skip
@@ -50,7 +51,7 @@ def report_command(
     output: Output = None,
     pose: Pose = None,
     limit: Limits = None,
-    decision: LimitRule = Decision.INTERVAL,
+    decision: LimitRule = DecisionRule.INTERVAL,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,

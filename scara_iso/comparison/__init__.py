@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from scara_iso.comparison.result import (
         Comparison as Comparison,
         Contrast as Contrast,
+        ContrastVerdict as ContrastVerdict,
         Ends as Ends,
         Pair as Pair,
-        Verdict as Verdict,
     )
 else:
     __getattr__ = face(__name__)

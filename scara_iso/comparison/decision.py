@@ -16,7 +16,7 @@ from statistics import NormalDist
 import numpy as np
 
 from scara_iso.comparison.dial import Seen, ratio_range
-from scara_iso.comparison.result import Ends, Verdict
+from scara_iso.comparison.result import ContrastVerdict, Ends
 from scara_iso.run import FloatArray
 
 LEVEL = 0.05
@@ -44,7 +44,7 @@ class Distance:
 class Decision:
     """The outcome of one figure; ``critical`` and ``shown_errors`` are in standard errors."""
 
-    verdict: Verdict
+    verdict: ContrastVerdict
     p_value: float
     p_value_at_floor: bool
     p_value_alone: float
@@ -113,9 +113,9 @@ def difference_interval(before: Seen, after: Seen, decision: Decision) -> Ends:
     lower = difference - math.hypot(after.read - new[0], old[1] - before.read)
     upper = difference + math.hypot(new[1] - after.read, before.read - old[0])
     match decision.verdict:
-        case Verdict.LESS:
+        case ContrastVerdict.LESS:
             upper = min(upper, 0.0)
-        case Verdict.MORE:
+        case ContrastVerdict.MORE:
             lower = max(lower, 0.0)
         case _:
             lower, upper = min(lower, 0.0), max(upper, 0.0)
@@ -127,11 +127,11 @@ def _limits(found: Seen, critical: float) -> tuple[float, float]:
     return found.lower * _exp(-reach), found.upper * _exp(reach)
 
 
-def _verdict(distance: Distance, apart: float, critical: float) -> Verdict:
+def _verdict(distance: Distance, apart: float, critical: float) -> ContrastVerdict:
     if apart > critical:
-        return Verdict.MORE if distance.lower > 0 else Verdict.LESS
+        return ContrastVerdict.MORE if distance.lower > 0 else ContrastVerdict.LESS
     by_chance = abs(distance.observed) <= critical * distance.error
-    return Verdict.NOT_SHOWN if by_chance else Verdict.DIAL
+    return ContrastVerdict.NOT_SHOWN if by_chance else ContrastVerdict.DIAL
 
 
 def _share(chance: FloatArray, apart: float) -> float:

@@ -17,7 +17,7 @@ from scara_iso.comparison.decision import (
 )
 from scara_iso.comparison.dial import largest_bias, seen
 from scara_iso.comparison.matching import axes_in_common, poses_in_common, unlike
-from scara_iso.comparison.permutation import Figure, deal, mean_error
+from scara_iso.comparison.permutation import FigureColumns, deal, mean_error
 from scara_iso.comparison.result import Comparison, Contrast, Pair
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Analysis, Finding, PoseResult
@@ -110,15 +110,17 @@ def _label(mine: PoseResult, other: PoseResult) -> str | None:
     return mine.label if mine.label is not None else other.label
 
 
-def _figures(columns: Sequence[_Column]) -> list[tuple[str, Figure]]:
+def _figures(columns: Sequence[_Column]) -> list[tuple[str, FigureColumns]]:
     """Return the axes of each pose, then XY and XYZ where they are lengths, by name."""
     found = []
     for pose in dict.fromkeys(column.pose for column in columns):
         axes = {c.before.name: k for k, c in enumerate(columns) if c.pose == pose}
         lengths = {n for n, k in axes.items() if columns[k].before.dimension is Dimension.LENGTH}
-        found += [(name, Figure((k,), angle=name not in lengths)) for name, k in axes.items()]
         found += [
-            (name, Figure(tuple(axes[axis] for axis in name)))
+            (name, FigureColumns((k,), angle=name not in lengths)) for name, k in axes.items()
+        ]
+        found += [
+            (name, FigureColumns(tuple(axes[axis] for axis in name)))
             for name in ("XY", "XYZ")
             if set(name) <= lengths
         ]

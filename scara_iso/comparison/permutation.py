@@ -21,7 +21,7 @@ _BLOCK = 2_000_000  # readings dealt at a time
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class FigureColumns:
     """Which columns of the readings make a figure, and whether it is that of an angle."""
 
     columns: tuple[int, ...]
@@ -39,7 +39,7 @@ class Dealt:
 def deal(
     before: FloatArray,
     after: FloatArray,
-    figures: Sequence[Figure],
+    figures: Sequence[FigureColumns],
     rng: np.random.Generator,
     *,
     shuffles: int,
@@ -76,7 +76,9 @@ def _means(pooled: FloatArray, orders: IntArray, n: int) -> FloatArray:
     return _studentised(difference, mean_error(first, second))
 
 
-def _spreads(pooled: FloatArray, orders: IntArray, n: int, figures: Sequence[Figure]) -> FloatArray:
+def _spreads(
+    pooled: FloatArray, orders: IntArray, n: int, figures: Sequence[FigureColumns]
+) -> FloatArray:
     found = []
     for figure in figures:
         dealt = np.moveaxis(pooled[list(figure.columns)][:, orders], 0, 1)

@@ -13,7 +13,7 @@ Ends = tuple[float | None, float | None]
 Quantity = Literal["mean", "RP", "three_sigma"]
 
 
-class Verdict(Enum):
+class ContrastVerdict(Enum):
     """What a figure's interval decides; the values are those of the JSON object."""
 
     LESS = "less"
@@ -48,7 +48,7 @@ class Contrast:
     """No deal came as far apart: the chance is at most the p-value."""
     p_value_alone: float
     """As if no other figure had been looked at."""
-    verdict: Verdict
+    verdict: ContrastVerdict
     cycles_needed: int | None
     """Cycles in each run that would show the observed difference in 4 of 5 tests."""
     smallest_shown: float | None
@@ -87,7 +87,7 @@ class Comparison:
     seed: int
 
     def __repr__(self) -> str:
-        shown = {Verdict.LESS, Verdict.MORE}
+        shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}
         found = [one for pair in self.pairs for one in (*pair.means, *pair.spreads)]
         changed = sum(one.verdict in shown for one in found)
         return f"<Comparison: {len(self.pairs)} pair(s), {changed} of {len(found)} changes shown>"

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         Alike as Alike,
         Change as Change,
         Design as Design,
-        Plan as Plan,
+        PlannedRun as PlannedRun,
         Smallest as Smallest,
         design as design,
         planned_columns as planned_columns,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from scara_iso.diagnosis.poses import diagnose_poses
-from scara_iso.diagnosis.readings import diagnose as diagnose_used
+from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.diagnosis.tuning import SEED
@@ -109,7 +109,7 @@ def close_the_loop(
     """
     used = wanted.take(run)
     second = None if hold_out is None else wanted.take(hold_out)
-    found = diagnose_used(
+    found = diagnose_readings(
         used,
         _predicted(model, used),
         seed=seed,
@@ -135,7 +135,9 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     if found.reversals is None or not on_gear:
         return found
     known = replace(model, effects=(*model.effects, *on_gear))
-    left = diagnose_used(used, _predicted(known, used), seed=seed, directions=directions_of(model))
+    left = diagnose_readings(
+        used, _predicted(known, used), seed=seed, directions=directions_of(model)
+    )
     still = {one.effect for one in left.effects}
     gone = tuple(one.effect for one in found.effects if one.effect not in still)
     effects = {effect.name: effect for effect in find_effects()}
@@ -164,7 +166,7 @@ def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dic
     run = run.unwrapped()
     found = diagnose_poses(
         run.take(np.concatenate(wanted.used(run).rows)),
-        lambda single, level: diagnose_used(single, seed=seed, level=level),
+        lambda single, level: diagnose_readings(single, seed=seed, level=level),
     )
     return {str(pose): diagnosis for pose, diagnosis in found.items()}
 

@@ -10,7 +10,7 @@ from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.direction import match
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.hypotheses import constant, extended
-from scara_iso.diagnosis.problem import Problem
+from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import ByAxis, Found, Shares
 from scara_iso.diagnosis.search import Stage
@@ -23,8 +23,8 @@ from scara_iso.run import FloatArray
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 
 
-def findings(
-    problem: Problem, fitted: Fit, stages: Sequence[Stage], effects: Mapping[str, Effect]
+def found_effects(
+    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], effects: Mapping[str, Effect]
 ) -> tuple[Found, ...]:
     """Return what was found, one for each term of the fit, in the order of the search."""
     left = problem.residual.values - fitted.predicted
@@ -59,7 +59,7 @@ def shares_of(residual: Residual, fitted: Fit) -> dict[str, Shares]:
 
 
 def _found(
-    problem: Problem, fitted: Fit, i: int, stage: Stage, effect: Effect, left: FloatArray
+    problem: SearchProblem, fitted: Fit, i: int, stage: Stage, effect: Effect, left: FloatArray
 ) -> Found:
     term, residual = fitted.terms[i], problem.residual
     assert stage.choice is not None  # noqa: S101 - a term stands for the choice of its stage

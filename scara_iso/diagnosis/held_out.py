@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.problem import Problem
+from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import find_again
 from scara_iso.diagnosis.tuning import FOLDS, REPEATS
@@ -30,7 +30,7 @@ class HeldOut:
 
 
 def cross_validated(
-    problem: Problem,
+    problem: SearchProblem,
     fitted: Fit,
     rng: np.random.Generator,
     *,

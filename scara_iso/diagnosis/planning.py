@@ -34,7 +34,7 @@ _WORTH_RECORDING = {
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class PlannedRun:
     """A test that is planned: its conditions, scatter and dial.
 
     ``sigma`` and ``division`` are in the unit of the readings, division 0 for none; an effect
@@ -84,7 +84,9 @@ class Design:
     changes: tuple[Change, ...]
 
 
-def design(plan: Plan, *, seed: int = SEED, effects: Sequence[Effect] | None = None) -> Design:
+def design(
+    plan: PlannedRun, *, seed: int = SEED, effects: Sequence[Effect] | None = None
+) -> Design:
     """Return what ``plan`` will be able to tell, by simulated runs under the test by order.
 
     Two levels in no order are not found by it: one pair 4 to 5 sigma apart is found without a
@@ -109,7 +111,7 @@ def design(plan: Plan, *, seed: int = SEED, effects: Sequence[Effect] | None = N
 
 
 def smallest_effects(
-    plan: Plan, effects: Sequence[Effect], rng: np.random.Generator
+    plan: PlannedRun, effects: Sequence[Effect], rng: np.random.Generator
 ) -> tuple[Smallest, ...]:
     """Return the smallest travel found in 80 % of runs for every effect with a known course."""
     members = hypotheses_of(effects, plan.conditions)
@@ -153,7 +155,7 @@ def planned_columns(cycle: IntArray) -> dict[str, FloatArray]:
     }
 
 
-def _changes(plan: Plan) -> list[tuple[str, Plan]]:
+def _changes(plan: PlannedRun) -> list[tuple[str, PlannedRun]]:
     changes = [("three axes that move together", replace(plan, moved=3))]
     if len(plan.conditions) < _MORE_CYCLES:
         longer = replace(plan, conditions=_longer(plan.conditions))
@@ -178,7 +180,7 @@ def _longer(conditions: Conditions) -> Conditions:
 
 def _power(
     hypotheses: HypothesisSet,
-    plan: Plan,
+    plan: PlannedRun,
     shapes: Sequence[Hypothesis],
     travel: float,
     critical: float,
@@ -191,7 +193,7 @@ def _power(
 
 
 def _readings(
-    plan: Plan, member: Hypothesis | None, travel: float, rng: np.random.Generator
+    plan: PlannedRun, member: Hypothesis | None, travel: float, rng: np.random.Generator
 ) -> FloatArray:
     """Return one simulated run (n, axes), in sigmas."""
     n = len(plan.conditions)

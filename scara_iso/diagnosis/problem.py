@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
-from scara_iso.diagnosis.residual import Prediction, Residual, residual_of
+from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import NEIGHBOURS
 from scara_iso.effects import Chain, Effect, Spread
 from scara_iso.errors import DataError
@@ -22,7 +22,7 @@ _DUST = 1e-9
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Problem:
+class SearchProblem:
     """A residual and every hypothesis about it; ``directions`` as in `views_of`.
 
     ``effects`` are those that the members belong to, by name; ``sigma`` (axes,) is the scatter of
@@ -43,12 +43,12 @@ class Problem:
 
 def problem_of(
     run: Run,
-    predicted: Prediction | None = None,
+    predicted: Predicted | None = None,
     *,
     directions: Mapping[str, Mapping[str, float]],
     effects: tuple[Effect, ...],
     sigma: Mapping[str, float] | None = None,
-) -> Problem:
+) -> SearchProblem:
     """Return the problem that ``predicted`` leaves of one pose's run; see `diagnose`."""
     if len(list(run.rows_by_pose())) > 1:
         raise DataError("several poses in one diagnosis", remedy="diagnose one pose at a time")
@@ -65,7 +65,9 @@ def problem_of(
     if wrong:
         raise DataError(f"a known scatter of {wrong[0]:g}", remedy="state a positive, finite one")
     known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
-    return Problem(residual, members, usable, {effect.name: effect for effect in effects}, known)
+    return SearchProblem(
+        residual, members, usable, {effect.name: effect for effect in effects}, known
+    )
 
 
 def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
@@ -94,7 +96,7 @@ class Remainder:
         return build(members, self.rows, self.basis)
 
 
-def remainder(problem: Problem, terms: Sequence[Term], rows: IntArray) -> Remainder:
+def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
     """Return what ``terms`` leave of ``rows`` and what could explain it."""
     residual = problem.residual
     scale = row_scale(terms, len(residual))

@@ -1,4 +1,4 @@
-"""`diagnose`: from a run and a prediction to a verdict, and the error before and after."""
+"""`diagnose_readings`: from a run and a prediction to a verdict, and the error before and after."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.findings import findings, repeatabilities, shares_of
+from scara_iso.diagnosis.findings import found_effects, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
-from scara_iso.diagnosis.problem import Problem, problem_of
-from scara_iso.diagnosis.residual import Prediction, Residual
+from scara_iso.diagnosis.problem import SearchProblem, problem_of
+from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
@@ -36,13 +36,13 @@ from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import FloatArray, Run
 
 
-def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run beside it
+def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of the run beside it
     run: Run,
-    predicted: Prediction | None = None,
+    predicted: Predicted | None = None,
     *,
     seed: int = SEED,
     held_out: Run | None = None,
-    held_out_predicted: Prediction | None = None,
+    held_out_predicted: Predicted | None = None,
     directions: Mapping[str, Mapping[str, float]] | None = None,
     effects: Sequence[Effect] | None = None,
     level: float = LEVEL,
@@ -77,12 +77,12 @@ def diagnose(  # noqa: PLR0913 - one question, and what may be known of the run 
         unseen = on_second_run(fitted, catalogue, second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
     return _diagnosis(
-        problem, fitted, stages, unseen, courses, findings(problem, fitted, stages, catalogue)
+        problem, fitted, stages, unseen, courses, found_effects(problem, fitted, stages, catalogue)
     )
 
 
 def _diagnosis(
-    problem: Problem,
+    problem: SearchProblem,
     fitted: Fit,
     stages: Sequence[Stage],
     unseen: HeldOut,
@@ -106,7 +106,7 @@ def _diagnosis(
     )
 
 
-def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> Residual | None:
+def _second(run: Run | None, predicted: Predicted | None, first: Residual) -> Residual | None:
     if run is None:
         return None
     run = run.unwrapped()
@@ -130,7 +130,7 @@ def _second(run: Run | None, predicted: Prediction | None, first: Residual) -> R
 
 
 def _cross_validated(
-    problem: Problem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
+    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
 ) -> HeldOut:
     chained = {m.effect for m in problem.members if m.hidden}
     likely = max(
@@ -190,7 +190,7 @@ def _coarse(shares: Mapping[str, Shares]) -> list[str]:
     ]
 
 
-def _other_scatter(problem: Problem, fitted: Fit) -> list[str]:
+def _other_scatter(problem: SearchProblem, fitted: Fit) -> list[str]:
     """Return a note for each axis whose remaining scatter is not the one that was stated."""
     left = (problem.residual.values - fitted.predicted).std(axis=0, ddof=1)
     known = np.zeros_like(left) if problem.sigma is None else problem.sigma
@@ -202,7 +202,7 @@ def _other_scatter(problem: Problem, fitted: Fit) -> list[str]:
 
 
 def _courses(
-    run: Run, predicted: Prediction, residual: Residual, fitted: Fit
+    run: Run, predicted: Predicted, residual: Residual, fitted: Fit
 ) -> tuple[dict[str, FloatArray], ...]:
     """Return by axis: measured, predicted before and after, measured with effects removed."""
     measured = {name: np.asarray(axis.readings) for name, axis in run.axes.items()}

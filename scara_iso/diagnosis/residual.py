@@ -14,7 +14,7 @@ from scara_iso.effects import Conditions
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
 
-Prediction = Mapping[str, npt.ArrayLike]
+Predicted = Mapping[str, npt.ArrayLike]
 """Predicted readings (n,) by axis."""
 
 _SAME = 0.9999
@@ -41,7 +41,7 @@ class Residual:
         return len(self.values)
 
 
-def residual_of(run: Run, predicted: Prediction | None) -> Residual:
+def residual_of(run: Run, predicted: Predicted | None) -> Residual:
     """Return what ``predicted`` (axis to n readings; None: a constant pose) leaves of ``run``.
 
     ``run`` holds one pose without the discarded cycle. Axes that never move, or that copy another
@@ -92,7 +92,7 @@ def _unstated(run: Run, division: Mapping[str, float]) -> list[str]:
     ]
 
 
-def _checked(run: Run, predicted: Prediction) -> dict[str, FloatArray]:
+def _checked(run: Run, predicted: Predicted) -> dict[str, FloatArray]:
     unknown = [name for name in predicted if name not in run.axes]
     if unknown:
         raise DataError(

@@ -14,7 +14,7 @@ from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_test
-from scara_iso.diagnosis.problem import Problem, Remainder, neighbours, remainder
+from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.tuning import (
     FURTHER_LEVEL,
@@ -64,7 +64,7 @@ def _shared(order: OrderTest, marginal: MarginalTests) -> tuple[float, float, fl
 
 
 def find(
-    problem: Problem, rng: np.random.Generator, *, level: float = LEVEL
+    problem: SearchProblem, rng: np.random.Generator, *, level: float = LEVEL
 ) -> tuple[tuple[Term, ...], tuple[Stage, ...]]:
     """Return the terms found in the residual and every stage of the search.
 
@@ -86,7 +86,7 @@ def find(
 
 
 def find_again(
-    problem: Problem, rows: IntArray, count: int, *, with_chains: bool
+    problem: SearchProblem, rows: IntArray, count: int, *, with_chains: bool
 ) -> tuple[Term, ...]:
     """Return ``count`` terms chosen anew on some rows, as the search of the whole run chose them.
 
@@ -127,13 +127,13 @@ def _undecided(term: Term, left: Remainder) -> Form:
     return replace(term.form, columns=np.mean(alike, axis=0)) if alike else term.form
 
 
-def tested(problem: Problem, terms: Sequence[Term], rng: np.random.Generator) -> Stage:
+def tested(problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generator) -> Stage:
     """Return both tests of what ``terms`` leave, and no choice yet."""
     return _tests(problem, terms, remainder(problem, terms, problem.rows), rng)
 
 
 def _tests(
-    problem: Problem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
+    problem: SearchProblem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
 ) -> Stage:
     ordered = [member for member in left.members if member.ordered]
     emissions = [] if terms else _emissions(problem.residual, ordered)
@@ -142,7 +142,7 @@ def _tests(
 
 
 def chosen(
-    problem: Problem, terms: Sequence[Term], rng: np.random.Generator, level: float = LEVEL
+    problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generator, level: float = LEVEL
 ) -> tuple[Stage, Remainder]:
     """Return the tests of what ``terms`` leave, and the choice where they pass ``level``."""
     left = remainder(problem, terms, problem.rows)
@@ -168,7 +168,7 @@ def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissi
     ]
 
 
-def _choice(problem: Problem, left: Remainder, *, with_chains: bool) -> Choice[Form]:
+def _choice(problem: SearchProblem, left: Remainder, *, with_chains: bool) -> Choice[Form]:
     chains = [member for member in left.members if member.hidden] if with_chains else []
     named = [member for member in left.members if member.named]
     residual = problem.residual
@@ -190,21 +190,21 @@ def _isolated(effects: Mapping[str, Effect]) -> Effect | None:
     return next((e for e in effects.values() if e.found_by is FoundBy.ISOLATED_READING), None)
 
 
-def _at_row(effect: Effect, problem: Problem, row: int) -> Form:
+def _at_row(effect: Effect, problem: SearchProblem, row: int) -> Form:
     """Return the form of an effect that moves the reading of one row most."""
     forms = effect.forms(problem.residual.conditions)
     shapes = [form for form in forms if isinstance(form, Shape)]
     return max(shapes, key=lambda shape: float(np.abs(shape.columns[row]).sum()))
 
 
-def _term(problem: Problem, name: str, choice: Choice[Form], left: Remainder) -> Term:
+def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remainder) -> Term:
     form = _refined(problem, name, choice.forms[name], left)
     if isinstance(form, Spread):
         return spread_term(name, form, left.values, left.rows)
     return term_of(name, form, left.values, left.rows, left.basis)
 
 
-def _refined(problem: Problem, name: str, form: Form, left: Remainder) -> Form:
+def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> Form:
     """Return the likeliest of the forms near ``form``, where its effect knows nearer ones."""
     if name not in problem.effects or not isinstance(form, Shape):
         return form

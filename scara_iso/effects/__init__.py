@@ -14,10 +14,10 @@ from scara_iso.effects._conditions import Conditions
 from scara_iso.effects._effect import (
     AMPLITUDE_AND_PHASE,
     SIZE,
-    Course,
     Direction,
     Effect,
     FoundBy,
+    KnownCourse,
     Linear,
     RandomCourse,
     ScatterChange,
@@ -31,10 +31,32 @@ from scara_iso.effects._proportional import proportional
 from scara_iso.plugins import find_modules
 
 __all__ = [
-    "AMPLITUDE_AND_PHASE", "SIZE", "Chain", "Conditions", "Course", "Direction", "Effect", "Form",
-    "FoundBy", "GearEffect", "Grid", "Linear", "Parameter", "Process", "RandomCourse",
-    "ScatterChange", "Shape", "Sizes", "Spread", "Sweep", "TwoStates", "Values", "as_column",
-    "find_effects", "find_gear_effects", "proportional",
+    "AMPLITUDE_AND_PHASE",
+    "SIZE",
+    "Chain",
+    "Conditions",
+    "Direction",
+    "Effect",
+    "Form",
+    "FoundBy",
+    "GearEffect",
+    "Grid",
+    "KnownCourse",
+    "Linear",
+    "Parameter",
+    "Process",
+    "RandomCourse",
+    "ScatterChange",
+    "Shape",
+    "Sizes",
+    "Spread",
+    "Sweep",
+    "TwoStates",
+    "Values",
+    "as_column",
+    "find_effects",
+    "find_gear_effects",
+    "proportional",
 ]  # fmt: skip
 
 

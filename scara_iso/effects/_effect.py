@@ -1,6 +1,6 @@
 """What an effect on readings is. Its formula stands once, in its own file.
 
-An effect is one of four kinds, by how chance takes part in it: a `Course` is known once its
+An effect is one of four kinds, by how chance takes part in it: a `KnownCourse` is known once its
 parameters are, a `RandomCourse` is drawn anew in each test, `TwoStates` are drawn by a Markov
 chain, a `ScatterChange` moves no mean. Each kind derives from the one formula what the search
 compares (`forms`, `near`), what a simulation and a model add to readings (`series`), and the course
@@ -139,7 +139,7 @@ class Effect(ABC):
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Course(Effect):
+class KnownCourse(Effect):
     """A course that is known once its parameters are.
 
     ``columns(conditions, **parameters)`` gives it at unit size, shape (n, k), for values of the

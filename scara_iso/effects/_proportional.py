@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from scara_iso.effects._conditions import Conditions, is_open
-from scara_iso.effects._effect import Course, Direction, as_column
+from scara_iso.effects._effect import Direction, KnownCourse, as_column
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
@@ -29,7 +29,7 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
     by: Callable[[FloatArray], FloatArray] = centred,
     direction: Direction = Direction.FREE,
     by_flank: bool = False,
-) -> Course:
+) -> KnownCourse:
     """Return the effect of a column: the readings move by ``size`` times ``by`` of its values.
 
     ``of`` names the column; a pattern such as ``temperature*`` leaves it to the parameter
@@ -39,7 +39,7 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
     which = Parameter(
         "column", symbol, "", meaning, text=True, grid=lambda conditions: Grid(conditions.named(of))
     )
-    return Course(
+    return KnownCourse(
         name=name,
         parameters=(which, size) if is_open(of) else (size,),
         needs=(of,),

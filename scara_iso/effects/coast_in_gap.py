@@ -7,7 +7,7 @@ searched: the square of the speed, saturating once the whole gap is crossed.
 import numpy as np
 
 from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import Course, Direction, as_column
+from scara_iso.effects._effect import Direction, KnownCourse, as_column
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
@@ -25,7 +25,7 @@ def _speeds(conditions: Conditions) -> Grid:
     return Grid.exact(_SATURATION * top if top else [])
 
 
-EFFECT = Course(
+EFFECT = KnownCourse(
     name="coast_in_gap",
     parameters=(
         Parameter("size", "2D", "reading", "travel across the whole gap, at the tool"),

@@ -1,7 +1,7 @@
 """A drift at constant rate: size per cycle times the cycles since the first."""
 
 from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import Course, as_column
+from scara_iso.effects._effect import KnownCourse, as_column
 from scara_iso.effects._parameter import Parameter
 from scara_iso.run import FloatArray
 
@@ -10,7 +10,7 @@ def _columns(conditions: Conditions) -> FloatArray:
     return as_column(conditions.elapsed)
 
 
-EFFECT = Course(
+EFFECT = KnownCourse(
     name="linear_drift",
     parameters=(Parameter("size", "b", "reading/cycle", "drift per cycle"),),
     cause="a slow thermal trend, or creep of fixture, indicator stand or belt",

@@ -1,7 +1,7 @@
 """A single reading that stands apart from all others."""
 
 from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import Course, FoundBy, as_column
+from scara_iso.effects._effect import FoundBy, KnownCourse, as_column
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
@@ -10,7 +10,7 @@ def _columns(conditions: Conditions, *, at_cycle: float) -> FloatArray:
     return as_column(conditions.cycle == at_cycle)
 
 
-EFFECT = Course(
+EFFECT = KnownCourse(
     name="outlier",
     parameters=(
         Parameter("at_cycle", "k", "", "the cycle", grid=lambda seen: Grid.exact(seen.cycle)),

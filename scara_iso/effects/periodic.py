@@ -7,7 +7,7 @@ error is a constant there.
 import numpy as np
 
 from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import AMPLITUDE_AND_PHASE, Course
+from scara_iso.effects._effect import AMPLITUDE_AND_PHASE, KnownCourse
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
@@ -31,7 +31,7 @@ def _periods(conditions: Conditions) -> Grid:
     return Grid(periods, weights=periods, near=lambda period: 1 / (1 / period + steps))
 
 
-EFFECT = Course(
+EFFECT = KnownCourse(
     name="periodic",
     parameters=(
         Parameter(

@@ -1,7 +1,7 @@
 """A sudden shift: 0 before a cycle, the full size from it on."""
 
 from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import Course, as_column
+from scara_iso.effects._effect import KnownCourse, as_column
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
@@ -17,7 +17,7 @@ def _starts(conditions: Conditions) -> Grid:
     return Grid.exact(conditions.cycle[_LEAST_CYCLES : len(conditions) - _LEAST_CYCLES + 1])
 
 
-EFFECT = Course(
+EFFECT = KnownCourse(
     name="step",
     parameters=(
         Parameter("at_cycle", "k", "", "first cycle after the shift", grid=_starts),

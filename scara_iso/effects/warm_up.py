@@ -4,7 +4,7 @@ import numpy as np
 
 from scara_iso.effects import linear_drift
 from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import Course, as_column
+from scara_iso.effects._effect import KnownCourse, as_column
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
@@ -18,7 +18,7 @@ def _tau(_: Conditions) -> Grid:
     return Grid.geometric(1.5, 12.0, 7, finer=9)
 
 
-EFFECT = Course(
+EFFECT = KnownCourse(
     name="warm_up",
     parameters=(
         Parameter("size", "A", "reading", "travel from the first cycle to steady temperature"),

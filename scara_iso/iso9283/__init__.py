@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze
     from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
-    from scara_iso.iso9283.conformity import Conformity as Conformity, Decision as Decision
+    from scara_iso.iso9283.conformity import Conformity as Conformity, DecisionRule as DecisionRule
     from scara_iso.iso9283.cycles import (
         CYCLES_RUN as CYCLES_RUN,
         CYCLES_USED as CYCLES_USED,
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES
     from scara_iso.iso9283.poses import (
-        Conditions as Conditions,
-        Plan as Plan,
-        Plane as Plane,
+        DiagonalPlane as DiagonalPlane,
+        PosePlan as PosePlan,
+        PoseTestConditions as PoseTestConditions,
         Solid as Solid,
         make_plan as make_plan,
     )

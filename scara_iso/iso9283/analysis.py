@@ -12,7 +12,7 @@ from scara_iso.dial import step_of
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.checks import find_checks
-from scara_iso.iso9283.conformity import Decision
+from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import Rows, UsedCycles, used_cycles
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.other_definitions import definitions
@@ -56,7 +56,7 @@ def analyze(
     all_count: bool = False,
     allow_gaps: bool = False,
     limits: Mapping[str, float] | None = None,
-    decision: str = Decision.INTERVAL.value,
+    decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a run, with intervals and findings.
@@ -64,7 +64,8 @@ def analyze(
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``first_cycle_discarded``, ``cycles``,
     ``all_count`` and ``allow_gaps`` are as in `used_cycles`. ``limits`` are in mm (degrees for an
     angle) by figure (``X``, ``XY``...); the key `limits.EVERY_LENGTH` holds for every length.
-    ``decision`` is ``interval`` (a limit is kept or broken where the whole 95 % interval says so)
+    ``decision`` is ``interval`` (a limit is kept or broken where the whole 95 % interval says so,
+    and not kept on an interval that a finding voids)
     or ``simple`` (RP at most the limit). ``other_definitions`` adds half range, 2 s, 3 s and ISO
     230-2. Raises `DataError` where the run breaks the cycle rule, and `UsageError` for another
     rule or a limit of a figure that the run does not have.
@@ -87,22 +88,24 @@ def analyze(
         cycles=Cycles(chosen.read, chosen.discarded, chosen.used, all_count=chosen.all_count),
         poses=_pose_results(run, chosen, other_definitions=other_definitions),
     )
+    findings = tuple(finding for check in find_checks() for finding in check(measured))
+    checked = check_limits(measured.poses, limits or {}, findings, decision=rule)
     return Analysis(
         run=run,
         cycles=measured.cycles,
         poses=measured.poses,
-        findings=tuple(finding for check in find_checks() for finding in check(measured)),
-        limits=tuple(check_limits(measured.poses, limits or {}, decision=rule)),
+        findings=findings,
+        limits=tuple(checked),
     )
 
 
-def _rule(decision: str) -> Decision:
-    words = [rule.value for rule in Decision]
+def _rule(decision: str) -> DecisionRule:
+    words = [rule.value for rule in DecisionRule]
     if decision not in words:
         raise UsageError(
             f"decision {decision!r}: no such rule", remedy=f"use one of {', '.join(words)}"
         )
-    return Decision(decision)
+    return DecisionRule(decision)
 
 
 def _pose_results(run: Run, chosen: UsedCycles, *, other_definitions: bool) -> Poses:

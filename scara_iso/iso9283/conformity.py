@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 
 
-class Decision(Enum):
+class DecisionRule(Enum):
     """The rule by which a figure is held against its limit; the value is the word in outputs."""
 
     INTERVAL = "interval"

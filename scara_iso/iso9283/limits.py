@@ -1,7 +1,9 @@
 """Figures against the limits that a user gives.
 
 A limit is kept where the whole 95 % interval of the figure is at most the limit, and broken where
-all of it is above; else these cycles prove neither. Simple acceptance (RP at most the limit) is
+all of it is above; else these cycles prove neither. An interval that a finding voids (a drift)
+keeps no limit: scatter that hangs together reads too small. What is above is above, drift and all.
+Simple acceptance (RP at most the limit) is
 there for who asks for it.
 """
 
@@ -12,26 +14,29 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.conformity import Conformity, Decision
-from scara_iso.iso9283.results import AxisResult, Interval, LimitCheck, PoseResult
+from scara_iso.iso9283.conformity import Conformity, DecisionRule
+from scara_iso.iso9283.results import AxisResult, Finding, Interval, LimitCheck, PoseResult
 from scara_iso.quantities import Dimension
 
 EVERY_LENGTH = ""
 """Key of a limit that holds for every figure that is a length and has no limit of its own."""
 MOST_CYCLES = 100_000
 """Stands for that many cycles and more."""
+_AXES_OF = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 _POWER = 1.3  # benchmarks/conformity.py: 4 of 5 tests prove it (Gaussian scatter)
 
 
 def check_limits(
     poses: Sequence[PoseResult],
     limits: Mapping[str, float],
+    findings: Sequence[Finding] = (),
     *,
-    decision: Decision = Decision.INTERVAL,
+    decision: DecisionRule = DecisionRule.INTERVAL,
 ) -> Iterator[LimitCheck]:
     """Yield the comparison of each pose's figures with the limit that holds for them.
 
-    ``limits`` by figure, in mm, or degrees for an angle. Raises `UsageError` for a limit that is
+    ``limits`` by figure, in mm, or degrees for an angle; ``findings`` of the same poses say which
+    intervals are void. Raises `UsageError` for a limit that is
     not positive and finite, or of a figure that the run does not have.
     """
     wrong = [f"{limit:g}" for limit in limits.values() if not (math.isfinite(limit) and limit > 0)]
@@ -51,12 +56,14 @@ def check_limits(
             f"--limit {limits[EVERY_LENGTH]:g} is a length, and this table has none",
             remedy="name the figure, as in --limit theta=0.05 (degrees)",
         )
+    void = {(one.pose, one.axis) for one in findings if one.voids_interval}
     for pose in poses:
         for name, measured in _figures(pose).items():
+            is_void = any((pose.label, axis) in void for axis in _AXES_OF.get(name, (name,)))
             general = limits.get(EVERY_LENGTH) if measured.dimension is Dimension.LENGTH else None
             limit = limits.get(name, general)
             if limit is not None:
-                yield _check(pose.label, name, measured, limit, decision)
+                yield _check(pose.label, name, measured, limit, decision, is_void=is_void)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +100,13 @@ def _of_axis(axis: AxisResult) -> _Figure:
 
 
 def _check(
-    pose: str | None, name: str, measured: _Figure, limit: float, decision: Decision
+    pose: str | None,
+    name: str,
+    measured: _Figure,
+    limit: float,
+    decision: DecisionRule,
+    *,
+    is_void: bool,
 ) -> LimitCheck:
     check = LimitCheck(
         figure=name,
@@ -104,8 +117,9 @@ def _check(
         interval=measured.interval,
         decision=decision,
         cycles_wanted=None,
+        interval_void=is_void,
     )
-    if check.verdict is not Conformity.NOT_PROVABLE:
+    if is_void or check.verdict is not Conformity.NOT_PROVABLE:
         return check
     return replace(check, cycles_wanted=_cycles_wanted(measured, limit))
 

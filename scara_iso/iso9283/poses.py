@@ -36,7 +36,7 @@ class Solid(Enum):
     axis has a small range."""
 
 
-class Plane(Enum):
+class DiagonalPlane(Enum):
     """A diagonal plane by its corners, in their order around it.
 
     The numbering of the corners is background knowledge of ISO 9283's figure, not quoted from it:
@@ -56,7 +56,7 @@ class Plane(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Conditions:
+class PoseTestConditions:
     """How the poses are visited. Raises `UsageError` for what no test can mean."""
 
     cycles: int = 31
@@ -116,13 +116,13 @@ class PlannedPose:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Plan:
+class PosePlan:
     """The planned test. Lengths in mm, in the base frame; arrays read-only."""
 
     solid: Solid
     corners: FloatArray
     """C1 to C8, shape (8, 3)."""
-    plane: Plane
+    plane: DiagonalPlane
     elbow: Elbow
     poses: tuple[PlannedPose, ...]
     """P1 the centre of the plane, P2 to P5 on its diagonals, next to its corners in their order."""
@@ -133,7 +133,7 @@ class Plan:
     """Distance of P2 to P5 from their corners, along the diagonal."""
     stroke_limits: bool
     """Whether a larger cube would fit if the stroke were longer."""
-    conditions: Conditions
+    conditions: PoseTestConditions
 
     def __post_init__(self) -> None:
         self.corners.flags.writeable = False
@@ -174,12 +174,12 @@ def make_plan(
     arm: Arm,
     *,
     solid: Solid = Solid.CUBE,
-    plane: Plane = Plane.C1_C2_C7_C8,
+    plane: DiagonalPlane = DiagonalPlane.C1_C2_C7_C8,
     elbow: Elbow | None = None,
     m_over_diagonal: float = 0.1,
     theta_deg: float = 0.0,
-    conditions: Conditions | None = None,
-) -> Plan:
+    conditions: PoseTestConditions | None = None,
+) -> PosePlan:
     """Return the test for ``arm``, every pose within reach and limits.
 
     With ``elbow`` the cube lies in what that elbow reaches; without, in what either reaches, and
@@ -193,7 +193,7 @@ def make_plan(
     places, diagonal = _places(corners[[c - 1 for c in plane.corners]], m_over_diagonal)
     poses = np.column_stack([places, np.full(len(places), theta_deg)])
     side, joints = _reached(arm, poses, tuple(Elbow) if elbow is None else (elbow,))
-    return Plan(
+    return PosePlan(
         solid=solid,
         corners=corners,
         plane=plane,
@@ -202,7 +202,7 @@ def make_plan(
         diagonal_mm=diagonal,
         m_mm=m_over_diagonal * diagonal,
         stroke_limits=solid is Solid.CUBE and area.width > arm.stroke_mm,
-        conditions=Conditions() if conditions is None else conditions,
+        conditions=PoseTestConditions() if conditions is None else conditions,
     )
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.frames import make_frame
 from scara_iso.iso9283.by_name import Poses
-from scara_iso.iso9283.conformity import Conformity, Decision
+from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.quantities import Dimension
 from scara_iso.run import FloatArray, IntArray, Run
 
@@ -180,6 +180,8 @@ class Finding:
     axis: str | None = None
     pose: str | None = None
     rule: str = ""
+    voids_interval: bool = False
+    """Whether the 95 % interval of its axis and pose, and of what is made of it, does not hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,10 +197,12 @@ class LimitCheck:
     pose: str | None
     interval: Interval | None
     """95 %, of `RP`."""
-    decision: Decision
+    decision: DecisionRule
     cycles_wanted: int | None
     """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
     where it is proven, or where no number of cycles would."""
+    interval_void: bool = False
+    """Whether a finding says that the interval does not hold: then it proves nothing inside."""
 
     @property
     def inside(self) -> bool:
@@ -213,11 +217,13 @@ class LimitCheck:
     @property
     def verdict(self) -> Conformity:
         """What the rule of `decision` makes of it."""
-        if self.decision is Decision.SIMPLE:
+        if self.decision is DecisionRule.SIMPLE:
             return Conformity.PASS if self.inside else Conformity.FAIL
         if self.interval is None or self.interval[0] <= self.limit < self.interval[1]:
             return Conformity.NOT_PROVABLE
-        return Conformity.PASS if self.interval[1] <= self.limit else Conformity.FAIL
+        if self.interval[0] > self.limit:
+            return Conformity.FAIL
+        return Conformity.NOT_PROVABLE if self.interval_void else Conformity.PASS
 
 
 @dataclass(frozen=True, slots=True)

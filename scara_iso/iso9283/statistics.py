@@ -106,7 +106,7 @@ def rp_interval(
     Coverage is in docs/repeatability.md.
     """
     components = positions.shape[-2]
-    figure = _Figure(_radial, GAUSSIAN_RP[components], GAUSSIAN_ERROR[components])
+    figure = _ScatterMeasure(_radial, GAUSSIAN_RP[components], GAUSSIAN_ERROR[components])
     return _interval(figure, positions, resolutions)
 
 
@@ -115,7 +115,7 @@ def rss_interval(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the 95 % interval of eq. 23, otherwise as `rp_interval`."""
     root = math.sqrt(positions.shape[-2])
-    figure = _Figure(root_sum_of_squares, root * GAUSSIAN_RP[1], GAUSSIAN_ERROR[1] / root)
+    figure = _ScatterMeasure(root_sum_of_squares, root * GAUSSIAN_RP[1], GAUSSIAN_ERROR[1] / root)
     return _interval(figure, positions, resolutions)
 
 
@@ -126,11 +126,11 @@ def three_sigma_interval(
 
     ``positions`` of one component; the chi-square has n - 1 degrees of freedom or fewer.
     """
-    return _interval(_Figure(_three_sigma, 3.0, math.sqrt(0.5)), positions, resolutions)
+    return _interval(_ScatterMeasure(_three_sigma, 3.0, math.sqrt(0.5)), positions, resolutions)
 
 
 @dataclass(frozen=True, slots=True)
-class _Figure:
+class _ScatterMeasure:
     """A measure of scatter of positions; its value and error as `GAUSSIAN_RP` and `_ERROR`."""
 
     of: Callable[[FloatArray], FloatArray]
@@ -147,7 +147,7 @@ def _three_sigma(positions: FloatArray) -> FloatArray:
 
 
 def _interval(
-    figure: _Figure, positions: FloatArray, resolutions: Sequence[float] | None
+    figure: _ScatterMeasure, positions: FloatArray, resolutions: Sequence[float] | None
 ) -> tuple[FloatArray, FloatArray]:
     components, n = positions.shape[-2:]
     steps = np.zeros(components) if resolutions is None else np.asarray(resolutions, np.float64)
@@ -193,7 +193,7 @@ def _upper(error: FloatArray) -> FloatArray:
 
 
 def _beside_rounding(
-    figure: _Figure, positions: FloatArray, value: FloatArray, steps: FloatArray
+    figure: _ScatterMeasure, positions: FloatArray, value: FloatArray, steps: FloatArray
 ) -> FloatArray:
     """Return the figure without what rounding may have added: Sheppard's (1898) correction."""
     variance = (standard_deviation(positions) ** 2).sum(axis=-1)

@@ -10,7 +10,7 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.library.figures import analyze as analyze
-    from scara_iso.library.inputs import Reading as Reading, Table as Table
+    from scara_iso.library.inputs import Table as Table, TableOptions as TableOptions
     from scara_iso.library.loop import (
         diagnose as diagnose,
         diagnose_each as diagnose_each,
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from scara_iso.library.models import plan as plan, simulate as simulate
     from scara_iso.library.recordings import Nobody as Nobody, record as record
     from scara_iso.library.reports import (
-        Document as Document,
+        TestReport as TestReport,
         report as report,
         writer as writer,
     )

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scara_iso import iso9283
-from scara_iso.iso9283 import Analysis, Decision
-from scara_iso.library.inputs import Reading, Table
+from scara_iso.iso9283 import Analysis, DecisionRule
+from scara_iso.library.inputs import Table, TableOptions
 from scara_iso.library.notebook import shows_itself
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def analyze(
     all_count: bool = False,
     allow_gaps: bool = False,
     limits: Mapping[str, float] | None = None,
-    decision: str = Decision.INTERVAL.value,
+    decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a table, with intervals and findings.
@@ -42,7 +42,7 @@ def analyze(
     that cannot be read or breaks the cycle rule, `UsageError` for options that cannot be meant.
     """
     analysis = iso9283.analyze(
-        Reading(unit, resolution, decimal, sheet).read(table),
+        TableOptions(unit, resolution, decimal, sheet).read(table),
         first_cycle_discarded=first_cycle_discarded,
         cycles=cycles,
         all_count=all_count,

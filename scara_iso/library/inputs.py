@@ -18,7 +18,7 @@ Table: TypeAlias = Union[Run, Source, "pd.DataFrame"]
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class TableOptions:
     """How tables are to be read, as in `read_table`; a pandas table needs its ``unit``."""
 
     unit: str | None = None

@@ -11,7 +11,7 @@ from pathlib import Path
 from scara_iso import diagnosis
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis
 from scara_iso.errors import ScaraIsoError
-from scara_iso.library.inputs import Reading, Table
+from scara_iso.library.inputs import Table, TableOptions
 from scara_iso.library.notebook import shows_itself
 from scara_iso.reporting import Failure, Report
 from scara_iso.robot import Model
@@ -41,7 +41,7 @@ def diagnose(
     scatter in mm. Same arguments, same result. Raises `DataError` for a table that cannot be read,
     breaks the cycle rule, or is not of the model, and `UsageError` for a pose that is not there.
     """
-    reading = Reading(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet)
     return diagnosis.diagnose(
         reading.read(table),
         model,
@@ -75,7 +75,7 @@ def diagnose_many(
     They are shared among as many processes as there are cores. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`.
     """
-    reading = Reading(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
     return tuple(diagnose_each(tables, model, reading, wanted, seed=seed))
 
@@ -83,7 +83,7 @@ def diagnose_many(
 def diagnose_each(
     tables: Sequence[str | Path],
     model: str | Path | None,
-    reading: Reading,
+    reading: TableOptions,
     wanted: CyclesWanted,
     *,
     seed: int,
@@ -98,7 +98,7 @@ def _diagnose_one(
     table: str | Path,
     *,
     model: str | Path | None,
-    reading: Reading,
+    reading: TableOptions,
     wanted: CyclesWanted,
     seed: int,
 ) -> Diagnosis | Failure:

@@ -11,7 +11,14 @@ import numpy as np
 from scara_iso import robot
 from scara_iso.effects import Conditions as Procedure
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import CYCLES_RUN, Conditions, Plan, Plane, Solid, make_plan
+from scara_iso.iso9283 import (
+    CYCLES_RUN,
+    DiagonalPlane,
+    PosePlan,
+    PoseTestConditions,
+    Solid,
+    make_plan,
+)
 from scara_iso.robot import (
     Approach,
     DeclaredEffect,
@@ -24,7 +31,7 @@ from scara_iso.robot import (
 )
 from scara_iso.run import FloatArray, Run
 
-_Word = TypeVar("_Word", Solid, Plane, Elbow)
+_Word = TypeVar("_Word", Solid, DiagonalPlane, Elbow)
 _SIDES = {"one": Approach.ONE_SIDE, "both": Approach.BOTH_SIDES, "random": Approach.RANDOM}
 
 
@@ -87,14 +94,14 @@ def plan(
     model: Model | str | Path,
     *,
     solid: str = Solid.CUBE.value,
-    plane: str = Plane.C1_C2_C7_C8.value,
+    plane: str = DiagonalPlane.C1_C2_C7_C8.value,
     elbow: str | None = None,
     m: float = 0.1,
     cycles: int = CYCLES_RUN,
     velocity: float = 100.0,
     load: float = 100.0,
     dwell: float = 2.0,
-) -> Plan:
+) -> PosePlan:
     """Return the test of a model's arm: largest cube, diagonal plane, P1 to P5 with joint angles.
 
     ``solid`` is ``cube`` or ``box``; ``plane`` names its corners (``C1-C2-C7-C8``...); ``elbow`` is
@@ -106,13 +113,13 @@ def plan(
     if described.arm is None:
         named = "the model" if isinstance(model, Model) else str(model)
         raise UsageError(f"{named} holds no arm", remedy="give link lengths and limits in [robot]")
-    conditions = Conditions(
+    conditions = PoseTestConditions(
         cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
     )
     return make_plan(
         described.arm,
         solid=_named(Solid, "solid", solid),
-        plane=_named(Plane, "plane", plane),
+        plane=_named(DiagonalPlane, "plane", plane),
         elbow=None if elbow is None else _named(Elbow, "elbow", elbow),
         m_over_diagonal=m,
         conditions=conditions,

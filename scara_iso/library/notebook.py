@@ -19,9 +19,11 @@ def shows_itself(kind: type[Result], report: Callable[[Result], Report], title: 
     """Give a type of results ``_repr_html_``: the page of its report, in a frame of its own."""
 
     def _repr_html_(self: Result) -> str:
-        from scara_iso.render import to_html
+        from scara_iso.render import find_format
+        from scara_iso.reporting import Document
 
-        return framed(to_html(report(self), title))
+        page = find_format("page", ".html")(Document(title, report(self), None))  # type: ignore[arg-type]  # a page holds no data
+        return framed(page.decode())
 
     setattr(kind, "_repr_html_", _repr_html_)  # noqa: B010 - it has none that a checker could know
 

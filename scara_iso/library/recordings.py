@@ -10,7 +10,7 @@ from scara_iso.acquisition import (
     Command,
     Job,
     Operator,
-    Plan,
+    RecordingPlan,
     Said,
     SystemDisk,
     check_metadata,
@@ -64,7 +64,7 @@ def record(
     job = Job(
         Path(table),
         specs,
-        Plan(parse_trigger(trigger), cycles, stable, pause),
+        RecordingPlan(parse_trigger(trigger), cycles, stable, pause),
         check_metadata(dict(metadata or {})),
         resume,
         excel_locale,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -19,18 +20,19 @@ from scara_iso.diagnosis import (
 from scara_iso.disk import write_file
 from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.frames import is_frame
-from scara_iso.iso9283 import Analysis, Decision
+from scara_iso.iso9283 import Analysis, DecisionRule
 from scara_iso.library.figures import compared_with_its_manifest
-from scara_iso.library.inputs import Reading, Table
+from scara_iso.library.inputs import Table, TableOptions
 from scara_iso.library.notebook import framed
+from scara_iso.render import find_format
 from scara_iso.reporting import Dossier, Failure, InputFile, Provenance, document
 from scara_iso.robot import Gearbox, Model, read_model
 from scara_iso.run import Run
-from scara_iso.tables import SheetLocale, find_locale, read_bytes, write_table
+from scara_iso.tables import find_locale, read_bytes, write_table
 
 
 @dataclass(frozen=True, slots=True)
-class Document:
+class TestReport:
     """A test report: what it is made of in ``dossier``; it shows itself in a notebook."""
 
     dossier: Dossier
@@ -51,7 +53,7 @@ class Document:
         return path
 
     def _repr_html_(self) -> str:
-        return framed(_html(self.dossier, _title(self.dossier)).decode())
+        return framed(find_format("report", ".html")(document(self.dossier)).decode())
 
 
 def report(
@@ -61,7 +63,7 @@ def report(
     to: str | Path | None = None,
     pose: str | None = None,
     limits: Mapping[str, float] | None = None,
-    decision: str = Decision.INTERVAL.value,
+    decision: str = DecisionRule.INTERVAL.value,
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
@@ -72,17 +74,17 @@ def report(
     allow_gaps: bool = False,
     excel_locale: str | None = None,
     command: str = "scara_iso.report",
-) -> Document:
+) -> TestReport:
     """Return the report of a test: result, pictures, every intermediate value, diagnosis, raw data.
 
     ``model`` is a model file: diagnosis and backlash with it. ``to`` also writes the report, as
-    `Document.write`. ``pose`` is one of several; ``command`` says in the report how it was made;
+    `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made;
     the other options are those of `analyze`. Errors as in `analyze`, `diagnose` and
-    `Document.write`.
+    `TestReport.write`.
     """
     write = None if to is None else writer(Path(to), excel_locale)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    run, file = _read(table, Reading(unit, resolution, decimal, sheet), pose)
+    run, file = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
     described = None if model is None else read_model(model)
     analysis = iso9283.analyze(
         run,
@@ -102,7 +104,7 @@ def report(
     )
     if to is not None and write is not None:
         write_file(Path(to), write(dossier))
-    return Document(dossier)
+    return TestReport(dossier)
 
 
 def _provenance(files: tuple[InputFile, ...], command: str) -> Provenance:
@@ -113,72 +115,16 @@ def _provenance(files: tuple[InputFile, ...], command: str) -> Provenance:
 
 def writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
-    kind = path.suffix.lower()
-    if kind not in _ENDINGS:
-        raise UsageError(
-            f"{path.name}: a report is written as {', '.join(_ENDINGS)}",
-            remedy="let the name end in one of them",
-        )
-    if locale is not None and kind != ".csv":
+    render = find_format(path.name, path.suffix)
+    if locale is None:
+        return lambda dossier: render(document(dossier))
+    if path.suffix.lower() != ".csv":
         raise UsageError("--excel-locale spells a .csv", remedy="let the name end in .csv")
-    if kind == ".csv":
-        return lambda dossier: _csv(dossier, _title(dossier), find_locale(locale))
-    render = _KINDS[kind]
-    return lambda dossier: render(dossier, _title(dossier))
+    spelled = partial(render, locale=find_locale(locale))
+    return lambda dossier: spelled(document(dossier))
 
 
-def _title(dossier: Dossier) -> str:
-    robot = dossier.analysis.run.metadata.get("robot", "").strip()
-    return f"ISO 9283 repeatability of {robot or dossier.provenance.files[0].name}"
-
-
-def _html(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render import to_html
-
-    return to_html(document(dossier), title).encode()
-
-
-def _markdown(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render import to_markdown
-
-    return to_markdown(document(dossier), title).encode()
-
-
-def _csv(dossier: Dossier, title: str, locale: SheetLocale) -> bytes:
-    from scara_iso.render import to_csv
-
-    return to_csv(document(dossier), title, locale).encode()
-
-
-def _workbook(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render import to_workbook
-
-    return to_workbook(document(dossier), title)
-
-
-def _pdf(dossier: Dossier, title: str) -> bytes:
-    from scara_iso.render import to_pdf
-
-    return to_pdf(document(dossier), title)
-
-
-def _json(dossier: Dossier, title: str) -> bytes:  # noqa: ARG001 - JSON holds no title
-    from scara_iso.render import report_json, to_text
-
-    return f"{to_text(report_json(dossier))}\n".encode()
-
-
-_KINDS: dict[str, Callable[[Dossier, str], bytes]] = {
-    ".html": _html,
-    ".md": _markdown,
-    ".xlsx": _workbook,
-    ".json": _json,
-    ".pdf": _pdf,
-}
-_ENDINGS = (*_KINDS, ".csv")
-
-
-def _read(table: Table, reading: Reading, pose: str | None) -> tuple[Run, InputFile]:
+def _read(table: Table, reading: TableOptions, pose: str | None) -> tuple[Run, InputFile]:
     """Return the run of a table, and the hash of the very bytes that it was read from."""
     if isinstance(table, Run) or is_frame(table):
         run = reading.read(table)

@@ -9,7 +9,7 @@ from scara_iso import comparison, iso9283
 from scara_iso.comparison import SEED, Comparison
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError
 from scara_iso.iso9283 import Analysis
-from scara_iso.library.inputs import Reading, Table
+from scara_iso.library.inputs import Table, TableOptions
 from scara_iso.library.notebook import shows_itself
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def compare(
     method is that of docs/compare.md. Raises one error with the faults of all tables, and
     `UsageError` for fewer than two.
     """
-    reading = Reading(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet)
 
     def figures(table: Table | Analysis) -> Analysis:
         if isinstance(table, Analysis):

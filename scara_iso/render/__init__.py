@@ -6,8 +6,8 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.render.comparison_plot import plot_comparison as plot_comparison
-    from scara_iso.render.csv import to_csv as to_csv
-    from scara_iso.render.html import to_html as to_html
+    from scara_iso.render.formats import endings as endings, find_format as find_format
+    from scara_iso.render.formats.json import report_json as report_json
     from scara_iso.render.json import (
         analysis_json as analysis_json,
         backlash_json as backlash_json,
@@ -21,17 +21,13 @@ if TYPE_CHECKING:
         design_json as design_json,
         diagnosis_json as diagnosis_json,
     )
-    from scara_iso.render.json_report import report_json as report_json
     from scara_iso.render.live import (
         AxisView as AxisView,
         LiveScreen as LiveScreen,
         LiveView as LiveView,
     )
-    from scara_iso.render.markdown import to_markdown as to_markdown
-    from scara_iso.render.pdf import to_pdf as to_pdf
     from scara_iso.render.plots import plot_diagnosis as plot_diagnosis, plot_plan as plot_plan
     from scara_iso.render.progress import track as track
     from scara_iso.render.terminal import open_console as open_console, show as show
-    from scara_iso.render.workbook import to_workbook as to_workbook
 else:
     __getattr__ = face(__name__)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scara_iso.comparison import Comparison, Contrast, Pair, Verdict
+from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
 from scara_iso.render.plots import ARM, EDGE, PLANE, save
 from scara_iso.reporting import printable
 
@@ -82,7 +82,7 @@ def _draw_intervals(
     inner = [value for middle, ends in found for value in (middle, *ends) if value]
     beyond = (min(inner, default=1.0) / 1.3, max(inner, default=1.0) * 1.3)
     for k, (one, (middle, ends)) in enumerate(zip(contrasts, found, strict=True)):
-        shown = one.verdict in (Verdict.LESS, Verdict.MORE)
+        shown = one.verdict in (ContrastVerdict.LESS, ContrastVerdict.MORE)
         colour = PLANE if shown else EDGE
         bounded = [bool(end) or (end is not None and not none) for end in ends]
         places = [e if b and e is not None else beyond[n]

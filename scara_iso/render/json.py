@@ -14,7 +14,7 @@ if TYPE_CHECKING:
         AxisResult,
         Finding,
         LimitCheck,
-        Plan,
+        PosePlan,
         PoseResult,
         RadialResult,
     )
@@ -137,6 +137,7 @@ def _limit(check: LimitCheck) -> Json:
         "limit": check.limit,
         "verdict": check.verdict.value,
         "rule": check.decision.value,
+        "interval_void": check.interval_void,
         "cycles_wanted": check.cycles_wanted,
         "guard": check.guard,
         "inside": check.inside,
@@ -239,7 +240,7 @@ def run_json(run: Run, *, seed: int) -> Json:
     }
 
 
-def plan_json(plan: Plan) -> Json:
+def plan_json(plan: PosePlan) -> Json:
     """Return the object of ``plan --json``, schema ``scara-iso/plan/1``."""
     return {
         "schema": "scara-iso/plan/1",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 
-from scara_iso.diagnosis import Design, Diagnosis, Found, Plan, RunReversals, Series, Smallest
+from scara_iso.diagnosis import Design, Diagnosis, Found, PlannedRun, RunReversals, Series, Smallest
 from scara_iso.render.json import Json, gear_json, rivals_json
 
 
@@ -107,7 +107,7 @@ def _found(found: Found) -> Json:
     }
 
 
-def design_json(plan: Plan, found: Design) -> Json:
+def design_json(plan: PlannedRun, found: Design) -> Json:
     """Return the object of ``diagnose --design --json``, schema ``scara-iso/design/1``."""
     return {
         "schema": "scara-iso/design/1",

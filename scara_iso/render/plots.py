@@ -11,7 +11,7 @@ import numpy as np
 
 from scara_iso.disk import write_file
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import Plan
+from scara_iso.iso9283 import PosePlan
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 
 
-def plot_plan(plan: Plan, arm: Arm, path: Path) -> None:
+def plot_plan(plan: PosePlan, arm: Arm, path: Path) -> None:
     """Draw the workspace from above, and the solid with its diagonal plane and the poses.
 
     ``path`` ends in .svg or .png. Raises `UsageError` for another ending, and as `write_file`.
@@ -93,7 +93,7 @@ def save(figure: Figure, path: Path) -> None:
     write_file(path, drawn.getvalue())
 
 
-def _draw_from_above(axes: Axes, plan: Plan, arm: Arm) -> None:
+def _draw_from_above(axes: Axes, plan: PosePlan, arm: Arm) -> None:
     axes.set_title("Workspace seen from above")
     _fill_workspace(axes, arm)
     face = plan.corners[[0, 1, 2, 3, 0], :2]
@@ -114,7 +114,7 @@ def _draw_from_above(axes: Axes, plan: Plan, arm: Arm) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3, fontsize=8, frameon=False)
 
 
-def _names_by_place(plan: Plan) -> dict[tuple[float, float], str]:
+def _names_by_place(plan: PosePlan) -> dict[tuple[float, float], str]:
     """Return the poses' names by their place seen from above, where two may coincide."""
     names: dict[tuple[float, float], str] = {}
     for pose in plan.poses:
@@ -133,7 +133,7 @@ def _fill_workspace(axes: Axes, arm: Arm) -> None:
         axes.plot(*line.T, color=EDGE, lw=1, label="reached by either elbow" if k == 0 else None)
 
 
-def _draw_solid(axes: Any, plan: Plan) -> None:
+def _draw_solid(axes: Any, plan: PosePlan) -> None:
     x, y, z = plan.size_mm
     axes.set_title(
         f"{plan.solid.value.capitalize()} of {x:.0f} × {y:.0f} × {z:.0f} mm, "

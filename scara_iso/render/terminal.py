@@ -142,7 +142,7 @@ def _grid(table: Table) -> RichTable:
             RichText(printable(heading)), justify="right" if k else "left", no_wrap=True
         )
     for row in table.rows:
-        grid.add_row(*(RichText(printable(cell)) for cell in row))
+        grid.add_row(*(RichText(printable(str(cell))) for cell in row))
     return grid
 
 
@@ -150,8 +150,8 @@ def _show_rows(table: Table, console: Console) -> None:
     headings = [printable(heading) for heading in table.header[1:]]
     width = max(map(len, headings))
     for name, *cells in table.rows:
-        _print_indented(RichText(printable(name), "bold"), console)
-        for heading, cell in zip(headings, cells, strict=True):
+        _print_indented(RichText(printable(str(name)), "bold"), console)
+        for heading, cell in zip(headings, map(str, cells), strict=True):
             if cell:
                 line = RichText(f"{heading:<{width}}  {printable(cell)}")
                 _print_indented(line, console, indent=2 * _INDENT)

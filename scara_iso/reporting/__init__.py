@@ -1,7 +1,7 @@
 """What is said about a result, decided once; `render` decides how it looks.
 
-A report is sections of blocks: text, tables, strips and notices. Figures are rounded here and
-nowhere else.
+A report is sections of blocks: text, tables, strips and notices. A number keeps all
+its digits and carries how many of them are worth showing; who shows it rounds.
 """
 
 from typing import TYPE_CHECKING
@@ -16,9 +16,12 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.blocks import (
         Block as Block,
+        Cell as Cell,
         Course as Course,
         Figure as Figure,
+        Interval as Interval,
         Notice as Notice,
+        Number as Number,
         Plane as Plane,
         Prediction as Prediction,
         Report as Report,
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.digits import U_of_scatter as U_of_scatter, rounded as rounded
     from scara_iso.reporting.dossier import (
+        Document as Document,
         Dossier as Dossier,
         InputFile as InputFile,
         Provenance as Provenance,
@@ -59,6 +63,7 @@ if TYPE_CHECKING:
         probe_report as probe_report,
     )
     from scara_iso.reporting.stated import NOT_STATED as NOT_STATED, head as head
+    from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.words import printable as printable
 else:
     __getattr__ = face(__name__)

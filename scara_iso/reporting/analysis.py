@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from scara_iso.iso9283 import CYCLES_USED, Analysis, AxisResult, Finding, PoseResult, RadialResult
-from scara_iso.reporting.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Notice,
+    Number,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+)
 from scara_iso.reporting.digits import U_of_scatter, interval, rounded
 from scara_iso.reporting.limits import conformity, limits
 from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
@@ -144,7 +154,7 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
     )
 
 
-def _with_interval(axis: AxisResult) -> tuple[str, str]:
+def _with_interval(axis: AxisResult) -> tuple[Cell, Cell]:
     """Return the interval of RP and 3 s; of an angle, ± 3 s and its own interval."""
     three_sigma = _of_scatter(axis.three_sigma, axis.n)
     if axis.unit == "deg":
@@ -152,7 +162,7 @@ def _with_interval(axis: AxisResult) -> tuple[str, str]:
     return interval(axis.RP_interval), three_sigma
 
 
-def _radial_rows(pose: PoseResult) -> Iterator[tuple[str, ...]]:
+def _radial_rows(pose: PoseResult) -> Iterator[tuple[Cell, ...]]:
     n = len(pose.rows)
     for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
         if found is None:
@@ -171,13 +181,13 @@ def _radial_rows(pose: PoseResult) -> Iterator[tuple[str, ...]]:
             yield (f"{name} eq. 23", "", "", "", rss, ends, "", "")
 
 
-def _parts(found: AxisResult | RadialResult, n: int) -> list[str]:
+def _parts(found: AxisResult | RadialResult, n: int) -> list[Number]:
     """Return l_bar, S_l and RP to the same place; the appendix of a report has all digits."""
     U = U_of_RP(found, n)
     return [rounded(x, U) for x in (found.l_bar, found.S_l, found.RP)]
 
 
-def _of_scatter(figure: float, n: int) -> str:
+def _of_scatter(figure: float, n: int) -> Number:
     return rounded(figure, U_of_scatter(figure, n))
 
 
@@ -238,8 +248,8 @@ def _subject(finding: Finding) -> str:
     return ", ".join(part for part in (finding.pose, finding.axis) if part)
 
 
-def _share(ratio: float | None) -> str:
-    return "" if ratio is None else f"{ratio:.0%}"
+def _share(ratio: float | None) -> Number | str:
+    return "" if ratio is None else Number(ratio, ".0%")
 
 
 def _lengths(pose: PoseResult) -> list[float]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from scara_iso.iso9283 import PoseResult
-from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+from scara_iso.reporting.blocks import Block, Number, Report, Section, Table, Text
 from scara_iso.reporting.digits import four_digits, p_equals, rounded
 from scara_iso.reporting.uncertainty import U_of_RP
 from scara_iso.reporting.words import words
@@ -54,7 +54,7 @@ def _table(result: Backlash) -> Table:
         ("gap 2D [rad] (eq. 18)", [four_digits(result.gap_rad)] * len(found)),
         ("I_m [kg m2]", [four_digits(c.motor_inertia) for c in found]),
         ("I_L [kg m2]", [four_digits(c.load_inertia) for c in found]),
-        ("1 + I_L/I_m (eq. 20)", [f"{c.inertia_ratio:.6g}" for c in found]),
+        ("1 + I_L/I_m (eq. 20)", [Number(c.inertia_ratio, ".6g") for c in found]),
         ("load deviation [rad] (eq. 16)", [four_digits(c.load_deviation_rad) for c in found]),
         ("motor deviation [rad]", [four_digits(c.motor_deviation_rad) for c in found]),
     ]
@@ -136,7 +136,7 @@ def gear_errors(closed: GearDiagnosis, unit: str, left_out: str) -> Table:
     return Table(
         (f"rms error [{unit}]", "fitted", "held out"),
         tuple(
-            (name, f"{fitted:.2g}", "" if unseen is None else f"{unseen:.2g}")
+            (name, Number(fitted, ".2g"), "" if unseen is None else Number(unseen, ".2g"))
             for name, fitted, unseen in rows
         ),
         f"held out: {left_out} predicted without it, the choice of effect repeated",
@@ -150,10 +150,10 @@ def _between(value: float, ends: tuple[float, float] | None) -> str:
     return f"{rounded(value, U)} (95 %: {rounded(ends[0], U)} .. {rounded(ends[1], U)})"
 
 
-def _measured(pose: PoseResult, RP: float) -> str:
+def _measured(pose: PoseResult, RP: float) -> Number:
     assert pose.XY is not None  # noqa: S101 - the caller has seen it
-    return f"{rounded(RP, U_of_RP(pose.XY, len(pose.rows)))} mm"
+    return rounded(RP, U_of_RP(pose.XY, len(pose.rows)), unit="mm")
 
 
-def _mm(value: float | None) -> str:
-    return "" if value is None else f"{four_digits(value)} mm"
+def _mm(value: float | None) -> Number | str:
+    return "" if value is None else four_digits(value, "mm")

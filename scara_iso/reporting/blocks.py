@@ -18,14 +18,55 @@ class Text:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
-    """Columns of text; the first is aligned to the left, the others to the right.
+class Number:
+    """A number with all its digits, and how it is shown: `str` rounds it.
 
-    ``verbatim`` cells are text that somebody stated: a serial number 0123 is no number.
+    ``spec`` is a format specification of Python, ``.4f``, or ``.0%`` of a share, whose value is a
+    fraction; ``unit`` stands behind the digits, ``mark`` before them.
+    """
+
+    value: float
+    spec: str = "d"
+    unit: str = ""
+    mark: str = ""
+
+    @property
+    def digits(self) -> str:
+        """The number as it is shown, without its unit."""
+        said = f"{self.value:{self.spec}}"
+        if not self.spec.endswith("e"):
+            return said
+        mantissa, exponent = said.split("e")
+        return f"{mantissa}e{int(exponent)}"
+
+    def __str__(self) -> str:
+        return f"{self.mark}{self.digits}{self.unit and f' {self.unit}'}"
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """The two ends of an interval; one that nothing bounds is said in words."""
+
+    low: Number | str
+    high: Number | str
+
+    def __str__(self) -> str:
+        return f"{self.low}..{self.high}"
+
+
+Cell = str | Number | Interval
+"""Text is text: a serial number 0123 is no number, and no format makes one of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Columns of cells; the first is aligned to the left, the others to the right.
+
+    ``verbatim`` cells are what somebody stated, all aligned to the left.
     """
 
     header: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
     verbatim: bool = False
 

@@ -10,20 +10,30 @@ from scara_iso.comparison import (
     MOST_CYCLES,
     Comparison,
     Contrast,
+    ContrastVerdict,
     Ends,
     Pair,
-    Verdict,
     poses_in_common,
 )
-from scara_iso.reporting.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.reporting.blocks import (
+    Block,
+    Interval,
+    Notice,
+    Number,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+)
 from scara_iso.reporting.digits import p_value, rounded
 
-_CHANGED = (Verdict.LESS, Verdict.MORE)
+_CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
 _SAID = {
-    Verdict.LESS: "less",
-    Verdict.MORE: "more",
-    Verdict.NOT_SHOWN: "not shown",
-    Verdict.DIAL: "the dial",
+    ContrastVerdict.LESS: "less",
+    ContrastVerdict.MORE: "more",
+    ContrastVerdict.NOT_SHOWN: "not shown",
+    ContrastVerdict.DIAL: "the dial",
 }
 
 
@@ -62,8 +72,8 @@ def _changed(one: Contrast) -> str:
     name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
     if one.ratio is None or one.ratio_interval is None:
         return f"{name} {rounded(one.difference, _U(one), sign='+')} {one.unit}"
-    way = "better" if one.verdict is Verdict.LESS else "worse"
-    return f"{name} {way} ({', 95 % interval '.join(_ratio(one))})"
+    way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
+    return f"{name} {way} ({', 95 % interval '.join(map(str, _ratio(one)))})"
 
 
 def _cycles(pair: Pair) -> str:
@@ -97,7 +107,7 @@ def _caution(pair: Pair) -> Iterator[Block]:
             "runs as if their order did not count: diagnose the drift first.",
             "warn",
         )
-    if any(one.verdict is Verdict.DIAL for one in every):
+    if any(one.verdict is ContrastVerdict.DIAL for one in every):
         said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
         yield Text(said, "warn")
 
@@ -175,33 +185,34 @@ def _reach(figure: float, ends: Ends) -> float:
     return sum(distances) / max(len(distances), 1)
 
 
-def _ratio(one: Contrast) -> tuple[str, str]:
+def _ratio(one: Contrast) -> tuple[Number | str, Interval]:
     assert one.ratio_interval is not None  # noqa: S101 - not a mean
     if one.ratio is None:
         return "", _ends(one.ratio_interval, 0.0)
     U = _reach(one.ratio, one.ratio_interval)
-    return f"×{rounded(one.ratio, U)}", _ends(one.ratio_interval, U)
+    return rounded(one.ratio, U, mark="×"), _ends(one.ratio_interval, U)
 
 
-def _ends(ends: Ends, U: float, *, sign: str = "") -> str:
-    return "..".join("any" if end is None else rounded(end, U, sign=sign) for end in ends)
+def _ends(ends: Ends, U: float, *, sign: str = "") -> Interval:
+    low, high = ("any" if end is None else rounded(end, U, sign=sign) for end in ends)
+    return Interval(low, high)
 
 
-def _needed(cycles: int | None) -> str:
+def _needed(cycles: int | None) -> Number | str:
     if cycles is None:
         return ""
     if cycles >= MOST_CYCLES:
         return f"> {MOST_CYCLES - 1}"
     magnitude = 10 ** max(math.floor(math.log10(cycles)) - 1, 0)
-    return f"{math.ceil(cycles / magnitude) * magnitude}"
+    return Number(math.ceil(cycles / magnitude) * magnitude)
 
 
-def _least(one: Contrast) -> str:
+def _least(one: Contrast) -> Number | str:
     if one.smallest_shown is None:
         return "none"
     if one.quantity == "mean":
-        return f"{one.smallest_shown:.2g} {one.unit}"
-    return f"×{one.smallest_shown:.2f}"
+        return Number(one.smallest_shown, ".2g", one.unit)
+    return Number(one.smallest_shown, ".2f", mark="×")
 
 
 def _strips(pair: Pair) -> Iterator[Block]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from scara_iso.diagnosis import Design, Plan, Smallest
-from scara_iso.reporting.blocks import Report, Section, Table, Text
+from scara_iso.diagnosis import Design, PlannedRun, Smallest
+from scara_iso.reporting.blocks import Number, Report, Section, Table, Text
 from scara_iso.reporting.digits import decimals
 from scara_iso.reporting.words import words
 
 
-def design_report(plan: Plan, found: Design) -> Report:
+def design_report(plan: PlannedRun, found: Design) -> Report:
     """Return the smallest effects, with the gain of each change of plan beside them."""
     return (
         Section("", tuple(_head(plan))),
@@ -19,7 +19,7 @@ def design_report(plan: Plan, found: Design) -> Report:
     )
 
 
-def _head(plan: Plan) -> list[Text]:
+def _head(plan: PlannedRun) -> list[Text]:
     columns = ", ".join(plan.conditions.covariates) or "none"
     return [
         Text("what this test will be able to tell", "strong"),
@@ -31,7 +31,7 @@ def _head(plan: Plan) -> list[Text]:
     ]
 
 
-def _table(plan: Plan, found: Design) -> Table:
+def _table(plan: PlannedRun, found: Design) -> Table:
     columns = [found.smallest, *(change.smallest for change in found.changes)]
     names = list(dict.fromkeys(one.effect for column in columns for one in column))
     places = decimals([plan.sigma])
@@ -43,10 +43,10 @@ def _table(plan: Plan, found: Design) -> Table:
     return Table(("effect", "as planned", *letters), rows, notes)
 
 
-def _travel(column: Sequence[Smallest], name: str, places: int) -> str:
+def _travel(column: Sequence[Smallest], name: str, places: int) -> Number | str:
     for one in column:
         if one.effect == name:
-            return "-" if one.travel is None else f"{one.travel:.{places}f}"
+            return "-" if one.travel is None else Number(one.travel, f".{places}f")
     return ""
 
 

@@ -7,7 +7,17 @@ from dataclasses import dataclass
 
 from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
 from scara_iso.effects import find_effects
-from scara_iso.reporting.blocks import Block, Notice, Report, Section, Strip, Table, Text
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Notice,
+    Number,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+)
 from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, rounded
 from scara_iso.reporting.reversals import reversals_section
 from scara_iso.reporting.words import words
@@ -54,7 +64,7 @@ def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) 
     return (Section("", (Text(f"{len(tables)} diagnosed: {counts}", "strong"), table, *failures)),)
 
 
-def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, ...]:
+def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, str, str, Number | str]:
     if isinstance(one, Failure):
         return (table, "not diagnosed", "", "")
     effects = "; ".join(_sureness(found) for found in one.effects)
@@ -190,13 +200,13 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
         )
 
 
-def _of_scatter(figure: float, n: int) -> str:
+def _of_scatter(figure: float, n: int) -> Number:
     return rounded(figure, U_of_scatter(figure, n))
 
 
 def _shares(diagnosis: Diagnosis) -> Table:
-    rows = tuple(
-        (axis, f"{part.effects:.0%}", f"{part.resolution:.0%}", f"{part.unexplained:.0%}")
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (axis, *(Number(v, ".0%") for v in (part.effects, part.resolution, part.unexplained)))
         for axis, part in diagnosis.shares.items()
     )
     left = "unexplained" if diagnosis.verdict is Verdict.UNEXPLAINED else "scatter"

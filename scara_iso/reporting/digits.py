@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from decimal import ROUND_UP, Context
 from typing import Protocol
 
+from scara_iso.reporting.blocks import Interval, Number
+
 _SIGNIFICANT = 3
 _MOST_PLACES = 9
 
@@ -34,11 +36,11 @@ class Tested(Protocol):
         """Whether nothing drawn came as far."""
 
 
-def p_value(tested: Tested) -> str:
-    """Return ``0.034``, or ``<= 0.0011`` where the p-value is only a bound."""
+def p_value(tested: Tested) -> Number | str:
+    """Return ``0.034``, or the text ``<= 0.0011``: a bound is no value to compute with."""
     if tested.p_value_at_floor:
         return f"<= {Context(prec=2, rounding=ROUND_UP).create_decimal(repr(tested.p_value))}"
-    return f"{tested.p_value:.2g}"
+    return Number(tested.p_value, ".2g")
 
 
 def p_equals(tested: Tested) -> str:
@@ -47,20 +49,21 @@ def p_equals(tested: Tested) -> str:
     return f"p {said}" if tested.p_value_at_floor else f"p = {said}"
 
 
-def rounded(figure: float, U: float, *, sign: str = "") -> str:
-    """Return ``figure`` to the second digit of its uncertainty (GUM 7.2.6).
+def rounded(figure: float, U: float, *, sign: str = "", unit: str = "", mark: str = "") -> Number:
+    """Return ``figure``, shown to the second digit of its uncertainty (GUM 7.2.6).
 
     A U of 0 stands for one that nobody knows: four digits then.
     """
-    return f"{figure:{sign}.{_places(U)}f}" if U > 0 and math.isfinite(U) else f"{figure:{sign}.4g}"
+    spec = f"{sign}.{_places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
+    return Number(figure, spec, unit, mark)
 
 
-def interval(ends: tuple[float, float] | None) -> str:
+def interval(ends: tuple[float, float] | None) -> Interval | str:
     """Return ``0.008..0.030``, nothing for none: both ends to the second digit of half of it."""
     if ends is None:
         return ""
     U = (ends[1] - ends[0]) / 2
-    return f"{rounded(ends[0], U)}..{rounded(ends[1], U)}"
+    return Interval(rounded(ends[0], U), rounded(ends[1], U))
 
 
 def U_of_scatter(figure: float, n: int) -> float:  # noqa: N802 - GUM's symbol
@@ -73,9 +76,7 @@ def _places(U: float) -> int:
     return min(max(1 - exponent, 0), _MOST_PLACES)
 
 
-def four_digits(value: float) -> str:
+def four_digits(value: float, unit: str = "") -> Number:
     """Return ``value`` with four significant digits, as a power of ten where it is far from 1."""
-    if value == 0 or 1e-3 <= abs(value) < 1e6:
-        return f"{value:.4g}"
-    mantissa, exponent = f"{value:.3e}".split("e")
-    return f"{mantissa}e{int(exponent)}"
+    near = value == 0 or 1e-3 <= abs(value) < 1e6
+    return Number(value, ".4g" if near else ".3e", unit)

@@ -16,7 +16,7 @@ from scara_iso.reporting.intermediates import by_cycle, intermediates
 from scara_iso.reporting.limits import limits
 from scara_iso.reporting.raw_data import raw_data
 from scara_iso.reporting.stated import head
-from scara_iso.reporting.uncertainty import uncertainty_budget
+from scara_iso.reporting.uncertainty import budget_blocks
 from scara_iso.robot import Gearbox
 
 
@@ -55,8 +55,23 @@ class Dossier:
 SCOPE = "The results relate only to the item tested (ISO/IEC 17025:2017, 7.8.2.1 l)."
 
 
-def document(dossier: Dossier) -> Report:
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A report as a file holds it: title and sections, and what they are about, as data."""
+
+    title: str
+    sections: Report
+    source: Dossier
+
+
+def document(dossier: Dossier) -> Document:
     """Return the whole report of a test."""
+    robot = dossier.analysis.run.metadata.get("robot", "").strip()
+    title = f"ISO 9283 repeatability of {robot or dossier.provenance.files[0].name}"
+    return Document(title, _sections(dossier), dossier)
+
+
+def _sections(dossier: Dossier) -> Report:
     analysis = dossier.analysis
     sections = [
         Section("Result", (*verdict(analysis), *_diagnosed(dossier))),
@@ -70,7 +85,7 @@ def document(dossier: Dossier) -> Report:
         pictures = (*courses(pose), *plane(pose, separate=separate))
         sections.append(Section(_of(pose, "Readings"), pictures))
     sections += [_capital(section) for section in limits(analysis)]
-    sections.append(Section("Uncertainty budget", tuple(uncertainty_budget(analysis))))
+    sections.append(Section("Uncertainty budget", tuple(budget_blocks(analysis))))
     sections += [_capital(section) for section in findings(analysis)]
     for pose in analysis.poses:
         sections += _diagnosis(pose, dossier.diagnoses.get(pose.label))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scara_iso.iso9283 import AxisResult, PoseResult
-from scara_iso.reporting.blocks import Block, Table
+from scara_iso.reporting.blocks import Block, Cell, Number, Table
 from scara_iso.reporting.digits import decimals
 from scara_iso.run import FloatArray
 
@@ -48,12 +48,14 @@ def by_cycle(pose: PoseResult) -> Iterator[Block]:
         f"{axis.name} - mean [{axis.unit}]": axis.readings - axis.mean
         for axis in pose.axes.values()
     }
-    texts = [[f"{v:+.{places}f}" for v in values] for values in columns.values()]
+    cells = [[Number(v, f"+.{places}f") for v in values.tolist()] for values in columns.values()]
     radial = [name for name in ("XY", "XYZ") if name in pose.figures]
-    texts += [[f"{v:.{places}f}" for v in _distances(pose, name)] for name in radial]
+    cells += [
+        [Number(v, f".{places}f") for v in _distances(pose, name).tolist()] for name in radial
+    ]
     yield Table(
         ("cycle", *columns, *(f"l_j {name} [mm]" for name in radial)),
-        tuple(zip(map(str, pose.cycle.tolist()), *texts, strict=True)),
+        tuple(zip(map(Number, pose.cycle.tolist()), *cells, strict=True)),
         "l_j of an axis is the deviation without its sign",
     )
 
@@ -64,21 +66,23 @@ def _row(
     places: int,
     readings: FloatArray | None,
     l: FloatArray,  # noqa: E741
-) -> tuple[str, ...]:
+) -> tuple[Cell, ...]:
     n, l_bar = len(l), float(l.mean())
     squares = float(((l - l_bar) ** 2).sum())
     S_l = float(np.sqrt(squares / (n - 1)))
-    sums = ("", "") if readings is None else (readings.sum(), readings.mean())
-    said = [f"{v:.{places}f}" if v != "" else "" for v in (*sums, l.sum(), l_bar)]
+    spec = f".{places}f"
+    sums: list[Cell] = ["", ""]
+    if readings is not None:
+        sums = [Number(float(v), spec) for v in (readings.sum(), readings.mean())]
     return (
-        name, unit, str(n), *said, f"{squares:.6g}", f"{S_l:.{places}f}",
-        f"{l_bar + 3 * S_l:.{places}f}",
+        name, unit, Number(n), *sums, Number(float(l.sum()), spec), Number(l_bar, spec),
+        Number(squares, ".6g"), Number(S_l, spec), Number(l_bar + 3 * S_l, spec),
     )  # fmt: skip
 
 
 def _angle(axis: AxisResult, places: int) -> Table:
     s = axis.three_sigma / 3
-    row = (axis.name, f"{s:.{places}f}", f"{axis.three_sigma:.{places}f}")
+    row: tuple[Cell, ...] = (axis.name, *(Number(v, f".{places}f") for v in (s, axis.three_sigma)))
     return Table(("angle", "S [deg]", "RP = ± 3 S [deg]"), (row,), "7.2.2, S with n - 1")
 
 

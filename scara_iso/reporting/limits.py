@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, Decision, LimitCheck
-from scara_iso.reporting.blocks import Section, Table, Text
+from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, LimitCheck
+from scara_iso.reporting.blocks import Interval, Number, Section, Table, Text
 from scara_iso.reporting.digits import decimals
 
 _MOST_PLACES = 15
@@ -15,7 +15,7 @@ _INTERVAL = (
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
     "is wrong in one test of forty or fewer with Gaussian scatter. Cycles wanted: about so many in "
     "one run prove it, were the figure as read; none do where the dial hides the scatter, or the "
-    "calibration alone reaches the limit."
+    "calibration alone reaches the limit. No pass on the interval of readings that drift."
 )
 _SIMPLE = (
     "Simple acceptance was chosen: pass where RP is at most the limit; what so few cycles leave "
@@ -33,7 +33,7 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     by_verdict: dict[Conformity, list[LimitCheck]] = {}
     for check in analysis.limits:
         by_verdict.setdefault(check.verdict, []).append(check)
-    simple = any(check.decision is Decision.SIMPLE for check in analysis.limits)
+    simple = any(check.decision is DecisionRule.SIMPLE for check in analysis.limits)
     how = "by simple acceptance" if simple else "with the whole 95 % interval"
     failed = by_verdict.get(Conformity.FAIL, [])
     open_ = by_verdict.get(Conformity.NOT_PROVABLE, [])
@@ -44,16 +44,19 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
         yield Text(f"NOT PROVABLE with these cycles: {names}{_would_prove(open_)}", "warn")
     if analysis.conformity is Conformity.PASS:
         yield Text(f"PASS: inside the limits {how}", "good")
-    drifting = {finding.axis for finding in analysis.findings if finding.code == "trend"}
-    if analysis.limits and drifting and not simple:
-        named = ", ".join(sorted(filter(None, drifting)))
-        yield Text(f"{named}: a drift voids the interval, and what is decided by it", "warn")
+    void = [check for check in analysis.limits if check.interval_void and not simple]
+    if void:
+        yield Text(
+            f"A drift voids the interval of {', '.join(_names(void))}, which can then not pass: "
+            "find its cause (diagnose), and measure again without it",
+            "warn",
+        )
 
 
 def limits(analysis: Analysis) -> Iterator[Section]:
     """Yield the figures against their limits, where the user gave any."""
     if analysis.limits:
-        simple = analysis.limits[0].decision is Decision.SIMPLE
+        simple = analysis.limits[0].decision is DecisionRule.SIMPLE
         table = (_simple_table if simple else _interval_table)(analysis.limits)
         yield Section("limits", (table,))
 
@@ -63,12 +66,10 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
     for check in checks:
         ends = check.interval or ()
         places = deciding_places(check.limit, (check.RP, *ends))
-        said = [f"{value:.{places}f}" for value in (check.RP, *ends)]
-        interval = "..".join(said[1:]) or "none"
-        wanted = _wanted(check)
-        rows.append(
-            (_name(check), said[0], interval, _exact(check.limit), _WORDS[check.verdict], wanted)
-        )
+        RP, *said = (Number(value, f".{places}f") for value in (check.RP, *ends))
+        interval = Interval(*said) if said else "none"
+        limit, verdict = Number(check.limit, ".15g"), _WORDS[check.verdict]
+        rows.append((_name(check), RP, interval, limit, verdict, _wanted(check)))
     header = ("limit of", "RP", "95 % interval", "limit", "verdict", "cycles wanted")
     return Table(header, tuple(rows), _FIGURES + _INTERVAL)
 
@@ -77,15 +78,13 @@ def _simple_table(checks: Sequence[LimitCheck]) -> Table:
     rows = []
     for check in checks:
         places = deciding_places(check.limit, (check.RP,))
-        guard = (
-            "not known" if check.guard is None else f"± {check.guard:.{decimals([check.guard])}f}"
-        )
+        guard = "not known" if check.guard is None else _guard_band(check.guard)
         near = ", in the guard band" if check.guard is not None and not check.clear else ""
         rows.append(
             (
                 _name(check),
-                f"{check.RP:.{places}f}",
-                _exact(check.limit),
+                Number(check.RP, f".{places}f"),
+                Number(check.limit, ".15g"),
                 guard,
                 _WORDS[check.verdict] + near,
             )
@@ -108,16 +107,19 @@ def deciding_places(limit: float, values: Sequence[float]) -> int:
     return places
 
 
-def _exact(limit: float) -> str:
-    return f"{limit:.15g}"
+def _guard_band(half_width: float) -> Number:
+    return Number(half_width, f".{decimals([half_width])}f", mark="± ")
 
 
-def _wanted(check: LimitCheck) -> str:
+def _wanted(check: LimitCheck) -> Number | str:
     if check.verdict is not Conformity.NOT_PROVABLE:
         return ""
+    if check.interval_void:
+        return "not while it drifts"
     if check.cycles_wanted is None:
         return "none would do"
-    return f"{'over ' if check.cycles_wanted >= MOST_CYCLES else ''}{check.cycles_wanted}"
+    wanted = Number(check.cycles_wanted)
+    return f"over {wanted}" if check.cycles_wanted >= MOST_CYCLES else wanted
 
 
 def _would_prove(checks: Sequence[LimitCheck]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from scara_iso.iso9283 import PoseResult
-from scara_iso.reporting.blocks import Section, Table, Text
+from scara_iso.reporting.blocks import Cell, Number, Section, Table, Text
 from scara_iso.reporting.digits import four_digits
 from scara_iso.robot import (
     PRINTED_DEVIATION_MM,
@@ -61,9 +61,9 @@ def next_steps() -> Section:
     )
 
 
-def _row(label: str, printed: float | None, found: float | None) -> tuple[str, ...]:
+def _row(label: str, printed: float | None, found: float | None) -> tuple[Cell, ...]:
     if found is None:
         return (label, "", "", "")
     if printed is None:
         return (label, "-", four_digits(found), "")
-    return (label, four_digits(printed), four_digits(found), f"{found / printed:.2f}")
+    return (label, four_digits(printed), four_digits(found), Number(found / printed, ".2f"))

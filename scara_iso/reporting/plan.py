@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.iso9283 import Plan
-from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+from scara_iso.iso9283 import PosePlan
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
 
-def plan_report(plan: Plan, robot: str) -> Report:
+def plan_report(plan: PosePlan, robot: str) -> Report:
     """Return what is said of a plan: size, poses, how they are visited."""
     return (
         Section("", tuple(_verdict(plan, robot))),
@@ -19,14 +19,14 @@ def plan_report(plan: Plan, robot: str) -> Report:
     )
 
 
-def visits_csv(plan: Plan, locale: SheetLocale = PLAIN) -> str:
+def visits_csv(plan: PosePlan, locale: SheetLocale = PLAIN) -> str:
     """Return one cycle's visits as CSV, one row each in their order."""
     rows = plan.rows()
     cells = [[round(v, 6) if isinstance(v, float) else v for v in row.values()] for row in rows]
     return locale.bom + write_rows([list(rows[0]), *cells], locale)
 
 
-def _verdict(plan: Plan, robot: str) -> Iterator[Block]:
+def _verdict(plan: PosePlan, robot: str) -> Iterator[Block]:
     x, y, z = plan.size_mm
     yield Text(f"ISO 9283 test{f' of {robot}' if robot else ''}", "strong")
     yield Text(f"largest {plan.solid.value}: {x:.1f} x {y:.1f} x {z:.1f} mm", "strong")
@@ -43,15 +43,15 @@ def _verdict(plan: Plan, robot: str) -> Iterator[Block]:
     )
 
 
-def _poses(plan: Plan) -> Table:
-    rows = tuple(
+def _poses(plan: PosePlan) -> Table:
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
         (
             pose.name,
-            *(f"{v:.1f}" for v in (pose.x_mm, pose.y_mm, pose.z_mm)),
-            *(f"{v:.2f}" for v in (pose.joint_1_deg, pose.joint_2_deg)),
-            f"{pose.joint_3_mm:.1f}",
-            f"{pose.joint_4_deg:.2f}",
-            f"{pose.singularity_deg:.1f}",
+            *(Number(v, ".1f") for v in (pose.x_mm, pose.y_mm, pose.z_mm)),
+            *(Number(v, ".2f") for v in (pose.joint_1_deg, pose.joint_2_deg)),
+            Number(pose.joint_3_mm, ".1f"),
+            Number(pose.joint_4_deg, ".2f"),
+            Number(pose.singularity_deg, ".1f"),
         )
         for pose in plan.poses
     )
@@ -60,15 +60,15 @@ def _poses(plan: Plan) -> Table:
     return Table(header, rows, note)
 
 
-def _corners(plan: Plan) -> Table:
-    rows = tuple(
-        (f"C{k}", *(f"{v:.1f}" for v in corner))
+def _corners(plan: PosePlan) -> Table:
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (f"C{k}", *(Number(v, ".1f") for v in corner))
         for k, corner in enumerate(plan.corners.tolist(), 1)
     )
     return Table(("corner", "x", "y", "z"), rows)
 
 
-def _visits(plan: Plan) -> Iterator[Block]:
+def _visits(plan: PosePlan) -> Iterator[Block]:
     how = plan.conditions
     yield Text(
         f"{how.cycles} cycles, {how.used} used, each from P1 through {', '.join(how.order)}; "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from scara_iso.acquisition import Dialect, Event, Garbage, InstrumentFault, Notice, Reading
+from scara_iso.acquisition import DeviceNotice, Dialect, Event, Garbage, InstrumentFault, Reading
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
 
@@ -100,7 +100,7 @@ def _said(event: Event) -> str:
             return f"{text} {unit or '(no unit)'}{place}"
         case InstrumentFault(code=code):
             return f"fault {code}"
-        case Notice(message=message):
+        case DeviceNotice(message=message):
             return message
     return ""
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from decimal import Decimal
 
 from scara_iso.iso9283 import Analysis, PoseResult
-from scara_iso.reporting.blocks import Block, Table
+from scara_iso.reporting.blocks import Block, Number, Table
 from scara_iso.run import Axis, FloatArray
 
 
@@ -15,23 +15,26 @@ def raw_data(analysis: Analysis, pose: PoseResult) -> Iterator[Block]:
     run = analysis.run
     rows = dict(run.rows_by_pose())[pose.label]
     counted = set(pose.rows.tolist())
-    columns = {} if run.lines is None else {"line": [str(n) for n in run.lines[rows]]}
-    columns |= {"cycle": [str(n) for n in run.cycle[rows]]}
+    columns: dict[str, list[Number] | list[str]]
+    columns = {} if run.lines is None else {"line": [Number(n) for n in run.lines[rows].tolist()]}
+    columns |= {"cycle": [Number(n) for n in run.cycle[rows].tolist()]}
     columns |= {
         f"{axis.name} [{axis.unit}]": _digits(axis, axis.readings[rows])
         for axis in run.axes.values()
     }
     columns |= {
-        name: [f"{v:.12g}" for v in values[rows]] for name, values in run.covariates.items()
+        name: [Number(v, ".12g") for v in values[rows].tolist()]
+        for name, values in run.covariates.items()
     }
     columns |= {"counts": ["yes" if row in counted else "discarded" for row in rows.tolist()]}
     note = "" if run.lines is None else f"line: where the row stands in {run.origin.source}"
     yield Table(tuple(columns), tuple(zip(*columns.values(), strict=True)), note)
 
 
-def _digits(axis: Axis, values: FloatArray) -> list[str]:
+def _digits(axis: Axis, values: FloatArray) -> list[Number]:
     """Return readings with the digits of the dial, or with all where those do not hold them."""
     if axis.resolution is None:
-        return [f"{v:.12g}" for v in values]
+        return [Number(v, ".12g") for v in values.tolist()]
     places = max(0, -int(Decimal(repr(axis.resolution)).normalize().as_tuple().exponent))
-    return [f"{v:.{places}f}" if round(v, places) == v else f"{v:.12g}" for v in values.tolist()]
+    exact = f".{places}f"
+    return [Number(v, exact if round(v, places) == v else ".12g") for v in values.tolist()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from scara_iso.diagnosis import Reversal, RunReversals
 from scara_iso.reporting.backlash import gear_blocks, gear_errors
-from scara_iso.reporting.blocks import Block, Section, Table, Text
+from scara_iso.reporting.blocks import Block, Number, Section, Table, Text
 from scara_iso.reporting.digits import rounded
 
 
@@ -30,7 +30,7 @@ def _table(reversals: tuple[Reversal, ...]) -> Table:
         tuple(
             (
                 one.axis,
-                f"{one.payload_kg:g}",
+                Number(one.payload_kg, "g"),
                 *(
                     "" if value is None else rounded(value, one.uncertainty_mm)
                     for value in (

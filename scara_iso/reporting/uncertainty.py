@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from scara_iso.iso9283 import Analysis, AxisResult, RadialResult
 from scara_iso.quantities import rounding_uncertainty
-from scara_iso.reporting.blocks import Block, Table, Text
+from scara_iso.reporting.blocks import Block, Cell, Number, Table, Text
 from scara_iso.reporting.digits import U_of_scatter, rounded
 from scara_iso.reporting.stated import NOT_STATED
 from scara_iso.run import Axis
@@ -27,19 +28,41 @@ _WHAT_IT_IS = (
 )
 
 
-def uncertainty_budget(analysis: Analysis) -> Iterator[Block]:
-    """Yield a line for each axis, the same at every pose, and what is left open."""
-    combined = analysis.poses[0].axes
-    rows = [_line(axis, combined[name].uncertainty) for name, axis in analysis.run.axes.items()]
+@dataclass(frozen=True, slots=True)
+class UncertaintyLine:
+    """What a reading of one axis is uncertain by, in ``unit``; None where nobody stated it.
+
+    ``u_resolution`` and ``u_calibration`` are standard uncertainties, ``u`` both combined as
+    independent (GUM 5.1.2), ``U`` = 2 u the expanded one.
+    """
+
+    axis: str
+    unit: str
+    resolution: float | None
+    u_resolution: float | None
+    u_calibration: float | None
+    u: float | None
+    U: float | None
+
+
+def uncertainty_budget(analysis: Analysis) -> tuple[UncertaintyLine, ...]:
+    """Return a line for each axis, the same at every pose."""
+    found = analysis.poses[0].axes
+    return tuple(_line(axis, found[name].uncertainty) for name, axis in analysis.run.axes.items())
+
+
+def budget_blocks(analysis: Analysis) -> Iterator[Block]:
+    """Yield the budget as a table, and what is left open."""
+    lines = uncertainty_budget(analysis)
     yield Table(
         ("axis", "resolution a", "u of it: a / √12", "u of the calibration", "combined u",
          "expanded U = 2 u", "in"),
-        tuple(rows),
+        tuple(map(_row, lines)),
         "rounding to a division is a rectangular distribution (GUM F.2.2.1); the calibration's is "
         "the standard uncertainty in the line indicator_uncertainty; both combined as independent "
         "(GUM 5.1.2)",
     )  # fmt: skip
-    if any(axis.uncertainty is None for axis in analysis.run.axes.values()):
+    if any(line.u_calibration is None for line in lines):
         yield Text(_NO_CALIBRATION)
     yield Text(_WHAT_IT_IS)
     yield Text(_OPEN)
@@ -57,10 +80,14 @@ def U_of_mean(axis: AxisResult) -> float:  # noqa: N802 - GUM's symbol
     return 2 * math.hypot(axis.three_sigma / 3 / math.sqrt(axis.n), axis.uncertainty or 0.0)
 
 
-def _line(axis: Axis, combined: float | None) -> tuple[str, ...]:
+def _line(axis: Axis, u: float | None) -> UncertaintyLine:
     rounding = None if axis.resolution is None else rounding_uncertainty(axis.resolution)
-    expanded = None if combined is None else 2 * combined
-    found = (rounding, axis.uncertainty, combined, expanded)
-    stated = NOT_STATED if axis.resolution is None else f"{axis.resolution:g}"
-    said = [NOT_STATED if u is None else rounded(u, u) for u in found]
-    return (axis.name, stated, *said, axis.unit)
+    U = None if u is None else 2 * u
+    return UncertaintyLine(axis.name, axis.unit, axis.resolution, rounding, axis.uncertainty, u, U)
+
+
+def _row(line: UncertaintyLine) -> tuple[Cell, ...]:
+    stated = NOT_STATED if line.resolution is None else Number(line.resolution, "g")
+    parts = (line.u_resolution, line.u_calibration, line.u, line.U)
+    said = [NOT_STATED if u is None else rounded(u, u) for u in parts]
+    return (line.axis, stated, *said, line.unit)

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from scara_iso.tables.faults import (
         Faults as Faults,
         listed as listed,
+        quoted as quoted,
         refuse as refuse,
-        show as show,
     )
     from scara_iso.tables.layout import is_comment as is_comment
     from scara_iso.tables.locale import (
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from scara_iso.tables.numbers import (
         BLANKS as BLANKS,
         Mark as Mark,
+        parse_cell as parse_cell,
         parse_clean as parse_clean,
-        parse_number as parse_number,
     )
     from scara_iso.tables.read import read_table as read_table
     from scara_iso.tables.source import (
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.tables.text import (
         Delimiter as Delimiter,
-        decode as decode,
+        decode_text as decode_text,
         split_head as split_head,
         split_lines as split_lines,
         stated_delimiter as stated_delimiter,

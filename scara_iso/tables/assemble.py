@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.pose_columns import Command, check_clusters, number_cycles
+from scara_iso.pose_columns import Commanded, check_clusters, number_cycles
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, show
+from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout, Statement, read_preamble
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.numbers import Mark
@@ -21,7 +21,7 @@ from scara_iso.tables.text import Row
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class ReadOptions:
     """What the user says about a file, None where nothing."""
 
     unit: str | None
@@ -30,7 +30,7 @@ class Options:
     sheet: str | None
 
 
-def assemble(rows: list[Row], columns: Columns, body: Body, options: Options, how: str) -> Run:
+def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions, how: str) -> Run:
     """Return the run that the head ``rows``, ``columns`` and ``body`` hold, or raise `DataError`.
 
     ``how`` says how the file was split into cells.
@@ -52,7 +52,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: Options, ho
     texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
     check_clusters(run, {**run.covariates, **texts})
     notes += [
-        f"column {c.position + 1} {show(layout.header[c.position])} not used"
+        f"column {c.position + 1} {quoted(layout.header[c.position])} not used"
         for c in layout.of(Kind.COMMENT)
     ] + body.notes
     understood = "; ".join(
@@ -94,7 +94,7 @@ def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
     if Mark.BOTH in marks or (comma and Mark.POINT in marks):
         for mark, (line, column, text) in marks.items():
             faults.add(
-                f"{show(text)} with {mark.value}: commas and points "
+                f"{quoted(text)} with {mark.value}: commas and points "
                 "both occur, --decimal says which is decimal",
                 line,
                 column,
@@ -103,7 +103,7 @@ def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
     elif Mark.EITHER in marks and Mark.COMMA not in marks:
         line, column, text = marks[Mark.EITHER]
         faults.add(
-            f"{show(text)} could have a decimal comma or group "
+            f"{quoted(text)} could have a decimal comma or group "
             "thousands: --decimal , or --decimal . says which",
             line,
             column,
@@ -116,14 +116,14 @@ def _check_covariates(columns: Columns, faults: Faults) -> None:
         if column.kind is Kind.COVARIATE and len(seen) > 1:
             *_, (unit, line) = seen.items()
             faults.add(
-                f"{column.name}: {show(unit)} behind a value, and otherwise above",
+                f"{column.name}: {quoted(unit)} behind a value, and otherwise above",
                 line,
                 column.position + 1,
             )
 
 
 def _scales(
-    columns: Columns, statements: dict[str, Statement], options: Options, faults: Faults
+    columns: Columns, statements: dict[str, Statement], options: ReadOptions, faults: Faults
 ) -> dict[str, Scale]:
     behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
     return read_scales(
@@ -184,7 +184,7 @@ def _axis(
     columns: Columns,
     lines: IntArray,
     scale: Scale,
-    command: Command,
+    command: Commanded,
     faults: Faults,
 ) -> Axis:
     with np.errstate(over="ignore"):
@@ -242,4 +242,4 @@ def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray) -> str:
 
 
 def _short(name: str) -> str:
-    return name if name.isprintable() and len(name) <= 30 else show(name)
+    return name if name.isprintable() and len(name) <= 30 else quoted(name)

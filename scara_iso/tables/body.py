@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from scara_iso.tables.columns import Cell
-from scara_iso.tables.faults import KEPT, Faults, show
+from scara_iso.tables.faults import KEPT, Faults, quoted
 from scara_iso.tables.layout import (
     Layout,
     header_cells,
@@ -15,7 +15,7 @@ from scara_iso.tables.layout import (
     read_statement,
 )
 from scara_iso.tables.names import Kind, names_a_footer
-from scara_iso.tables.numbers import BLANKS, parse_number
+from scara_iso.tables.numbers import BLANKS, parse_cell
 from scara_iso.tables.statements import is_of_axes
 from scara_iso.tables.text import Row
 
@@ -88,15 +88,15 @@ class Body:
         elif is_comment(text):
             statement = read_statement(Row(line, texts, text, line))
             if statement and is_of_axes(statement[0]):
-                self.faults.add(f"{show(text)} under the header", line, remedy=_ONE_TABLE)
-            self.note(f"line {line}: comment {show(text)} not used")
+                self.faults.add(f"{quoted(text)} under the header", line, remedy=_ONE_TABLE)
+            self.note(f"line {line}: comment {quoted(text)} not used")
         elif self._is_footer(line, texts):
             self.footer = self.footer or line
-            self.note(f"line {line}: footer {show(text)} not averaged")
+            self.note(f"line {line}: footer {quoted(text)} not averaged")
         elif names_an_axis(texts):
             self.faults.add("a second table begins", line, remedy=_ONE_TABLE)
         elif self._is_remark(texts):
-            self.note(f"line {line}: {show(text)} not used")
+            self.note(f"line {line}: {quoted(text)} not used")
         elif is_rule(text) and (self._cycle is not None or not any(self._blocks)):
             self.note(f"line {line}: ruled line")
         else:
@@ -115,17 +115,17 @@ class Body:
 
     def _is_numbered(self, cells: Sequence[Cell]) -> bool:
         cell = cells[self._cycle] if self._cycle is not None and self._cycle < len(cells) else ""
-        return isinstance(cell, float) or parse_number(cell) is not None
+        return isinstance(cell, float) or parse_cell(cell) is not None
 
     def _is_footer(self, line: int, texts: list[str]) -> bool:
         """Return whether the first text of a row is the label of a footer, such as ``Mean``."""
-        label = next((t for t in map(_stripped, texts) if t and parse_number(t) is None), "")
+        label = next((t for t in map(_stripped, texts) if t and parse_cell(t) is None), "")
         below = self.footer is not None and self._cycle is not None and not names_an_axis(texts)
         if not names_a_footer(label, short=self._cycle is not None) and not (below and label):
             return False
         if self._cycle is None and label in self._labels:
             self.faults.add(
-                f"{show(label)} again: a pose or a footer?", line, remedy="number the cycles"
+                f"{quoted(label)} again: a pose or a footer?", line, remedy="number the cycles"
             )
         self._labels.add(label)
         return True
@@ -139,7 +139,7 @@ class Body:
             and not is_of_axes(statement[0])
             and len(found) <= 2
             and ":" in found[0]
-            and not any(parse_number(text) for text in found)
+            and not any(parse_cell(text) for text in found)
         )
 
     def _reading(self, line: int, cells: Sequence[Cell]) -> Iterator[tuple[int, list[Cell]]]:

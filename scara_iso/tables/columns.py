@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.run import FloatArray, IntArray
-from scara_iso.tables.faults import Faults, show
+from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.names import Column, Kind, names_a_footer, read_timestamp, read_unit
-from scara_iso.tables.numbers import BLANKS, Mark, Number, parse_clean, parse_number
+from scara_iso.tables.numbers import BLANKS, CellNumber, Mark, parse_cell, parse_clean
 
 Cell = str | float
 """A cell of a text file is text; a numeric cell of a workbook is its number."""
@@ -128,7 +128,7 @@ class Columns:
         if isinstance(cell, float):
             self._note_unit(column, "", line)
             return cell
-        number = parse_number(cell, self.decimal)
+        number = parse_cell(cell, self.decimal)
         sized = column.kind in (Kind.AXIS, Kind.COMMAND)
         strange = sized and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
@@ -138,7 +138,7 @@ class Columns:
         self._note_unit(column, number.unit, line)
         return number.value
 
-    def _note_mark(self, column: Column, number: Number, cell: str, line: int) -> None:
+    def _note_mark(self, column: Column, number: CellNumber, cell: str, line: int) -> None:
         if number.mark is not Mark.NONE:
             place = (line, column.position + 1, cell.strip(BLANKS))
             self.marks.setdefault(number.mark, place)
@@ -151,7 +151,7 @@ class Columns:
     def _count(self, column: Column, cell: Cell, line: int) -> float:
         value = cell if isinstance(cell, float) else 0.5
         if isinstance(cell, str):
-            number = parse_number(cell, self.decimal)
+            number = parse_cell(cell, self.decimal)
             if number is not None and not number.unit:
                 value = number.value
                 self._note_mark(column, number, cell, line)
@@ -205,7 +205,7 @@ def _label_fault(label: str) -> str:
         return "is the label of a footer, not of a pose"
     if len(label) > _LABEL:
         return f"is longer than the {_LABEL} characters of a pose label"
-    if label[0] in "=@" or (label[0] in "+-" and parse_number(label) is None):
+    if label[0] in "=@" or (label[0] in "+-" and parse_cell(label) is None):
         return "is a formula, not a pose"
     return ""
 
@@ -217,10 +217,10 @@ def _are_counts(values: FloatArray) -> bool:
 def _text(cell: Cell) -> str:
     if isinstance(cell, float):
         return repr(cell)
-    return show(cell) if cell.strip(BLANKS) else "an empty cell"
+    return quoted(cell) if cell.strip(BLANKS) else "an empty cell"
 
 
 def _not_a_number(cell: str) -> str:
     if not cell.strip(BLANKS):
         return "empty cell"
-    return f"{show(cell.strip(BLANKS))} is not a number"
+    return f"{quoted(cell.strip(BLANKS))} is not a number"

@@ -58,7 +58,7 @@ def refuse(where: str, message: str, *, remedy: str) -> DataError:
     return DataError(message, where=where, remedy=remedy, faults=(Fault(message),))
 
 
-def show(text: str) -> str:
+def quoted(text: str) -> str:
     """Return ``text`` quoted, escaped and cut for a message."""
     return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "…")
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from scara_iso.tables.faults import Faults, show
+from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import (
     LONGEST_NAME,
     Column,
@@ -17,7 +17,7 @@ from scara_iso.tables.names import (
     read_unit,
     settle,
 )
-from scara_iso.tables.numbers import parse_number
+from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.text import Row
 
 HEAD = 200
@@ -94,7 +94,7 @@ def names_an_axis(cells: Sequence[str]) -> bool:
     if not cells or re.match(r"#?\s*[^\W\d_][^:=,;]*[:=]", cells[0]):
         return False
     names = header_cells(cells[: COLUMNS + 1])
-    if any(len(name) > LONGEST_NAME or parse_number(name) for name in names):
+    if any(len(name) > LONGEST_NAME or parse_cell(name) for name in names):
         return False
     return any(read_name(name).kind is Kind.AXIS for name in names)
 
@@ -115,7 +115,7 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
         settle(column, names[column.position], first[column.position])
         for column in read_names(names, _padded(units, len(names)))
     )
-    numeric = any(parse_number(first[c.position]) for c in columns if c.kind is Kind.AXIS)
+    numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     fits = _trimmed(cells) <= len(names) <= len(cells)
     return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits)
 
@@ -151,7 +151,7 @@ def is_rule(text: str) -> bool:
 
 def _is_unit_row(names: list[str], cells: list[str]) -> bool:
     found = [clean(cell).strip("[]() ") for cell in cells]
-    if any(parse_number(cell) for cell in found):
+    if any(parse_cell(cell) for cell in found):
         return False
     axes = [k for k, n in enumerate(names[: len(found)]) if read_name(n).kind is Kind.AXIS]
     units = [found[k] for k in axes if found[k]]
@@ -175,14 +175,14 @@ def read_preamble(
             _add(statements, *statement, row.line, faults)
         elif not row.text or row.text.startswith("#") or is_rule(row.text):
             continue
-        elif sum(parse_number(cell) is not None for cell in row.cells) > 1:
+        elif sum(parse_cell(cell) is not None for cell in row.cells) > 1:
             faults.add(
                 "numbers before the header: two tables in one file?",
                 row.line,
                 remedy="leave one table in the file, with one header",
             )
         else:
-            notes.append(f"line {row.line}: {show(row.text)} not used")
+            notes.append(f"line {row.line}: {quoted(row.text)} not used")
     return statements, notes
 
 
@@ -211,5 +211,5 @@ def _add(statements: dict[str, Statement], key: str, value: str, line: int, faul
     before = statements.setdefault(key, Statement(value, line))
     if before.value != value:
         faults.add(
-            f"{key} is {show(value)} here and {show(before.value)} in line {before.line}", line
+            f"{key} is {quoted(value)} here and {quoted(before.value)} in line {before.line}", line
         )

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from scara_iso.tables.numbers import Mark, parse_number
+from scara_iso.tables.numbers import Mark, parse_cell
 
 FORMULA = "=+-@\uff1d\uff0b\uff0d\uff20"
 """What a formula begins with, the second four in the width of East Asian letters."""
@@ -75,7 +75,7 @@ def text_cell(text: str) -> str:
 
 
 def _is_number(text: str) -> bool:
-    number = parse_number(text)
+    number = parse_cell(text)
     return number is not None and not number.unit
 
 
@@ -100,12 +100,12 @@ def _spell(cell: OutputCell, locale: SheetLocale) -> str:
 
 def _settle_commas(rows: list[list[str]]) -> None:
     """Let 1,234 end in a zero where no other number says that the comma is a decimal one."""
-    numbers = [parse_number(cell) for row in rows for cell in row if isinstance(cell, Digits)]
+    numbers = [parse_cell(cell) for row in rows for cell in row if isinstance(cell, Digits)]
     if any(number and number.mark is Mark.COMMA for number in numbers):
         return
     for row in rows:
         for k, cell in enumerate(row):
-            number = parse_number(cell) if isinstance(cell, Digits) else None
+            number = parse_cell(cell) if isinstance(cell, Digits) else None
             if number and number.mark is Mark.EITHER:
                 mantissa, e, exponent = cell.partition("e")
                 row[k] = f"{mantissa}0{e}{exponent}"

@@ -9,7 +9,7 @@ from enum import Enum
 
 from scara_iso.quantities import Unit, find_unit
 from scara_iso.tables.locale import FORMULA
-from scara_iso.tables.numbers import BLANKS, parse_number
+from scara_iso.tables.numbers import BLANKS, parse_cell
 
 LONGEST_NAME = 80
 """Characters of the longest name of an axis; a longer one is a covariate's."""
@@ -175,7 +175,7 @@ def settle(column: Column, name: str, first: str) -> Column:
     """Return what a column that is left open is, by its first cell: numbers, stamps or a note."""
     if column.kind is not Kind.OPEN:
         return column
-    if parse_number(first) is not None:
+    if parse_cell(first) is not None:
         return replace(column, kind=Kind.COVARIATE, name=clean(name))
     kind = Kind.TIMESTAMP if read_timestamp(first) else Kind.COMMENT
     return replace(column, kind=kind, name=clean(name))

@@ -32,7 +32,7 @@ class Mark(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class CellNumber:
     """A cell's value, how its decimal mark was written, and the text of the unit behind it."""
 
     value: float
@@ -53,11 +53,11 @@ _GROUPED = {
 _PLAIN_BYTES = b"0123456789+-.eE \n"
 
 
-def parse_number(text: str, decimal: str | None = None) -> Number | None:
+def parse_cell(text: str, decimal: str | None = None) -> CellNumber | None:
     """Return the number that ``text`` spells, or None where it spells none.
 
     With ``decimal`` None a lone mark is taken as the decimal mark and its ambiguity reported in
-    `Number.mark`; thousands groups are read only when ``decimal`` says which mark is which. The
+    `CellNumber.mark`; thousands groups are read only when ``decimal`` says which mark is which. The
     value may be infinite (``1e400``): the caller checks. A number with both marks has value 0.
     """
     match = _CELL.fullmatch(text.strip(BLANKS).replace(MINUS, "-"))
@@ -71,7 +71,7 @@ def parse_number(text: str, decimal: str | None = None) -> Number | None:
         plain = _with_stated_mark(digits, decimal)
     if not _ONE_MARK.fullmatch(plain):
         return None
-    return Number(float(sign + plain + exponent), mark, unit.strip(BLANKS))
+    return CellNumber(float(sign + plain + exponent), mark, unit.strip(BLANKS))
 
 
 def _mark_of(digits: str) -> Mark:
@@ -107,7 +107,7 @@ def parse_clean(cells: Sequence[str], decimal: str | None) -> tuple[FloatArray, 
     """Return the values, shape (cells,), of a column of plain finite numbers, or None.
 
     The quick way for what most files hold: over the characters ``0-9 + - . e E`` the grammar of
-    ``float`` and that of `parse_number` are the same. None means: go cell by cell.
+    ``float`` and that of `parse_cell` are the same. None means: go cell by cell.
     """
     joined = "\n".join(cells)
     comma, point = "," in joined, "." in joined

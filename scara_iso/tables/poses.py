@@ -8,13 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
-from scara_iso.pose_columns import Command, by_pose
+from scara_iso.pose_columns import Commanded, by_pose
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, show
+from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import normal_key
 from scara_iso.tables.names import Kind, read_unit
-from scara_iso.tables.numbers import parse_number
+from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.statements import Scale
 
 Labels = npt.NDArray[np.str_]
@@ -34,7 +34,7 @@ def find_pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | N
 
 
 def _numbers(columns: Columns, labels: Labels) -> FloatArray | None:
-    found = [parse_number(label, columns.decimal) for label in labels.tolist()]
+    found = [parse_cell(label, columns.decimal) for label in labels.tolist()]
     values = [number.value for number in found if number is not None and not number.unit]
     return np.array(values) if len(values) == len(labels) else None
 
@@ -45,11 +45,11 @@ def find_commands(
     pose: Labels | None,
     metadata: dict[str, str],
     faults: Faults,
-) -> dict[str, Command]:
+) -> dict[str, Commanded]:
     """Return the command coordinates by axis, from columns and from statements."""
     own = [metadata["pose"]] if "pose" in metadata else []
     labels = {normal_key(label): label for label in (own if pose is None else set(pose.tolist()))}
-    found: dict[str, Command] = {}
+    found: dict[str, Commanded] = {}
     for axis, scale in scales.items():
         stated = scale.command
         if isinstance(stated, Mapping):
@@ -61,7 +61,7 @@ def find_commands(
             continue
         unit = read_unit(column.unit) if column.unit else scaled.unit
         if unit is None or unit.dimension is not scaled.unit.dimension:
-            what = f"command_{column.name}: {show(column.unit)} is no unit of {column.name}"
+            what = f"command_{column.name}: {quoted(column.unit)} is no unit of {column.name}"
             faults.add(what, columns.layout.header_line, column.position + 1)
             continue
         if scaled.command is not None or set(columns.units.get(column, {})) - {""}:

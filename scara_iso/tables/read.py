@@ -12,10 +12,10 @@ import numpy as np
 
 from scara_iso.errors import DataError, UsageError
 from scara_iso.run import Run
-from scara_iso.tables.assemble import Options, assemble
+from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
-from scara_iso.tables.faults import Faults, listed, refuse, show
+from scara_iso.tables.faults import Faults, listed, quoted, refuse
 from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark, count_decimals
@@ -25,7 +25,7 @@ from scara_iso.tables.text import (
     Delimiter,
     Row,
     chunks,
-    decode,
+    decode_text,
     split_columns,
     split_head,
     split_lines,
@@ -63,7 +63,7 @@ def read_table(
         raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
     if resolution is not None and not 0 < resolution < math.inf:
         raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
-    options = Options(unit, resolution, decimal, sheet)
+    options = ReadOptions(unit, resolution, decimal, sheet)
     data, name = read_bytes(source)
     if not data.strip():
         raise refuse(name, "the file is empty", remedy=_NO_HEADER)
@@ -76,8 +76,8 @@ def read_table(
     return _read_text(data, name, options)
 
 
-def _read_text(data: bytes, name: str, options: Options) -> Run:
-    text, encoding = decode(data, name)
+def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
+    text, encoding = decode_text(data, name)
     ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
     del data
     faults = Faults(name)
@@ -191,7 +191,7 @@ def _split_each(
         try:
             yield line, list(split_lines([text], delimiter)[0])
         except csv.Error as error:
-            faults.add(f"{error}: {show(text)}", line, remedy="close or remove the quote")
+            faults.add(f"{error}: {quoted(text)}", line, remedy="close or remove the quote")
 
 
 def _said(columns: Columns, decimal: str | None) -> str:
@@ -200,7 +200,7 @@ def _said(columns: Columns, decimal: str | None) -> str:
     return "decimal comma" if columns.marks.keys() & {Mark.COMMA} else "decimal point"
 
 
-def _read_workbook(data: bytes, name: str, options: Options) -> Run:
+def _read_workbook(data: bytes, name: str, options: ReadOptions) -> Run:
     from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - zip and XML for few
 
     found: dict[str, tuple[list[Row], Layout, list[list[Cell]]]] = {}
@@ -224,7 +224,7 @@ def _read_workbook(data: bytes, name: str, options: Options) -> Run:
     body = Body(layout, faults)
     numbered = enumerate(cells[layout.data_line - 1 :], layout.data_line)
     columns.add(list(body.sort(numbered)))
-    return assemble(rows, columns, body, options, f"workbook, sheet {show(title)}")
+    return assemble(rows, columns, body, options, f"workbook, sheet {quoted(title)}")
 
 
 def _as_text(cell: Cell) -> str:
@@ -239,7 +239,7 @@ def _which_sheet(name: str, names: list[str], found: list[str], asked: str | Non
     if asked is not None and asked not in names:
         return refuse(
             name,
-            f"no sheet {show(asked)}; there are {listed(map(show, names))}",
+            f"no sheet {quoted(asked)}; there are {listed(map(quoted, names))}",
             remedy="name one of them with --sheet",
         )
     if not found:
@@ -248,6 +248,6 @@ def _which_sheet(name: str, names: list[str], found: list[str], asked: str | Non
         )
     return refuse(
         name,
-        f"sheets {listed(map(show, found))} hold a table each",
-        remedy=f"say which, for example --sheet {show(found[0])}",
+        f"sheets {listed(map(quoted, found))} hold a table each",
+        remedy=f"say which, for example --sheet {quoted(found[0])}",
     )

@@ -7,13 +7,13 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from scara_iso.pose_columns import Command
+from scara_iso.pose_columns import Commanded
 from scara_iso.quantities import Dimension, Unit, parse_unit
 from scara_iso.run import AXES
-from scara_iso.tables.faults import Faults, listed, show
+from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.layout import Statement
 from scara_iso.tables.names import Column, read_unit
-from scara_iso.tables.numbers import Mark, parse_number
+from scara_iso.tables.numbers import Mark, parse_cell
 
 OF_AXES = ("unit", "resolution", "indicator_uncertainty")
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
@@ -29,7 +29,7 @@ class Scale:
     unit: Unit
     resolution: float | None
     uncertainty: float | None
-    command: Command
+    command: Commanded
 
 
 def is_of_axes(key: str) -> bool:
@@ -110,7 +110,7 @@ def _known_unit(text: str, what: str, line: int, column: int | None, faults: Fau
     unit = read_unit(text)
     if unit is None:
         faults.add(
-            f"{what}unknown unit {show(text)}",
+            f"{what}unknown unit {quoted(text)}",
             line,
             column,
             remedy="write mm, um, inch, deg, rad, arcmin, or a scaled one as 0.01 mm",
@@ -179,9 +179,9 @@ class _Sizes:
                 sizes[axis] = size
         return sizes
 
-    def commands(self) -> dict[str, Command]:
+    def commands(self) -> dict[str, Commanded]:
         """Return the command coordinates: a number per axis, or numbers by pose as it is keyed."""
-        found: dict[str, Command] = dict(self.of_one(COMMAND, above=-math.inf))
+        found: dict[str, Commanded] = dict(self.of_one(COMMAND, above=-math.inf))
         axes = {axis.lower(): axis for axis in self.units}
         by_axis: dict[str, dict[str, float]] = {}
         for key, own in self.statements.items():
@@ -244,14 +244,14 @@ class _Sizes:
     def _read(
         self, statement: Statement, key: str, above: float = 0.0
     ) -> tuple[float, Unit | None] | None:
-        number = parse_number(statement.value)
+        number = parse_cell(statement.value)
         if (
             number is None
             or number.mark in (Mark.EITHER, Mark.BOTH)
             or not above < number.value < math.inf
         ):
             kind = "a number" if above < 0 else "a number above zero"
-            self.faults.add(f"{key}: {show(statement.value)} is not {kind}", statement.line)
+            self.faults.add(f"{key}: {quoted(statement.value)} is not {kind}", statement.line)
             return None
         if not number.unit:
             return number.value, None

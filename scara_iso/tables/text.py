@@ -26,7 +26,7 @@ _BOMS = (
 )
 
 
-def decode(data: bytes, where: str) -> tuple[str, str]:
+def decode_text(data: bytes, where: str) -> tuple[str, str]:
     """Return the text of a file, line ends as LF, and the name of its encoding.
 
     Raises `DataError` for text in no known encoding and for control characters.

@@ -7,9 +7,9 @@ from hypothesis import given, strategies as st
 
 from scara_iso.acquisition.indicators import (
     Decoder,
+    DeviceNotice,
     Garbage,
     InstrumentFault,
-    Notice,
     Reading,
     diagnose_parity,
     find_dialect,
@@ -66,8 +66,13 @@ def test_a_dropped_half_frame_is_not_joined_to_the_next_one() -> None:
 def test_another_channel_is_noticed_and_not_read() -> None:
     second = MUX.configure(channel="2")
     events = Decoder(second).feed(FRAME + b"911\r921\r02A-0000.001\r")
-    assert [type(event) for event in events] == [Notice, Notice, InstrumentFault, Reading]
-    assert events[0] == Notice("channel 1 speaks, and was not asked", FRAME[:-1])
+    assert [type(event) for event in events] == [
+        DeviceNotice,
+        DeviceNotice,
+        InstrumentFault,
+        Reading,
+    ]
+    assert events[0] == DeviceNotice("channel 1 speaks, and was not asked", FRAME[:-1])
 
 
 # serial.md's table: what 7E2 frames become on an 8N1 port.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show_digits, spell
 from scara_iso.errors import UsageError
 from scara_iso.quantities import find_unit
 
@@ -20,16 +20,16 @@ def test_a_display_becomes_decimal_text(sign: bytes, digits: bytes, text: str) -
 
 
 def test_text_becomes_a_display() -> None:
-    assert show("-1.234", digits=6, decimals=(3,)) == ("-", "001.234")
-    assert show("0.0005", digits=7, decimals=(4,), fill=" ") == ("+", "  0.0005")
-    assert show("0.000123", digits=6, decimals=(6,)) == ("+", ".000123")
-    assert show("12.345", digits=6, decimals=(3,), point=False) == ("+", "012345")
+    assert show_digits("-1.234", digits=6, decimals=(3,)) == ("-", "001.234")
+    assert show_digits("0.0005", digits=7, decimals=(4,), fill=" ") == ("+", "  0.0005")
+    assert show_digits("0.000123", digits=6, decimals=(6,)) == ("+", ".000123")
+    assert show_digits("12.345", digits=6, decimals=(3,), point=False) == ("+", "012345")
 
 
 @pytest.mark.parametrize("text", ["1000.000", "1.2345", "1", "+1.000", "1.000 ", "²"])
 def test_what_does_not_fit_is_refused(text: str) -> None:
     with pytest.raises(UsageError):
-        show(text, digits=6, decimals=(3,))
+        show_digits(text, digits=6, decimals=(3,))
 
 
 def test_units_on_the_wire_are_units_of_the_house() -> None:

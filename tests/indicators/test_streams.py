@@ -8,10 +8,10 @@ import pytest
 
 from scara_iso.acquisition.indicators import (
     Decoder,
+    DeviceNotice,
     Event,
     Garbage,
     InstrumentFault,
-    Notice,
     Reading,
     find_dialects,
 )
@@ -36,7 +36,7 @@ def as_json(event: Event) -> dict[str, object]:
             return {"reading": text, "unit": unit, "channel": channel, "mode": mode}
         case InstrumentFault(code=code, channel=channel):
             return {"fault": code, "channel": channel}
-        case Notice(unit=unit):
+        case DeviceNotice(unit=unit):
             return {"notice": unit}
         case Garbage():
             return {"garbage": True}

@@ -13,13 +13,13 @@ from types import MappingProxyType, ModuleType
 
 from scara_iso.acquisition.indicators._decoder import Decoder, diagnose_parity
 from scara_iso.acquisition.indicators._dialect import (
+    DeviceNotice,
     Dialect,
     Event,
     Garbage,
     InstrumentFault,
     LinePulse,
     LineSettings,
-    Notice,
     Parity,
     Reading,
 )
@@ -29,13 +29,13 @@ from scara_iso.plugins import find_modules
 
 __all__ = [
     "Decoder",
+    "DeviceNotice",
     "Dialect",
     "Event",
     "Garbage",
     "InstrumentFault",
     "LinePulse",
     "LineSettings",
-    "Notice",
     "Parity",
     "Reading",
     "diagnose_parity",

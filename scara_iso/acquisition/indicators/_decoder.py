@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 
 from scara_iso.acquisition.indicators._dialect import (
+    DeviceNotice,
     Dialect,
     Event,
     Garbage,
     InstrumentFault,
-    Notice,
     Reading,
 )
 
@@ -86,7 +86,7 @@ class Decoder:
     def _of_channel(self, events: list[Event]) -> list[Event]:
         asked = self._dialect.channel
         return [
-            Notice(f"channel {event.channel} speaks, and was not asked", event.raw)
+            DeviceNotice(f"channel {event.channel} speaks, and was not asked", event.raw)
             if isinstance(event, Reading | InstrumentFault) and event.channel not in (None, asked)
             else event
             for event in events

@@ -59,7 +59,7 @@ class InstrumentFault:
 
 
 @dataclass(frozen=True, slots=True)
-class Notice:
+class DeviceNotice:
     """A line that is well formed and no reading: identification, echo, status, battery.
 
     ``unit`` is set where the line states the unit of the display (the answer to a unit request);
@@ -80,7 +80,7 @@ class Garbage:
     raw: bytes
 
 
-Event: TypeAlias = Reading | InstrumentFault | Notice | Garbage
+Event: TypeAlias = Reading | InstrumentFault | DeviceNotice | Garbage
 
 
 @dataclass(frozen=True, slots=True)

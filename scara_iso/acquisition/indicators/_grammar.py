@@ -28,7 +28,7 @@ def decimal_text(sign: bytes, digits: bytes) -> str:
     return "-" + text if sign == b"-" else text
 
 
-def show(
+def show_digits(
     text: str, *, digits: int, decimals: Collection[int], point: bool = True, fill: str = "0"
 ) -> tuple[str, str]:
     """Return sign (``+`` or ``-``) and digits of ``text`` as a display of fixed width sends them.

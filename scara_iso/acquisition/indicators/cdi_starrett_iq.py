@@ -9,14 +9,14 @@ from __future__ import annotations
 import re
 
 from scara_iso.acquisition.indicators._dialect import (
+    DeviceNotice,
     Dialect,
     Event,
     InstrumentFault,
     LineSettings,
-    Notice,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _READING = re.compile(rb"([+-])(?=[ \d.]{8},)( *\d*\.\d+), (MM|IN)")
 _FAULT = re.compile(rb"NOT FOUND|NO ACCESS|OUT OF BOUNDS|NON NUMERIC")
@@ -31,12 +31,12 @@ def parse(line: bytes) -> tuple[Event, ...]:
     if _FAULT.fullmatch(line):
         text = line.decode("ascii")
         return (InstrumentFault(text, f"the gauge refused a command: {text.lower()}", line),)
-    return (Notice("command accepted", line),) if line == b"SUCCESS" else ()
+    return (DeviceNotice("command accepted", line),) if line == b"SUCCESS" else ()
 
 
 def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
     """Return the line of a gauge that shows ``text``."""
-    sign, digits = show(text, digits=7, decimals=DIALECT.decimals, fill=" ")
+    sign, digits = show_digits(text, digits=7, decimals=DIALECT.decimals, fill=" ")
     name = spell(unit, {"mm": "MM", "inch": "IN"}, key=DIALECT.key)
     return f"{sign}{digits}, {name}\r\n".encode("ascii")
 

@@ -15,7 +15,7 @@ from scara_iso.acquisition.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 # Some bridges print the value after the nibbles ("FFFF000566541 0.5665 in"). The nibbles say it
 # all, and such a bridge calls every GO/NG frame "in": the text is not read.
@@ -61,7 +61,7 @@ def _reading(sign: bytes, digits: bytes, decimals: bytes, unit: bytes, line: byt
 
 def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
     """Return the line a bridge sends for a gauge that shows ``text``."""
-    sign, digits = show(text, digits=6, decimals=DIALECT.decimals, point=False)
+    sign, digits = show_digits(text, digits=6, decimals=DIALECT.decimals, point=False)
     decimals = len(text.partition(".")[2])
     nibble = spell(unit, {"mm": "0", "inch": "1"}, key=DIALECT.key)
     return f"FFFF{'8' if sign == '-' else '0'}{digits}{decimals}{nibble}\r\n".encode("ascii")

@@ -16,7 +16,7 @@ from scara_iso.acquisition.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _READING = re.compile(rb'(?=.{15}\Z)([+-])( *\d*\.\d+) ([ "?])([<=>? ])([SAGD ])')
 _UNITS = {b" ": "mm", b'"': "inch"}
@@ -41,7 +41,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
 
 def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
     """Return the line of a display that shows ``text``."""
-    sign, digits = show(text, digits=9, decimals=DIALECT.decimals, fill=" ")
+    sign, digits = show_digits(text, digits=9, decimals=DIALECT.decimals, fill=" ")
     mark = spell(unit, {"mm": " ", "inch": '"'}, key=DIALECT.key)
     return f"{sign}{digits} {mark}  \r\n".encode("ascii")
 

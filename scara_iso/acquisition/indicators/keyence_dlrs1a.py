@@ -18,7 +18,7 @@ from scara_iso.acquisition.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _FAULT = re.compile(rb"ER,([A-Z0-9]{2}),(\d\d)")
 _FAULTS = {
@@ -62,7 +62,7 @@ def _value(field: bytes, channel: str, mode: str, line: bytes) -> Event:
 def _composer(decimals: int) -> Callable[[str, str | None, str | None], bytes]:
     def compose(text: str, unit: str | None, channel: str | None) -> bytes:
         spell(unit, {None: ""}, key="keyence-dlrs1a")
-        sign, digits = show(text, digits=3 + decimals, decimals=(decimals,))
+        sign, digits = show_digits(text, digits=3 + decimals, decimals=(decimals,))
         return f"SR,{channel or '00'},002,{sign}{digits}\r\n".encode("ascii")
 
     return compose

@@ -18,7 +18,7 @@ from scara_iso.acquisition.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _UNITS = {b"M": "mm", b"I": "inch", b"": None}
 _HELD = {b"P": "peak-to-peak", b"I": "minimum", b"A": "maximum"}
@@ -58,7 +58,7 @@ def _event(fields: tuple[bytes, ...], line: bytes) -> Event:
 
 def _composer(*, digits: int, header: str) -> Callable[[str, str | None, str | None], bytes]:
     def compose(text: str, unit: str | None, channel: str | None) -> bytes:
-        sign, shown = show(text, digits=digits, decimals=range(1, digits))
+        sign, shown = show_digits(text, digits=digits, decimals=range(1, digits))
         mode = spell(unit, {None: "", "mm": "NM", "inch": "NI"}, key="magnescale")
         return f"{channel or header}{mode}{sign}{shown}\r\n".encode("ascii")
 

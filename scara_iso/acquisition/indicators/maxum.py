@@ -16,7 +16,7 @@ from scara_iso.acquisition.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _READING = re.compile(rb"([AMLTamlt ])([+\- ]) (\d\.\d{3}|\.\d{4}|\.\d{3}(?= ))( ?)([MI])([0OU ]) ")
 _UNITS = {b"M": "mm", b"I": "inch"}
@@ -40,7 +40,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
 
 def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
     """Return the line of a gauge in standard mode that shows ``text``."""
-    sign, digits = show(text, digits=4, decimals=DIALECT.decimals)
+    sign, digits = show_digits(text, digits=4, decimals=DIALECT.decimals)
     return f" {sign} {digits}{spell(unit, {'mm': 'M', 'inch': 'I'}, key=DIALECT.key)}  \n".encode()
 
 

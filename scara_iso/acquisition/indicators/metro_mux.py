@@ -15,7 +15,7 @@ from scara_iso.acquisition.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show_digits, spell
 
 _READING = re.compile(rb"V([1-8]): (mm  |in  |inch|um  ) ([ -~]{3}) ([+-])(\d{5}\.\d{6})")
 _FAULT = re.compile(rb"N([1-8])[ -~]?:E(\d)")
@@ -40,7 +40,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
 
 def compose(text: str, unit: str | None, channel: str | None) -> bytes:
     """Return the line of a multiplexer whose gauge shows ``text``."""
-    sign, digits = show(text, digits=11, decimals=DIALECT.decimals)
+    sign, digits = show_digits(text, digits=11, decimals=DIALECT.decimals)
     name = spell(unit, {"mm": "mm", "inch": "in", "um": "um"}, key=DIALECT.key)
     return f"V{channel or 1}: {name:4}     {sign}{digits}\r\n".encode("ascii")
 

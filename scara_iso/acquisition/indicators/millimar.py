@@ -11,14 +11,14 @@ import re
 from dataclasses import replace
 
 from scara_iso.acquisition.indicators._dialect import (
+    DeviceNotice,
     Dialect,
     Event,
     InstrumentFault,
     LineSettings,
-    Notice,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show_digits, spell
 
 _FEATURE = re.compile(
     rb"([123]) (?:([+-])(?=[\d.]{6} )(\d+\.\d+) (mm|um|inch|deg|rad)(?: ([<=>](?: [<=>])?))?"
@@ -53,7 +53,7 @@ def _feature(found: re.Match[bytes], line: bytes) -> Event:
 
 def compose_feature(text: str, unit: str | None, channel: str | None) -> bytes:
     """Return the answer of a C1202 to ``M1?`` when the feature shows ``text``."""
-    sign, digits = show(text, digits=5, decimals=_C1202.decimals)
+    sign, digits = show_digits(text, digits=5, decimals=_C1202.decimals)
     name = spell(unit, {**_SPELLINGS, "deg": "deg", "rad": "rad"}, key=_C1202.key)
     return f"{channel or 1} {sign}{digits} {name}\r".encode("ascii")
 
@@ -64,15 +64,15 @@ def parse_single(line: bytes) -> tuple[Event, ...]:
         sign, digits, unit = found.groups()
         return (Reading(decimal_text(sign, digits), UNITS[unit], None, None, line),)
     if found := _UNIT.fullmatch(line):
-        return (Notice(found[1].decode("ascii"), line, UNITS[found[1]]),)
+        return (DeviceNotice(found[1].decode("ascii"), line, UNITS[found[1]]),)
     if re.fullmatch(rb"MAHR[ -~]{0,24}", line):
-        return (Notice(line.decode("ascii"), line),)
+        return (DeviceNotice(line.decode("ascii"), line),)
     return ()
 
 
 def compose_single(text: str, unit: str | None, _channel: str | None) -> bytes:
     """Return the line of a C1216 that shows ``text``."""
-    sign, digits = show(text, digits=6, decimals=_C1240.decimals)
+    sign, digits = show_digits(text, digits=6, decimals=_C1240.decimals)
     return f"{sign}{digits}{spell(unit, _SPELLINGS, key=_C1240.key)}\r\n".encode("ascii")
 
 

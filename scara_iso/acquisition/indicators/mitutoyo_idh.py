@@ -9,14 +9,14 @@ from __future__ import annotations
 import re
 
 from scara_iso.acquisition.indicators._dialect import (
+    DeviceNotice,
     Dialect,
     Event,
     InstrumentFault,
     LineSettings,
-    Notice,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _READING = re.compile(rb"G([NXMW])(\d\d),([+-])(?=[\d.]{9}\Z)(\d+\.\d+)")
 _NOTICE = re.compile(rb"(?:CH|DH)\d\d(?:,(?:OK|[+-]NG|JOFF|F-LOCK))?")
@@ -32,14 +32,14 @@ def parse(line: bytes) -> tuple[Event, ...]:
             return (InstrumentFault(f"G{mode.decode()}", message, line, channel.decode()),)
         return (Reading(decimal_text(sign, digits), None, channel.decode(), None, line),)
     if _NOTICE.fullmatch(line):
-        return (Notice(line.decode("ascii"), line),)
+        return (DeviceNotice(line.decode("ascii"), line),)
     return ()
 
 
 def compose(text: str, unit: str | None, channel: str | None) -> bytes:
     """Return the answer of a gauge in normal mode that shows ``text``."""
     spell(unit, {None: ""}, key=DIALECT.key)
-    sign, digits = show(text, digits=8, decimals=DIALECT.decimals)
+    sign, digits = show_digits(text, digits=8, decimals=DIALECT.decimals)
     return f"GN{channel or '01'},{sign}{digits}\r\n".encode("ascii")
 
 

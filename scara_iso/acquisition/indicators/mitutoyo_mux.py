@@ -15,7 +15,7 @@ from scara_iso.acquisition.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _READING = re.compile(rb"0([1-9])A([+-])(?=[\d.]{8}\Z)(\d+\.\d+)")
 _FAULT = re.compile(rb"9([1-9])(\d)")
@@ -36,7 +36,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
 def compose(text: str, unit: str | None, channel: str | None) -> bytes:
     """Return the frame of an interface whose gauge shows ``text``."""
     spell(unit, {None: ""}, key=DIALECT.key)
-    sign, digits = show(text, digits=7, decimals=DIALECT.decimals)
+    sign, digits = show_digits(text, digits=7, decimals=DIALECT.decimals)
     return f"0{channel or 1}A{sign}{digits}\r".encode("ascii")
 
 

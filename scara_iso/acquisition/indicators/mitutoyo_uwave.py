@@ -10,14 +10,14 @@ from __future__ import annotations
 import re
 
 from scara_iso.acquisition.indicators._dialect import (
+    DeviceNotice,
     Dialect,
     Event,
     InstrumentFault,
     LineSettings,
-    Notice,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _READING = re.compile(rb"DT1(\d{4})([+-])(?=[\d.]{11}[MI0]\Z)(\d+\.\d+)([MI0])")
 _STATUS = re.compile(rb"ST1(\d\d|FF)(\d\d|FF)([0-9A-F]{10})(\d\d)")
@@ -39,7 +39,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
         group, channel, _, code = found.groups()
         message = _CODES.get(code, "unknown status")
         if code in (b"00", b"51"):
-            return (Notice(message, line),)
+            return (DeviceNotice(message, line),)
         whose = None if b"FF" in (group, channel) else (group + channel).decode("ascii")
         return (InstrumentFault(f"ST1 {code.decode()}", message, line, whose),)
     return ()
@@ -47,7 +47,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
 
 def compose(text: str, unit: str | None, channel: str | None) -> bytes:
     """Return the packet of a transmitter whose gauge shows ``text``."""
-    sign, digits = show(text, digits=10, decimals=DIALECT.decimals)
+    sign, digits = show_digits(text, digits=10, decimals=DIALECT.decimals)
     letter = spell(unit, {"mm": "M", "inch": "I", None: "0"}, key=DIALECT.key)
     return f"DT1{channel or '0000'}{sign}{digits}{letter}\r".encode("ascii")
 

@@ -15,7 +15,7 @@ from scara_iso.acquisition.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show_digits, spell
 
 _READING = re.compile(rb"([1-4]) MW([+\- ])(?=[\d.]{8} )(\d+\.\d+) (mm|inch)")
 _OTHER = re.compile(rb"([1-4]) ([A-Z]{2})[+\- ][\d.]{8,9} (?:mm|inch)")
@@ -36,7 +36,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
 
 def compose(text: str, unit: str | None, channel: str | None) -> bytes:
     """Return the line of a multiplexer whose gauge shows ``text``."""
-    sign, digits = show(text, digits=7, decimals=DIALECT.decimals)
+    sign, digits = show_digits(text, digits=7, decimals=DIALECT.decimals)
     name = spell(unit, {"mm": "mm", "inch": "inch"}, key=DIALECT.key)
     return f"{channel or 1} MW{sign}{digits} {name}\r\n".encode("ascii")
 

@@ -13,15 +13,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from scara_iso.acquisition.indicators._dialect import (
+    DeviceNotice,
     Dialect,
     Event,
     InstrumentFault,
     LinePulse,
     LineSettings,
-    Notice,
     Reading,
 )
-from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show_digits, spell
 
 _AFTER = rb"(?: ?(mm|in|MM|IN))?([<=>])?"
 _FAULT = re.compile(rb"(?i:ERR(\d{1,2}))|OV")
@@ -61,13 +61,13 @@ def _other_line(line: bytes) -> tuple[Event, ...]:
     if found := _NOTICE.fullmatch(line):
         low = ": battery low" if text.upper().endswith((" B0", "BAT0")) else ""
         unit = UNITS[found[1].lower()] if found[1] else None
-        return (Notice(text + low, line, unit, switched_on=text.upper().startswith("SY")),)
+        return (DeviceNotice(text + low, line, unit, switched_on=text.upper().startswith("SY")),)
     return ()
 
 
 def _composer(*, digits: int, end: str) -> Compose:
     def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
-        sign, shown = show(text, digits=digits, decimals=range(1, digits + 1))
+        sign, shown = show_digits(text, digits=digits, decimals=range(1, digits + 1))
         name = spell(unit, {None: "", "mm": "mm", "inch": "in"}, key="opto-rs232")
         return f"{sign}{shown}{name}{end}".encode("ascii")
 
@@ -82,7 +82,7 @@ def _fixed(digits: int) -> Parse:
 
 
 def _compose_trimos(text: str, unit: str | None, _channel: str | None) -> bytes:
-    sign, shown = show(text, digits=8, decimals=range(1, 9), fill=" ")
+    sign, shown = show_digits(text, digits=8, decimals=range(1, 9), fill=" ")
     spell(unit, {None: ""}, key="opto-rs232-trimos")
     number = shown.lstrip()
     return f"{('-' if sign == '-' else '') + number:>10}\r".encode("ascii")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from scara_iso.acquisition.indicators._dialect import Dialect, Event, LineSettings, Reading
-from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show_digits, spell
 
 _READING = re.compile(rb" {13}([ -])(?=[ \d.]{7} [im])( *\d*\.\d+) (in|mm)")
 
@@ -24,7 +24,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
 
 def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
     """Return the line of a gauge that shows ``text``."""
-    sign, digits = show(text, digits=6, decimals=DIALECT.decimals, fill=" ")
+    sign, digits = show_digits(text, digits=6, decimals=DIALECT.decimals, fill=" ")
     name = spell(unit, {"mm": "mm", "inch": "in"}, key=DIALECT.key)
     return f"{' ' * 13}{'-' if sign == '-' else ' '}{digits} {name}\r".encode("ascii")
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from scara_iso.acquisition.indicators._dialect import Dialect, Event, LineSettings, Reading
-from scara_iso.acquisition.indicators._grammar import decimal_text, show, spell
+from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits, spell
 
 _READING = re.compile(rb"([+-])(?=[\d.]{8}\Z)(\d+\.\d+)")
 
@@ -24,7 +24,7 @@ def parse(line: bytes) -> tuple[Event, ...]:
 def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
     """Return the line of a cable whose gauge shows ``text``."""
     spell(unit, {None: ""}, key=DIALECT.key)
-    sign, digits = show(text, digits=7, decimals=DIALECT.decimals)
+    sign, digits = show_digits(text, digits=7, decimals=DIALECT.decimals)
     return f"{sign}{digits}\r".encode("ascii")
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from scara_iso.acquisition.indicators import Dialect
-from scara_iso.acquisition.ports import replay, simulated
 from scara_iso.acquisition.ports.address import is_device, is_recorded, is_simulated
 from scara_iso.acquisition.ports.clock import Clock, StreamClock, SystemClock
 from scara_iso.acquisition.ports.device import DevicePort
 from scara_iso.acquisition.ports.identity import Device, list_devices, refuse_same_device
 from scara_iso.acquisition.ports.port import Port, split_options
-from scara_iso.acquisition.ports.replay import PULSE, ReplayPort
-from scara_iso.acquisition.ports.simulated import SimulatedPort, Source
+from scara_iso.acquisition.ports.replay import PULSE, ReplayPort, replay_is_paced
+from scara_iso.acquisition.ports.simulated import Signal, SimulatedPort, simulation_is_paced
 
 __all__ = [
     "PULSE",
@@ -21,8 +20,8 @@ __all__ = [
     "DevicePort",
     "Port",
     "ReplayPort",
+    "Signal",
     "SimulatedPort",
-    "Source",
     "StreamClock",
     "SystemClock",
     "choose_clock",
@@ -41,7 +40,7 @@ def choose_clock(addresses: Iterable[str]) -> Clock:
     addresses = tuple(addresses)
     if any(map(is_device, addresses)):
         return SystemClock()
-    paced = [simulated.paced(a) if is_simulated(a) else replay.paced(a) for a in addresses]
+    paced = [simulation_is_paced(a) if is_simulated(a) else replay_is_paced(a) for a in addresses]
     return StreamClock(paced=any(paced))
 
 
@@ -52,7 +51,7 @@ def open_port(
     axis: str,
     clock: Clock,
     asked: bool,
-    source: Source | None = None,
+    source: Signal | None = None,
 ) -> Port:
     """Open the port that ``address`` names, with the dialect's line settings.
 

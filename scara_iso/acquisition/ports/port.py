@@ -60,7 +60,7 @@ def split_options(text: str, known: Mapping[str, str]) -> tuple[str, dict[str, s
     return head, options
 
 
-def number(options: Mapping[str, str], key: str, default: float) -> float:
+def number_option(options: Mapping[str, str], key: str, default: float) -> float:
     """Return an option that must be a number, zero or greater; `UsageError` otherwise."""
     text = options.get(key)
     if text is None:

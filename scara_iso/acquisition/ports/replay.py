@@ -106,7 +106,7 @@ class ReplayPort:
             heapq.heappush(self._waiting, (start + delay, self._order, data))
 
 
-def paced(address: str) -> bool:
+def replay_is_paced(address: str) -> bool:
     """Say whether the recorded timing is wanted."""
     return split_options(address.removeprefix("replay:"), OPTIONS)[1].get("pace", "0") != "0"
 
@@ -201,7 +201,7 @@ def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
     timeline = Timeline()
     axes: Iterable[str] = ()
     for _, record in read_tape(path):
-        if record is None:
+        if not record:
             continue
         if record["event"] == "session":
             axes = record.get("gauges", {})

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from scara_iso.acquisition.indicators import Dialect, LinePulse, find_dialect
 from scara_iso.acquisition.ports.clock import Clock, StreamClock
-from scara_iso.acquisition.ports.port import number, split_options
+from scara_iso.acquisition.ports.port import number_option, split_options
 from scara_iso.errors import UsageError
 from scara_iso.quantities import Unit, parse_unit
 
@@ -30,7 +30,7 @@ MODEL_CYCLES = 10_000
 AT_REST_S = 0.05
 """Asked again within this time after an answer, the arm has not moved: the same value [s]."""
 
-Source: TypeAlias = Callable[[int], float]
+Signal: TypeAlias = Callable[[int], float]
 """The value that the indicator shows at the k-th pose attained, k from 0 [mm or deg]."""
 
 
@@ -53,7 +53,7 @@ class SimulatedPort:
         axis: str,
         clock: Clock,
         asked: bool,
-        source: Source | None = None,
+        source: Signal | None = None,
     ) -> None:
         key, options = split_options(address.removeprefix("sim:"), OPTIONS)
         self._dialect = find_dialect(key) if key else dialect
@@ -75,7 +75,7 @@ class SimulatedPort:
         self._answered = -math.inf
         self._answer_at = math.inf
         by_request = self._dialect.request is not None or self._dialect.request_line is not None
-        self._every = number(options, "every", 0.3 if asked else 1.0) or 1.0
+        self._every = number_option(options, "every", 0.3 if asked else 1.0) or 1.0
         self._push_at = math.inf if asked and by_request else clock.now() + self._every
         if isinstance(clock, StreamClock):
             clock.watch(self._due)
@@ -118,12 +118,12 @@ class SimulatedPort:
         return f"{shown if shown else abs(shown):f}"
 
 
-def paced(address: str) -> bool:
+def simulation_is_paced(address: str) -> bool:
     """Say whether the simulation keeps to real time."""
     return split_options(address.removeprefix("sim:"), OPTIONS)[1].get("pace", "1") != "0"
 
 
-def _source(axis: str, options: dict[str, str], unit: Unit) -> Source:
+def _source(axis: str, options: dict[str, str], unit: Unit) -> Signal:
     seed = options.get("seed", "0")
     if not (seed.isascii() and seed.isdigit() and len(seed) < 19):
         raise UsageError(f"seed={seed} is not a whole number")
@@ -132,7 +132,7 @@ def _source(axis: str, options: dict[str, str], unit: Unit) -> Source:
     return scatter(axis, options, int(seed))
 
 
-def of_model(path: Path, axis: str, unit: Unit, seed: int) -> Source:
+def of_model(path: Path, axis: str, unit: Unit, seed: int) -> Signal:
     """Return the readings that a model file predicts, with its scatter; the same for every axis.
 
     Raises what `read_model` raises, and `UsageError` where the model has no such axis.
@@ -155,9 +155,9 @@ def of_model(path: Path, axis: str, unit: Unit, seed: int) -> Source:
     return lambda k: float(readings[min(k, MODEL_CYCLES - 1)])
 
 
-def scatter(axis: str, options: dict[str, str], seed: int) -> Source:
+def scatter(axis: str, options: dict[str, str], seed: int) -> Signal:
     """Return readings that warm up by 3 um over the first ten poses and scatter around a value."""
     noise = random.Random(f"{axis}/{seed}")  # noqa: S311 - readings, not secrets
-    value = number(options, "value", round(noise.uniform(0.2, 0.9), 3))
-    deviation = number(options, "scatter", 0.004)
+    value = number_option(options, "value", round(noise.uniform(0.2, 0.9), 3))
+    deviation = number_option(options, "scatter", 0.004)
     return lambda k: value + 0.003 * (1 - math.exp(-k / 10)) + noise.gauss(0.0, deviation)

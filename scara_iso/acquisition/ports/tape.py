@@ -14,6 +14,7 @@ Bytes are records ``in`` and ``out`` with ``axis``, ``port`` and ``hex``.
 from __future__ import annotations
 
 import json
+import re
 import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -28,6 +29,8 @@ FIRST = "00000000"
 LONGEST_LINE = 1 << 20
 """A longer line is no line of ours; bounds the memory that a strange file takes [bytes]."""
 
+_END = re.compile(rb'"crc":"[^"]{8}"}|"}\n$')
+"""The end of a line, either half of it harmed."""
 _TAIL = len(b',"crc":"01234567"}')
 
 Record = dict[str, Any]
@@ -39,7 +42,7 @@ def encode(record: Mapping[str, object]) -> bytes:
     return b'%b,"crc":"%08x"}\n' % (body[:-1], zlib.crc32(body))
 
 
-def decode(line: bytes) -> Record | None:
+def decode_record(line: bytes) -> Record | None:
     """Return the record of a line, or None where the line is torn or damaged.
 
     A line that lost only its end of line is whole: what is appended after it begins with one.
@@ -61,8 +64,9 @@ def checksum(line: bytes) -> str:
 
 
 def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
-    """Yield each line's number (from 1) and record with ``crc``, None where torn or damaged.
+    """Yield each line's number (from 1) and record with ``crc``, None for one that is torn.
 
+    A line that was written to its end and is damaged has an empty record: it was changed.
     Empty lines, which a session that goes on begins with, mean nothing.
 
     Raises `NoInputError` where the file cannot be read.
@@ -73,12 +77,17 @@ def read_tape(path: Path) -> Iterator[tuple[int, Record | None]]:
             while line := file.readline(LONGEST_LINE):
                 number += 1
                 if line != b"\n":
-                    record = decode(line)
-                    yield number, record and {**record, "crc": checksum(line)}
+                    yield number, _read(line)
     except OSError as error:
         raise NoInputError(
             f"cannot be read: {error.strerror}", where=str(path), remedy="check the file name"
         ) from error
+
+
+def _read(line: bytes) -> Record | None:
+    if record := decode_record(line):
+        return {**record, "crc": checksum(line)}
+    return {} if _END.search(line) else None
 
 
 def is_tape(start: bytes) -> bool:

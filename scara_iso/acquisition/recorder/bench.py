@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from scara_iso.acquisition.indicators import Garbage, InstrumentFault, Notice, Reading
+from scara_iso.acquisition.indicators import DeviceNotice, Garbage, InstrumentFault, Reading
 from scara_iso.acquisition.ports import Clock
-from scara_iso.acquisition.recorder.events import Kind, Noticed, Problem, Refused, Said
+from scara_iso.acquisition.recorder.events import Noticed, Problem, ProblemKind, Refused, Said
 from scara_iso.acquisition.recorder.gauge import Gauge, no_unit
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.shown import DisplayChangedError
@@ -99,7 +99,7 @@ class Bench:
                         self._faulted = True
                         self._unreadable.add(gauge.axis)
                         self.problem(gauge, "fault", f"{code}: {message}")
-                    case Notice(message=message, switched_on=on):
+                    case DeviceNotice(message=message, switched_on=on):
                         if on and gauge.shown and not self._opening:
                             raise _zero_gone(gauge, message)
                         self._tell(Noticed(gauge.axis, message))
@@ -108,7 +108,7 @@ class Bench:
     def measure(self, stable: int) -> list[Taken] | None:
         """Return one reading of every gauge, or None after saying what went wrong.
 
-        ``stable`` readings in a row lie within one count of the last place.
+        ``stable`` readings of each gauge in a row are equal.
         """
         series: list[list[Taken]] = []
         until = self._clock.now() + SETTLING_S
@@ -117,9 +117,10 @@ class Bench:
             if taken is None:
                 return None
             series = [*series, taken][-stable:]
-            if len(series) == stable and all(map(_settled, zip(*series, strict=True))):
+            restless = [one[-1].gauge for one in zip(*series, strict=True) if not _equal(one)]
+            if len(series) == stable and not restless:
                 return taken
-        for gauge in self.gauges:
+        for gauge in restless or self.gauges:
             self.problem(gauge, "unsettled", f"not {stable} equal readings in {SETTLING_S:g} s")
         return None
 
@@ -174,7 +175,7 @@ class Bench:
             self._journal.append("refused", axis=axis, text=text, reason=reason)
             self._tell(Refused(axis, text, reason))
 
-    def problem(self, gauge: Gauge, kind: Kind, message: str) -> None:
+    def problem(self, gauge: Gauge, kind: ProblemKind, message: str) -> None:
         """Write down and say that there is no reading."""
         if self._opening:
             self.notice(gauge, message)
@@ -270,7 +271,5 @@ def _changed(gauge: Gauge, reason: str) -> DisplayChangedError:
     )
 
 
-def _settled(series: Sequence[Taken]) -> bool:
-    """Say whether the readings of one gauge lie within one count of the last place."""
-    values = [taken.reading.value for taken in series]
-    return max(values) - min(values) <= series[-1].reading.resolution
+def _equal(readings: Iterable[Taken]) -> bool:
+    return len({taken.reading.value for taken in readings}) == 1

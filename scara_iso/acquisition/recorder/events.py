@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Literal, Protocol, TypeAlias
 
-Kind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed"]
+ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed"]
 """Why there is no reading."""
 
 
@@ -75,7 +75,7 @@ class Problem:
     """No reading: a fault, garbage, no answer, a value that does not settle, a changed display."""
 
     axis: str
-    kind: Kind
+    kind: ProblemKind
     message: str
 
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 from scara_iso.acquisition.indicators import (
     Decoder,
+    DeviceNotice,
     Dialect,
     Event,
     Garbage,
     InstrumentFault,
-    Notice,
     Reading,
 )
 from scara_iso.acquisition.ports import Clock, Port
@@ -146,7 +146,7 @@ class Gauge:
                 self._answered(arrival)
                 self._check_unit(unit)
                 self._channel = self._channel or channel
-            case Notice(unit=str(unit)):
+            case DeviceNotice(unit=str(unit)):
                 self.unit_asked = False
                 self._check_unit(unit)
             case InstrumentFault():

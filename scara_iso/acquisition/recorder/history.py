@@ -34,7 +34,7 @@ _GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simu
 _MAX_CYCLES = 10_000_000
 
 
-class Column:
+class AxisReadings:
     """Readings of one axis by cycle [mm or deg], in the memory of one number each."""
 
     def __init__(self) -> None:
@@ -84,7 +84,7 @@ class History:
     def __init__(self, source: str) -> None:
         self.source = source
         self.header: Record = {}
-        self.columns: dict[str, Column] = {}
+        self.columns: dict[str, AxisReadings] = {}
         self.times = array("d")
         self.troubles: Counter[str] = Counter()
         self.latest: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
@@ -98,14 +98,18 @@ class History:
         """Whether the last session that ended in good order left a table, and so a manifest."""
         self._chained = False
         self._broken: list[int] = []
+        self._harmed: list[int] = []
+        """Behind the last line, where that was changed: no next one names it."""
         self._inherited: list[str] = []
         self._trigger = ""
         self._asked: set[str] = set()
 
     def take(self, line: int, record: Record | None) -> None:
         """Take the next line of the file."""
-        if record is None:
+        self._harmed = []
+        if not record:
             self.damaged.append(line)
+            self._harmed = [] if record is None else [line + 1]
             return
         if not self._follows(line, record):
             self._broken.append(line)
@@ -129,8 +133,8 @@ class History:
     def doubts(self) -> tuple[str, ...]:
         """What is known to have been changed after it was recorded, a line each."""
         name = Path(self.source).name
-        places = ", ".join(map(str, self._broken[:_SHOWN]))
-        places += ", .." if len(self._broken) > _SHOWN else ""
+        broken = [*self._broken, *self._harmed]
+        places = ", ".join(map(str, broken[:_SHOWN])) + (", .." if len(broken) > _SHOWN else "")
         found = [f"{name}: lines were changed or taken away before line {places}"] if places else []
         return tuple(dict.fromkeys((*self._inherited, *found)))
 
@@ -181,7 +185,7 @@ class History:
         _check_header(record)
         self._inherited += map(str, record.get("doubts", ()))
         if not self.header:
-            self.columns = {str(axis): Column() for axis in record["gauges"]}
+            self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
         self.header = _merged(self.header, record) if self.header else record
         self._trigger = str(record["trigger"])
 

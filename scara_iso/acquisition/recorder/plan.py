@@ -1,10 +1,13 @@
-"""What is to be recorded: how many cycles, and what makes a reading be taken."""
+"""What is to be recorded: table, gauges, number of cycles, and what makes a reading be taken."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeAlias
 
+from scara_iso.acquisition.recorder.spec import GaugeSpec
 from scara_iso.errors import UsageError
 
 
@@ -38,8 +41,8 @@ Trigger: TypeAlias = Enter | Listen | Timer
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
-    """``stable`` equal readings in a row, within one count, make a reading that was asked for.
+class RecordingPlan:
+    """``stable`` equal readings in a row make a reading that was asked for.
 
     A reading that comes by itself, or a key pressed, within ``rearm_s`` [s] of the one before is
     not taken: a key that bounced or was held down, or an instrument that sent twice.
@@ -49,6 +52,21 @@ class Plan:
     cycles: int = 31
     stable: int = 1
     rearm_s: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What to record into ``table``; ``resume`` goes on with what is there.
+
+    ``excel_locale`` spells the table for a spreadsheet; None goes on as before.
+    """
+
+    table: Path
+    gauges: tuple[GaugeSpec, ...]
+    plan: RecordingPlan
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    resume: bool = False
+    excel_locale: str | None = None
 
 
 def parse_trigger(text: str) -> Trigger:

@@ -35,7 +35,7 @@ from scara_iso.acquisition.recorder.events import (
 from scara_iso.acquisition.recorder.gauge import Gauge
 from scara_iso.acquisition.recorder.history import VOIDABLE
 from scara_iso.acquisition.recorder.journal import Journal
-from scara_iso.acquisition.recorder.plan import Enter, Listen, Plan, Timer
+from scara_iso.acquisition.recorder.plan import Enter, Listen, RecordingPlan, Timer
 from scara_iso.acquisition.recorder.position import Position
 from scara_iso.acquisition.recorder.shown import DisplayChangedError, gross_reading
 from scara_iso.acquisition.recorder.visits import Visits
@@ -60,7 +60,7 @@ class Session:
         self,
         gauges: Sequence[Gauge],
         *,
-        plan: Plan,
+        plan: RecordingPlan,
         journal: Journal,
         clock: Clock,
         operator: Operator,

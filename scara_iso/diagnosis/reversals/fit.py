@@ -48,7 +48,7 @@ class Reversals:
         if not len(self.rows):
             object.__setattr__(self, "rows", np.arange(len(self.measured)))
 
-    def predict(self, changes: Sequence[tuple[Term, Sizes]] = ()) -> FloatArray:
+    def predict(self, changes: Sequence[tuple[GearTerm, Sizes]] = ()) -> FloatArray:
         """Return the predictions, shape (m,), or (k, m) where the values are columns (k, 1)."""
         total = np.zeros(len(self.measured))
         for joint, sweep in self.sweeps.items():
@@ -128,7 +128,7 @@ def _squares(readings: FloatArray, predictions: FloatArray, weight: FloatArray) 
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Term:
+class GearTerm:
     """An effect at a joint, and the values to try."""
 
     effect: GearEffect
@@ -152,7 +152,7 @@ class Term:
         }
 
 
-Family = tuple[Term, ...]
+Family = tuple[GearTerm, ...]
 """Effects that act together."""
 
 
@@ -174,7 +174,7 @@ class Fitted:
         return "+".join(term.effect.name for term in self.family)
 
     @property
-    def changes(self) -> list[tuple[Term, Sizes]]:
+    def changes(self) -> list[tuple[GearTerm, Sizes]]:
         """The effects with their most likely values."""
         return list(zip(self.family, self.values, strict=True))
 
@@ -206,7 +206,7 @@ def fit_family(data: Reversals, family: Family) -> Fitted:
     )
 
 
-def over_all(family: Family) -> list[tuple[Term, Sizes]]:
+def over_all(family: Family) -> list[tuple[GearTerm, Sizes]]:
     """Return a family with values all over their range, as columns (k, 1)."""
     values = _values(family, _grid(_whole(family), _COARSE))
     return list(zip(family, values, strict=True))
@@ -254,7 +254,7 @@ def _interval(values: FloatArray, share: FloatArray) -> tuple[float, float]:
 def single_families(data: Reversals, effects: Sequence[GearEffect]) -> list[Family]:
     """Return each effect at each joint by itself, as far as the reversals let it be tried."""
     return [
-        (Term(effect, joint, candidates),)
+        (GearTerm(effect, joint, candidates),)
         for joint, sweep in data.sweeps.items()
         for effect in effects
         if (candidates := effect.candidates(sweep))

@@ -20,7 +20,7 @@ from scara_iso.diagnosis.reversals.fit import (
 from scara_iso.diagnosis.reversals.significance import (
     FLOOR,
     misfits,
-    p_value,
+    p_value_of_scatter,
     second_p_value,
     wanders,
 )
@@ -110,7 +110,7 @@ def diagnose_reversals(
     singles = single_families(data, find_gear_effects() if effects is None else effects)
     before = data.predict()
     rng = np.random.default_rng(seed)
-    chance = p_value(data, before, [*singles, *unknown_families(data)], rng)
+    chance = p_value_of_scatter(data, before, [*singles, *unknown_families(data)], rng)
     at_floor, chance = chance <= FLOOR, min(1.0, sides * chance)
     nothing = _as_predicted(data, chance, at_floor=at_floor)
     if chance > LEVEL:

@@ -16,7 +16,7 @@ _EXACT = 1e-4
 """A fit this close, as a share of the largest deviation, leaves only digits and grid."""
 
 
-def p_value(
+def p_value_of_scatter(
     data: Reversals, before: FloatArray, families: Sequence[Family], rng: np.random.Generator
 ) -> float:
     """Return how often eq. 16 with scatter alone fits some effect as much better.

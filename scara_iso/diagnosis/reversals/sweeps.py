@@ -21,13 +21,13 @@ from scara_iso.tables import (
     Mark,
     Source,
     clean,
-    decode,
+    decode_text,
     is_comment,
     listed,
-    parse_number,
+    parse_cell,
+    quoted,
     read_bytes,
     refuse,
-    show,
     split_head,
     split_lines,
     stated_delimiter,
@@ -91,7 +91,7 @@ def read_sweep(source: Source) -> MeasuredSweep:
 def _of_text(data: bytes, name: str) -> _Rows:
     if data.startswith(OLD_WORKBOOK):
         raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
-    text, _ = decode(data, name)
+    text, _ = decode_text(data, name)
     lines = list(enumerate(text.split("\n"), 1))
     stated = stated_delimiter(lines[0][1])
     lines = [(k, line) for k, line in lines[bool(stated) :] if _is_row([line])]
@@ -106,7 +106,7 @@ def _of_text(data: bytes, name: str) -> _Rows:
         try:
             rows.append((k, split_lines([line], delimiter)[0]))
         except csv.Error as error:
-            faults.add(f"{error}: {show(line)}", k, remedy="close or remove the quote")
+            faults.add(f"{error}: {quoted(line)}", k, remedy="close or remove the quote")
     faults.check()
     return rows
 
@@ -120,7 +120,7 @@ def _of_workbook(data: bytes, name: str) -> _Rows:
         if numbered and _known_names(numbered[0][1]) >= len(_NEEDED):
             found[title] = numbered
     if len(found) != 1:
-        which = f"sheets {listed(map(show, found))} hold" if found else "no sheet holds"
+        which = f"sheets {listed(map(quoted, found))} hold" if found else "no sheet holds"
         raise refuse(name, f"{which} a sweep", remedy=_REMEDY if not found else "leave one")
     return next(iter(found.values()))
 
@@ -174,12 +174,12 @@ def _value(
 ) -> float:
     value = cell if isinstance(cell, float) else math.nan
     if isinstance(cell, str):
-        number = parse_number(cell)
+        number = parse_cell(cell)
         if number is not None and not number.unit:
             value = number.value
             marks.setdefault(number.mark, (*place, cell.strip(BLANKS)))
     if not math.isfinite(value):
-        faults.add(f"{name}: {show(str(cell))} is not a number", *place, remedy=_REMEDY)
+        faults.add(f"{name}: {quoted(str(cell))} is not a number", *place, remedy=_REMEDY)
     elif name in _POSITIVE and value <= 0 and Mark.BOTH not in marks:
         faults.add(f"{name}: {value:g} is not positive", *place, remedy=_REMEDY)
     elif value and not _SMALLEST < abs(value) < 1 / _SMALLEST:
@@ -198,4 +198,6 @@ def _check_marks(marks: dict[Mark, tuple[int, int, str]], faults: Faults) -> Non
         return
     for mark in marks.keys() - {Mark.NONE}:
         line, column, text = marks[mark]
-        faults.add(f"{show(text)}: {said}", line, column, remedy="write decimal points, no groups")
+        faults.add(
+            f"{quoted(text)}: {said}", line, column, remedy="write decimal points, no groups"
+        )

@@ -22,20 +22,19 @@ def check(measured: Measured) -> Iterator[Finding]:
     labels = [pose.label for pose in measured.poses]
     for name, command in stated.items():
         found = [label for label in labels if run.command_of(name, label) is not None]
-        several = len(labels) > 1 and not isinstance(command, Mapping)
-        if several:
-            said = f"one command coordinate for {len(labels)} poses is of none of them"
+        lacking = [str(label or "P1") for label in labels if label not in found]
+        if len(labels) > 1 and not isinstance(command, Mapping):
+            said = f"one command coordinate for {len(labels)} poses is of none of them; not used"
         elif not found:
-            said = "a command coordinate is stated for a pose that is not in the table"
+            said = "a command coordinate is stated for a pose that is not in the table; not used"
         elif len(found) < len(labels):
-            lacking = [str(label) for label in labels if label not in found]
             said = f"no command coordinate is stated for {', '.join(lacking[:10])}"
         else:
             continue
         yield Finding(
             CODE,
             "warning",
-            f"{said}; not used: write '# command_{name}[{labels[0] or 'P1'}]: ...' for each pose",
+            f"{said}: write '# command_{name}[{lacking[0]}]: ...' for each pose",
             name,
         )
     if stated and not run.dial_zero_is_command:

@@ -37,6 +37,7 @@ def check(measured: Measured) -> Iterator[Finding]:
                     "counts a shift as scatter; run diagnose to find its cause",
                     axis.name,
                     pose.label,
+                    voids_interval=True,
                 )
 
 

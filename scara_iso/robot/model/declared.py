@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from scara_iso.effects import Effect, GearEffect, Parameter, find_effects, find_gear_effects
-from scara_iso.robot.model.keys import Faults, is_number, only
+from scara_iso.robot.model.keys import KeyFaults, is_number, only
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator
 
 
@@ -13,7 +13,7 @@ def declared_effects(
     entries: object,
     indicators: Mapping[str, Indicator],
     gearboxes: Mapping[int, Gearbox],
-    faults: Faults,
+    faults: KeyFaults,
 ) -> Iterator[DeclaredEffect]:
     """Yield the effects of the ``[[effect]]`` tables; what is wrong with one goes to ``faults``."""
     if not isinstance(entries, list):
@@ -45,7 +45,7 @@ def _check(
     values: Mapping[str, object],
     indicators: Mapping[str, Indicator],
     where: str,
-    faults: Faults,
+    faults: KeyFaults,
 ) -> None:
     key, value = f"{where}.{parameter.name}", values.get(parameter.name)
     if value is None:
@@ -64,7 +64,7 @@ def _check(
             faults.add(place, wrong)
 
 
-def _check_axes(values: Mapping[str, object], where: str, faults: Faults) -> None:
+def _check_axes(values: Mapping[str, object], where: str, faults: KeyFaults) -> None:
     """Every parameter given by axis is given for the same axes."""
     axes = [set(value) for value in values.values() if isinstance(value, dict)]
     if any(other != axes[0] for other in axes):

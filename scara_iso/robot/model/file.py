@@ -13,7 +13,7 @@ from scara_iso.files import read_file, read_toml
 from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.model.declared import declared_effects
-from scara_iso.robot.model.keys import Faults, number, only, pair, section
+from scara_iso.robot.model.keys import KeyFaults, number_at, only, pair, section
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model
 from scara_iso.run import AXES
 
@@ -33,7 +33,7 @@ def read_model(path: str | Path) -> Model:
     named by its key.
     """
     document = read_toml(path)
-    faults = Faults()
+    faults = KeyFaults()
     faults += [Fault(f"{key}: no such section") for key in document if key not in _SECTIONS]
     robot = section(document, "robot", faults)
     indicators = dict(_indicators(section(document, "indicator", faults), faults))
@@ -94,7 +94,7 @@ def _text(path: Path) -> str:
         raise DataError("not UTF-8", where=str(path)) from error
 
 
-def _checked(build: Callable[[], Any], where: str, faults: Faults) -> Any:
+def _checked(build: Callable[[], Any], where: str, faults: KeyFaults) -> Any:
     try:
         return build()
     except UsageError as error:
@@ -102,7 +102,7 @@ def _checked(build: Callable[[], Any], where: str, faults: Faults) -> Any:
         return None
 
 
-def _arm(robot: Mapping[str, Any], faults: Faults) -> Arm | None:
+def _arm(robot: Mapping[str, Any], faults: KeyFaults) -> Arm | None:
     only(robot, {"name", *_ARM}, "robot", faults)
     if not any(key in robot for key in _ARM):
         return None
@@ -110,7 +110,7 @@ def _arm(robot: Mapping[str, Any], faults: Faults) -> Arm | None:
     for key in missing:
         faults.add(f"robot.{key}", "missing")
     given: dict[str, Any] = {
-        key: (pair if key in _PAIRS else number)(robot, key, "robot", faults)
+        key: (pair if key in _PAIRS else number_at)(robot, key, "robot", faults)
         for key in _ARM
         if key in robot
     }
@@ -120,7 +120,9 @@ def _arm(robot: Mapping[str, Any], faults: Faults) -> Arm | None:
     return arm
 
 
-def _pose(pose: Mapping[str, Any], arm: Arm | None, faults: Faults) -> tuple[float, float] | None:
+def _pose(
+    pose: Mapping[str, Any], arm: Arm | None, faults: KeyFaults
+) -> tuple[float, float] | None:
     only(pose, {"joint_deg", "x_mm", "y_mm", "elbow"}, "pose", faults)
     if pose.get("elbow", "right") not in ("left", "right"):
         faults.add("pose.elbow", f"{repr(pose['elbow'])[:40]}: right or left")
@@ -128,7 +130,7 @@ def _pose(pose: Mapping[str, Any], arm: Arm | None, faults: Faults) -> tuple[flo
         if len(pose) > 1:
             faults.add("pose", "give either joint_deg, or x_mm and y_mm")
         return _within(pair(pose, "joint_deg", "pose", faults), arm, faults)
-    x, y = (number(pose, key, "pose", faults) for key in ("x_mm", "y_mm"))
+    x, y = (number_at(pose, key, "pose", faults) for key in ("x_mm", "y_mm"))
     if x is None or y is None:
         if pose:
             faults.add("pose", "give joint_deg, or x_mm and y_mm")
@@ -141,14 +143,14 @@ def _pose(pose: Mapping[str, Any], arm: Arm | None, faults: Faults) -> tuple[flo
     return None if joints is None else (float(joints[0]), float(joints[1]))
 
 
-def _within(joints: tuple[float, float], arm: Arm | None, faults: Faults) -> tuple[float, float]:
+def _within(joints: tuple[float, float], arm: Arm | None, faults: KeyFaults) -> tuple[float, float]:
     for k, over in enumerate([] if arm is None else arm.excess(joints).tolist(), 1):
         if over > 0:
             faults.add("pose.joint_deg", f"joint {k} is {over:g} deg outside its limits")
     return joints
 
 
-def _gearboxes(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[int, Gearbox]]:
+def _gearboxes(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[int, Gearbox]]:
     known = {field.name for field in fields(Gearbox)}
     for key in table:
         where = f"gearbox.{key}"
@@ -160,7 +162,7 @@ def _gearboxes(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[int, 
         for name in ("Im", "IL", "arcmin"):
             if name not in entry:
                 faults.add(f"{where}.{name}", "missing")
-        given = {name: number(entry, name, where, faults) for name in known & set(entry)}
+        given = {name: number_at(entry, name, where, faults) for name in known & set(entry)}
         faults += [
             Fault(f"{where}.{name}: must be positive")
             for name in ("stiffness", "friction", "payload_kg")
@@ -172,7 +174,7 @@ def _gearboxes(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[int, 
                 yield int(key[-1]), gear
 
 
-def _indicators(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[str, Indicator]]:
+def _indicators(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[str, Indicator]]:
     if not table:
         faults.add("indicator", "missing: one section for each axis, such as [indicator.X]")
     for axis in table:
@@ -183,7 +185,7 @@ def _indicators(table: Mapping[str, Any], faults: Faults) -> Iterator[tuple[str,
         entry = section(table, axis, faults)
         known = {"unit", "resolution", "uncertainty", "level", "scatter"}
         only(entry, known, where, faults)
-        given = {key: number(entry, key, where, faults) for key in known - {"unit"}}
+        given = {key: number_at(entry, key, where, faults) for key in known - {"unit"}}
         unit = entry.get("unit", "mm")
         if unit not in ("mm", "deg"):
             faults.add(f"{where}.unit", f"{unit!r}: mm or deg")

@@ -8,7 +8,7 @@ from typing import Any
 from scara_iso.errors import Fault
 
 
-class Faults(list[Fault]):
+class KeyFaults(list[Fault]):
     """Faults of one file, each named by its key."""
 
     def add(self, key: str, message: str) -> None:
@@ -16,7 +16,7 @@ class Faults(list[Fault]):
         self.append(Fault(f"{key}: {message}"))
 
 
-def section(document: Mapping[str, Any], key: str, faults: Faults) -> dict[str, Any]:
+def section(document: Mapping[str, Any], key: str, faults: KeyFaults) -> dict[str, Any]:
     """Return the section ``key``, empty where it is missing or none."""
     found = document.get(key, {})
     if isinstance(found, dict):
@@ -25,7 +25,7 @@ def section(document: Mapping[str, Any], key: str, faults: Faults) -> dict[str, 
     return {}
 
 
-def number(table: Mapping[str, Any], key: str, where: str, faults: Faults) -> float | None:
+def number_at(table: Mapping[str, Any], key: str, where: str, faults: KeyFaults) -> float | None:
     """Return a number; None where it is missing or none."""
     value = table.get(key)
     if value is None:
@@ -36,17 +36,17 @@ def number(table: Mapping[str, Any], key: str, where: str, faults: Faults) -> fl
     return float(value)
 
 
-def pair(table: Mapping[str, Any], key: str, where: str, faults: Faults) -> tuple[float, float]:
+def pair(table: Mapping[str, Any], key: str, where: str, faults: KeyFaults) -> tuple[float, float]:
     """Return a list of two numbers, zeros for what is none."""
     value = table[key]
     if isinstance(value, list) and len(value) == 2:
-        both = [number({key: part}, key, where, faults) for part in value]
+        both = [number_at({key: part}, key, where, faults) for part in value]
         return (both[0] or 0.0, both[1] or 0.0)
     faults.add(f"{where}.{key}", f"{repr(value)[:40]} is not a pair of numbers")
     return (0.0, 0.0)
 
 
-def only(table: Mapping[str, Any], known: set[str], where: str, faults: Faults) -> None:
+def only(table: Mapping[str, Any], known: set[str], where: str, faults: KeyFaults) -> None:
     """Add a fault for each key that is not known."""
     for key in table:
         if key not in known:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from scara_iso.render.json import Json, analysis_json, backlash_json
+from scara_iso.render.json import Json, analysis_json, backlash_json, to_text
 from scara_iso.render.json_diagnosis import diagnosis_json
-from scara_iso.reporting import Dossier, Failure, head
+from scara_iso.reporting import Document, Dossier, Failure, head, uncertainty_budget
+
+
+def render(document: Document) -> bytes:
+    """Return the object as one line."""
+    return f"{to_text(report_json(document.source))}\n".encode()
 
 
 def report_json(dossier: Dossier) -> Json:
@@ -19,6 +24,7 @@ def report_json(dossier: Dossier) -> Json:
             {"field": field, "stated": text} for field, text in head(run, analysis.cycles).rows
         ],
         "analysis": analysis_json(analysis),
+        "uncertainty": [asdict(line) for line in uncertainty_budget(analysis)],
         "diagnoses": [
             {"pose": pose, "error": found.message}
             if isinstance(found, Failure)

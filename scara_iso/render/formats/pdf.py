@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from scara_iso.errors import UsageError
 from scara_iso.render.pictures import font_file, picture_png, picture_size
-from scara_iso.reporting import Block, Figure, Notice, Report, Strip, Table, Text, printable
+from scara_iso.reporting import Block, Document, Figure, Notice, Strip, Table, Text, printable
 
 if TYPE_CHECKING:
     from fpdf import FPDF
@@ -24,12 +24,12 @@ _NARROW = 8  # columns of a table, from which on its letters are smaller
 _BROAD = 16  # columns that a page holds
 
 
-def to_pdf(report: Report, title: str) -> bytes:
+def render(document: Document) -> bytes:
     """Return a report as the bytes of a PDF; `UsageError` without the library for it."""
-    pdf = _open(title)
+    pdf = _open(document.title)
     pdf.set_font(style="B", size=15)
-    pdf.multi_cell(0, 8, printable(title), new_x="LMARGIN", new_y="NEXT")
-    for section in report:
+    pdf.multi_cell(0, 8, printable(document.title), new_x="LMARGIN", new_y="NEXT")
+    for section in document.sections:
         if section.heading:
             _heading(pdf, printable(section.heading), _room(section.blocks[:1]))
         pending: list[Figure] = []
@@ -154,7 +154,7 @@ def _table(pdf: FPDF, table: Table) -> None:
         for row in (table.header, *table.rows):
             line = grid.row()
             for cell in row:
-                line.cell(_bounded(printable(cell)))
+                line.cell(_bounded(printable(str(cell))))
 
 
 def _bounded(text: str) -> str:

@@ -8,8 +8,8 @@ import zipfile
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from scara_iso.quantities import parse_number
-from scara_iso.reporting import Block, Figure, Notice, Report, Strip, Table, Text, printable
+from scara_iso.render.formats._lines import Line, section_lines, title_line
+from scara_iso.reporting import Document, Number, printable
 from scara_iso.tables import FORMULA
 
 if TYPE_CHECKING:
@@ -26,21 +26,19 @@ _SHEET = "Report"
 _READINGS = "Raw data"
 
 
-def to_workbook(report: Report, title: str) -> bytes:
+def render(document: Document) -> bytes:
     """Return a report as the bytes of an .xlsx file, the raw data on sheets of their own."""
     from openpyxl import Workbook  # noqa: PLC0415 - for workbooks only
 
     book = Workbook()
     book.remove(book.worksheets[0])
     sheets = {name: book.create_sheet(name) for name in (_SHEET, _READINGS)}
-    _append(sheets[_SHEET], (title,), bold=True)
-    for section in report:
+    _append(sheets[_SHEET], title_line(document))
+    for section in document.sections:
         sheet = sheets[_READINGS if section.heading.startswith(_READINGS) else _SHEET]
-        if section.heading:
-            _append(sheet, ())
-            _append(sheet, (section.heading,), bold=True)
-        for block in section.blocks:
-            _write(sheet, block)
+        first, *lines = section_lines(section)
+        for line in (first, *lines) if section.heading else lines:
+            _append(sheet, line)
     for sheet in sheets.values():
         for k in range(1, 13):
             sheet.column_dimensions[chr(64 + k)].width = _WIDTHS[min(k - 1, 1)]
@@ -51,57 +49,38 @@ def to_workbook(report: Report, title: str) -> bytes:
     return _without_times(file.getvalue())
 
 
-def _write(sheet: Worksheet, block: Block) -> None:
-    match block:
-        case Text():
-            _append(sheet, (block.text,), verbatim=True)
-        case Table():
-            _append(sheet, block.header, bold=True, verbatim=True)
-            for row in block.rows:
-                _append(sheet, row, verbatim=block.verbatim)
-            if block.note:
-                _append(sheet, (block.note,), verbatim=True)
-        case Notice():
-            row = (block.severity, block.code, block.subject, block.text)
-            _append(sheet, row, verbatim=True)
-        case Strip():
-            _append(sheet, (block.label, block.caption), verbatim=True)
-        case Figure():
-            _append(sheet, (block.title, block.caption), verbatim=True)
-
-
-def _append(
-    sheet: Worksheet, row: tuple[str, ...], *, bold: bool = False, verbatim: bool = False
-) -> None:
+def _append(sheet: Worksheet, line: Line) -> None:
     from openpyxl.styles import Font  # noqa: PLC0415 - for workbooks only
 
-    line = sheet.max_row + 1 if sheet.max_row > 1 or sheet.cell(1, 1).value is not None else 1
-    if not row:
-        sheet.cell(line, 1, " ")
-    for k, text in enumerate(row, start=1):
-        cell = sheet.cell(line, k)
-        _fill(cell, text, verbatim=verbatim)
-        if bold:
+    row = sheet.max_row + 1 if sheet.max_row > 1 or sheet.cell(1, 1).value is not None else 1
+    if not line.cells:
+        sheet.cell(row, 1, " ")
+    for k, content in enumerate(line.cells, start=1):
+        cell = sheet.cell(row, k)
+        if isinstance(content, Number):
+            cell.value = content.value
+            cell.number_format = _number_format(content)
+        else:
+            _write_text(cell, printable(content))
+        if line.heading:
             cell.font = Font(bold=True)
 
 
-def _fill(cell: Cell | MergedCell, text: str, *, verbatim: bool) -> None:
-    number = None if verbatim else parse_number(text)
-    if number is not None:
-        cell.value = number
-        cell.number_format = _number_format(text)
-        return
-    text = printable(text)
+def _write_text(cell: Cell | MergedCell, text: str) -> None:
     cell.value = _CODE.sub("_x005F_", text[:_LONGEST])
     cell.data_type = "s"  # whatever it begins with: not a formula
     cell.quotePrefix = text.startswith(tuple(FORMULA))  # nor when somebody edits the cell
 
 
-def _number_format(text: str) -> str:
-    """Return the format that shows a number with the digits it is spelt with."""
-    mantissa, exponent, _ = text.lower().partition("e")
+def _number_format(number: Number) -> str:
+    """Return the format that shows a number with the digits that the report gives it."""
+    mantissa, exponent, _ = number.digits.rstrip("%").partition("e")
     places = len(mantissa.partition(".")[2])
-    return f"0.{'0' * places}".rstrip(".") + ("E+00" if exponent else "")
+    shape = f"0.{'0' * places}".rstrip(".") + ("E+00" if exponent else "")
+    shape += "%" if number.digits.endswith("%") else ""
+    if number.mark:
+        return f'"{number.mark}"{shape}'
+    return f"+{shape};-{shape};+{shape}" if number.spec.startswith("+") else shape
 
 
 def _without_times(data: bytes) -> bytes:

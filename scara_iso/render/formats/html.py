@@ -13,10 +13,10 @@ from importlib.resources import files
 from itertools import groupby
 
 from scara_iso.render.pictures import picture
-from scara_iso.reporting import NOT_STATED, Block, Figure, Report, printable
+from scara_iso.reporting import NOT_STATED, Block, Document, Figure, Interval, Number, printable
 
 
-def to_html(report: Report, title: str) -> str:
+def render(document: Document) -> bytes:
     """Return the page of a report; the same report gives the same page."""
     from jinja2 import Environment  # noqa: PLC0415 - for pages only
     from markupsafe import Markup  # noqa: PLC0415 - likewise
@@ -36,16 +36,17 @@ def to_html(report: Report, title: str) -> str:
                 for kind, block in _grouped(section.blocks)
             ],
         }
-        for section in report
+        for section in document.sections
     ]
-    return environment.from_string(_resource("report.html")).render(
-        title=title,
+    page = environment.from_string(_resource("report.html")).render(
+        title=document.title,
         policy=_policy(style),
         style=Markup(style),  # noqa: S704 - our own
         sections=sections,
         not_stated=NOT_STATED,
         missing=Markup(' class="missing"'),
     )
+    return page.encode()
 
 
 def _policy(style: str) -> str:
@@ -68,7 +69,7 @@ def _grouped(blocks: tuple[Block, ...]) -> Iterator[tuple[str, Block | list[Figu
 
 
 def _printable(value: object) -> object:
-    return printable(value) if type(value) is str else value
+    return printable(str(value)) if type(value) in (str, Number, Interval) else value
 
 
 def _resource(name: str) -> str:

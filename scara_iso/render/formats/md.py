@@ -6,7 +6,17 @@ import re
 from collections.abc import Iterator
 
 from scara_iso.render.strips import LEVELS, sparkline
-from scara_iso.reporting import Block, Course, Figure, Notice, Report, Strip, Table, Text, printable
+from scara_iso.reporting import (
+    Block,
+    Course,
+    Document,
+    Figure,
+    Notice,
+    Strip,
+    Table,
+    Text,
+    printable,
+)
 
 _WIDTH = 60
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#!])")
@@ -16,13 +26,13 @@ _CODED = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "@": "&#64;", "$
 _HOST = re.compile(r"(?i)\b(www)\.|:(?=//)")
 
 
-def to_markdown(report: Report, title: str) -> str:
+def render(document: Document) -> bytes:
     """Return a report as Markdown; no text of a file is markup in it."""
-    parts = [f"# {_text(title)}"]
-    for section in report:
+    parts = [f"# {_text(document.title)}"]
+    for section in document.sections:
         parts += [f"## {_text(section.heading)}"] if section.heading else []
         parts += [said for block in section.blocks for said in _block(block)]
-    return "\n\n".join(parts) + "\n"
+    return ("\n\n".join(parts) + "\n").encode()
 
 
 def _block(block: Block) -> Iterator[str]:
@@ -48,7 +58,7 @@ def _block(block: Block) -> Iterator[str]:
 
 def _table(table: Table) -> str:
     rule = ["---", *["---" if table.verbatim else "--:"] * (len(table.header) - 1)]
-    rows = [[_text(cell) for cell in row] for row in (table.header, *table.rows)]
+    rows = [[_text(str(cell)) for cell in row] for row in (table.header, *table.rows)]
     rows.insert(1, rule)
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 

@@ -1,0 +1,90 @@
+"""What was recorded before: read, and refused where going on would lose or mix something."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from scara_iso.acquisition.manifest import find_doubts, manifest_path, raw_path
+from scara_iso.acquisition.recorder.history import History, read_history
+from scara_iso.acquisition.recorder.journal import Journal
+from scara_iso.acquisition.recorder.plan import Job
+from scara_iso.acquisition.recorder.table import doubts_beside, table_of
+from scara_iso.errors import CannotCreateError, DataError, UsageError
+
+
+def refuse_existing(table: Path) -> None:
+    """Raise `CannotCreateError` where a table, its raw file or its manifest is there already."""
+    for path in (table, raw_path(table), manifest_path(table)):
+        if path.exists():
+            raise CannotCreateError(
+                "exists already", where=str(path),
+                remedy="use another name, or --resume to go on with it",
+            )  # fmt: skip
+
+
+def read_earlier(job: Job) -> History:
+    """Return what the raw file of a job holds, nothing where it does not go on with one.
+
+    Raises `UsageError` for other gauges than before, `CannotCreateError` for a table that is not
+    made of the raw file, and `DataError` for a raw file that cannot be gone on with.
+    """
+    raw = raw_path(job.table)
+    if not job.resume:
+        return History(str(raw))
+    history = read_history(raw)
+    if history.header or history.faults:
+        history.check()
+        _refuse_other_gauges(job, history)
+    _refuse_changed_table(job.table, history)
+    history.inherit(doubts_beside(raw, history))
+    _refuse_gaps(history)
+    return history
+
+
+def strike_cut_short(earlier: History, journal: Journal) -> None:
+    """Strike out what a crash left of a cycle whose gauges are asked together."""
+    cycle = earlier.cycle
+    if cut := earlier.cut_short():
+        journal.append("void", cycle=cycle, axes=cut, reason="the cycle was cut short")
+        earlier.strike(cycle, cut)
+
+
+def _refuse_other_gauges(job: Job, history: History) -> None:
+    recorded = {axis: gauge["dialect"] for axis, gauge in history.header["gauges"].items()}
+    given = {gauge.axis: gauge.dialect.key for gauge in job.gauges}
+    if recorded != given:
+        raise UsageError(
+            f"recorded with {_listed(recorded)}, and now {_listed(given)}",
+            where=history.source,
+            remedy="give the same --gauge options, or none",
+        )
+
+
+def _listed(gauges: Mapping[str, str]) -> str:
+    return ", ".join(f"{axis}={key}" for axis, key in gauges.items())
+
+
+def _refuse_changed_table(table: Path, history: History) -> None:
+    if table.exists() and find_doubts(table).table and not _is_made_of(history, table):
+        raise CannotCreateError(
+            "was changed after it was recorded", where=str(table),
+            remedy="move it away: it would be written anew from the raw file",
+        )  # fmt: skip
+
+
+def _is_made_of(history: History, table: Path) -> bool:
+    try:
+        return table.read_bytes() == table_of(history)
+    except DataError:  # no cycle is complete
+        return False
+
+
+def _refuse_gaps(history: History) -> None:
+    cycle = history.cycle
+    if any(history.present(later) for later in range(cycle + 1, len(history.times) + 1)):
+        raise DataError(
+            f"cycle {cycle} is missing and later ones are there",
+            where=history.source,
+            remedy="--rebuild the table of what is there, and repeat the test",
+        )
