@@ -5,10 +5,10 @@
     >>> round(scara_iso.analyze(run).poses[0].axes["X"].RP, 5)
     0.01404
 
-`read_table` and `Run.from_frame` give a `Run`; `analyze` turns it into an `Analysis`, `compare`
-several of these into a `Comparison`, and `diagnose` says which effect moves its readings;
-`backlash` runs the paper's two-inertia model. Errors are `ScaraIsoError`s with what, where and what
-to do.
+There is one function for each command, with its options as keywords: `analyze`, `diagnose`,
+`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`. Where a table is
+wanted they take a path, a `Run` or a pandas table with its unit. Errors
+are `ScaraIsoError`s with what, where and what to do.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from scara_iso.faces import face
 
 TYPE_CHECKING = False  # the import of typing takes as long as all before it: Ctrl-C waits for it
 if TYPE_CHECKING:
-    from scara_iso.comparison import Comparison as Comparison, compare as compare
-    from scara_iso.diagnosis import Diagnosis as Diagnosis, diagnose as diagnose
+    from scara_iso.comparison import Comparison as Comparison
+    from scara_iso.diagnosis import Diagnosis as Diagnosis
     from scara_iso.errors import (
         DataError as DataError,
         ScaraIsoError as ScaraIsoError,
@@ -28,9 +28,20 @@ if TYPE_CHECKING:
         Analysis as Analysis,
         AxisResult as AxisResult,
         Finding as Finding,
+        PosePlan as PosePlan,
         PoseResult as PoseResult,
         RadialResult as RadialResult,
+    )
+    from scara_iso.library import (
+        TestReport as TestReport,
         analyze as analyze,
+        compare as compare,
+        diagnose as diagnose,
+        diagnose_many as diagnose_many,
+        plan as plan,
+        record as record,
+        report as report,
+        simulate as simulate,
     )
     from scara_iso.robot import Backlash as Backlash, Crossing as Crossing, backlash as backlash
     from scara_iso.run import Axis as Axis, Run as Run
@@ -50,16 +61,23 @@ __all__ = [
     "DataError",
     "Diagnosis",
     "Finding",
+    "PosePlan",
     "PoseResult",
     "RadialResult",
     "Run",
     "ScaraIsoError",
+    "TestReport",
     "UsageError",
     "analyze",
     "backlash",
     "compare",
     "diagnose",
+    "diagnose_many",
+    "plan",
     "read_table",
+    "record",
+    "report",
+    "simulate",
     "write_table",
 ]
 

@@ -36,8 +36,13 @@ class ScaraIsoError(Exception):
         self.where = where
         self.remedy = remedy
 
-    def __str__(self) -> str:
+    @property
+    def headline(self) -> str:
+        """Where and what, in one line."""
         return f"{self.where}: {self.what}" if self.where else self.what
+
+    def __str__(self) -> str:
+        return self.headline
 
 
 class UsageError(ScaraIsoError):
@@ -50,12 +55,22 @@ class DataError(ScaraIsoError):
     """Data that break the procedure or cannot be read, with every fault; exit code 65."""
 
     exit_code = 65
+    MOST_SHOWN: ClassVar[int] = 50
 
     def __init__(
         self, what: str, *, where: str = "", remedy: str = "", faults: Sequence[Fault] = ()
     ) -> None:
         super().__init__(what, where=where, remedy=remedy)
         self.faults = tuple(faults)
+
+    def __str__(self) -> str:
+        return "\n".join((self.headline, *self.fault_lines()))
+
+    def fault_lines(self) -> list[str]:
+        """Return one indented line for each fault that the headline does not say; 50 at most."""
+        lines = [f"  {f}" for f in self.faults[: self.MOST_SHOWN] if f.message != self.what]
+        more = len(self.faults) - self.MOST_SHOWN
+        return [*lines, *([f"  and {more} more"] if more > 0 else [])]
 
 
 class NoInputError(ScaraIsoError):

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
+from scara_iso.frames import FRAME, make_frame, numbers_of, refuse_without_unit
 from scara_iso.pose_columns import Commanded, by_pose, check_clusters, number_cycles, pose_column
 from scara_iso.quantities import TURN, Dimension, parse_unit, unwrap
 
@@ -50,7 +51,7 @@ class Axis:
     """
 
     name: str
-    readings: FloatArray
+    readings: FloatArray = field(repr=False)
     dimension: Dimension = Dimension.LENGTH
     resolution: float | None = None
     uncertainty: float | None = None
@@ -126,6 +127,11 @@ class Run:
         gone = [name for name, values in self.covariates.items() if not np.isfinite(values).all()]
         if gone:
             raise DataError(f"{', '.join(gone)}: a value is missing or not finite")
+
+    def __repr__(self) -> str:
+        poses = len(list(self.rows_by_pose()))
+        named = f" of {self.origin.source}" if self.origin.source else ""
+        return f"<Run{named}: {', '.join(self.axes)}; {len(self)} rows, {poses} pose(s)>"
 
     def __len__(self) -> int:
         return len(self.cycle)
@@ -203,21 +209,18 @@ class Run:
 
         Columns: ``cycle``, ``pose`` if there, axes [mm, deg], covariates; metadata in ``attrs``.
         """
-        import pandas as pd  # noqa: PLC0415 - half a second that the command line need not pay
-
         columns: dict[str, npt.NDArray[np.generic]] = {"cycle": self.cycle}
         columns |= {"pose": self.pose} if self.pose is not None else {}
         columns |= {name: axis.readings for name, axis in self.axes.items()}
-        frame = pd.DataFrame({**columns, **self.covariates})
-        frame.attrs = {"metadata": dict(self.metadata), "axes": _axis_attributes(self.axes)}
-        return frame
+        attributes = {"metadata": dict(self.metadata), "axes": _axis_attributes(self.axes)}
+        return make_frame({**columns, **self.covariates}, attributes)
 
     @classmethod
     def from_frame(
         cls,
         frame: pd.DataFrame,
         *,
-        unit: str = "mm",
+        unit: str | None = None,
         resolution: float | None = None,
         metadata: Mapping[str, str] | None = None,
     ) -> Run:
@@ -225,16 +228,18 @@ class Run:
 
         Columns X, Y, Z and theta are axes, ``cycle`` (see `number_cycles`), ``pose`` (or another
         of `POSE_NAMES`, in any case) and ``command_X`` are what they say, any other numeric one is
-        a covariate. ``unit`` and ``resolution`` (in that unit) hold for every axis, unless
-        `to_frame` left others in ``attrs``. Raises `DataError` for a value that is missing or not
-        finite, naming column and row, and for a column that parts the readings as poses do.
+        a covariate. ``unit`` (``mm``, ``deg``, ``0.01 mm`` ...) and ``resolution`` (in that unit)
+        hold for every axis, unless `to_frame` left others in ``attrs``. Raises `DataError` where an
+        axis has no unit, for a value that is missing or not finite, naming column and row, and for
+        a column that parts the readings as poses do.
         """
         kept = frame.attrs.get("axes", {})
+        refuse_without_unit([n for n in AXES if n in frame.columns and n not in kept], unit)
         given = {"unit": unit, "resolution": resolution}
         values = {str(name): frame[name] for name in frame.columns}
         named = pose_column(values)
         pose = None if named is None else values.pop(named).to_numpy(dtype=str)
-        numbers = {name: _finite(name, column) for name, column in values.items()}
+        numbers = {name: numbers_of(name, column) for name, column in values.items()}
         counted = numbers.pop("cycle", None)
         if counted is not None and np.any(counted != np.round(counted)):
             raise DataError("column 'cycle' holds a number that is not whole")
@@ -250,7 +255,7 @@ class Run:
             pose=pose,
             covariates=numbers,
             metadata=frame.attrs.get("metadata", {}) if metadata is None else metadata,
-            origin=Origin(source="data frame"),
+            origin=Origin(source=FRAME),
         ).unwrapped()
         check_clusters(run, run.covariates)
         return run
@@ -276,20 +281,6 @@ def _axis_attributes(axes: Mapping[str, Axis]) -> dict[str, dict[str, Any]]:
         if isinstance(sizes["command"], Mapping):
             sizes["command"] = dict(sizes["command"])
     return found
-
-
-def _finite(name: str, column: pd.Series) -> FloatArray:
-    try:
-        values = column.to_numpy(dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise DataError(
-            f"column {name!r} is not numeric",
-            remedy="leave it out, or name it 'pose' if it tells the poses",
-        ) from error
-    bad = np.flatnonzero(~np.isfinite(values))
-    if len(bad):
-        raise DataError(f"column {name!r}, row {bad[0] + 1}: missing or not finite")
-    return values
 
 
 def _ordered(axes: Mapping[str, Axis]) -> list[str]:

@@ -222,7 +222,7 @@ def test_poses_in_a_column_of_another_name_are_refused(rng, labels):
     if labels == "123":
         frame = pd.read_csv(pd.io.common.StringIO(f"cycle,X,{name}\n{rows}"))
         with pytest.raises(DataError, match="parts the readings"):
-            Run.from_frame(frame)
+            Run.from_frame(frame, unit="mm")
 
 
 @pytest.mark.parametrize("name", ["approach", "payload_kg", "speed", "temperature_C"])

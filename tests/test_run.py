@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from scara_iso.errors import DataError
+from scara_iso.errors import DataError, Fault
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 
@@ -74,7 +74,23 @@ def test_a_frame_s_poses_go_by_the_names_that_a_table_s_go_by(name):
 )
 def test_a_frame_that_is_no_run_is_refused(frame, said):
     with pytest.raises(DataError, match=said):
-        Run.from_frame(pd.DataFrame(frame))
+        Run.from_frame(pd.DataFrame(frame), unit="mm")
+
+
+def test_a_plain_frame_without_a_unit_is_refused():
+    with pytest.raises(DataError, match="no unit stated for X, theta"):
+        Run.from_frame(pd.DataFrame({"theta": [1.0, 2.0], "X": [1.0, 2.0]}))
+
+
+def test_an_error_lists_its_faults_once():
+    error = DataError("2 faults", where="t.csv", faults=[Fault("2 faults"), Fault("no number", 3)])
+    assert str(error) == "t.csv: 2 faults\n  line 3: no number"
+
+
+def test_a_run_and_its_axes_say_what_they_are_in_a_line():
+    run = Run(np.arange(300), {"X": Axis("X", np.zeros(300))})
+    assert repr(run) == "<Run: X; 300 rows, 1 pose(s)>"
+    assert "array" not in repr(run.axes["X"])
 
 
 def test_shapes_must_agree():

@@ -16,14 +16,13 @@ from typer._completion_classes import completion_init
 
 from scara_iso import __version__
 from scara_iso.cli.output import as_options, settings
-from scara_iso.errors import DataError, ScaraIsoError, UsageError
+from scara_iso.errors import ScaraIsoError, UsageError
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
 
 INTERRUPTED = 130
 BUG = 70
 CANNOT_WRITE = 74
-_MOST_FAULTS = 50
 _ANYWHERE = ("--debug", "--no-color")
 
 COMMANDS = {
@@ -94,7 +93,8 @@ def _call(arguments: Sequence[str]) -> int:
         _refuse_what_names_nothing(arguments)
         if sys.stdout is None:
             raise OSError("standard output is closed")
-        code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
+        asked = arguments if set(arguments) - {*_ANYWHERE} else [*arguments, "--help"]
+        code = build_app(asked)(args=asked, prog_name="scara-iso", standalone_mode=False)
         sys.stdout.flush()
     except SystemExit as leaving:
         if isinstance(leaving.__context__, OSError):  # the parser's answer to a closed pipe
@@ -191,11 +191,7 @@ def _say(lines: Sequence[str]) -> None:
 
 def _explain(error: Exception) -> tuple[list[str], int]:
     if isinstance(error, ScaraIsoError):
-        lines = [f"scara-iso: {error}"]
-        if isinstance(error, DataError):
-            lines += [f"  {f}" for f in error.faults[:_MOST_FAULTS] if f.message != error.what]
-            more = len(error.faults) - _MOST_FAULTS
-            lines += [f"  and {more} more"] if more > 0 else []
+        lines = f"scara-iso: {error}".split("\n")
         lines += [f"  {error.remedy}"] if error.remedy else []
         return lines, error.exit_code
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -53,11 +51,14 @@ def analyze_command(
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
-    from scara_iso import analyze, read_table
+    from scara_iso.library import analyze
 
-    run = read_table(table, unit=unit, resolution=resolution, decimal=decimal, sheet=sheet)
     analysis = analyze(
-        run,
+        table,
+        unit=unit,
+        resolution=resolution,
+        decimal=decimal,
+        sheet=sheet,
         first_cycle_discarded=first_cycle_discarded,
         cycles=cycles,
         all_count=all_count,
@@ -66,7 +67,6 @@ def analyze_command(
         decision=decision.value,
         other_definitions=definitions,
     )
-    analysis = compared_with_its_manifest(analysis, table)
     _write(analysis, as_json=json)
     if analysis.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)
@@ -81,16 +81,3 @@ def _write(analysis: Analysis, *, as_json: bool) -> None:
         from scara_iso.reporting import analysis_report
 
         write_report(analysis_report(analysis))
-
-
-def compared_with_its_manifest(analysis: Analysis, table: str) -> Analysis:
-    """Return the analysis with a finding for each file that changed since it was recorded."""
-    path = Path(table)
-    if table == "-":
-        return analysis
-    from scara_iso.acquisition import check_manifest
-    from scara_iso.iso9283 import Finding
-
-    said = {finding.message for finding in analysis.findings}
-    changed = [Finding("edited", "warning", e) for e in check_manifest(path) if e not in said]
-    return replace(analysis, findings=(*analysis.findings, *changed))

@@ -24,7 +24,8 @@ from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import CyclesWanted, Diagnosis, TableOptions
+    from scara_iso.diagnosis import CyclesWanted, Diagnosis
+    from scara_iso.library import TableOptions
 
 Tables = Annotated[
     list[str] | None,
@@ -88,7 +89,8 @@ def diagnose_command(
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
-    from scara_iso.diagnosis import CyclesWanted, TableOptions
+    from scara_iso.diagnosis import CyclesWanted
+    from scara_iso.library import TableOptions
 
     reading = TableOptions(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
@@ -105,9 +107,9 @@ def diagnose_command(
     files.check(named)
     check_outputs([plot, save_model], [*named, model, hold_out])
     if len(named) > 1:
-        from scara_iso.cli.diagnose_many import diagnose_many
+        from scara_iso.cli.diagnose_many import show_many
 
-        diagnose_many(named, model, reading, wanted, seed=seed, as_json=json)
+        show_many(named, model, reading, wanted, seed=seed, as_json=json)
     else:
         _diagnose_table(named[0], files, reading, wanted, seed=seed, as_json=json)
 
@@ -162,7 +164,8 @@ def _diagnose_table(
     seed: int,
     as_json: bool,
 ) -> None:
-    from scara_iso.diagnosis import diagnose, save_model
+    from scara_iso.diagnosis import save_model
+    from scara_iso.library import diagnose
 
     run = reading.read(table)
     if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:

@@ -8,10 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.diagnosis import CyclesWanted, PlannedRun, TableOptions, design, planned_columns
+from scara_iso.diagnosis import CyclesWanted, PlannedRun, design, planned_columns
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.library import TableOptions
 from scara_iso.quantities import Dimension
 from scara_iso.render import design_json
 from scara_iso.reporting import design_report

@@ -4,27 +4,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
-from functools import partial
 
 import typer
 
 from scara_iso.cli.output import settings, write_json, write_report
-from scara_iso.diagnosis import (
-    CyclesWanted,
-    Diagnosis,
-    TableOptions,
-    close_the_loop_at_poses,
-    diagnose,
-)
-from scara_iso.errors import ScaraIsoError
+from scara_iso.diagnosis import CyclesWanted, Diagnosis, close_the_loop_at_poses
+from scara_iso.library import TableOptions, diagnose_each
 from scara_iso.render import diagnosis_json, open_console, track
 from scara_iso.reporting import Failure, summary_report
 from scara_iso.run import Run
 
 
-def diagnose_many(
+def show_many(
     tables: Sequence[str],
     model: str | None,
     reading: TableOptions,
@@ -37,10 +28,9 @@ def diagnose_many(
 
     A table that cannot be diagnosed is said in its row; the exit code is then the first one's.
     """
-    work = partial(_diagnose_one, model=model, reading=reading, wanted=wanted, seed=seed)
     console = open_console(sys.stderr, no_color=settings.no_color)
-    with ProcessPoolExecutor() as pool:
-        found = list(track(pool.map(work, tables), len(tables), console))
+    each = diagnose_each(tables, model, reading, wanted, seed=seed)
+    found = list(track(each, len(tables), console))
     if as_json:
         write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(tables, found)})
     else:
@@ -58,15 +48,6 @@ def diagnose_poses_of(run: Run, wanted: CyclesWanted, *, seed: int, as_json: boo
         write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(names, diagnoses)})
     else:
         write_report(summary_report(names, diagnoses))
-
-
-def _diagnose_one(
-    table: str, *, model: str | None, reading: TableOptions, wanted: CyclesWanted, seed: int
-) -> Diagnosis | Failure:
-    try:
-        return diagnose(reading.read(table), model, **asdict(wanted), seed=seed)
-    except ScaraIsoError as error:
-        return Failure(str(error), error.exit_code)
 
 
 def _as_json(

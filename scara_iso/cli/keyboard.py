@@ -101,14 +101,6 @@ class Lines:
         self._lines.put("q")
 
 
-class Nobody:
-    """No one is there to say anything."""
-
-    def poll(self) -> Command | None:
-        """Return None."""
-        return None
-
-
 def parse_line(line: str) -> Command | None:
     """Return the command that a line spells; None where it spells none."""
     word, _, rest = line.strip()[:_LONGEST].partition(" ")

@@ -10,7 +10,6 @@ import typer
 
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
-from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import PosePlan
@@ -80,31 +79,29 @@ def plan_command(
 
     Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
     """
-    from scara_iso.iso9283 import DiagonalPlane, PoseTestConditions, Solid, make_plan
+    from scara_iso.library import plan
     from scara_iso.reporting import visits_csv
-    from scara_iso.robot import Elbow, read_model
+    from scara_iso.robot import read_model
     from scara_iso.tables import find_locale
 
     check_outputs([picture, output], [model])
     described = read_model(model)
-    if described.arm is None:
-        raise UsageError(f"{model} holds no arm", remedy="give link lengths and limits in [robot]")
-    conditions = PoseTestConditions(
-        cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
+    found = plan(
+        model,
+        solid=solid.value,
+        plane=plane.value,
+        elbow=None if elbow is None else elbow.value,
+        m=m,
+        cycles=cycles,
+        velocity=velocity,
+        load=load,
+        dwell=dwell,
     )
-    plan = make_plan(
-        described.arm,
-        solid=Solid(solid.value),
-        plane=DiagonalPlane(plane.value),
-        elbow=None if elbow is None else Elbow(elbow.value),
-        m_over_diagonal=m,
-        conditions=conditions,
-    )
-    if picture is not None:
-        _draw(plan, described.arm, picture)
+    if picture is not None and described.arm is not None:
+        _draw(found, described.arm, picture)
     if output is not None:
-        write_text(visits_csv(plan, find_locale(excel_locale)), output)
-    _write(plan, described.robot, as_json=json)
+        write_text(visits_csv(found, find_locale(excel_locale)), output)
+    _write(found, described.robot, as_json=json)
 
 
 def _draw(plan: PosePlan, arm: Arm, picture: Path) -> None:

@@ -36,10 +36,11 @@ from scara_iso.acquisition import (
     record,
     refuse_existing,
 )
-from scara_iso.cli.keyboard import Keys, Lines, Nobody, open_keyboard
+from scara_iso.cli.keyboard import Keys, Lines, open_keyboard
 from scara_iso.cli.output import settings
 from scara_iso.cli.record_screen import Screen, write_line
 from scara_iso.errors import UsageError
+from scara_iso.library import Nobody
 from scara_iso.render import LiveScreen, open_console
 from scara_iso.reporting import printable
 

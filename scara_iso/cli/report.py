@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from scara_iso.cli.analyze import compared_with_its_manifest
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
@@ -31,18 +27,8 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import check_outputs, settings, write_json
 from scara_iso.disk import write_file
-from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.render import endings
-
-if TYPE_CHECKING:
-    from scara_iso.diagnosis import CyclesWanted, Diagnosis, TableOptions
-    from scara_iso.iso9283 import Analysis
-    from scara_iso.reporting import Document, Dossier, Failure, InputFile
-    from scara_iso.robot import Gearbox, Model
-    from scara_iso.run import Run
-
-_SEED = 9283
 
 ModelFile = Annotated[
     str | None,
@@ -81,17 +67,30 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    from scara_iso.diagnosis import CyclesWanted, TableOptions
-    from scara_iso.reporting import document, printable
+    from scara_iso.library import report, writer
+    from scara_iso.reporting import printable
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    write = None if path is None else _writer(path, excel_locale)
+    write = None if path is None else writer(path, excel_locale)
     check_outputs([path], [table, model])
-    wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
-    reading = TableOptions(unit, resolution, decimal, sheet)
-    dossier = _test(table, model, reading, wanted, (parse_limits(limit or ()), decision))
+    dossier = report(
+        table,
+        model=model,
+        pose=pose,
+        limits=parse_limits(limit or ()),
+        decision=decision.value,
+        unit=unit,
+        resolution=resolution,
+        decimal=decimal,
+        sheet=sheet,
+        first_cycle_discarded=first_cycle_discarded,
+        cycles=cycles,
+        all_count=all_count,
+        allow_gaps=allow_gaps,
+        command=shlex.join(("scara-iso", *settings.arguments)),
+    ).dossier
     if path is not None and write is not None:
-        write_file(path, write(document(dossier)))
+        write_file(path, write(dossier))
         typer.echo(printable(f"{path} is written"), err=json)
     if json:
         from scara_iso.render import report_json
@@ -107,111 +106,3 @@ def report_command(
 
 def _stem(table: str) -> str:
     return "report" if table == "-" else Path(table).stem
-
-
-def _writer(path: Path, locale: str | None) -> Callable[[Document], bytes]:
-    """Return what makes the bytes of a file with this name; errors before anything is computed."""
-    from scara_iso.render import find_format
-
-    render = find_format(path.name, path.suffix)
-    if locale is None:
-        return render
-    if path.suffix.lower() != ".csv":
-        raise UsageError("--excel-locale spells a .csv", remedy="let the name end in .csv")
-    from scara_iso.tables import find_locale
-
-    return partial(render, locale=find_locale(locale))
-
-
-def _test(
-    table: str,
-    model_file: str | None,
-    reading: TableOptions,
-    wanted: CyclesWanted,
-    limits: tuple[dict[str, float], DecisionRule],
-) -> Dossier:
-    from scara_iso import __version__, analyze
-    from scara_iso.reporting import Dossier, Provenance
-
-    run, table_file = _read(table, reading, wanted.pose)
-    described, files = None, [table_file]
-    if model_file is not None:
-        described, read = _read_model(model_file)
-        files.append(read)
-    analysis = analyze(
-        run,
-        first_cycle_discarded=wanted.first_cycle_discarded,
-        cycles=wanted.cycles,
-        all_count=wanted.all_count,
-        allow_gaps=wanted.allow_gaps,
-        limits=limits[0],
-        decision=limits[1].value,
-    )
-    analysis = compared_with_its_manifest(analysis, table)
-    command = shlex.join(("scara-iso", *settings.arguments))
-    return Dossier(
-        analysis=analysis,
-        provenance=Provenance(tuple(files), __version__, command),
-        diagnoses=_diagnoses(analysis, described, replace(wanted, pose=None)),
-        gearboxes={} if described is None else _gearboxes(described),
-    )
-
-
-def _read(table: str, reading: TableOptions, pose: str | None) -> tuple[Run, InputFile]:
-    """Return the run of a table, and the hash of the very bytes that it was read from."""
-    from hashlib import sha256
-    from io import BytesIO
-
-    from scara_iso.reporting import InputFile
-    from scara_iso.tables import read_bytes
-
-    data, name = read_bytes(table)
-    file = BytesIO(data)
-    setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-    run = reading.read(file)
-    if pose is not None:
-        rows = {str(label): rows for label, rows in run.rows_by_pose()}
-        if pose not in rows:
-            raise UsageError(
-                f"no pose {pose!r} in {name}", remedy=f"it has {', '.join(list(rows)[:20])}"
-            )
-        run = run.take(rows[pose])
-        run = replace(run, metadata={**run.metadata, "pose": pose})
-    return run, InputFile("table", name, sha256(data).hexdigest())
-
-
-def _read_model(path: str) -> tuple[Model, InputFile]:
-    from scara_iso.acquisition import sha256
-    from scara_iso.reporting import InputFile
-    from scara_iso.robot import read_model
-
-    model = read_model(path)
-    return model, InputFile("model", path, sha256(Path(path)))
-
-
-def _diagnoses(
-    analysis: Analysis, model: Model | None, wanted: CyclesWanted
-) -> dict[str | None, Diagnosis | Failure]:
-    """Return the diagnosis of each pose; too few cycles for one are said, a wrong model raises."""
-    from scara_iso.diagnosis import close_the_loop, close_the_loop_at_poses
-    from scara_iso.reporting import Failure
-
-    labels = [pose.label for pose in analysis.poses]
-    try:
-        if len(labels) > 1:  # a model file describes one pose
-            found = close_the_loop_at_poses(analysis.run, wanted, seed=_SEED)
-            return {label: found[str(label)] for label in labels}
-        return {labels[0]: close_the_loop(analysis.run, model, wanted, seed=_SEED)}
-    except ScaraIsoError as error:
-        if model is not None:
-            raise
-        return dict.fromkeys(labels, Failure(str(error), error.exit_code))
-
-
-def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
-    """Return each gearbox with the reach from its joint to the tool, the arm stretched [m]."""
-    arm = model.arm
-    reach = {}
-    if arm is not None:
-        reach = {1: (arm.link_1_mm + arm.link_2_mm) / 1000, 2: arm.link_2_mm / 1000}
-    return {joint: (gearbox, reach.get(joint)) for joint, gearbox in model.gearboxes.items()}

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import check_outputs, write_json, write_text
 from scara_iso.errors import UsageError
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from scara_iso.robot import Model
-    from scara_iso.run import FloatArray, Run
 
 
 class Side(StrEnum):
@@ -70,14 +63,20 @@ def simulate_command(
 
     Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
     """
+    from scara_iso.library import simulate
     from scara_iso.render import run_json
-    from scara_iso.robot import read_model
     from scara_iso.tables import find_locale, write_table
 
     check_outputs([output], [model])
-    covariates = _recorded(temperature, payload, cycles)
-    run = _simulated(
-        read_model(model), effect or (), covariates, cycles, approach, moving=drivetrain, seed=seed
+    run = simulate(
+        model,
+        cycles=cycles,
+        effects=effect or (),
+        seed=seed,
+        approach=None if approach is None else approach.value,
+        temperature=None if temperature is None else _ends(temperature),
+        payload=None if payload is None else _numbers("--payload", payload, ","),
+        drivetrain=drivetrain,
     )
     if output is not None or not json:
         write_text(write_table(run, find_locale(excel_locale)), output)
@@ -85,63 +84,11 @@ def simulate_command(
         write_json(run_json(run, seed=seed))
 
 
-def _simulated(
-    model: Model,
-    effects: Sequence[str],
-    covariates: dict[str, FloatArray],
-    cycles: int,
-    approach: Side | None,
-    *,
-    moving: bool,
-    seed: int,
-) -> Run:
-    import numpy as np
-
-    from scara_iso.effects import Conditions
-    from scara_iso.robot import parse_effect, simulate
-
-    rng = np.random.default_rng(seed)
-    rests = None
-    if approach is not None or moving:
-        sides, rests = _arrivals(model, approach or Side.ONE, cycles, rng, moving=moving)
-        covariates = covariates | ({"approach": sides} if approach is not None else {})
-    return simulate(
-        model,
-        Conditions(np.arange(1, cycles + 1), covariates),
-        rng=rng,
-        undeclared=[parse_effect(text, model) for text in effects],
-        displacement=rests,
-    )
-
-
-def _arrivals(
-    model: Model, side: Side, count: int, rng: np.random.Generator, *, moving: bool
-) -> tuple[FloatArray, dict[str, FloatArray] | None]:
-    """Return the side of each approach and, with the drive train, what the dials read of it."""
-    from scara_iso.robot import Approach, rest_positions, sides
-
-    chosen = {
-        Side.ONE: Approach.ONE_SIDE,
-        Side.BOTH: Approach.BOTH_SIDES,
-        Side.RANDOM: Approach.RANDOM,
-    }[side]
-    if moving:
-        return rest_positions(model, chosen, count=count, rng=rng)
-    return sides(chosen, count, rng).astype(float), None
-
-
-def _recorded(temperature: str | None, payload: str | None, cycles: int) -> dict[str, FloatArray]:
-    import numpy as np
-
-    found: dict[str, FloatArray] = {}
-    if temperature is not None:
-        ends = _numbers("--temperature", temperature, ":")
-        if len(ends) != 2:
-            raise UsageError(f"--temperature {temperature!r}", remedy="write --temperature 20:24")
-        found["temperature_C"] = np.linspace(ends[0], ends[1], cycles).round(2)
-    if payload is not None:
-        found["payload_kg"] = np.resize(_numbers("--payload", payload, ","), cycles)
-    return found
+def _ends(text: str) -> tuple[float, float]:
+    ends = _numbers("--temperature", text, ":")
+    if len(ends) != 2:
+        raise UsageError(f"--temperature {text!r}", remedy="write --temperature 20:24")
+    return ends[0], ends[1]
 
 
 def _numbers(option: str, text: str, separator: str) -> list[float]:

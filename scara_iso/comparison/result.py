@@ -85,3 +85,9 @@ class Comparison:
     pairs: tuple[Pair, ...]
     shuffles: int
     seed: int
+
+    def __repr__(self) -> str:
+        shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}
+        found = [one for pair in self.pairs for one in (*pair.means, *pair.spreads)]
+        changed = sum(one.verdict in shown for one in found)
+        return f"<Comparison: {len(self.pairs)} pair(s), {changed} of {len(found)} changes shown>"

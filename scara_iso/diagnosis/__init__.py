@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.choice import posterior as posterior
     from scara_iso.diagnosis.closed_loop import (
         CyclesWanted as CyclesWanted,
-        TableOptions as TableOptions,
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
         diagnose as diagnose,

@@ -1,4 +1,4 @@
-"""Close the loop on a table: predict the rows that count, subtract, name what is left."""
+"""Close the loop on a run: predict the rows that count, subtract, name what is left."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import UsedCycles, used_cycles
 from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict, read_model
 from scara_iso.run import Run
-from scara_iso.tables import Source, read_table
 
 _PLANE = ("X", "Y")
 
@@ -62,28 +61,8 @@ class CyclesWanted:
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
 
 
-@dataclass(frozen=True, slots=True)
-class TableOptions:
-    """How the tables are to be read, as in `tables.read_table`."""
-
-    unit: str | None = None
-    resolution: float | None = None
-    decimal: str | None = None
-    sheet: str | None = None
-
-    def read(self, table: Source) -> Run:
-        """Return the run of a table; errors as in `read_table`."""
-        return read_table(
-            table,
-            unit=self.unit,
-            resolution=self.resolution,
-            decimal=self.decimal,
-            sheet=self.sheet,
-        )
-
-
 def diagnose(  # noqa: PLR0913 - the options of the command
-    table: Run | Source,
+    run: Run,
     model: Model | str | Path | None = None,
     *,
     pose: str | None = None,
@@ -91,30 +70,26 @@ def diagnose(  # noqa: PLR0913 - the options of the command
     cycles: int | None = None,
     all_count: bool = False,
     allow_gaps: bool = False,
-    hold_out: Run | Source | None = None,
+    hold_out: Run | None = None,
     sigma: float | None = None,
     seed: int = SEED,
 ) -> Diagnosis:
-    """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
+    """Return what a model (or its file; None: a constant pose) leaves unexplained in a run.
 
     Only the cycles that count take part: ``first_cycle_discarded``, ``cycles``, ``all_count``
-    and ``allow_gaps`` are as in `iso9283.used_cycles`, here and in the second table
+    and ``allow_gaps`` are as in `iso9283.used_cycles`, here and in the second run
     ``hold_out``, which measures the error on unseen cycles; ``pose`` names one of several;
     ``sigma`` is the known scatter in mm. Same arguments, same result. Errors as in
-    `close_the_loop`, and those of `read_table` and `read_model` where a file is named.
+    `close_the_loop`, and those of `read_model` where a file is named.
     """
     return close_the_loop(
-        _run_of(table),
+        run,
         read_model(model) if isinstance(model, str | Path) else model,
         CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps),
-        hold_out=None if hold_out is None else _run_of(hold_out),
+        hold_out=hold_out,
         seed=seed,
         sigma=sigma,
     )
-
-
-def _run_of(table: Run | Source) -> Run:
-    return table if isinstance(table, Run) else read_table(table)
 
 
 def close_the_loop(

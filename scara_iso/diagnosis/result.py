@@ -7,9 +7,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.frames import make_frame
 from scara_iso.run import FloatArray, IntArray
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from scara_iso.diagnosis.reversals.from_run import RunReversals
 
 ByAxis: TypeAlias = Mapping[str, float]
@@ -80,10 +83,10 @@ class Repeatabilities:
 class Series:
     """Readings over the cycles, shape (n,) for each axis."""
 
-    cycle: IntArray
-    measured: Mapping[str, FloatArray]
-    predicted_before: Mapping[str, FloatArray]
-    predicted_after: Mapping[str, FloatArray]
+    cycle: IntArray = field(repr=False)
+    measured: Mapping[str, FloatArray] = field(repr=False)
+    predicted_before: Mapping[str, FloatArray] = field(repr=False)
+    predicted_after: Mapping[str, FloatArray] = field(repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,3 +119,19 @@ class Diagnosis:
     """What could not be searched or told, one line each."""
     reversals: RunReversals | None = None
     """The gears, by payload; None without a model or the columns approach and payload_kg."""
+
+    def __repr__(self) -> str:
+        named = f" {', '.join(one.effect for one in self.effects)}" if self.effects else ""
+        axes, n = ", ".join(self.series.measured), len(self.series.cycle)
+        return f"<Diagnosis of {axes} over {n} cycles: {self.verdict.value}{named}>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the series as a pandas table, a row for each cycle that counts [mm, deg].
+
+        Columns: cycle, and ``X_measured``, ``X_predicted_before``, ``X_predicted_after`` for each
+        axis; before and after the effects were added to the model.
+        """
+        series = self.series
+        kinds = ("measured", "predicted_before", "predicted_after")
+        columns = {f"{a}_{k}": getattr(series, k)[a] for a in series.measured for k in kinds}
+        return make_frame({"cycle": series.cycle, **columns}, {"verdict": self.verdict.value})

@@ -10,6 +10,7 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze
+    from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.conformity import Conformity as Conformity, DecisionRule as DecisionRule
     from scara_iso.iso9283.cycles import (

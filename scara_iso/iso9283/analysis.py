@@ -10,6 +10,7 @@ import numpy as np
 
 from scara_iso.dial import step_of
 from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.characteristics import find_characteristics
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
@@ -108,16 +109,14 @@ def _rule(decision: str) -> DecisionRule:
     return DecisionRule(decision)
 
 
-def _pose_results(
-    run: Run, chosen: UsedCycles, *, other_definitions: bool
-) -> tuple[PoseResult, ...]:
+def _pose_results(run: Run, chosen: UsedCycles, *, other_definitions: bool) -> Poses:
     missing = dict(zip(chosen.poses, chosen.missing, strict=True))
     found = {
         pose.label: replace(pose, missing=missing[pose.label])
         for rows in chosen.of_equal_length()
         for pose in _results_together(run, rows, other_definitions=other_definitions)
     }
-    return tuple(found[label] for label in chosen.poses)
+    return Poses(found[label] for label in chosen.poses)
 
 
 def _results_together(run: Run, chosen: Rows, *, other_definitions: bool) -> tuple[PoseResult, ...]:

@@ -1,10 +1,9 @@
 """Figures against the limits that a user gives.
 
 A limit is kept where the whole 95 % interval of the figure is at most the limit, and broken where
-all of it is above; else these cycles prove neither. An interval that a finding voids (a drift)
-keeps no limit: scatter that hangs together reads too small. What is above is above, drift and all.
-Simple acceptance (RP at most the limit) is
-there for who asks for it.
+all of it is above; else these cycles prove neither. An interval that a finding voids (a drift) is
+marked: what is decided by it holds only while the robot drifts alike. Simple acceptance (RP at most
+the limit) is there for who asks for it.
 """
 
 from __future__ import annotations

@@ -6,13 +6,19 @@ converts itself: `report` says it and `render` shows it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
 
+from scara_iso.frames import make_frame
+from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import FloatArray, IntArray, Run
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Severity = Literal["error", "warning", "info"]
 Interval = tuple[float, float]
@@ -44,7 +50,7 @@ class AxisResult:
 
     name: str
     dimension: Dimension
-    readings: FloatArray
+    readings: FloatArray = field(repr=False)
     """The readings that count, shape (n,), in `unit`."""
     mean: float
     l_bar: float
@@ -162,9 +168,9 @@ class PoseResult:
     """One pose: its axes, and XY and XYZ where those axes are lengths."""
 
     label: str | None
-    rows: IntArray
+    rows: IntArray = field(repr=False)
     """Rows of the run that count, shape (n,), from 0."""
-    cycle: IntArray
+    cycle: IntArray = field(repr=False)
     """Their cycle numbers, shape (n,)."""
     axes: Mapping[str, AxisResult]
     XY: RadialResult | None
@@ -199,7 +205,7 @@ class Measured:
 
     run: Run
     cycles: Cycles
-    poses: tuple[PoseResult, ...]
+    poses: Poses
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,10 +299,26 @@ class Analysis:
 
     run: Run
     cycles: Cycles
-    poses: tuple[PoseResult, ...]
+    poses: Poses
+    """By number or by name: ``poses[0]``, ``poses["P1"]``."""
     findings: tuple[Finding, ...]
     limits: tuple[LimitCheck, ...] = ()
     characteristics: tuple[Characteristic, ...] = ()
+
+    def __repr__(self) -> str:
+        of_it = self.run.origin.source or "a run"
+        used = f"{len(self.poses)} pose(s), {self.cycles.used} cycles"
+        return f"<Analysis of {of_it}: {used}, {len(self.findings)} findings>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table: a row for each pose and figure (X, .., XY, XYZ), NaN where none.
+
+        Columns: pose, figure, unit (of all that follow), n, mean, l_bar, S_l, RP, RP_low and
+        RP_high (95 %), RP_rss (eq. 23), three_sigma, accuracy (7.2.1), uncertainty (standard).
+        """
+        rows = [_row(pose, *found) for pose in self.poses for found in pose.figures.items()]
+        columns = {name: [row[name] for row in rows] for name in rows[0]}
+        return make_frame(columns, {"source": self.run.origin.source})
 
     @property
     def conformity(self) -> Conformity | None:
@@ -313,3 +335,17 @@ class Analysis:
     def deviations(self) -> tuple[Finding, ...]:
         """The findings that are deviations from ISO 9283 or from good practice around it."""
         return tuple(finding for finding in self.findings if finding.rule)
+
+
+def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dict[str, Any]:
+    numbers = ("mean", "l_bar", "S_l", "RP", "RP_rss", "three_sigma", "accuracy", "uncertainty")
+    low, high = found.RP_interval or (None, None)
+    stated = {name: getattr(found, name, None) for name in numbers}
+    stated |= {"RP_low": low, "RP_high": high}
+    return {
+        "pose": pose.label,
+        "figure": figure,
+        "unit": found.unit if isinstance(found, AxisResult) else Dimension.LENGTH.value,
+        "n": len(pose.cycle),
+        **{name: math.nan if value is None else value for name, value in stated.items()},
+    }

@@ -15,7 +15,7 @@ _INTERVAL = (
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
     "is wrong in one test of forty or fewer with Gaussian scatter. Cycles needed: about so many in "
     "one run prove it, were the figure as read; none do where the dial hides the scatter, or the "
-    "calibration alone reaches the limit. No pass on the interval of readings that drift."
+    "calibration alone reaches the limit."
 )
 _SIMPLE = (
     "Simple acceptance was chosen: pass where RP is at most the limit; what so few cycles leave "

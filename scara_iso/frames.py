@@ -1,0 +1,61 @@
+"""The way into pandas and out of it; it is imported only where a frame is asked for."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.errors import DataError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from typing_extensions import TypeIs
+
+FRAME = "data frame"
+"""Where errors and reports say that a run is from."""
+
+
+def make_frame(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> pd.DataFrame:
+    """Return a pandas table of columns, each of shape (rows,), with ``attrs``."""
+    import pandas as pd  # noqa: PLC0415 - half a second that the command line need not pay
+
+    frame = pd.DataFrame(dict(columns))
+    frame.attrs.update(attributes)
+    return frame
+
+
+def numbers_of(name: str, column: pd.Series) -> npt.NDArray[np.float64]:
+    """Return a column's numbers, shape (rows,); `DataError` where one is missing or not finite."""
+    try:
+        values = column.to_numpy(dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise DataError(
+            f"column {name!r} is not numeric",
+            where=FRAME,
+            remedy="leave it out, or name it 'pose' if it tells the poses",
+        ) from error
+    bad = np.flatnonzero(~np.isfinite(values))
+    if len(bad):
+        what = f"column {name!r}, row {bad[0] + 1}: missing or not finite"
+        raise DataError(what, where=FRAME)
+    return values
+
+
+def refuse_without_unit(axes: Sequence[str], unit: str | None) -> None:
+    """Raise `DataError` where axes have no unit: none is taken in silence."""
+    if axes and unit is None:
+        raise DataError(
+            f"no unit stated for {', '.join(axes)}",
+            where=FRAME,
+            remedy='state it, such as unit="mm"',
+        )
+
+
+def is_frame(found: object) -> TypeIs[pd.DataFrame]:
+    """Say whether this is a pandas table; none is where pandas was never imported."""
+    pandas = sys.modules.get("pandas")
+    return pandas is not None and isinstance(found, pandas.DataFrame)

@@ -1,0 +1,28 @@
+"""One public function for each command: a path, a `Run` or a pandas table in, a result out.
+
+The functions are those of `scara_iso` itself; the command line parses options, calls one of them
+and shows what it returns.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.library.figures import analyze as analyze
+    from scara_iso.library.inputs import Table as Table, TableOptions as TableOptions
+    from scara_iso.library.loop import (
+        diagnose as diagnose,
+        diagnose_each as diagnose_each,
+        diagnose_many as diagnose_many,
+    )
+    from scara_iso.library.models import plan as plan, simulate as simulate
+    from scara_iso.library.recordings import Nobody as Nobody, record as record
+    from scara_iso.library.reports import (
+        TestReport as TestReport,
+        report as report,
+        writer as writer,
+    )
+    from scara_iso.library.several import compare as compare
+else:
+    __getattr__ = face(__name__)

@@ -1,0 +1,77 @@
+"""`analyze`: repeatability of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scara_iso import iso9283
+from scara_iso.iso9283 import Analysis, DecisionRule
+from scara_iso.library.inputs import Table, TableOptions
+from scara_iso.library.notebook import shows_itself
+
+if TYPE_CHECKING:
+    from scara_iso.reporting import Report
+
+
+def analyze(
+    table: Table,
+    *,
+    unit: str | None = None,
+    resolution: float | None = None,
+    decimal: str | None = None,
+    sheet: str | None = None,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
+    limits: Mapping[str, float] | None = None,
+    decision: str = DecisionRule.INTERVAL.value,
+    other_definitions: bool = False,
+) -> Analysis:
+    """Return RP of every pose, axis and plane of a table, with intervals and findings.
+
+    Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``
+    and ``sheet`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``, ``all_count`` and
+    ``allow_gaps`` say which cycles count. ``limits`` are in mm (degrees for an angle) by figure
+    (``X``, ``XY``...), the empty name for every length; ``decision`` is ``interval`` (a limit is
+    kept or broken where the whole 95 % interval says so) or ``simple`` (RP alone).
+    ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
+    that cannot be read or breaks the cycle rule, `UsageError` for options that cannot be meant.
+    """
+    analysis = iso9283.analyze(
+        TableOptions(unit, resolution, decimal, sheet).read(table),
+        first_cycle_discarded=first_cycle_discarded,
+        cycles=cycles,
+        all_count=all_count,
+        allow_gaps=allow_gaps,
+        limits=limits,
+        decision=decision,
+        other_definitions=other_definitions,
+    )
+    return compared_with_its_manifest(analysis, table)
+
+
+def compared_with_its_manifest(analysis: Analysis, table: Table) -> Analysis:
+    """Return the analysis with a finding for each file that changed since it was recorded."""
+    if not isinstance(table, str | Path) or table == "-":
+        return analysis
+    from scara_iso.acquisition import check_manifest
+    from scara_iso.iso9283 import Finding
+
+    said = {finding.message for finding in analysis.findings}
+    changed = [
+        Finding("edited", "warning", e) for e in check_manifest(Path(table)) if e not in said
+    ]
+    return replace(analysis, findings=(*analysis.findings, *changed))
+
+
+def _page(analysis: Analysis) -> Report:
+    from scara_iso.reporting import analysis_report
+
+    return analysis_report(analysis)
+
+
+shows_itself(Analysis, _page, "Repeatability by ISO 9283")

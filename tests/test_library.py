@@ -1,0 +1,160 @@
+"""The public functions: the command's options as keywords, and the command's results."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import scara_iso
+from scara_iso.cli import main
+from scara_iso.errors import DataError, UsageError
+from scara_iso.render import (
+    analysis_json,
+    comparison_json,
+    diagnosis_json,
+    plan_json,
+    report_json,
+    run_json,
+)
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+TABLE_1, MODEL = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "fum_scara.toml"
+BEFORE, AFTER = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
+SPEC = "X=opto-rs232@sim:?pace=0"
+
+
+@pytest.fixture
+def said(capsys):
+    """Return a function that gives the object which a command writes."""
+
+    def run(*argv):
+        assert main([*map(str, argv), "--json"]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    return run
+
+
+def plain(document):
+    return json.loads(json.dumps(document, default=float))
+
+
+def test_analyze_is_the_command(said):
+    wanted = said("analyze", TABLE_1)
+    assert plain(analysis_json(scara_iso.analyze(TABLE_1))) == wanted
+    assert plain(analysis_json(scara_iso.analyze(scara_iso.read_table(TABLE_1)))) == wanted
+
+
+def test_analyze_takes_the_options_of_the_command(said):
+    found = scara_iso.analyze(BEFORE, limits={"XY": 9.0}, decision="simple", cycles=31)
+    options = ("--limit", "XY=9", "--decision", "simple", "--cycles", 31)
+    assert plain(analysis_json(found)) == said("analyze", BEFORE, *options)
+
+
+def test_a_plain_frame_needs_its_unit():
+    run = scara_iso.read_table(BEFORE)
+    frame = pd.DataFrame({"cycle": run.cycle, "X": run.axes["X"].readings})
+    with pytest.raises(DataError, match="no unit stated for X"):
+        scara_iso.analyze(frame)
+    found = scara_iso.analyze(frame, unit="mm").poses[0].axes["X"].RP
+    assert found == scara_iso.analyze(BEFORE).poses[0].axes["X"].RP
+    assert scara_iso.analyze(run.to_frame()).poses[0].axes["X"].RP == found
+
+
+def test_an_option_of_text_is_refused_where_there_is_none():
+    with pytest.raises(UsageError, match="unit, decimal: a Run is not read from text"):
+        scara_iso.analyze(scara_iso.read_table(BEFORE), unit="mm", decimal=",")
+
+
+def test_compare_is_the_command(said):
+    wanted = said("compare", BEFORE, AFTER)
+    assert plain(comparison_json(scara_iso.compare(BEFORE, AFTER))) == wanted
+    analyses = [scara_iso.analyze(BEFORE), scara_iso.analyze(AFTER)]
+    assert plain(comparison_json(scara_iso.compare(analyses))) == wanted
+
+
+def test_compare_lists_the_faults_of_every_table(tmp_path):
+    (tmp_path / "a.csv").write_text("nothing")
+    (tmp_path / "b.csv").write_text("nothing")
+    with pytest.raises(DataError) as caught:
+        scara_iso.compare(tmp_path / "a.csv", tmp_path / "b.csv")
+    assert str(caught.value).count("\n") >= 2
+
+
+def test_diagnose_many_is_diagnose_of_each(said):
+    names = [str(TABLE_1), str(EXAMPLES / "no such.csv")]
+    first, second = scara_iso.diagnose_many(names)
+    assert plain(diagnosis_json(first)) == said("diagnose", TABLE_1)
+    assert second.exit_code == 66
+
+
+def test_simulate_is_the_command(said):
+    effect = "warm_up:size=0.03,tau=8"
+    found = scara_iso.simulate(
+        MODEL, effects=[effect], seed=4, approach="random", temperature=(20, 24), payload=[0, 2]
+    )
+    wanted = said(
+        "simulate", MODEL, "--effect", effect, "--seed", 4, "--approach", "random",
+        "--temperature", "20:24", "--payload", "0,2",
+    )  # fmt: skip
+    assert plain(run_json(found, seed=4)) == wanted
+    assert plain(run_json(scara_iso.simulate(MODEL), seed=0)) == said("simulate", MODEL)
+
+
+def test_plan_is_the_command(said):
+    assert plain(plan_json(scara_iso.plan(MODEL))) == said("plan", MODEL)
+    found = scara_iso.plan(MODEL, solid="box", elbow="left", m=0.12, cycles=11)
+    options = ("--solid", "box", "--elbow", "left", "--m", 0.12, "--cycles", 11)
+    assert plain(plan_json(found)) == said("plan", MODEL, *options)
+    with pytest.raises(UsageError, match="solid 'ball'"):
+        scara_iso.plan(MODEL, solid="ball")
+
+
+def test_report_is_the_command_and_writes_what_it_writes(said, tmp_path):
+    found = scara_iso.report(TABLE_1, to=tmp_path / "own.md")
+    wanted = said("report", TABLE_1, "-o", tmp_path / "command.md")
+    assert {**plain(report_json(found.dossier)), "command": wanted["command"]} == wanted
+    own, by_command = ((tmp_path / n).read_text() for n in ("own.md", "command.md"))
+    assert own.splitlines()[:-1] == by_command.splitlines()[:-1]  # the last names the command
+    assert found.write(tmp_path / "again.md").read_text() == own
+    assert found._repr_html_().startswith("<iframe sandbox")
+
+
+def test_figures_go_into_a_frame():
+    analysis = scara_iso.analyze(TABLE_1)
+    frame = analysis.to_frame()
+    assert frame["figure"].tolist() == ["X", "Y", "Z", "theta", "XY", "XYZ"]
+    row = frame.set_index("figure").loc["X"]
+    assert (row["RP"], row["n"], row["unit"]) == (analysis.poses[0].axes["X"].RP, 30, "mm")
+    assert (row["RP_low"], row["RP_high"]) == analysis.poses[0].axes["X"].RP_interval
+    assert np.isnan(row["RP_rss"])
+
+
+def test_a_diagnosis_gives_its_series_and_shows_itself():
+    found = scara_iso.diagnose(TABLE_1)
+    frame = found.to_frame()
+    assert np.array_equal(frame["Y_measured"], found.series.measured["Y"])
+    assert np.array_equal(frame["Y_predicted_after"], found.series.predicted_after["Y"])
+    assert repr(found).startswith("<Diagnosis of X, Y, Z, theta over 30 cycles: explained step")
+
+
+@pytest.mark.parametrize("of", [lambda: scara_iso.analyze(TABLE_1),
+                                lambda: scara_iso.compare(BEFORE, AFTER)])  # fmt: skip
+def test_a_result_is_a_page_in_a_notebook(of):
+    page = of()._repr_html_()
+    assert page.startswith('<iframe sandbox srcdoc="&lt;!DOCTYPE html&gt;')
+    assert page.count("<") == 2
+
+
+def test_record_is_a_run_of_what_was_stored(tmp_path):
+    stored = []
+    found = scara_iso.record(
+        tmp_path / "run.csv", [SPEC], trigger="timer:10", metadata={"robot": "R"},
+        tell=stored.append,
+    )  # fmt: skip
+    again = scara_iso.read_table(tmp_path / "run.csv")
+    assert np.array_equal(found.axes["X"].readings, again.axes["X"].readings)
+    assert found.cycle.tolist() == list(range(1, 32))
+    assert found.metadata["robot"] == "R"
+    assert sum(type(event).__name__ == "Stored" for event in stored) == 31
