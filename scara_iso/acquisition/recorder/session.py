@@ -276,6 +276,7 @@ class Session:
         """Strike out the last reading, or all of its cycle where they were asked for together."""
         if not self._latest:
             return
+        self._visits.judged()
         cycle, axis = self._latest.pop()
         axes = [axis]
         together = not isinstance(self._plan.trigger, Listen)

@@ -71,6 +71,10 @@ class Visits:
             self._end()
         return Heard(broken, refused, mixed)
 
+    def judged(self) -> None:
+        """Leave the visits so far as they are: the operator has looked at them."""
+        self._untimed.clear()
+
     def _half(self) -> float:
         return median(self._gaps) / 2 if self._timed and self._gaps else 0.0
 
