@@ -88,10 +88,7 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
                 f"nothing to explain: no structure beyond chance ({p_equals(diagnosis)})",
                 "good",
             )
-            yield Text(
-                "an effect may be too small to show: `design=True` with this table tells how large "
-                "it must be to be found"
-            )
+            yield Text("an effect that is too small for these cycles would not show")
         case Verdict.EXPLAINED:
             said = "; ".join(_sureness(found) for found in diagnosis.effects)
             yield Text(f"explained: {said}", "strong")

@@ -35,7 +35,7 @@ def check(measured: Measured) -> Iterator[Finding]:
                 CODE,
                 "warning",
                 "the pose is approached from both sides: RP includes the reversal; "
-                "`definitions=True` gives each direction",
+                "the definitions of ISO 230-2 give each direction",
                 pose=pose.label,
                 rule="good practice (no clause verified): every visit comes from the same side",
             )
