@@ -38,7 +38,7 @@ from scara_iso.diagnosis import LEVEL, UNKNOWN
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.problem import problem_of
-from scara_iso.diagnosis.readings import diagnose
+from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.diagnosis.search import chosen, find, tested
 from scara_iso.diagnosis.tuning import FLAG_LEVEL
 from scara_iso.effects import Process, find_effects

@@ -21,7 +21,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from diagnosis_data import shape
 
-from scara_iso.diagnosis.readings import diagnose
+from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.run import AXES, Axis, Run
 
 N = 31

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import Verdict, diagnose_poses, holm
-from scara_iso.diagnosis.readings import diagnose
+from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError
 from scara_iso.run import Axis, Run

@@ -15,7 +15,7 @@ import pytest
 from scara_iso import effects
 from scara_iso.cli import main
 from scara_iso.diagnosis.hypotheses import hypotheses_of
-from scara_iso.diagnosis.readings import diagnose
+from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.effects import (
     Chain,
     Conditions,
@@ -399,9 +399,9 @@ def test_gear_effects_reach_their_limits():
 THIRD_PARTY = """
 \"\"\"The moon pulls: as the square of the cycles since the first.\"\"\"
 
-from scara_iso.effects import Course, Parameter, as_column
+from scara_iso.effects import KnownCourse, Parameter, as_column
 
-EFFECT = Course(
+EFFECT = KnownCourse(
     name="moon_phase",
     parameters=(Parameter("size", "m", "reading", "pull"),),
     cause="the moon pulls at the robot",

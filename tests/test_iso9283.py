@@ -57,7 +57,7 @@ def test_thirty_rows_of_which_nobody_says_whether_the_first_is_among_them():
     (fault,) = error.faults
     assert "discarded before, and all 30 count" in fault.message
     assert "still among them, and one is missing" in fault.message
-    assert "--first-cycle-discarded" in error.remedy
+    assert "`first_cycle_discarded=True`" in error.remedy
 
 
 def test_every_numbering_fault_is_listed_with_its_line():
@@ -75,7 +75,7 @@ def test_every_numbering_fault_is_listed_with_its_line():
 def test_another_number_of_cycles_is_refused_and_names_the_option(count):
     error = refused(range(1, count + 1))
     assert f"{count} cycles" in error.faults[0].message
-    assert "--cycles" in error.remedy
+    assert "`cycles=N`" in error.remedy
 
 
 @pytest.mark.parametrize(

@@ -52,11 +52,12 @@ def test_a_plain_frame_takes_unit_and_resolution():
 def test_a_frame_s_poses_go_by_the_names_that_a_table_s_go_by(name):
     """Zeroed at each pose, the three would pass for one; nothing but the name tells them apart."""
     frame = pd.DataFrame({name: [1, 2, 3] * 2, "X": [0.0, 0.1, 0.2, 0.0, 0.1, 0.2]})
-    run = Run.from_frame(frame)
+    run = Run.from_frame(frame, unit="mm")
     assert run.covariates == {}
     assert run.pose.tolist() == ["1", "2", "3"] * 2
     assert run.cycle.tolist() == [1, 1, 1, 2, 2, 2]
-    both = Run.from_frame(frame.assign(pose="P1", cycle=range(6)).rename(columns={name: "target"}))
+    renamed = frame.assign(pose="P1", cycle=range(6)).rename(columns={name: "target"})
+    both = Run.from_frame(renamed, unit="mm")
     assert set(both.pose) == {"P1"}
 
 

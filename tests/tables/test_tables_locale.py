@@ -84,8 +84,8 @@ def test_a_report_for_a_german_excel(tmp_path):
     text = out.read_text(encoding="utf-8")
     assert text.startswith("\ufeff")
     cells = [cell for row in csv.reader(text[1:].splitlines(), delimiter=";") for cell in row]
-    assert {"0,10", "12.10", "'=1+1"} <= set(cells)
-    assert not {"0.10", "12,10"} & set(cells)
+    assert {"0,1", "12.10", "'=1+1"} <= set(cells)
+    assert not {"0.1", "12,10", "12,1"} & set(cells)
 
 
 @pytest.mark.skipif(OFFICE is None, reason="LibreOffice is not installed")

@@ -19,7 +19,7 @@ def refuse_existing(table: Path) -> None:
         if path.exists():
             raise CannotCreateError(
                 "exists already", where=str(path),
-                remedy="use another name, or --resume to go on with it",
+                remedy="use another name, or `resume=True` to go on with it",
             )  # fmt: skip
 
 
@@ -57,7 +57,7 @@ def _refuse_other_gauges(job: Job, history: History) -> None:
         raise UsageError(
             f"recorded with {_listed(recorded)}, and now {_listed(given)}",
             where=history.source,
-            remedy="give the same --gauge options, or none",
+            remedy="give the same `gauge=` options, or none",
         )
 
 
@@ -86,5 +86,5 @@ def _refuse_gaps(history: History) -> None:
         raise DataError(
             f"cycle {cycle} is missing and later ones are there",
             where=history.source,
-            remedy="--rebuild the table of what is there, and repeat the test",
+            remedy="make the table of what is there with `rebuild=True`, and repeat the test",
         )

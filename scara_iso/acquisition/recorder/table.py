@@ -91,5 +91,5 @@ def _cannot_write(path: Path, error: OSError) -> WriteError:
     return WriteError(
         f"cannot be written ({error.strerror or error})",
         where=str(path),
-        remedy="the raw file holds every reading: `scara-iso record --rebuild` it elsewhere",
+        remedy="the raw file holds every reading: record it elsewhere with `rebuild=True`",
     )
