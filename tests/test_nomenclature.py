@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.iso9283.results import AxisResult, Cycles, RadialResult
+from scara_iso.iso9283.figures import AxisResult, RadialResult
+from scara_iso.iso9283.results import Cycles
 from scara_iso.robot.two_inertia import Backlash, Crossing
 
 PAGE = Path(__file__).parents[1] / "docs" / "nomenclature.md"

@@ -12,13 +12,10 @@ from types import ModuleType
 
 from scara_iso.effects._conditions import Conditions
 from scara_iso.effects._effect import (
-    AMPLITUDE_AND_PHASE,
-    SIZE,
     Direction,
     Effect,
     FoundBy,
     KnownCourse,
-    Linear,
     RandomCourse,
     ScatterChange,
     TwoStates,
@@ -26,6 +23,7 @@ from scara_iso.effects._effect import (
 )
 from scara_iso.effects._forms import Chain, Form, Process, Shape, Spread
 from scara_iso.effects._gear import GearEffect, Sweep
+from scara_iso.effects._linear import AMPLITUDE_AND_PHASE, SIZE, Linear
 from scara_iso.effects._parameter import Grid, Parameter, Sizes, Values
 from scara_iso.effects._proportional import proportional
 from scara_iso.plugins import find_modules

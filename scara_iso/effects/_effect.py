@@ -9,7 +9,6 @@ of known parameters under other conditions (`course`).
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -19,7 +18,8 @@ import numpy as np
 
 from scara_iso.effects._conditions import Conditions, fits, is_open
 from scara_iso.effects._forms import Chain, Form, Process, Shape, Spread
-from scara_iso.effects._parameter import Parameter, Sizes, Values, combinations
+from scara_iso.effects._linear import SIZE, Linear
+from scara_iso.effects._parameter import Parameter, Values, combinations
 from scara_iso.run import FloatArray
 
 
@@ -37,31 +37,6 @@ class FoundBy(Enum):
 
     ORDER = "the order of the cycles"
     ISOLATED_READING = "one reading apart from all others, whatever their order"
-
-
-@dataclass(frozen=True, slots=True)
-class Linear:
-    """The parameters in which a course is linear, and its coefficients (k,)."""
-
-    names: tuple[str, ...]
-    sizes: Callable[[FloatArray], dict[str, float]]
-    coefficients: Callable[[Sizes], FloatArray]
-
-
-def _polar(coefficients: FloatArray) -> dict[str, float]:
-    sine, cosine = float(coefficients[0]), float(coefficients[1])
-    return {"size": math.hypot(sine, cosine), "phase": math.atan2(cosine, sine)}
-
-
-SIZE = Linear(("size",), lambda c: {"size": float(c[0])}, lambda v: np.array([v["size"]]))
-"""One column, times ``size``."""
-
-AMPLITUDE_AND_PHASE = Linear(
-    ("size", "phase"),
-    _polar,
-    lambda v: v["size"] * np.array([math.cos(v["phase"]), math.sin(v["phase"])]),
-)
-"""A sine and a cosine: size sin(angle + phase)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

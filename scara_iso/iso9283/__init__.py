@@ -19,6 +19,11 @@ if TYPE_CHECKING:
         UsedCycles as UsedCycles,
         used_cycles as used_cycles,
     )
+    from scara_iso.iso9283.figures import (
+        AxisResult as AxisResult,
+        PoseResult as PoseResult,
+        RadialResult as RadialResult,
+    )
     from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES
     from scara_iso.iso9283.poses import (
         DiagonalPlane as DiagonalPlane,
@@ -29,13 +34,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.results import (
         Analysis as Analysis,
-        AxisResult as AxisResult,
         Characteristic as Characteristic,
         Cycles as Cycles,
         Finding as Finding,
         LimitCheck as LimitCheck,
-        PoseResult as PoseResult,
-        RadialResult as RadialResult,
         Severity as Severity,
     )
     from scara_iso.iso9283.statistics import (

@@ -16,17 +16,10 @@ from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import Rows, UsedCycles, used_cycles
 from scara_iso.iso9283.estimates import largest_calibration, reading_uncertainty, scatter_estimates
+from scara_iso.iso9283.figures import AxisResult, PoseResult, RadialResult, ThetaAngle
 from scara_iso.iso9283.limits import binding, check_limits
 from scara_iso.iso9283.other_definitions import definitions
-from scara_iso.iso9283.results import (
-    Analysis,
-    AxisResult,
-    Cycles,
-    Measured,
-    PoseResult,
-    RadialResult,
-    ThetaAngle,
-)
+from scara_iso.iso9283.results import Analysis, Cycles, Measured
 from scara_iso.iso9283.statistics import (
     SamplingInterval,
     repeatability,
@@ -109,7 +102,7 @@ def _rule(decision: str) -> DecisionRule:
     return DecisionRule(decision)
 
 
-def _pose_results(run: Run, chosen: UsedCycles, *, other_definitions: bool) -> Poses:
+def _pose_results(run: Run, chosen: UsedCycles, *, other_definitions: bool) -> Poses[PoseResult]:
     missing = dict(zip(chosen.poses, chosen.missing, strict=True))
     found = {
         pose.label: replace(pose, missing=missing[pose.label])

@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, SupportsIndex, overload
-
-if TYPE_CHECKING:
-    from scara_iso.iso9283.results import PoseResult
+from typing import Protocol, SupportsIndex, TypeVar, overload
 
 
-class Poses(tuple["PoseResult", ...]):
+class Labelled(Protocol):
+    """What belongs to a pose."""
+
+    @property
+    def label(self) -> str | None:
+        """Name of the pose, None for the only one."""
+
+
+OfPose = TypeVar("OfPose", bound=Labelled)
+
+
+class Poses(tuple[OfPose, ...]):
     """The poses in their order: ``poses[0]`` and ``poses["P1"]``; `KeyError` for another name."""
 
     __slots__ = ()
 
     @overload
-    def __getitem__(self, at: SupportsIndex | str) -> PoseResult: ...
+    def __getitem__(self, at: SupportsIndex | str) -> OfPose: ...
     @overload
-    def __getitem__(self, at: slice) -> tuple[PoseResult, ...]: ...
+    def __getitem__(self, at: slice) -> tuple[OfPose, ...]: ...
 
-    def __getitem__(self, at: SupportsIndex | str | slice) -> PoseResult | tuple[PoseResult, ...]:
+    def __getitem__(self, at: SupportsIndex | str | slice) -> OfPose | tuple[OfPose, ...]:
         if not isinstance(at, str):
             return super().__getitem__(at)
         for pose in self:

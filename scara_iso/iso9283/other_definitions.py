@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scara_iso.iso9283.results import Definition
+from scara_iso.iso9283.figures import Definition
 from scara_iso.iso9283.statistics import standard_deviation
 from scara_iso.run import FloatArray
 

@@ -1,4 +1,4 @@
-"""What an analysis yields: frozen figures with their units, and findings about them.
+"""What an analysis yields: its characteristics, what is held against limits, and findings.
 
 Lengths are in mm; theta is in degrees where it was given as an angle. No result prints, plots or
 converts itself: `report` says it and `render` shows it.
@@ -7,182 +7,20 @@ converts itself: `report` says it and `render` shows it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.frames import make_frame
 from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
+from scara_iso.iso9283.figures import AxisResult, Interval, PoseResult, RadialResult
 from scara_iso.quantities import Dimension, Estimate
-from scara_iso.run import FloatArray, IntArray, Run
+from scara_iso.run import Run
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Severity = Literal["error", "warning", "info"]
-Interval = tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Definition:
-    """Another trade's word for repeatability, from the same readings."""
-
-    name: str
-    value: float
-    meaning: str
-
-
-@dataclass(frozen=True, slots=True)
-class ThetaAngle:
-    """A theta read as a length, turned into an angle by the radius of the contact."""
-
-    radius_mm: float
-    RP_deg: float
-    """Eq. 2-6 on the angles."""
-    three_sigma_deg: float
-    """ISO 9283 7.2.2: RP_a = +/- 3 S_a."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class AxisResult:
-    """One indicator axis at one pose; see paper eq. 2-6 for the symbols."""
-
-    name: str
-    dimension: Dimension
-    readings: FloatArray = field(repr=False)
-    """The readings that count, shape (n,), in `unit`."""
-    mean: float
-    l_bar: float
-    S_l: float
-    repeatability: Estimate
-    """l_bar + 3 S_l, eq. 6."""
-    three_S: Estimate  # noqa: N815 - the standard's symbol
-    """Three sample standard deviations; ISO 9283's RP_a for an angle."""
-    resolution: float | None
-    uncertainty: float | None
-    """Standard uncertainty of one reading: resolution and indicator combined (GUM 5.1.2)."""
-    calibration: float | None
-    """Standard uncertainty of the indicator, as its certificate states it."""
-    accuracy: float | None = None
-    """Mean minus command pose, ISO 9283 7.2.1; None where no command pose is stated, or the dial's
-    zero is not referred to it."""
-    angle: ThetaAngle | None = None
-    definitions: tuple[Definition, ...] = ()
-
-    @property
-    def RP(self) -> float:  # noqa: N802 - the standard's symbol
-        """Value of `repeatability`."""
-        return self.repeatability.value
-
-    @property
-    def RP_interval(self) -> Interval | None:  # noqa: N802
-        """95 %: chance, dial and calibration.
-
-        None for fewer than five cycles, or where one reading carries the figure.
-        """
-        return self.repeatability.interval
-
-    @property
-    def three_sigma(self) -> float:
-        """Value of `three_S`."""
-        return self.three_S.value
-
-    @property
-    def three_sigma_interval(self) -> Interval | None:
-        """Likewise, of `three_S`."""
-        return self.three_S.interval
-
-    @property
-    def n(self) -> int:
-        """Number of cycles that count."""
-        return len(self.readings)
-
-    @property
-    def unit(self) -> str:
-        """Unit of every figure here: ``mm`` or ``deg``."""
-        return self.dimension.value
-
-    @property
-    def uncertainty_ratio(self) -> float | None:
-        """Uncertainty over RP; None where either is missing or RP is 0."""
-        return None if self.uncertainty is None or self.RP == 0 else self.uncertainty / self.RP
-
-    @property
-    def expanded_ratio(self) -> float | None:
-        """U = 2 u over the figure (of an angle 3 S), as the 25 % rule compares them; or None."""
-        figure = self.RP if self.dimension is Dimension.LENGTH else self.three_sigma
-        return None if self.uncertainty is None or figure == 0 else 2 * self.uncertainty / figure
-
-
-@dataclass(frozen=True, slots=True)
-class RadialResult:
-    """Several length axes together: ISO 9283 7.2.2, and the paper's eq. 23 for the plane."""
-
-    repeatability: Estimate
-    """l_bar + 3 S_l of the distances to the barycentre."""
-    l_bar: float
-    S_l: float
-    root_sum_of_squares: Estimate | None
-    """Of the axes' RP, eq. 23; None in space."""
-    uncertainty: float | None
-    """Standard uncertainty of a distance to the barycentre; None where an axis states none."""
-    calibration: float | None
-    """The indicators' part of it; None where none states one."""
-    accuracy: float | None
-    """Distance from the command pose to the barycentre, 7.2.1."""
-
-    @property
-    def RP(self) -> float:  # noqa: N802 - the standard's symbol
-        """Value of `repeatability`."""
-        return self.repeatability.value
-
-    @property
-    def RP_interval(self) -> Interval | None:  # noqa: N802
-        """95 %, as of an axis."""
-        return self.repeatability.interval
-
-    @property
-    def RP_rss(self) -> float | None:  # noqa: N802
-        """Value of `root_sum_of_squares`."""
-        return None if self.root_sum_of_squares is None else self.root_sum_of_squares.value
-
-    @property
-    def RP_rss_interval(self) -> Interval | None:  # noqa: N802
-        """95 %, of `root_sum_of_squares`."""
-        return None if self.root_sum_of_squares is None else self.root_sum_of_squares.interval
-
-    @property
-    def uncertainty_ratio(self) -> float | None:
-        """Uncertainty over RP; None where either is missing or RP is 0."""
-        return None if self.uncertainty is None or self.RP == 0 else self.uncertainty / self.RP
-
-    @property
-    def expanded_ratio(self) -> float | None:
-        """U = 2 u over RP, as the 25 % rule compares them; or None."""
-        return None if self.uncertainty_ratio is None else 2 * self.uncertainty_ratio
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class PoseResult:
-    """One pose: its axes, and XY and XYZ where those axes are lengths."""
-
-    label: str | None
-    rows: IntArray = field(repr=False)
-    """Rows of the run that count, shape (n,), from 0."""
-    cycle: IntArray = field(repr=False)
-    """Their cycle numbers, shape (n,)."""
-    axes: Mapping[str, AxisResult]
-    XY: RadialResult | None
-    XYZ: RadialResult | None
-    missing: tuple[tuple[int, int], ...] = ()
-    """First and last number of each gap in the cycles."""
-
-    @property
-    def figures(self) -> Mapping[str, AxisResult | RadialResult]:
-        """Axes, then XY and XYZ where they are there, by name."""
-        radial = {"XY": self.XY, "XYZ": self.XYZ}
-        return {**self.axes, **{name: found for name, found in radial.items() if found}}
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +43,7 @@ class Measured:
 
     run: Run
     cycles: Cycles
-    poses: Poses
+    poses: Poses[PoseResult]
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,7 +137,7 @@ class Analysis:
 
     run: Run
     cycles: Cycles
-    poses: Poses
+    poses: Poses[PoseResult]
     """By number or by name: ``poses[0]``, ``poses["P1"]``."""
     findings: tuple[Finding, ...]
     limits: tuple[LimitCheck, ...] = ()

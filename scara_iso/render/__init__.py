@@ -10,12 +10,12 @@ if TYPE_CHECKING:
     from scara_iso.render.formats.json import report_json as report_json
     from scara_iso.render.json import (
         analysis_json as analysis_json,
-        backlash_json as backlash_json,
         explain_json as explain_json,
         plan_json as plan_json,
         run_json as run_json,
         to_text as to_text,
     )
+    from scara_iso.render.json_backlash import backlash_json as backlash_json
     from scara_iso.render.json_comparison import comparison_json as comparison_json
     from scara_iso.render.json_diagnosis import (
         design_json as design_json,

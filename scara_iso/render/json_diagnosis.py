@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 
 from scara_iso.diagnosis import Design, Diagnosis, Found, PlannedRun, RunReversals, Series, Smallest
-from scara_iso.render.json import Json, gear_json, rivals_json
+from scara_iso.render.json import Json, rivals_json
+from scara_iso.render.json_backlash import gear_json
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> Json:

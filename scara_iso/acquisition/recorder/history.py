@@ -9,73 +9,27 @@ import math
 from array import array
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator
-from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
 
 from scara_iso.acquisition.ports.tape import FIRST, SCHEMA, Record, read_tape
 from scara_iso.acquisition.ports.timeline import Timeline
+from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings, grow
 from scara_iso.acquisition.recorder.plan import Listen
 from scara_iso.acquisition.recorder.remarks import Remarks
 from scara_iso.acquisition.recorder.sizes import sizes_of_axis
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
-from scara_iso.quantities import Dimension, find_unit, parse_number
+from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Origin, Run
 
-VOIDABLE = 100
-"""How many readings back an operator may void."""
 _SHOWN = 10
 _DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
 """What a record raises whose values are of another kind or size."""
 _THEN = ", then "
 _GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
 _MAX_CYCLES = 10_000_000
-
-
-class AxisReadings:
-    """Readings of one axis by cycle [mm or deg], in the memory of one number each."""
-
-    def __init__(self) -> None:
-        self.values = array("d")
-        self.dimension: Dimension | None = None
-        self.unit: str | None = None
-        """What the indicator showed last."""
-        self.shown: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
-        self.resolution = 0.0
-        """The coarsest that was sent: never states more than every reading holds."""
-
-    def put(self, cycle: int, text: str, unit: str) -> None:
-        """Take a reading; `ValueError` says what is wrong with it."""
-        size = find_unit(unit)
-        if size is None:
-            raise ValueError(f"unknown unit {unit!r}")
-        if self.dimension not in (None, size.dimension):
-            raise ValueError(f"{unit} after {self.dimension.value}")
-        if parse_number(text) is None:
-            raise ValueError(f"{text[:40]!r} is no reading")
-        _grow(self.values, cycle)
-        if not math.isnan(self.values[cycle - 1]):
-            raise ValueError("stored twice")
-        self.values[cycle - 1] = size.read(text)
-        count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
-        self.resolution = max(self.resolution, size.to_base(count))
-        self.dimension, self.unit = size.dimension, unit
-        self.shown.append((cycle, text))
-
-    def void(self, cycle: int) -> None:
-        """Strike out the reading of a cycle."""
-        if cycle <= len(self.values):
-            self.values[cycle - 1] = math.nan
-            self.shown = deque((one for one in self.shown if one[0] != cycle), maxlen=VOIDABLE)
-
-    def text(self, cycle: int) -> str:
-        """Return the latest readings' text, and nothing for one that is too old to be struck."""
-        return dict(self.shown).get(cycle, "")
-
-    def __contains__(self, cycle: int) -> bool:
-        return cycle <= len(self.values) and not math.isnan(self.values[cycle - 1])
 
 
 class History:
@@ -150,7 +104,7 @@ class History:
                 if not 0 < cycle <= _MAX_CYCLES:
                     raise ValueError(f"cycle {cycle}")
                 self.columns[axis].put(cycle, record["text"], record["unit"])
-                _grow(self.times, cycle)
+                grow(self.times, cycle)
                 self.times[cycle - 1] = self.timeline.start + record["at"]
                 self.latest.append((cycle, axis))
                 (self._asked.discard if self._trigger == str(Listen()) else self._asked.add)(axis)
@@ -314,7 +268,3 @@ def _merged(first: Record, later: Record) -> Record:
 def _indicator(gauge: Record) -> str:
     unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
     return f"{gauge['dialect']} {gauge['line']} at {gauge['identity']}{unit}"
-
-
-def _grow(values: array[float], size: int) -> None:
-    values.extend([math.nan] * (size - len(values)))

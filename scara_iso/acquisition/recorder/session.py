@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from scara_iso.acquisition.ports import Clock
+from scara_iso.acquisition.recorder.axis_readings import VOIDABLE
 from scara_iso.acquisition.recorder.bench import Bench, Taken
 from scara_iso.acquisition.recorder.events import (
     Command,
@@ -33,7 +34,6 @@ from scara_iso.acquisition.recorder.events import (
     Waiting,
 )
 from scara_iso.acquisition.recorder.gauge import Gauge
-from scara_iso.acquisition.recorder.history import VOIDABLE
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.plan import Enter, Listen, RecordingPlan, Timer
 from scara_iso.acquisition.recorder.position import Position

@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.iso9283.estimates import distance_estimate, position_estimate
-from scara_iso.iso9283.results import AxisResult, Characteristic, Measured, PoseResult
+from scara_iso.iso9283.figures import AxisResult, PoseResult
+from scara_iso.iso9283.results import Characteristic, Measured
 from scara_iso.quantities import Estimate
 
 CODE = "AP"

@@ -23,7 +23,8 @@ from scara_iso.iso9283.estimates import (
     reading_uncertainty,
     scatter_estimates,
 )
-from scara_iso.iso9283.results import Characteristic, Measured, PoseResult
+from scara_iso.iso9283.figures import PoseResult
+from scara_iso.iso9283.results import Characteristic, Measured
 from scara_iso.iso9283.statistics import standard_deviation, three_sigma_interval
 from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import Axis, IntArray, Run

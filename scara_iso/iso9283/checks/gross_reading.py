@@ -10,7 +10,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.iso9283.results import AxisResult, Finding, Measured
+from scara_iso.iso9283.figures import AxisResult
+from scara_iso.iso9283.results import Finding, Measured
 from scara_iso.run import FloatArray
 
 CODE = "gross-reading"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from scara_iso.render.json import Json, analysis_json, backlash_json, to_text
+from scara_iso.render.json import Json, analysis_json, to_text
+from scara_iso.render.json_backlash import backlash_json
 from scara_iso.render.json_diagnosis import diagnosis_json
 from scara_iso.reporting import Document, Dossier, Failure, head, uncertainty_budget
 

@@ -1,0 +1,62 @@
+"""Readings of one axis, as a raw file gives them line by line."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections import deque
+from decimal import Decimal
+
+from scara_iso.quantities import Dimension, find_unit, parse_number
+
+VOIDABLE = 100
+"""How many readings back an operator may void."""
+
+
+class AxisReadings:
+    """Readings of one axis by cycle [mm or deg], in the memory of one number each."""
+
+    def __init__(self) -> None:
+        self.values = array("d")
+        self.dimension: Dimension | None = None
+        self.unit: str | None = None
+        """What the indicator showed last."""
+        self.shown: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
+        self.resolution = 0.0
+        """The coarsest that was sent: never states more than every reading holds."""
+
+    def put(self, cycle: int, text: str, unit: str) -> None:
+        """Take a reading; `ValueError` says what is wrong with it."""
+        size = find_unit(unit)
+        if size is None:
+            raise ValueError(f"unknown unit {unit!r}")
+        if self.dimension not in (None, size.dimension):
+            raise ValueError(f"{unit} after {self.dimension.value}")
+        if parse_number(text) is None:
+            raise ValueError(f"{text[:40]!r} is no reading")
+        grow(self.values, cycle)
+        if not math.isnan(self.values[cycle - 1]):
+            raise ValueError("stored twice")
+        self.values[cycle - 1] = size.read(text)
+        count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
+        self.resolution = max(self.resolution, size.to_base(count))
+        self.dimension, self.unit = size.dimension, unit
+        self.shown.append((cycle, text))
+
+    def void(self, cycle: int) -> None:
+        """Strike out the reading of a cycle."""
+        if cycle <= len(self.values):
+            self.values[cycle - 1] = math.nan
+            self.shown = deque((one for one in self.shown if one[0] != cycle), maxlen=VOIDABLE)
+
+    def text(self, cycle: int) -> str:
+        """Return the latest readings' text, and nothing for one that is too old to be struck."""
+        return dict(self.shown).get(cycle, "")
+
+    def __contains__(self, cycle: int) -> bool:
+        return cycle <= len(self.values) and not math.isnan(self.values[cycle - 1])
+
+
+def grow(values: array[float], size: int) -> None:
+    """Make room for ``size`` numbers; what is not there yet is NaN."""
+    values.extend([math.nan] * (size - len(values)))
