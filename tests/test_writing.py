@@ -58,6 +58,12 @@ def room_for(size):
 @pytest.mark.parametrize("name", ["", ".", "/", ".."])
 def test_a_name_of_no_file_is_no_defect(folder, capsys, writer, name):
     assert main([*WRITERS[writer][1], name]) in (2, 73)
+
+
+@every_writer
+def test_a_name_that_no_disk_takes_is_refused(folder, capsys, writer):
+    out, arguments = WRITERS[writer]
+    assert main([*arguments, "a" * 300 + Path(out).suffix]) == 73
     assert list(folder.iterdir()) == []
 
 

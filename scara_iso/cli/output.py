@@ -103,7 +103,13 @@ def check_outputs(outputs: Sequence[Path | None], inputs: Sequence[str | None]) 
             raise CannotCreateError(
                 "is what the result is made of", where=str(path), remedy="name another file"
             )
-        if _of_a_recording(path.resolve()):
+        try:
+            recording = _of_a_recording(path.resolve())
+        except OSError as error:
+            raise CannotCreateError(
+                f"cannot be written: {error.strerror}", where=str(path), remedy="name another file"
+            ) from error
+        if recording:
             raise CannotCreateError(
                 "holds a recording", where=str(path),
                 remedy="name another file, or remove it yourself",
