@@ -10,9 +10,12 @@ from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
+from shutil import get_terminal_size
+from typing import Any
 
 import typer
 from typer._completion_classes import completion_init
+from typer.core import TyperGroup
 
 from scara_iso import __version__
 from scara_iso.cli.output import as_options, settings
@@ -25,13 +28,39 @@ BUG = 70
 CANNOT_WRITE = 74
 _ANYWHERE = ("--debug", "--no-color")
 
-COMMANDS = {
-    name: f"scara_iso.cli.{name}"
-    for name in (
-        "record", "analyze", "report", "compare", "backlash", "diagnose", "simulate", "plan",
-        "ports", "demo", "explain",
-    )
-}  # fmt: skip
+GROUPS = {
+    "Measure": ("plan", "ports", "record"),
+    "Understand": ("analyze", "diagnose", "compare", "backlash"),
+    "Report": ("report",),
+    "Learn": ("demo", "explain", "simulate"),
+}
+COMMANDS = {name: f"scara_iso.cli.{name}" for names in GROUPS.values() for name in names}
+WELCOME = """\
+scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
+
+  scara-iso demo              the paper's robot in one minute
+  scara-iso record OUT.csv    read your indicators into a table
+  scara-iso analyze TABLE     repeatability of a table
+  scara-iso diagnose TABLE    what is in it besides scatter
+  scara-iso report TABLE      the report to sign
+
+scara-iso --help lists the rest; scara-iso COMMAND --help has an example.
+"""
+
+
+class _Program(TyperGroup):
+    """The program, whose help lists its commands by what they are for, each said in full."""
+
+    def format_commands(self, ctx: object, formatter: Any) -> None:  # noqa: ARG002 - click's
+        for group, names in GROUPS.items():
+            with formatter.section(group):
+                formatter.write_dl(
+                    [
+                        (name, self.commands[name].get_short_help_str(limit=1000))
+                        for name in names
+                        if name in self.commands
+                    ]
+                )
 
 
 def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
@@ -44,11 +73,12 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
         add_completion=False,  # --install-completion writes a shell's start-up files in place
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
-        context_settings={"help_option_names": ["-h", "--help"]},
+        cls=_Program,
+        context_settings={"help_option_names": ["-h", "--help"], "max_content_width": _width()},
         help="How repeatable a SCARA is, by ISO 9283 and digital dial indicators, and why.",
     )
-    app.callback()(_program)
-    if "_SCARA_ISO_COMPLETE" in os.environ:  # a shell asks
+    app.callback()(_general)
+    if _completing():
         completion_init()
     called = _command(arguments)
     for name in [called] if called else COMMANDS:
@@ -57,13 +87,23 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
     return app
 
 
+def _completing() -> bool:
+    """Say whether a shell asks how a line may go on."""
+    return "_SCARA_ISO_COMPLETE" in os.environ
+
+
+def _width() -> int:
+    """Return how wide help may be: the window, as far as a line is read with ease."""
+    return min(get_terminal_size().columns, 100)
+
+
 def _show_version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"scara-iso {__version__}")
         raise typer.Exit
 
 
-def _program(
+def _general(
     debug: bool = typer.Option(False, "--debug", help="Show the traceback of an error."),
     no_color: bool = typer.Option(False, "--no-color", help="No colour, as NO_COLOR does."),
     version: bool = typer.Option(  # noqa: ARG001 - typer calls _show_version
@@ -79,8 +119,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     # A second thread of the linear algebra gains nothing on thirty readings and costs three times.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = _general_first(sys.argv[1:] if argv is None else argv)
-    if set(arguments) <= set(_ANYWHERE):
-        arguments.append("--help")
     settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
     with warnings.catch_warnings():
@@ -93,8 +131,12 @@ def _call(arguments: Sequence[str]) -> int:
         _refuse_what_names_nothing(arguments)
         if sys.stdout is None:
             raise OSError("standard output is closed")
-        asked = arguments if set(arguments) - {*_ANYWHERE} else [*arguments, "--help"]
-        code = build_app(asked)(args=asked, prog_name="scara-iso", standalone_mode=False)
+        if set(arguments) <= set(_ANYWHERE) and not _completing():
+            sys.stdout.write(WELCOME)
+            code = 0
+        else:
+            app = build_app(arguments)
+            code = app(args=arguments, prog_name="scara-iso", standalone_mode=False)
         sys.stdout.flush()
     except SystemExit as leaving:
         if isinstance(leaving.__context__, OSError):  # the parser's answer to a closed pipe
