@@ -6,6 +6,8 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import pytest
 
@@ -148,6 +150,16 @@ def test_demo_sets_the_print_beside_the_data(call):
 
 def test_demo_names_the_table_and_no_folder(call):
     assert "FUM SCARA · the paper's Table I\n" in call("demo")[1]
+
+
+def test_demo_opens_its_report_in_the_browser(call, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    code, out, err = call("demo", "--open")
+    assert (code, err) == (0, "")
+    page = Path(url2pathname(urlsplit(opened[0]).path))
+    assert out.endswith(f"{page} is written: open it in a browser\n")  # the browser took nothing
+    assert "FUM SCARA" in page.read_text(encoding="utf-8")
 
 
 def test_demo_as_json(call):

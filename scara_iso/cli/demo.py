@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from scara_iso.cli.options import AsJson
 from scara_iso.cli.output import write_json, write_report
@@ -18,10 +20,13 @@ NEXT_STEPS = (
 )
 
 
-def demo_command(*, json: AsJson = False) -> None:
+Open = Annotated[bool, typer.Option("--open", help="Show the report of it in the browser.")]
+
+
+def demo_command(*, open_report: Open = False, json: AsJson = False) -> None:
     """Walk through the paper's Table I: analysis, backlash, what of the print follows from it.
 
-    Example: scara-iso demo
+    Example: scara-iso demo --open
     """
     from scara_iso import analyze
     from scara_iso.render import analysis_json, backlash_json
@@ -43,6 +48,23 @@ def demo_command(*, json: AsJson = False) -> None:
     write_report(analysis_report(analysis))
     write_report(backlash_report(gear, pose))
     write_report((paper_section(pose, gear), _next_steps()))
+    if open_report:
+        _open_report()
+
+
+def _open_report() -> None:
+    import webbrowser
+    from pathlib import Path
+    from tempfile import mkdtemp
+
+    from scara_iso.disk import write_file
+    from scara_iso.library import report, writer
+    from scara_iso.robot import table_1
+
+    page = Path(mkdtemp(prefix="scara-iso-")) / "fum_scara.html"
+    write_file(page, writer(page, None)(report(table_1()).dossier))
+    opened = webbrowser.open(page.as_uri())
+    typer.echo(f"{page} is {'opened' if opened else 'written: open it in a browser'}")
 
 
 def _next_steps() -> Section:
