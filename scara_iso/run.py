@@ -51,6 +51,7 @@ class Axis:
     """
 
     name: str
+    """``X``, ``Y``, ``Z`` or ``theta``."""
     readings: FloatArray = field(repr=False)
     dimension: Dimension = Dimension.LENGTH
     resolution: float | None = None
@@ -84,11 +85,14 @@ class Run:
 
     cycle: IntArray
     axes: Mapping[str, Axis]
+    """By name, in the order of `AXES`."""
     pose: npt.NDArray[np.str_] | None = None
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Other columns by name, each of shape (rows,)."""
     metadata: Mapping[str, str] = field(default_factory=dict)
     lines: IntArray | None = None
     origin: Origin = Origin()
+    """Where the run came from; never computed with."""
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__

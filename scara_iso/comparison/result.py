@@ -34,10 +34,14 @@ class Contrast:
     figure: str
     """``X``, ``XY`` and so on."""
     pose: str | None
+    """Label; None for runs of one pose."""
     quantity: Quantity
+    """What is compared."""
     unit: str
     before: float
+    """Value of the first run, in `unit`."""
     after: float
+    """Value of the other run, in `unit`."""
     interval: Ends
     """Of the difference, after minus before."""
     ratio_interval: Ends | None
@@ -49,6 +53,7 @@ class Contrast:
     p_value_alone: float
     """As if no other figure had been looked at."""
     verdict: ContrastVerdict
+    """Whether the difference is shown, and which way."""
     cycles_needed: int | None
     """Cycles in each run that would show the observed difference in 4 of 5 tests."""
     smallest_shown: float | None
@@ -72,10 +77,15 @@ class Pair:
     """One run against the first."""
 
     before: Analysis
+    """The first run."""
     after: Analysis
+    """The run that is compared with it."""
     means: tuple[Contrast, ...]
+    """One for each pose and axis."""
     spreads: tuple[Contrast, ...]
+    """One for each pose, axis and plane: RP, and 3 S of an angle."""
     findings: tuple[Finding, ...]
+    """What the comparison must be read with."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -83,8 +93,11 @@ class Comparison:
     """Every run against the first of them."""
 
     pairs: tuple[Pair, ...]
+    """One for each run after the first."""
     shuffles: int
+    """Number of permutations dealt."""
     seed: int
+    """Seed of the permutations."""
 
     def __repr__(self) -> str:
         shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}

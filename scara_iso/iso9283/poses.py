@@ -62,6 +62,7 @@ class PoseTestConditions:
     cycles: int = 31
     """Cycles run; the paper runs 31, of which the first only settles the contact side."""
     discarded: int = 1
+    """Cycles at the beginning whose readings do not count."""
     velocity_percent: float = 100.0
     """Percent of the rated velocity."""
     load_percent: float = 100.0
@@ -101,14 +102,23 @@ class PlannedPose:
     """One pose: where the tool is, and the joints that bring it there."""
 
     name: str
+    """``P1`` to ``P5``."""
     x_mm: float
+    """Tool in the base frame [mm]."""
     y_mm: float
+    """Likewise [mm]."""
     z_mm: float
+    """Likewise [mm]."""
     theta_deg: float
+    """Orientation of the tool [deg]."""
     joint_1_deg: float
+    """Angle of joint 1 [deg]."""
     joint_2_deg: float
+    """Angle of joint 2 [deg]."""
     joint_3_mm: float
+    """Position of the vertical axis [mm]."""
     joint_4_deg: float
+    """Angle of the wrist [deg]."""
     singularity_deg: float
     """By how much joint 2 misses straight or folded, where the arm is singular."""
     manipulability: float
@@ -120,10 +130,13 @@ class PosePlan:
     """The planned test. Lengths in mm, in the base frame; arrays read-only."""
 
     solid: Solid
+    """Cube or box."""
     corners: FloatArray
     """C1 to C8, shape (8, 3)."""
     plane: DiagonalPlane
+    """The diagonal plane that holds the poses."""
     elbow: Elbow
+    """Side of the elbow at every pose."""
     poses: tuple[PlannedPose, ...]
     """P1 the centre of the plane, P2 to P5 on its diagonals, next to its corners in their order."""
     diagonal_mm: float
@@ -134,6 +147,7 @@ class PosePlan:
     stroke_limits: bool
     """Whether a larger cube would fit if the stroke were longer."""
     conditions: PoseTestConditions
+    """Cycles, velocity, load, dwell and order of visits."""
 
     def __post_init__(self) -> None:
         self.corners.flags.writeable = False
