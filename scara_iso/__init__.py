@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         RadialResult as RadialResult,
     )
     from scara_iso.library import (
+        Diagnoses as Diagnoses,
         TestReport as TestReport,
         analyze as analyze,
         compare as compare,
@@ -59,6 +60,7 @@ __all__ = [
     "Comparison",
     "Crossing",
     "DataError",
+    "Diagnoses",
     "Diagnosis",
     "Finding",
     "PosePlan",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.display import Displayed
 from scara_iso.errors import DataError
 from scara_iso.frames import FRAME, make_frame, numbers_of, refuse_without_unit
 from scara_iso.pose_columns import Commanded, by_pose, check_clusters, number_cycles, pose_column
@@ -74,7 +75,7 @@ class Axis:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Run:
+class Run(Displayed):
     """One test: a row per cycle (and pose), a column per indicator axis; read-only.
 
     ``cycle`` has shape (rows,); every axis, ``pose`` (labels) and each covariate as well.

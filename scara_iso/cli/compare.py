@@ -72,9 +72,9 @@ def compare_command(
         seed=seed,
     )
     if plot is not None:
-        from scara_iso.render import plot_comparison
+        from scara_iso.render import save_figure
 
-        plot_comparison(comparison, plot)
+        save_figure(comparison.plot(), plot)
     _write(comparison, as_json=json)
 
 

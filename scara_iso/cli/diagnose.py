@@ -133,11 +133,6 @@ class _Files:
     plot: Path | None
     sigma: float | None
 
-    @property
-    def alone(self) -> bool:
-        """Whether nothing but a table is named."""
-        return not any((self.model, self.hold_out, self.save_model, self.plot, self.sigma))
-
     def check(self, tables: Sequence[str]) -> None:
         """Raise `UsageError` where this does not go with the tables that are named."""
         single = {
@@ -165,14 +160,11 @@ def _diagnose_table(
     as_json: bool,
 ) -> None:
     from scara_iso.diagnosis import save_model
-    from scara_iso.library import diagnose
+    from scara_iso.library import Diagnoses, diagnose
 
     run = reading.read(table)
-    if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
-        from scara_iso.cli.diagnose_many import diagnose_poses_of
-
-        diagnose_poses_of(run, wanted, seed=seed, as_json=as_json)
-        return
+    if files.plot is not None:
+        wanted.take(run)  # refuses several poses before anything is computed
     diagnosis = diagnose(
         run,
         files.model,
@@ -181,10 +173,15 @@ def _diagnose_table(
         seed=seed,
         sigma=files.sigma,
     )
-    if files.plot is not None:
-        from scara_iso.render import plot_diagnosis
+    if isinstance(diagnosis, Diagnoses):
+        from scara_iso.cli.diagnose_many import show_poses
 
-        plot_diagnosis(diagnosis, files.plot)
+        show_poses(diagnosis, as_json=as_json)
+        return
+    if files.plot is not None:
+        from scara_iso.render import save_figure
+
+        save_figure(diagnosis.plot(), files.plot)
     if files.save_model is not None and files.model is not None:
         said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))

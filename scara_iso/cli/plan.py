@@ -13,7 +13,6 @@ from scara_iso.cli.output import check_outputs, write_json, write_report, write_
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import PosePlan
-    from scara_iso.robot import Arm
 
 
 class SolidName(StrEnum):
@@ -97,17 +96,13 @@ def plan_command(
         load=load,
         dwell=dwell,
     )
-    if picture is not None and described.arm is not None:
-        _draw(found, described.arm, picture)
+    if picture is not None:
+        from scara_iso.render import save_figure
+
+        save_figure(found.plot(), picture)
     if output is not None:
         write_text(visits_csv(found, find_locale(excel_locale)), output)
     _write(found, described.robot, as_json=json)
-
-
-def _draw(plan: PosePlan, arm: Arm, picture: Path) -> None:
-    from scara_iso.render import plot_plan
-
-    plot_plan(plan, arm, picture)
 
 
 def _write(plan: PosePlan, robot: str, *, as_json: bool) -> None:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+from scara_iso.display import Plotted
+from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283 import Analysis, Finding
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Ends = tuple[float | None, float | None]
 """Of an interval; None where nothing bounds it."""
@@ -89,7 +94,7 @@ class Pair:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Comparison:
+class Comparison(Plotted):
     """Every run against the first of them."""
 
     pairs: tuple[Pair, ...]
@@ -104,3 +109,37 @@ class Comparison:
         found = [one for pair in self.pairs for one in (*pair.means, *pair.spreads)]
         changed = sum(one.verdict in shown for one in found)
         return f"<Comparison: {len(self.pairs)} pair(s), {changed} of {len(found)} changes shown>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table: a row for each pair, pose, figure and quantity, NaN where none.
+
+        Columns: before and after (values, in ``unit``), difference with low and high, ratio with
+        ratio_low and ratio_high, p_value, p_value_alone, verdict, cycles_needed, smallest_shown;
+        ``table`` names the run that is compared with the first.
+        """
+        rows = [
+            _row(pair.after.run.origin.source, one)
+            for pair in self.pairs
+            for one in (*pair.spreads, *pair.means)
+        ]
+        return frame_of(rows, {"before": self.pairs[0].before.run.origin.source})
+
+
+def _row(table: str, one: Contrast) -> dict[str, Any]:
+    low, high = one.interval
+    ratio_low, ratio_high = one.ratio_interval or (None, None)
+    numbers = {
+        "before": one.before, "after": one.after, "difference": one.difference, "low": low,
+        "high": high, "ratio": one.ratio, "ratio_low": ratio_low, "ratio_high": ratio_high,
+        "p_value": one.p_value, "p_value_alone": one.p_value_alone,
+        "cycles_needed": one.cycles_needed, "smallest_shown": one.smallest_shown,
+    }  # fmt: skip
+    return {
+        "table": table,
+        "pose": one.pose,
+        "figure": one.figure,
+        "quantity": one.quantity,
+        "unit": one.unit,
+        **{name: or_nan(value) for name, value in numbers.items()},
+        "verdict": one.verdict.value,
+    }

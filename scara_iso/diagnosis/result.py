@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.display import Plotted
 from scara_iso.frames import make_frame
 from scara_iso.run import FloatArray, IntArray
 
@@ -118,7 +119,7 @@ class Shares:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Diagnosis:
+class Diagnosis(Plotted):
     """What was found in one pose's readings."""
 
     verdict: Verdict

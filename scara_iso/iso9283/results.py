@@ -6,11 +6,11 @@ converts itself: `report` says it and `render` shows it.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from scara_iso.frames import make_frame
+from scara_iso.display import Displayed
+from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.figures import AxisResult, Interval, PoseResult, RadialResult
@@ -146,7 +146,7 @@ class Characteristic:
 
 
 @dataclass(frozen=True, slots=True)
-class Analysis:
+class Analysis(Displayed):
     """Everything that `scara_iso.analyze` finds in a run."""
 
     run: Run
@@ -174,8 +174,7 @@ class Analysis:
         RP_high (95 %), RP_rss (eq. 23), three_sigma, accuracy (7.2.1), uncertainty (standard).
         """
         rows = [_row(pose, *found) for pose in self.poses for found in pose.figures.items()]
-        columns = {name: [row[name] for row in rows] for name in rows[0]}
-        return make_frame(columns, {"source": self.run.origin.source})
+        return frame_of(rows, {"source": self.run.origin.source})
 
     @property
     def conformity(self) -> Conformity | None:
@@ -204,5 +203,5 @@ def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dic
         "figure": figure,
         "unit": found.unit if isinstance(found, AxisResult) else Dimension.LENGTH.value,
         "n": len(pose.cycle),
-        **{name: math.nan if value is None else value for name, value in stated.items()},
+        **{name: or_nan(value) for name, value in stated.items()},
     }

@@ -26,7 +26,11 @@ if TYPE_CHECKING:
         LiveScreen as LiveScreen,
         LiveView as LiveView,
     )
-    from scara_iso.render.plots import plot_diagnosis as plot_diagnosis, plot_plan as plot_plan
+    from scara_iso.render.plots import (
+        plot_diagnosis as plot_diagnosis,
+        plot_plan as plot_plan,
+        save_figure as save_figure,
+    )
     from scara_iso.render.progress import track as track
     from scara_iso.render.terminal import open_console as open_console, show as show
 else:

@@ -70,7 +70,8 @@ class Document:
 
     title: str
     sections: Report
-    source: Dossier
+    source: Dossier | None = None
+    """None where it is not about a whole test."""
 
 
 def document(dossier: Dossier) -> Document:
