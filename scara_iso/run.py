@@ -262,7 +262,7 @@ class Run(Displayed):
             metadata=frame.attrs.get("metadata", {}) if metadata is None else metadata,
             origin=Origin(source=FRAME),
         ).unwrapped()
-        check_clusters(run, run.covariates)
+        check_clusters(run.axes, run.rows_by_pose(), run.covariates, run.metadata, where=FRAME)
         return run
 
 

@@ -20,8 +20,7 @@ from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.quantities import Dimension
 from scara_iso.render.comparison_plot import plot_comparison
-from scara_iso.render.json import to_text
-from scara_iso.render.json_comparison import comparison_json
+from scara_iso.render.json import comparison_json, to_text
 from scara_iso.render.plots import save_figure
 from scara_iso.reporting.comparison import comparison_report, headline
 from scara_iso.run import Axis, Run

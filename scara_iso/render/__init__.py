@@ -10,14 +10,14 @@ if TYPE_CHECKING:
     from scara_iso.render.formats.json import report_json as report_json
     from scara_iso.render.json import (
         analysis_json as analysis_json,
+        comparison_json as comparison_json,
         explain_json as explain_json,
         plan_json as plan_json,
         run_json as run_json,
         to_text as to_text,
     )
-    from scara_iso.render.json_backlash import backlash_json as backlash_json
-    from scara_iso.render.json_comparison import comparison_json as comparison_json
     from scara_iso.render.json_diagnosis import (
+        backlash_json as backlash_json,
         design_json as design_json,
         diagnosis_json as diagnosis_json,
     )

@@ -6,8 +6,7 @@ from dataclasses import asdict
 
 from scara_iso.errors import UsageError
 from scara_iso.render.json import Json, analysis_json, to_text
-from scara_iso.render.json_backlash import backlash_json
-from scara_iso.render.json_diagnosis import diagnosis_json
+from scara_iso.render.json_diagnosis import backlash_json, diagnosis_json
 from scara_iso.reporting import Document, Dossier, Failure, head, uncertainty_budget
 
 
