@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from scara_iso import library, render, reporting
 from scara_iso.cli.options import (
     AllCount,
     AllowGaps,
@@ -24,7 +25,7 @@ from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import CyclesWanted, Diagnosis
+    from scara_iso.diagnosis import CyclesWanted
     from scara_iso.library import TableOptions
 
 Tables = Annotated[
@@ -160,12 +161,11 @@ def _diagnose_table(
     as_json: bool,
 ) -> None:
     from scara_iso.diagnosis import save_model
-    from scara_iso.library import Diagnoses, diagnose
 
     run = reading.read(table)
     if files.plot is not None:
         wanted.take(run)  # refuses several poses before anything is computed
-    diagnosis = diagnose(
+    diagnosis = library.diagnose(
         run,
         files.model,
         **asdict(wanted),
@@ -173,27 +173,17 @@ def _diagnose_table(
         seed=seed,
         sigma=files.sigma,
     )
-    if isinstance(diagnosis, Diagnoses):
+    if isinstance(diagnosis, library.Diagnoses):
         from scara_iso.cli.diagnose_many import show_poses
 
         show_poses(diagnosis, as_json=as_json)
         return
     if files.plot is not None:
-        from scara_iso.render import save_figure
-
-        save_figure(diagnosis.plot(), files.plot)
+        render.save_figure(diagnosis.plot(), files.plot)
     if files.save_model is not None and files.model is not None:
         said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
-    _write(diagnosis, run.origin.source, as_json=as_json)
-
-
-def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:
     if as_json:
-        from scara_iso.render import diagnosis_json
-
-        write_json(diagnosis_json(diagnosis))
+        write_json(render.diagnosis_json(diagnosis))
     else:
-        from scara_iso.reporting import diagnosis_report
-
-        write_report(diagnosis_report(diagnosis, title))
+        write_report(reporting.diagnosis_report(diagnosis, run.origin.source))

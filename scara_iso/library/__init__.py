@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from scara_iso.library.reports import (
         TestReport as TestReport,
         report as report,
-        writer as writer,
     )
     from scara_iso.library.several import compare as compare
 else:

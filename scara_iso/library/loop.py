@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from scara_iso import diagnosis
-from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis
+from scara_iso.diagnosis import (
+    SEED,
+    CyclesWanted,
+    Diagnosis,
+    close_the_loop,
+    close_the_loop_at_poses,
+)
 from scara_iso.errors import ScaraIsoError
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.inputs import Table, TableOptions
+from scara_iso.library.models import described
 from scara_iso.reporting import Failure
-from scara_iso.robot import Model
+from scara_iso.robot import Model, read_model
 
 
 def diagnose(
@@ -48,12 +53,12 @@ def diagnose(
     run = reading.read(table)
     for_one_pose = (pose, model, hold_out, sigma)
     if all(one is None for one in for_one_pose) and len(list(run.rows_by_pose())) > 1:
-        poses = diagnosis.close_the_loop_at_poses(run, wanted, seed=seed)
+        poses = close_the_loop_at_poses(run, wanted, seed=seed)
         return Diagnoses(tuple(poses), tuple(poses.values()))
-    return diagnosis.diagnose(
+    return close_the_loop(
         run,
-        model,
-        **asdict(wanted),
+        None if model is None else described(model),
+        wanted,
         hold_out=None if hold_out is None else reading.read(hold_out),
         sigma=sigma,
         seed=seed,
@@ -108,6 +113,7 @@ def _diagnose_one(
     seed: int,
 ) -> Diagnosis | Failure:
     try:
-        return diagnosis.diagnose(reading.read(table), model, **asdict(wanted), seed=seed)
+        run, known = reading.read(table), None if model is None else read_model(model)
+        return close_the_loop(run, known, wanted, seed=seed)
     except ScaraIsoError as error:
         return Failure(error.headline, error.exit_code)

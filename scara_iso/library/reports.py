@@ -60,7 +60,7 @@ class TestReport(Displayed):
         and as `write_file`.
         """
         path = Path(path)
-        write_file(path, writer(path, excel_locale)(self.dossier))
+        write_file(path, _writer(path, excel_locale)(self.dossier))
         return path
 
 
@@ -90,7 +90,7 @@ def report(
     the other options are those of `analyze`. Errors as in `analyze`, `diagnose` and
     `TestReport.write`.
     """
-    write = None if to is None else writer(Path(to), excel_locale)
+    write = None if to is None else _writer(Path(to), excel_locale)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
     run, file = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
     described = None if model is None else read_model(model)
@@ -121,7 +121,7 @@ def _provenance(files: tuple[InputFile, ...], command: str) -> Provenance:
     return Provenance(files, __version__, command)
 
 
-def writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
+def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     render = find_format(path.name, path.suffix)
     if locale is None:
