@@ -13,6 +13,9 @@ are `ScaraIsoError`s with what, where and what to do.
 
 from __future__ import annotations
 
+from importlib import import_module
+
+from scara_iso import display
 from scara_iso.faces import face
 
 TYPE_CHECKING = False  # the import of typing takes as long as all before it: Ctrl-C waits for it
@@ -49,6 +52,8 @@ if TYPE_CHECKING:
     from scara_iso.tables import read_table as read_table, write_table as write_table
 else:
     __getattr__ = face(__name__)
+
+display.notebook = lambda: import_module("scara_iso.library.notebook")
 
 __version__ = "0.1.0"
 

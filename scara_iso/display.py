@@ -1,15 +1,24 @@
-"""How a result shows itself: the page or picture that the renderer, far above it, makes of it.
+"""How a result shows itself in a notebook.
 
-This is the one way up in the house: `library.notebook` is called by name, when somebody looks.
+Results stand far below the renderer and cannot name it: the package's face puts it here.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # read at every start, as the package's face
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
     from matplotlib.figure import Figure
+
+
+def _none() -> Any:
+    raise NotImplementedError("no renderer")
+
+
+notebook: Callable[[], Any] = _none
+"""Gives ``page(result)`` and ``picture(result)``; called when somebody looks."""
 
 
 class Displayed:
@@ -18,7 +27,7 @@ class Displayed:
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        page: str = _notebook().page(self)
+        page: str = notebook().page(self)
         return page
 
 
@@ -32,9 +41,5 @@ class Plotted(Displayed):
 
         A notebook shows it after ``%matplotlib inline``.
         """
-        figure: Figure = _notebook().picture(self)
+        figure: Figure = notebook().picture(self)
         return figure
-
-
-def _notebook() -> Any:
-    return import_module("scara_iso.library.notebook")
