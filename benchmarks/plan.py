@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 
 from benchmarks.page import DOCS, run
 from scara_iso.iso9283.poses import Solid, make_plan
-from scara_iso.render.plots import plot_plan
+from scara_iso.render.plots import save_figure
 from scara_iso.robot.arm import Arm
 
 # the paper gives link 1 + link 2 = 0.7 m (eq. 21); the split, limits and stroke are assumed
@@ -53,7 +53,7 @@ def picture() -> Iterator[str]:
     """Draw the plan of the paper's robot and yield the line that shows it."""
     path = DOCS / "figures" / "plan_fum.svg"
     path.parent.mkdir(parents=True, exist_ok=True)
-    plot_plan(make_plan(FUM), FUM, path)
+    save_figure(make_plan(FUM).plot(), path)
     yield "![Workspace, cube, plane and poses](figures/plan_fum.svg)"
 
 

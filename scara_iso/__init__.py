@@ -13,6 +13,9 @@ are `ScaraIsoError`s with what, where and what to do.
 
 from __future__ import annotations
 
+from importlib import import_module
+
+from scara_iso import display
 from scara_iso.faces import face
 
 TYPE_CHECKING = False  # the import of typing takes as long as all before it: Ctrl-C waits for it
@@ -33,6 +36,7 @@ if TYPE_CHECKING:
         RadialResult as RadialResult,
     )
     from scara_iso.library import (
+        Diagnoses as Diagnoses,
         TestReport as TestReport,
         analyze as analyze,
         compare as compare,
@@ -49,6 +53,8 @@ if TYPE_CHECKING:
 else:
     __getattr__ = face(__name__)
 
+display.notebook = lambda: import_module("scara_iso.library.notebook")
+
 __version__ = "0.1.0"
 
 __all__ = [
@@ -59,6 +65,7 @@ __all__ = [
     "Comparison",
     "Crossing",
     "DataError",
+    "Diagnoses",
     "Diagnosis",
     "Finding",
     "PosePlan",

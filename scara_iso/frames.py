@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,16 @@ def make_frame(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> pd.
     frame = pd.DataFrame(dict(columns))
     frame.attrs.update(attributes)
     return frame
+
+
+def frame_of(rows: Sequence[Mapping[str, Any]], attributes: Mapping[str, Any]) -> pd.DataFrame:
+    """Return a pandas table of one row or more, all with the same names, with ``attrs``."""
+    return make_frame({name: [row[name] for row in rows] for name in rows[0]}, attributes)
+
+
+def or_nan(value: float | None) -> float:
+    """Return a number, or NaN where there is none."""
+    return math.nan if value is None else value
 
 
 def numbers_of(name: str, column: pd.Series) -> npt.NDArray[np.float64]:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
-
-if TYPE_CHECKING:
-    from scara_iso.run import Run
 
 Commanded = float | Mapping[str, float] | None
 """A coordinate of the command pose: of the only pose, or by pose; None where not stated."""
@@ -82,24 +79,48 @@ def by_pose(
     return found if pose is not None else found[""]
 
 
-def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> None:
-    """Refuse a run of which a column parts the readings at a pose as poses are parted.
+class Readings(Protocol):
+    """What is asked of an axis."""
 
-    ``columns`` of shape (rows,); known conditions, and those that the metadata state as
-    ``covariates``, are passed over.
+    @property
+    def readings(self) -> npt.NDArray[np.float64]:
+        """Shape (rows,)."""
+
+    @property
+    def resolution(self) -> float | None:
+        """In the unit of the readings."""
+
+    @property
+    def unit(self) -> str:
+        """Of the readings."""
+
+
+def check_clusters(
+    axes: Mapping[str, Readings],
+    poses: Iterable[tuple[str | None, npt.NDArray[np.int64]]],
+    columns: Mapping[str, npt.NDArray[np.generic]],
+    metadata: Mapping[str, str],
+    *,
+    where: str,
+) -> None:
+    """Refuse readings that a column parts at a pose as poses are parted; ``where`` are they from.
+
+    ``poses`` are labels with their rows; ``columns`` of shape (rows,). Known conditions, and those
+    that ``metadata`` states as ``covariates``, are passed over.
     """
-    stated = {name.strip().lower() for name in run.metadata.get("covariates", "").split(",")}
+    at_poses = [rows for _, rows in poses]
+    stated = {name.strip().lower() for name in metadata.get("covariates", "").split(",")}
     for name, values in columns.items():
         if name in CONDITIONS or name.lower() in stated or not _is_few(values[:_SAMPLE]):
             continue
-        for _, rows in run.rows_by_pose():
-            for axis in run.axes.values():
-                found = _apart(axis.readings[rows], values[rows], axis.resolution)
+        for rows in at_poses:
+            for axis, of_it in axes.items():
+                found = _apart(of_it.readings[rows], values[rows], of_it.resolution)
                 if found is not None:
                     raise DataError(
-                        f"column {name!r} parts the readings of {axis.name} as poses would: "
-                        f"about {found[0]:.6g} and about {found[1]:.6g} {axis.unit}",
-                        where=run.origin.source,
+                        f"column {name!r} parts the readings of {axis} as poses would: "
+                        f"about {found[0]:.6g} and about {found[1]:.6g} {of_it.unit}",
+                        where=where,
                         remedy=f"name the column 'pose', or say '# covariates: {name}' above the "
                         "header if it is a condition of one pose",
                     )

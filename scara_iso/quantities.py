@@ -173,6 +173,7 @@ class Estimate:
     """A figure with what is known of it; nothing here is rounded."""
 
     value: float
+    """In `unit`."""
     unit: str
     """``mm`` or ``deg``; of `u`, `parts` and `interval` too."""
     u: float | None

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.display import Displayed
 from scara_iso.errors import DataError
 from scara_iso.frames import FRAME, make_frame, numbers_of, refuse_without_unit
 from scara_iso.pose_columns import Commanded, by_pose, check_clusters, number_cycles, pose_column
@@ -51,6 +52,7 @@ class Axis:
     """
 
     name: str
+    """``X``, ``Y``, ``Z`` or ``theta``."""
     readings: FloatArray = field(repr=False)
     dimension: Dimension = Dimension.LENGTH
     resolution: float | None = None
@@ -73,7 +75,7 @@ class Axis:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Run:
+class Run(Displayed):
     """One test: a row per cycle (and pose), a column per indicator axis; read-only.
 
     ``cycle`` has shape (rows,); every axis, ``pose`` (labels) and each covariate as well.
@@ -84,11 +86,14 @@ class Run:
 
     cycle: IntArray
     axes: Mapping[str, Axis]
+    """By name, in the order of `AXES`."""
     pose: npt.NDArray[np.str_] | None = None
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Other columns by name, each of shape (rows,)."""
     metadata: Mapping[str, str] = field(default_factory=dict)
     lines: IntArray | None = None
     origin: Origin = Origin()
+    """Where the run came from; never computed with."""
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -257,7 +262,7 @@ class Run:
             metadata=frame.attrs.get("metadata", {}) if metadata is None else metadata,
             origin=Origin(source=FRAME),
         ).unwrapped()
-        check_clusters(run, run.covariates)
+        check_clusters(run.axes, run.rows_by_pose(), run.covariates, run.metadata, where=FRAME)
         return run
 
 

@@ -122,3 +122,29 @@ def test_only_the_command_line_names_its_options():
         if "cli" not in path.relative_to(ROOT).parts and any(map(OPTION.search, strings(path)))
     }
     assert naming == SCREEN
+
+
+PAGE = ROOT.parent / "docs" / "architecture.md"
+MODULES = {module_of(path) for path in ROOT.rglob("*.py")}
+DEFINED = {module_of(path): {*public_definitions(path)} for path in ROOT.rglob("*.py")}
+OTHER = {"__init__", "TYPE_CHECKING", "_repr_html_()", "to_frame()", "plot()", "--rebuild"}
+"""What the page names that is no module, folder, file or name of a face."""
+
+
+def stands(span):
+    """Say whether a name of the page is there: a module, a file, or a definition in its room."""
+    name = span.removeprefix("scara_iso.").replace("/", ".")
+    room, _, last = name.rpartition(".")
+    return (
+        any(f".{module}".endswith(f".{name}") for module in MODULES)
+        or any(where.startswith(room) and last in names for where, names in DEFINED.items())
+        or (ROOT.parent / span).exists()
+    )
+
+
+def test_the_way_in_names_what_is_there_and_every_room():
+    text = PAGE.read_text(encoding="utf-8")
+    spans = {span for span in re.findall(r"`([^`]+)`", text) if " " not in span}
+    assert {span for span in spans - OTHER if not stands(span)} == set()
+    rooms = {path.stem for path in ROOT.iterdir() if not path.name.startswith("_")} - {"py"}
+    assert {room for room in rooms if f"`{room}`" not in text} == set()

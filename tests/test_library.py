@@ -139,14 +139,6 @@ def test_a_diagnosis_gives_its_series_and_shows_itself():
     assert repr(found).startswith("<Diagnosis of X, Y, Z, theta over 30 cycles: explained step")
 
 
-@pytest.mark.parametrize("of", [lambda: scara_iso.analyze(TABLE_1),
-                                lambda: scara_iso.compare(BEFORE, AFTER)])  # fmt: skip
-def test_a_result_is_a_page_in_a_notebook(of):
-    page = of()._repr_html_()
-    assert page.startswith('<iframe sandbox srcdoc="&lt;!DOCTYPE html&gt;')
-    assert page.count("<") == 2
-
-
 def test_record_is_a_run_of_what_was_stored(tmp_path):
     stored = []
     found = scara_iso.record(

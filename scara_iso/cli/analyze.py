@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from scara_iso import library, render, reporting
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
@@ -24,9 +25,6 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.iso9283 import Conformity, DecisionRule
-
-if TYPE_CHECKING:
-    from scara_iso.iso9283 import Analysis
 
 
 def analyze_command(
@@ -51,9 +49,7 @@ def analyze_command(
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
-    from scara_iso.library import analyze
-
-    analysis = analyze(
+    analysis = library.analyze(
         table,
         unit=unit,
         resolution=resolution,
@@ -67,17 +63,9 @@ def analyze_command(
         decision=decision.value,
         other_definitions=definitions,
     )
-    _write(analysis, as_json=json)
+    if json:
+        write_json(render.analysis_json(analysis))
+    else:
+        write_report(reporting.analysis_report(analysis))
     if analysis.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)
-
-
-def _write(analysis: Analysis, *, as_json: bool) -> None:
-    if as_json:
-        from scara_iso.render import analysis_json
-
-        write_json(analysis_json(analysis))
-    else:
-        from scara_iso.reporting import analysis_report
-
-        write_report(analysis_report(analysis))

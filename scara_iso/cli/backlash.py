@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from scara_iso import render, reporting
 from scara_iso.cli.options import AllCount, AllowGaps, AsJson, CyclesRun, FirstDiscarded
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
@@ -63,15 +64,11 @@ def backlash_command(
         )
     closed = None if measured is None else _closed(measured)
     if json:
-        from scara_iso.render import backlash_json
-
-        write_json(backlash_json(result, pose, closed))
+        write_json(render.backlash_json(result, pose, closed))
     else:
-        from scara_iso.reporting import backlash_report, sweep_report
-
-        write_report(backlash_report(result, pose))
+        write_report(reporting.backlash_report(result, pose))
         if closed is not None:
-            write_report(sweep_report(closed))
+            write_report(reporting.sweep_report(closed))
 
 
 def _closed(sweep: str) -> GearDiagnosis:

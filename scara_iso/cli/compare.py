@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from scara_iso import library, render, reporting
 from scara_iso.cli.options import (
     AllCount,
     AllowGaps,
@@ -20,9 +21,6 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
-
-if TYPE_CHECKING:
-    from scara_iso.comparison import Comparison
 
 Tables = Annotated[
     list[str],
@@ -54,12 +52,10 @@ def compare_command(
 
     Example: scara-iso compare examples/before_repair.csv examples/after_repair.csv
     """
-    from scara_iso.library import compare
-
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     check_outputs([plot], tables)
-    comparison = compare(
+    comparison = library.compare(
         *tables,
         unit=unit,
         resolution=resolution,
@@ -72,18 +68,8 @@ def compare_command(
         seed=seed,
     )
     if plot is not None:
-        from scara_iso.render import plot_comparison
-
-        plot_comparison(comparison, plot)
-    _write(comparison, as_json=json)
-
-
-def _write(comparison: Comparison, *, as_json: bool) -> None:
-    if as_json:
-        from scara_iso.render import comparison_json
-
-        write_json(comparison_json(comparison))
+        render.save_figure(comparison.plot(), plot)
+    if json:
+        write_json(render.comparison_json(comparison))
     else:
-        from scara_iso.reporting import comparison_report
-
-        write_report(comparison_report(comparison))
+        write_report(reporting.comparison_report(comparison))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from scara_iso import library, render, reporting
 from scara_iso.cli.options import (
     AllCount,
     AllowGaps,
@@ -24,7 +25,7 @@ from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import CyclesWanted, Diagnosis
+    from scara_iso.diagnosis import CyclesWanted
     from scara_iso.library import TableOptions
 
 Tables = Annotated[
@@ -133,11 +134,6 @@ class _Files:
     plot: Path | None
     sigma: float | None
 
-    @property
-    def alone(self) -> bool:
-        """Whether nothing but a table is named."""
-        return not any((self.model, self.hold_out, self.save_model, self.plot, self.sigma))
-
     def check(self, tables: Sequence[str]) -> None:
         """Raise `UsageError` where this does not go with the tables that are named."""
         single = {
@@ -165,15 +161,11 @@ def _diagnose_table(
     as_json: bool,
 ) -> None:
     from scara_iso.diagnosis import save_model
-    from scara_iso.library import diagnose
 
     run = reading.read(table)
-    if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
-        from scara_iso.cli.diagnose_many import diagnose_poses_of
-
-        diagnose_poses_of(run, wanted, seed=seed, as_json=as_json)
-        return
-    diagnosis = diagnose(
+    if files.plot is not None:
+        wanted.take(run)  # refuses several poses before anything is computed
+    diagnosis = library.diagnose(
         run,
         files.model,
         **asdict(wanted),
@@ -181,22 +173,17 @@ def _diagnose_table(
         seed=seed,
         sigma=files.sigma,
     )
-    if files.plot is not None:
-        from scara_iso.render import plot_diagnosis
+    if isinstance(diagnosis, library.Diagnoses):
+        from scara_iso.cli.diagnose_many import show_poses
 
-        plot_diagnosis(diagnosis, files.plot)
+        show_poses(diagnosis, as_json=as_json)
+        return
+    if files.plot is not None:
+        render.save_figure(diagnosis.plot(), files.plot)
     if files.save_model is not None and files.model is not None:
         said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
-    _write(diagnosis, run.origin.source, as_json=as_json)
-
-
-def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:
     if as_json:
-        from scara_iso.render import diagnosis_json
-
-        write_json(diagnosis_json(diagnosis))
+        write_json(render.diagnosis_json(diagnosis))
     else:
-        from scara_iso.reporting import diagnosis_report
-
-        write_report(diagnosis_report(diagnosis, title))
+        write_report(reporting.diagnosis_report(diagnosis, run.origin.source))

@@ -8,11 +8,10 @@ from collections.abc import Sequence
 import typer
 
 from scara_iso.cli.output import settings, write_json, write_report
-from scara_iso.diagnosis import CyclesWanted, Diagnosis, close_the_loop_at_poses
-from scara_iso.library import TableOptions, diagnose_each
+from scara_iso.diagnosis import CyclesWanted, Diagnosis
+from scara_iso.library import Diagnoses, TableOptions, diagnose_each
 from scara_iso.render import diagnosis_json, open_console, track
 from scara_iso.reporting import Failure, summary_report
-from scara_iso.run import Run
 
 
 def show_many(
@@ -40,10 +39,9 @@ def show_many(
         raise typer.Exit(codes[0])
 
 
-def diagnose_poses_of(run: Run, wanted: CyclesWanted, *, seed: int, as_json: bool) -> None:
+def show_poses(found: Diagnoses, *, as_json: bool) -> None:
     """Write a summary of the diagnosis of each pose of a table of several."""
-    found = close_the_loop_at_poses(run, wanted, seed=seed)
-    names, diagnoses = [f"pose {pose}" for pose in found], list(found.values())
+    names, diagnoses = [f"pose {pose}" for pose in found.names], found.found
     if as_json:
         write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(names, diagnoses)})
     else:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from scara_iso import library, render, reporting
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
-
-if TYPE_CHECKING:
-    from scara_iso.iso9283 import PosePlan
-    from scara_iso.robot import Arm
 
 
 class SolidName(StrEnum):
@@ -79,14 +76,12 @@ def plan_command(
 
     Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
     """
-    from scara_iso.library import plan
-    from scara_iso.reporting import visits_csv
     from scara_iso.robot import read_model
     from scara_iso.tables import find_locale
 
     check_outputs([picture, output], [model])
     described = read_model(model)
-    found = plan(
+    found = library.plan(
         model,
         solid=solid.value,
         plane=plane.value,
@@ -97,24 +92,11 @@ def plan_command(
         load=load,
         dwell=dwell,
     )
-    if picture is not None and described.arm is not None:
-        _draw(found, described.arm, picture)
+    if picture is not None:
+        render.save_figure(found.plot(), picture)
     if output is not None:
-        write_text(visits_csv(found, find_locale(excel_locale)), output)
-    _write(found, described.robot, as_json=json)
-
-
-def _draw(plan: PosePlan, arm: Arm, picture: Path) -> None:
-    from scara_iso.render import plot_plan
-
-    plot_plan(plan, arm, picture)
-
-
-def _write(plan: PosePlan, robot: str, *, as_json: bool) -> None:
-    from scara_iso.render import plan_json
-    from scara_iso.reporting import plan_report
-
-    if as_json:
-        write_json(plan_json(plan))
+        write_text(reporting.visits_csv(found, find_locale(excel_locale)), output)
+    if json:
+        write_json(render.plan_json(found))
     else:
-        write_report(plan_report(plan, robot))
+        write_report(reporting.plan_report(found, described.robot))

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from scara_iso import library, render, reporting
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
@@ -26,9 +27,7 @@ from scara_iso.cli.options import (
     parse_limits,
 )
 from scara_iso.cli.output import check_outputs, settings, write_json
-from scara_iso.disk import write_file
 from scara_iso.iso9283 import Conformity, DecisionRule
-from scara_iso.render import endings
 
 ModelFile = Annotated[
     str | None,
@@ -37,7 +36,7 @@ ModelFile = Annotated[
 Output = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", help=f"File, by its ending: {' '.join(endings())}; else "
+        "-o", "--output", help=f"File, by its ending: {' '.join(render.endings())}; else "
         "TABLE's name with .html, in this folder.",
     ),
 ]  # fmt: skip
@@ -67,15 +66,12 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    from scara_iso.library import report, writer
-    from scara_iso.reporting import printable
-
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    write = None if path is None else writer(path, excel_locale)
     check_outputs([path], [table, model])
-    dossier = report(
+    found = library.report(
         table,
         model=model,
+        to=path,
         pose=pose,
         limits=parse_limits(limit or ()),
         decision=decision.value,
@@ -87,20 +83,16 @@ def report_command(
         cycles=cycles,
         all_count=all_count,
         allow_gaps=allow_gaps,
+        excel_locale=excel_locale,
         command=shlex.join(("scara-iso", *settings.arguments)),
-    ).dossier
-    if path is not None and write is not None:
-        write_file(path, write(dossier))
-        typer.echo(printable(f"{path} is written"), err=json)
+    )
+    if path is not None:
+        typer.echo(reporting.printable(f"{path} is written"), err=json)
     if json:
-        from scara_iso.render import report_json
-
-        write_json(report_json(dossier))
-    if dossier.analysis.conformity not in (None, Conformity.PASS):
-        from scara_iso.reporting import conformity
-
-        said = "; ".join(block.text for block in conformity(dossier.analysis))
-        typer.echo(printable(f"scara-iso: {said}"), err=True)
+        write_json(render.report_json(found.dossier))
+    if found.analysis.conformity not in (None, Conformity.PASS):
+        said = "; ".join(block.text for block in reporting.conformity(found.analysis))
+        typer.echo(reporting.printable(f"scara-iso: {said}"), err=True)
         raise typer.Exit(NOT_WITHIN_LIMITS)
 
 

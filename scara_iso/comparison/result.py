@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+from scara_iso.display import Plotted
+from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283 import Analysis, Finding
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Ends = tuple[float | None, float | None]
 """Of an interval; None where nothing bounds it."""
@@ -34,10 +39,14 @@ class Contrast:
     figure: str
     """``X``, ``XY`` and so on."""
     pose: str | None
+    """Label; None for runs of one pose."""
     quantity: Quantity
+    """What is compared."""
     unit: str
     before: float
+    """Value of the first run, in `unit`."""
     after: float
+    """Value of the other run, in `unit`."""
     interval: Ends
     """Of the difference, after minus before."""
     ratio_interval: Ends | None
@@ -49,6 +58,7 @@ class Contrast:
     p_value_alone: float
     """As if no other figure had been looked at."""
     verdict: ContrastVerdict
+    """Whether the difference is shown, and which way."""
     cycles_needed: int | None
     """Cycles in each run that would show the observed difference in 4 of 5 tests."""
     smallest_shown: float | None
@@ -72,22 +82,64 @@ class Pair:
     """One run against the first."""
 
     before: Analysis
+    """The first run."""
     after: Analysis
+    """The run that is compared with it."""
     means: tuple[Contrast, ...]
+    """One for each pose and axis."""
     spreads: tuple[Contrast, ...]
+    """One for each pose, axis and plane: RP, and 3 S of an angle."""
     findings: tuple[Finding, ...]
+    """What the comparison must be read with."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Comparison:
+class Comparison(Plotted):
     """Every run against the first of them."""
 
     pairs: tuple[Pair, ...]
+    """One for each run after the first."""
     shuffles: int
+    """Number of permutations dealt."""
     seed: int
+    """Seed of the permutations."""
 
     def __repr__(self) -> str:
         shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}
         found = [one for pair in self.pairs for one in (*pair.means, *pair.spreads)]
         changed = sum(one.verdict in shown for one in found)
         return f"<Comparison: {len(self.pairs)} pair(s), {changed} of {len(found)} changes shown>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table: a row for each pair, pose, figure and quantity, NaN where none.
+
+        Columns: before and after (values, in ``unit``), difference with low and high, ratio with
+        ratio_low and ratio_high, p_value, p_value_alone, verdict, cycles_needed, smallest_shown;
+        ``table`` names the run that is compared with the first.
+        """
+        rows = [
+            _row(pair.after.run.origin.source, one)
+            for pair in self.pairs
+            for one in (*pair.spreads, *pair.means)
+        ]
+        return frame_of(rows, {"before": self.pairs[0].before.run.origin.source})
+
+
+def _row(table: str, one: Contrast) -> dict[str, Any]:
+    low, high = one.interval
+    ratio_low, ratio_high = one.ratio_interval or (None, None)
+    numbers = {
+        "before": one.before, "after": one.after, "difference": one.difference, "low": low,
+        "high": high, "ratio": one.ratio, "ratio_low": ratio_low, "ratio_high": ratio_high,
+        "p_value": one.p_value, "p_value_alone": one.p_value_alone,
+        "cycles_needed": one.cycles_needed, "smallest_shown": one.smallest_shown,
+    }  # fmt: skip
+    return {
+        "table": table,
+        "pose": one.pose,
+        "figure": one.figure,
+        "quantity": one.quantity,
+        "unit": one.unit,
+        **{name: or_nan(value) for name, value in numbers.items()},
+        "verdict": one.verdict.value,
+    }

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
         CyclesWanted as CyclesWanted,
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
-        diagnose as diagnose,
         save_model as save_model,
     )
     from scara_iso.diagnosis.evidence import log_bayes as log_bayes

@@ -12,11 +12,10 @@ from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.reversals import diagnose_run_reversals
-from scara_iso.diagnosis.tuning import SEED
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import UsedCycles, used_cycles
-from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict, read_model
+from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict
 from scara_iso.run import Run
 
 _PLANE = ("X", "Y")
@@ -59,37 +58,6 @@ class CyclesWanted:
                 remedy=f"name it: `pose={labels[0]}`",
             )
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
-
-
-def diagnose(  # noqa: PLR0913 - the options of the command
-    run: Run,
-    model: Model | str | Path | None = None,
-    *,
-    pose: str | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
-    hold_out: Run | None = None,
-    sigma: float | None = None,
-    seed: int = SEED,
-) -> Diagnosis:
-    """Return what a model (or its file; None: a constant pose) leaves unexplained in a run.
-
-    Only the cycles that count take part: ``first_cycle_discarded``, ``cycles``, ``all_count``
-    and ``allow_gaps`` are as in `iso9283.used_cycles`, here and in the second run
-    ``hold_out``, which measures the error on unseen cycles; ``pose`` names one of several;
-    ``sigma`` is the known scatter in mm. Same arguments, same result. Errors as in
-    `close_the_loop`, and those of `read_model` where a file is named.
-    """
-    return close_the_loop(
-        run,
-        read_model(model) if isinstance(model, str | Path) else model,
-        CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps),
-        hold_out=hold_out,
-        seed=seed,
-        sigma=sigma,
-    )
 
 
 def close_the_loop(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.display import Plotted
 from scara_iso.frames import make_frame
 from scara_iso.run import FloatArray, IntArray
 
@@ -24,6 +25,7 @@ class Found:
     """An effect that was found and added to the model."""
 
     effect: str
+    """Name of the effect; `explain` takes it."""
     axes: tuple[str, ...]
     """Axes that it moves."""
     joint: str | None
@@ -41,8 +43,11 @@ class Found:
     probability: float
     """Posterior probability among the catalogue and the unknown."""
     rivals: tuple[Rival, ...]
+    """Other effects that fit as well, likeliest first."""
     cause: str
+    """What usually causes it."""
     confirm_by: str
+    """The experiment that confirms it."""
     unidentified: tuple[str, ...] = ()
     """Parameters that the data do not determine, one line each."""
     left_open: Mapping[str, ByAxis] = field(default_factory=dict)
@@ -54,10 +59,13 @@ class Flag:
     """A reading that stands apart: look at the sheet. No cause and no verdict by itself."""
 
     axis: str
+    """Where the reading is."""
     cycle: int
+    """Its cycle number."""
     p_value: float
     """Chance in Gaussian scatter; heavier tails make such readings common."""
     p_value_at_floor: bool
+    """No simulation was as far: the chance is at most the p-value."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -65,6 +73,7 @@ class Error:
     """Root mean square of measured minus predicted, by axis."""
 
     rms: ByAxis
+    """On the cycles that the fit saw [mm, deg]."""
     held_out_rms: ByAxis
     """On cycles that the fit did not see."""
 
@@ -74,9 +83,13 @@ class Repeatabilities:
     """RP measured, of the model before and after, and of the readings with the effects removed."""
 
     measured: ByAxis
+    """Of the readings [mm, deg]."""
     model_before: ByAxis
+    """Of what the model as it was predicts, which has no scatter."""
     model_after: ByAxis
+    """Of what the model with the effects predicts."""
     with_effect_removed: ByAxis
+    """Of the readings with the effects subtracted."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -84,9 +97,13 @@ class Series:
     """Readings over the cycles, shape (n,) for each axis."""
 
     cycle: IntArray = field(repr=False)
+    """Cycle numbers, shape (n,)."""
     measured: Mapping[str, FloatArray] = field(repr=False)
+    """By axis [mm, deg]."""
     predicted_before: Mapping[str, FloatArray] = field(repr=False)
+    """By the model as it was."""
     predicted_after: Mapping[str, FloatArray] = field(repr=False)
+    """By the model with the effects found."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,27 +111,39 @@ class Shares:
     """Shares of one axis' variance; they sum to 1."""
 
     effects: float
+    """What the effects found explain."""
     resolution: float
+    """Rounding to the dial's division."""
     unexplained: float
+    """The rest."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Diagnosis:
+class Diagnosis(Plotted):
     """What was found in one pose's readings."""
 
     verdict: Verdict
+    """Whether there is structure, and whether effects explain it."""
     effects: tuple[Found, ...]
+    """In the order in which they were found."""
     candidates: tuple[Rival, ...]
     """Likeliest explanations of what the last stage still found; empty where it found nothing."""
     p_value: float
     """Smallest p-value of the first stage: is there structure at all?"""
     p_value_at_floor: bool
+    """No permutation was as far: the chance is at most the p-value."""
     error_before: Error
+    """Of the model as it was."""
     error_after: Error
+    """Of the model with the effects found."""
     repeatability: Repeatabilities
+    """RP as measured, as predicted, and without the effects."""
     shares: Mapping[str, Shares]
+    """Of the variance, by axis."""
     series: Series
+    """Readings and predictions over the cycles."""
     flags: tuple[Flag, ...] = ()
+    """Single readings to look at."""
     notes: tuple[str, ...] = ()
     """What could not be searched or told, one line each."""
     reversals: RunReversals | None = None

@@ -19,4 +19,6 @@ class Rival:
     """Another effect that the data do not exclude, and its probability."""
 
     effect: str
+    """Its name."""
     probability: float
+    """Posterior, 0 to 1."""

@@ -19,8 +19,11 @@ class Definition:
     """Another trade's word for repeatability, from the same readings."""
 
     name: str
+    """``half range``, ``2 s`` and so on."""
     value: float
+    """In the unit of the axis."""
     meaning: str
+    """What it is, in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +31,7 @@ class ThetaAngle:
     """A theta read as a length, turned into an angle by the radius of the contact."""
 
     radius_mm: float
+    """From the axis of theta to the contact [mm]."""
     RP_deg: float
     """Eq. 2-6 on the angles."""
     three_sigma_deg: float
@@ -39,17 +43,23 @@ class AxisResult:
     """One indicator axis at one pose; see paper eq. 2-6 for the symbols."""
 
     name: str
+    """``X``, ``Y``, ``Z`` or ``theta``."""
     dimension: Dimension
+    """Length or angle; it says the `unit` of all that follows."""
     readings: FloatArray = field(repr=False)
     """The readings that count, shape (n,), in `unit`."""
     mean: float
+    """Barycentre: mean of the readings, in `unit`."""
     l_bar: float
+    """Mean distance of the readings from their mean, eq. 4, in `unit`."""
     S_l: float
+    """Standard deviation of these distances with n - 1, eq. 5, in `unit`."""
     repeatability: Estimate
     """l_bar + 3 S_l, eq. 6."""
     three_S: Estimate  # noqa: N815 - the standard's symbol
     """Three sample standard deviations; ISO 9283's RP_a for an angle."""
     resolution: float | None
+    """Smallest step of the dial, in `unit`; None where not stated."""
     uncertainty: float | None
     """Standard uncertainty of one reading: resolution and indicator combined (GUM 5.1.2)."""
     calibration: float | None
@@ -58,7 +68,9 @@ class AxisResult:
     """Mean minus command pose, ISO 9283 7.2.1; None where no command pose is stated, or the dial's
     zero is not referred to it."""
     angle: ThetaAngle | None = None
+    """Theta as an angle; None without ``theta_radius_mm``."""
     definitions: tuple[Definition, ...] = ()
+    """Other definitions of repeatability, where they were asked for."""
 
     @property
     def RP(self) -> float:  # noqa: N802 - the standard's symbol
@@ -112,7 +124,9 @@ class RadialResult:
     repeatability: Estimate
     """l_bar + 3 S_l of the distances to the barycentre."""
     l_bar: float
+    """Mean distance to the barycentre [mm]."""
     S_l: float
+    """Standard deviation of these distances, n - 1 [mm]."""
     root_sum_of_squares: Estimate | None
     """Of the axes' RP, eq. 23; None in space."""
     uncertainty: float | None
@@ -158,13 +172,17 @@ class PoseResult:
     """One pose: its axes, and XY and XYZ where those axes are lengths."""
 
     label: str | None
+    """Name of the pose; None where the table names none."""
     rows: IntArray = field(repr=False)
     """Rows of the run that count, shape (n,), from 0."""
     cycle: IntArray = field(repr=False)
     """Their cycle numbers, shape (n,)."""
     axes: Mapping[str, AxisResult]
+    """By name."""
     XY: RadialResult | None
+    """In the plane; None without X and Y as lengths."""
     XYZ: RadialResult | None
+    """In space; None without X, Y and Z as lengths."""
     missing: tuple[tuple[int, int], ...] = ()
     """First and last number of each gap in the cycles."""
 

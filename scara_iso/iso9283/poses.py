@@ -12,12 +12,19 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scara_iso.display import Plotted
 from scara_iso.errors import UsageError
+from scara_iso.frames import frame_of
+from scara_iso.iso9283.by_name import Poses
 from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rectangle, Workspace, largest_rectangle
 from scara_iso.run import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 POSES = ("P1", "P2", "P3", "P4", "P5")
 
@@ -62,6 +69,7 @@ class PoseTestConditions:
     cycles: int = 31
     """Cycles run; the paper runs 31, of which the first only settles the contact side."""
     discarded: int = 1
+    """Cycles at the beginning whose readings do not count."""
     velocity_percent: float = 100.0
     """Percent of the rated velocity."""
     load_percent: float = 100.0
@@ -98,7 +106,12 @@ class PoseTestConditions:
 
 @dataclass(frozen=True, slots=True)
 class PlannedPose:
-    """One pose: where the tool is, and the joints that bring it there."""
+    """One pose: where the tool is, and the joints that bring it there.
+
+    ``name`` is ``P1`` to ``P5``. ``x_mm``, ``y_mm``, ``z_mm`` and ``theta_deg`` are the tool in the
+    base frame; ``joint_1_deg``, ``joint_2_deg``, ``joint_3_mm`` (vertical) and ``joint_4_deg``
+    (wrist) the joints.
+    """
 
     name: str
     x_mm: float
@@ -114,18 +127,27 @@ class PlannedPose:
     manipulability: float
     """|sin joint 2|: 1 where the arm moves equally well in all directions, 0 where singular."""
 
+    @property
+    def label(self) -> str:
+        """The name, as that of a measured pose."""
+        return self.name
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class PosePlan:
+class PosePlan(Plotted):
     """The planned test. Lengths in mm, in the base frame; arrays read-only."""
 
     solid: Solid
+    """Cube or box."""
     corners: FloatArray
     """C1 to C8, shape (8, 3)."""
     plane: DiagonalPlane
+    """The diagonal plane that holds the poses."""
     elbow: Elbow
-    poses: tuple[PlannedPose, ...]
-    """P1 the centre of the plane, P2 to P5 on its diagonals, next to its corners in their order."""
+    """Side of the elbow at every pose."""
+    poses: Poses[PlannedPose]
+    """By number or name. P1 is the centre of the plane, P2 to P5 lie on its diagonals, next to its
+    corners in their order."""
     diagonal_mm: float
     """L of eq. 1. The paper takes the diagonal of the cube, ISO 9283 that of the plane: they are
     the same line, since a diagonal plane holds two space diagonals of its cube or box."""
@@ -134,9 +156,17 @@ class PosePlan:
     stroke_limits: bool
     """Whether a larger cube would fit if the stroke were longer."""
     conditions: PoseTestConditions
+    """Cycles, velocity, load, dwell and order of visits."""
+    arm: Arm
+    """The arm that it is planned for."""
 
     def __post_init__(self) -> None:
         self.corners.flags.writeable = False
+
+    def __repr__(self) -> str:
+        x, y, z = self.size_mm
+        names = ", ".join(pose.name for pose in self.poses)
+        return f"<PosePlan: {self.solid.value} of {x:.1f} x {y:.1f} x {z:.1f} mm, {names}>"
 
     @property
     def size_mm(self) -> tuple[float, float, float]:
@@ -149,18 +179,18 @@ class PosePlan:
         """Share of m in L, which eq. 1 wants within 0.1 ± 0.02."""
         return self.m_mm / self.diagonal_mm
 
+    def to_frame(self) -> pd.DataFrame:
+        """Return one cycle as a pandas table: the columns of `rows`, a row for each visit."""
+        return frame_of(self.rows(), {})
+
     def rows(self) -> list[Mapping[str, str | int | float]]:
         """Return one cycle as a table, one row for each visit in order, for a robot program."""
-        by_name = {pose.name: pose for pose in self.poses}
+        numbers = PlannedPose.__slots__[1:]
         return [
             {
                 "visit": number,
                 "pose": name,
-                **{
-                    key: getattr(by_name[name], key)
-                    for key in PlannedPose.__slots__
-                    if key != "name"
-                },
+                **{key: getattr(self.poses[name], key) for key in numbers},
                 "velocity_percent": self.conditions.velocity_percent,
                 "load_percent": self.conditions.load_percent,
                 "dwell_s": self.conditions.dwell_s,
@@ -198,11 +228,12 @@ def make_plan(
         corners=corners,
         plane=plane,
         elbow=side,
-        poses=_planned(arm, poses, joints),
+        poses=Poses(_planned(arm, poses, joints)),
         diagonal_mm=diagonal,
         m_mm=m_over_diagonal * diagonal,
         stroke_limits=solid is Solid.CUBE and area.width > arm.stroke_mm,
         conditions=PoseTestConditions() if conditions is None else conditions,
+        arm=arm,
     )
 
 

@@ -6,11 +6,11 @@ converts itself: `report` says it and `render` shows it.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from scara_iso.frames import make_frame
+from scara_iso.display import Displayed
+from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.figures import AxisResult, Interval, PoseResult, RadialResult
@@ -31,8 +31,11 @@ class Cycles:
     """
 
     read: int
+    """Cycles in the table."""
     discarded: tuple[int, ...]
+    """Numbers of the cycles that were left out."""
     used: int
+    """Cycles that count."""
     all_count: bool = False
     """Whether it is stated that every row counts: none was discarded, here or before."""
 
@@ -51,10 +54,15 @@ class Finding:
     """Something the user should know; ``rule`` names what the test departs from, if it does."""
 
     code: str
+    """Name of the check; `explain` takes it."""
     severity: Severity
+    """How much it weighs on the result."""
     message: str
+    """What was found and what to do, in a sentence."""
     axis: str | None = None
+    """The axis that it is about; None for all."""
     pose: str | None = None
+    """Label of the pose that it is about; None for all, or for the only one."""
     rule: str = ""
     voids_interval: bool = False
     """Whether the 95 % interval of its axis and pose, and of what is made of it, does not hold."""
@@ -71,12 +79,15 @@ class LimitCheck:
     RP: float
     """Value of the characteristic."""
     limit: float
+    """Largest value that is allowed."""
     guard: float | None
     """Expanded uncertainty U = 2 u of the indicator; None where not known."""
     pose: str | None
+    """Label; None for the only pose."""
     interval: Interval | None
     """95 %, of `RP`."""
     decision: DecisionRule
+    """The rule that decides."""
     cycles_wanted: int | None
     """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
     where it is proven, or where no number of cycles would."""
@@ -110,11 +121,13 @@ class Characteristic:
     """One figure of the test, by its code, where and of what; see `characteristics`."""
 
     code: str
+    """``RP``, ``AP``, ``RD`` and so on."""
     pose: str | None
     """Label, or two of them: ``P1-P2``; None for a run of one pose."""
     of: str
     """``X``, ``XY``, ``theta`` and so on."""
     estimate: Estimate
+    """Value with unit, uncertainty and interval."""
     limited_by: tuple[str, ...] = ()
     """Names by which a limit of it can be given; the first that is given holds."""
     reading_u: float | None = None
@@ -124,6 +137,7 @@ class Characteristic:
     between: tuple[str | None, ...] = ()
     """Labels of the poses, where there are several."""
     limit: LimitCheck | None = None
+    """What it makes of its limit; None where none was given."""
 
     @property
     def name(self) -> str:
@@ -132,16 +146,21 @@ class Characteristic:
 
 
 @dataclass(frozen=True, slots=True)
-class Analysis:
+class Analysis(Displayed):
     """Everything that `scara_iso.analyze` finds in a run."""
 
     run: Run
+    """The readings that were analysed, angles unwrapped."""
     cycles: Cycles
+    """Which of them count."""
     poses: Poses[PoseResult]
     """By number or by name: ``poses[0]``, ``poses["P1"]``."""
     findings: tuple[Finding, ...]
+    """What the checks say, in the order of their files."""
     limits: tuple[LimitCheck, ...] = ()
+    """One for each figure that was held against a limit."""
     characteristics: tuple[Characteristic, ...] = ()
+    """Every figure of the test, by clause."""
 
     def __repr__(self) -> str:
         of_it = self.run.origin.source or "a run"
@@ -155,8 +174,7 @@ class Analysis:
         RP_high (95 %), RP_rss (eq. 23), three_sigma, accuracy (7.2.1), uncertainty (standard).
         """
         rows = [_row(pose, *found) for pose in self.poses for found in pose.figures.items()]
-        columns = {name: [row[name] for row in rows] for name in rows[0]}
-        return make_frame(columns, {"source": self.run.origin.source})
+        return frame_of(rows, {"source": self.run.origin.source})
 
     @property
     def conformity(self) -> Conformity | None:
@@ -185,5 +203,5 @@ def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dic
         "figure": figure,
         "unit": found.unit if isinstance(found, AxisResult) else Dimension.LENGTH.value,
         "n": len(pose.cycle),
-        **{name: math.nan if value is None else value for name, value in stated.items()},
+        **{name: or_nan(value) for name, value in stated.items()},
     }

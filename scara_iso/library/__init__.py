@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.library.diagnoses import Diagnoses as Diagnoses
     from scara_iso.library.figures import analyze as analyze
     from scara_iso.library.inputs import Table as Table, TableOptions as TableOptions
     from scara_iso.library.loop import (
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from scara_iso.library.reports import (
         TestReport as TestReport,
         report as report,
-        writer as writer,
     )
     from scara_iso.library.several import compare as compare
 else:

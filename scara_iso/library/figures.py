@@ -5,15 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from scara_iso import iso9283
 from scara_iso.iso9283 import Analysis, DecisionRule
 from scara_iso.library.inputs import Table, TableOptions
-from scara_iso.library.notebook import shows_itself
-
-if TYPE_CHECKING:
-    from scara_iso.reporting import Report
 
 
 def analyze(
@@ -66,12 +61,3 @@ def compared_with_its_manifest(analysis: Analysis, table: Table) -> Analysis:
         Finding("edited", "warning", e) for e in check_manifest(Path(table)) if e not in said
     ]
     return replace(analysis, findings=(*analysis.findings, *changed))
-
-
-def _page(analysis: Analysis) -> Report:
-    from scara_iso.reporting import analysis_report
-
-    return analysis_report(analysis)
-
-
-shows_itself(Analysis, _page, "Repeatability by ISO 9283")

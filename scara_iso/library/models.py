@@ -35,6 +35,11 @@ _Word = TypeVar("_Word", Solid, DiagonalPlane, Elbow)
 _SIDES = {"one": Approach.ONE_SIDE, "both": Approach.BOTH_SIDES, "random": Approach.RANDOM}
 
 
+def described(model: Model | str | Path) -> Model:
+    """Return a model, read where its file is named; errors as in `read_model`."""
+    return model if isinstance(model, Model) else read_model(model)
+
+
 def simulate(
     model: Model | str | Path,
     *,
@@ -54,7 +59,7 @@ def simulate(
     by turns [kg]; ``drivetrain`` takes rest positions from the gears through time. Same arguments,
     same readings. Raises `UsageError` for what cannot be meant, and as `read_model`.
     """
-    described = model if isinstance(model, Model) else read_model(model)
+    known = described(model)
     if cycles < 2:
         raise UsageError(f"{cycles} cycles are no test", remedy="simulate two or more")
     if approach is not None and approach not in _SIDES:
@@ -64,15 +69,15 @@ def simulate(
     rests: Mapping[str, FloatArray] | None = None
     side = _SIDES[approach or "one"]
     if drivetrain:
-        arrived, rests = rest_positions(described, side, count=cycles, rng=rng)
+        arrived, rests = rest_positions(known, side, count=cycles, rng=rng)
         covariates |= {"approach": arrived} if approach is not None else {}
     elif approach is not None:
         covariates["approach"] = sides(side, cycles, rng).astype(float)
     return robot.simulate(
-        described,
+        known,
         Procedure(np.arange(1, cycles + 1), covariates),
         rng=rng,
-        undeclared=[parse_effect(e, described) if isinstance(e, str) else e for e in effects],
+        undeclared=[parse_effect(e, known) if isinstance(e, str) else e for e in effects],
         displacement=rests,
     )
 
@@ -109,15 +114,15 @@ def plan(
     0.12; ``velocity`` and ``load`` are percent of the rated ones, ``dwell`` seconds at each pose.
     Raises `UsageError` where a word is not known, the model holds no arm, or no cube fits.
     """
-    described = model if isinstance(model, Model) else read_model(model)
-    if described.arm is None:
+    known = described(model)
+    if known.arm is None:
         named = "the model" if isinstance(model, Model) else str(model)
         raise UsageError(f"{named} holds no arm", remedy="give link lengths and limits in [robot]")
     conditions = PoseTestConditions(
         cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
     )
     return make_plan(
-        described.arm,
+        known.arm,
         solid=_named(Solid, "solid", solid),
         plane=_named(DiagonalPlane, "plane", plane),
         elbow=None if elbow is None else _named(Elbow, "elbow", elbow),

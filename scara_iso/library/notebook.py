@@ -1,34 +1,62 @@
-"""How results show themselves in a notebook: as the page that the renderer makes.
-
-The results stand below the renderer and cannot name it, so the room above both joins them.
-"""
+"""The page and the picture of every result of the public functions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from html import escape
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any
+
+from scara_iso.comparison import Comparison
+from scara_iso.diagnosis import Diagnosis
+from scara_iso.iso9283 import Analysis, PosePlan
+from scara_iso.library.diagnoses import Diagnoses
+from scara_iso.library.reports import TestReport
+from scara_iso.render import find_format, plot_comparison, plot_diagnosis, plot_plan
+from scara_iso.reporting import (
+    Document,
+    Report,
+    analysis_report,
+    backlash_report,
+    comparison_report,
+    diagnosis_report,
+    document,
+    plan_report,
+    readings_report,
+    summary_report,
+)
+from scara_iso.robot import Backlash
+from scara_iso.run import Run
 
 if TYPE_CHECKING:
-    from scara_iso.reporting import Report
+    from matplotlib.figure import Figure
 
-Result = TypeVar("Result")
+_PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
+    Analysis: ("Repeatability by ISO 9283", analysis_report),
+    Backlash: ("Backlash", backlash_report),
+    Comparison: ("Comparison", comparison_report),
+    Diagnoses: ("Diagnoses", lambda found: summary_report(found.names, found.found)),
+    Diagnosis: ("Diagnosis", lambda found: diagnosis_report(found, "")),
+    PosePlan: ("Plan of the test", plan_report),
+    Run: ("Readings", readings_report),
+}
+_PICTURES: Mapping[type, Callable[[Any], Figure]] = {
+    Comparison: plot_comparison,
+    Diagnosis: plot_diagnosis,
+    PosePlan: plot_plan,
+}
 
 
-def shows_itself(kind: type[Result], report: Callable[[Result], Report], title: str) -> None:
-    """Give a type of results ``_repr_html_``: the page of its report, in a frame of its own."""
-
-    def _repr_html_(self: Result) -> str:
-        from scara_iso.render import find_format
-        from scara_iso.reporting import Document
-
-        page = find_format("page", ".html")(Document(title, report(self), None))  # type: ignore[arg-type]  # a page holds no data
-        return framed(page.decode())
-
-    setattr(kind, "_repr_html_", _repr_html_)  # noqa: B010 - it has none that a checker could know
+def page(result: object) -> str:
+    """Return a result as a page, in a frame: its style and its policy stay its own."""
+    if isinstance(result, TestReport):
+        shown = document(result.dossier)
+    else:
+        title, report = _PAGES[type(result)]
+        shown = Document(title, report(result))
+    text = escape(find_format("page", ".html")(shown).decode())
+    return f'<iframe sandbox srcdoc="{text}" style="width:100%;height:45em;border:0"></iframe>'
 
 
-def framed(page: str) -> str:
-    """Return a page in a frame: its style and its policy stay its own."""
-    style = "width:100%;height:45em;border:0"
-    return f'<iframe sandbox srcdoc="{escape(page)}" style="{style}"></iframe>'
+def picture(result: object) -> Figure:
+    """Return the figure of a result that has one."""
+    return _PICTURES[type(result)](result)

@@ -8,6 +8,7 @@ from functools import partial
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from scara_iso import iso9283
 from scara_iso.diagnosis import (
@@ -18,29 +19,39 @@ from scara_iso.diagnosis import (
     close_the_loop_at_poses,
 )
 from scara_iso.disk import write_file
+from scara_iso.display import Displayed
 from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.frames import is_frame
 from scara_iso.iso9283 import Analysis, DecisionRule
 from scara_iso.library.figures import compared_with_its_manifest
 from scara_iso.library.inputs import Table, TableOptions
-from scara_iso.library.notebook import framed
 from scara_iso.render import find_format
 from scara_iso.reporting import Dossier, Failure, InputFile, Provenance, document
 from scara_iso.robot import Gearbox, Model, read_model
 from scara_iso.run import Run
 from scara_iso.tables import find_locale, read_bytes, write_table
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 @dataclass(frozen=True, slots=True)
-class TestReport:
-    """A test report: what it is made of in ``dossier``; it shows itself in a notebook."""
+class TestReport(Displayed):
+    """A test report: what it is made of in ``dossier``."""
 
     dossier: Dossier
+
+    def __repr__(self) -> str:
+        return f"<TestReport of {self.dossier.provenance.files[0].name}>"
 
     @property
     def analysis(self) -> Analysis:
         """The figures and findings."""
         return self.dossier.analysis
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the figures as a pandas table, as `Analysis.to_frame`."""
+        return self.analysis.to_frame()
 
     def write(self, path: str | Path, *, excel_locale: str | None = None) -> Path:
         """Write .html, .md, .csv, .xlsx, .pdf or .json, by the name's ending; return the path.
@@ -49,11 +60,8 @@ class TestReport:
         and as `write_file`.
         """
         path = Path(path)
-        write_file(path, writer(path, excel_locale)(self.dossier))
+        write_file(path, _writer(path, excel_locale)(self.dossier))
         return path
-
-    def _repr_html_(self) -> str:
-        return framed(find_format("report", ".html")(document(self.dossier)).decode())
 
 
 def report(
@@ -82,7 +90,7 @@ def report(
     the other options are those of `analyze`. Errors as in `analyze`, `diagnose` and
     `TestReport.write`.
     """
-    write = None if to is None else writer(Path(to), excel_locale)
+    write = None if to is None else _writer(Path(to), excel_locale)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
     run, file = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
     described = None if model is None else read_model(model)
@@ -113,7 +121,7 @@ def _provenance(files: tuple[InputFile, ...], command: str) -> Provenance:
     return Provenance(files, __version__, command)
 
 
-def writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
+def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     render = find_format(path.name, path.suffix)
     if locale is None:

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 from scara_iso import comparison, iso9283
 from scara_iso.comparison import SEED, Comparison
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError
 from scara_iso.iso9283 import Analysis
 from scara_iso.library.inputs import Table, TableOptions
-from scara_iso.library.notebook import shows_itself
-
-if TYPE_CHECKING:
-    from scara_iso.reporting import Report
 
 
 def compare(
@@ -89,12 +84,3 @@ def _faults(error: ScaraIsoError) -> list[Fault]:
     of_it = error.faults if isinstance(error, DataError) else ()
     below = (Fault(f"{error.where}: {fault}") for fault in of_it if fault.message != error.what)
     return [Fault(error.headline), *below]
-
-
-def _page(found: Comparison) -> Report:
-    from scara_iso.reporting import comparison_report
-
-    return comparison_report(found)
-
-
-shows_itself(Comparison, _page, "Comparison")

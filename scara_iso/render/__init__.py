@@ -10,14 +10,14 @@ if TYPE_CHECKING:
     from scara_iso.render.formats.json import report_json as report_json
     from scara_iso.render.json import (
         analysis_json as analysis_json,
+        comparison_json as comparison_json,
         explain_json as explain_json,
         plan_json as plan_json,
         run_json as run_json,
         to_text as to_text,
     )
-    from scara_iso.render.json_backlash import backlash_json as backlash_json
-    from scara_iso.render.json_comparison import comparison_json as comparison_json
     from scara_iso.render.json_diagnosis import (
+        backlash_json as backlash_json,
         design_json as design_json,
         diagnosis_json as diagnosis_json,
     )
@@ -26,7 +26,11 @@ if TYPE_CHECKING:
         LiveScreen as LiveScreen,
         LiveView as LiveView,
     )
-    from scara_iso.render.plots import plot_diagnosis as plot_diagnosis, plot_plan as plot_plan
+    from scara_iso.render.plots import (
+        plot_diagnosis as plot_diagnosis,
+        plot_plan as plot_plan,
+        save_figure as save_figure,
+    )
     from scara_iso.render.progress import track as track
     from scara_iso.render.terminal import open_console as open_console, show as show
 else:

@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
-from scara_iso.render.plots import ARM, EDGE, PLANE, save
+from scara_iso.render.plots import ARM, EDGE, PLANE
 from scara_iso.reporting import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _MOST_PAIRS = 8
 _LONGEST_NAME = 28  # letters, its end: two stand above a picture
 _RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100)
 
 
-def plot_comparison(comparison: Comparison, path: Path) -> None:
-    """Draw for each pair the readings about their means, ratios of spread, and changes of mean.
+def plot_comparison(comparison: Comparison) -> Figure:
+    """Return for each pair the readings about their means, ratios of spread, and changes of mean.
 
-    Full marks are differences that are shown; an arrow is an interval without end. Errors as in
-    `plot_plan`.
+    Full marks are differences that are shown; an arrow is an interval without end.
     """
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
@@ -46,7 +45,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
         units = ", ".join(dict.fromkeys(one.unit for one in pair.means))
         row[2].locator_params(axis="x", nbins=5)
         row[2].set(xlabel=f"after − before [{units}]", title="Mean: change with 95 % interval")
-    save(figure, path)
+    return figure
 
 
 def _draw_readings(axes: Axes, pair: Pair) -> None:

@@ -5,26 +5,23 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Mapping
+from enum import Enum
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import Rival
-    from scara_iso.iso9283 import (
-        Analysis,
-        AxisResult,
-        Characteristic,
-        Finding,
-        LimitCheck,
-        PosePlan,
-        PoseResult,
-        RadialResult,
-    )
+    from scara_iso.comparison import Comparison, Contrast
+    from scara_iso.iso9283 import Analysis, AxisResult, Characteristic, PosePlan, PoseResult
     from scara_iso.reporting import Page
     from scara_iso.run import Run
 
 Json = dict[str, Any]
 _HALF = re.compile("[\ud800-\udfff]")
 """Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
+_FINDING = "code severity axis pose message"
+_RADIAL = (
+    "RP_radial=RP RP_radial_interval=RP_interval l_bar S_l uncertainty uncertainty_ratio accuracy"
+)
 
 
 def to_text(document: Mapping[str, Any]) -> str:
@@ -40,41 +37,52 @@ def to_text(document: Mapping[str, Any]) -> str:
     return text
 
 
+def plain(value: Any) -> Any:
+    """Return a value as JSON has it: enums by their value, arrays and tuples as lists."""
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    if isinstance(value, tuple | list):
+        return [plain(one) for one in value]
+    if isinstance(value, Enum):
+        return value.value
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def picked(found: object, keys: str) -> Json:
+    """Return attributes of a result in the order of ``keys``, one ``key`` or ``key=attribute``."""
+    pairs = (key.partition("=") for key in keys.split())
+    return {key: plain(attrgetter(path or key)(found)) for key, _, path in pairs}
+
+
+def each(found: Iterable[object], keys: str) -> list[Json]:
+    """Return what is `picked` of each result."""
+    return [picked(one, keys) for one in found]
+
+
 def analysis_json(analysis: Analysis) -> Json:
     """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/2``."""
-    cycles = analysis.cycles
     return {
         "schema": "scara-iso/analyze/2",
         "unit": "mm",
-        "source": analysis.run.origin.source,
-        "read_as": analysis.run.origin.understood,
+        **_source(analysis.run),
         "notes": list(analysis.run.origin.notes),
         "metadata": dict(analysis.run.metadata),
-        "cycles": {
-            "read": cycles.read,
-            "discarded": list(cycles.discarded),
-            "used": cycles.used,
-        },
+        "cycles": picked(analysis.cycles, "read discarded used"),
         "poses": [pose_json(pose) for pose in analysis.poses],
         "characteristics": [_characteristic(one) for one in analysis.characteristics],
-        "limits": [_limit(check) for check in analysis.limits],
-        "conformity": None if analysis.conformity is None else analysis.conformity.value,
-        "deviations": [
-            {"rule": f.rule, "code": f.code, "message": f.message} for f in analysis.deviations
-        ],
-        "findings": [finding_json(finding) for finding in analysis.findings],
+        "limits": each(
+            analysis.limits,
+            "figure pose RP interval limit verdict rule=decision interval_void cycles_wanted guard "
+            "inside clear",
+        ),
+        "conformity": plain(analysis.conformity),
+        "deviations": each(analysis.deviations, "rule code message"),
+        "findings": each(analysis.findings, _FINDING),
     }
 
 
-def finding_json(finding: Finding) -> Json:
-    """Return a finding's object."""
-    return {
-        "code": finding.code,
-        "severity": finding.severity,
-        "axis": finding.axis,
-        "pose": finding.pose,
-        "message": finding.message,
-    }
+def _source(run: Run) -> Json:
+    return picked(run, "source=origin.source read_as=origin.understood")
 
 
 def pose_json(pose: PoseResult) -> Json:
@@ -84,85 +92,30 @@ def pose_json(pose: PoseResult) -> Json:
         "axes": {name: _axis(axis) for name, axis in pose.axes.items()},
     }
     if pose.XY is not None:
-        rss = {"RP_rss": pose.XY.RP_rss, "RP_rss_interval": pose.XY.RP_rss_interval}
-        found["XY"] = {**rss, **_radial(pose.XY)}
+        found["XY"] = picked(pose.XY, f"RP_rss RP_rss_interval {_RADIAL}")
     if pose.XYZ is not None:
-        found["XYZ"] = _radial(pose.XYZ)
+        found["XYZ"] = picked(pose.XYZ, _RADIAL)
     return found
 
 
 def _axis(axis: AxisResult) -> Json:
-    found: Json = {
-        "unit": axis.unit,
-        "n": axis.n,
-        "mean": axis.mean,
-        "l_bar": axis.l_bar,
-        "S_l": axis.S_l,
-        "RP": axis.RP,
-        "RP_interval": axis.RP_interval,
-        "three_sigma": axis.three_sigma,
-        "three_sigma_interval": axis.three_sigma_interval,
-        "resolution": axis.resolution,
-        "uncertainty": axis.uncertainty,
-        "uncertainty_ratio": axis.uncertainty_ratio,
-        "accuracy": axis.accuracy,
-    }
+    found = picked(
+        axis,
+        "unit n mean l_bar S_l RP RP_interval three_sigma three_sigma_interval resolution "
+        "uncertainty uncertainty_ratio accuracy",
+    )
     if axis.angle is not None:
-        found["angle"] = {
-            "radius_mm": axis.angle.radius_mm,
-            "RP_deg": axis.angle.RP_deg,
-            "three_sigma_deg": axis.angle.three_sigma_deg,
-        }
+        found["angle"] = picked(axis.angle, "radius_mm RP_deg three_sigma_deg")
     if axis.definitions:
         found["definitions"] = {d.name: d.value for d in axis.definitions}
     return found
 
 
-def _radial(found: RadialResult) -> Json:
-    return {
-        "RP_radial": found.RP,
-        "RP_radial_interval": found.RP_interval,
-        "l_bar": found.l_bar,
-        "S_l": found.S_l,
-        "uncertainty": found.uncertainty,
-        "uncertainty_ratio": found.uncertainty_ratio,
-        "accuracy": found.accuracy,
-    }
-
-
 def _characteristic(found: Characteristic) -> Json:
-    estimate, check = found.estimate, found.limit
     return {
-        "code": found.code,
-        "clause": estimate.clause,
-        "pose": found.pose,
-        "of": found.of,
-        "value": estimate.value,
-        "unit": estimate.unit,
-        "u": estimate.u,
-        "parts": dict(estimate.parts),
-        "interval": estimate.interval,
-        "n": estimate.n,
-        "limit": None
-        if check is None
-        else {"limit": check.limit, "verdict": check.verdict.value, "rule": check.decision.value},
-    }
-
-
-def _limit(check: LimitCheck) -> Json:
-    return {
-        "figure": check.figure,
-        "pose": check.pose,
-        "RP": check.RP,
-        "interval": check.interval,
-        "limit": check.limit,
-        "verdict": check.verdict.value,
-        "rule": check.decision.value,
-        "interval_void": check.interval_void,
-        "cycles_wanted": check.cycles_wanted,
-        "guard": check.guard,
-        "inside": check.inside,
-        "clear": check.clear,
+        **picked(found, "code clause=estimate.clause pose of"),
+        **picked(found.estimate, "value unit u parts interval n"),
+        "limit": found.limit and picked(found.limit, "limit verdict rule=decision"),
     }
 
 
@@ -172,17 +125,9 @@ def run_json(run: Run, *, seed: int) -> Json:
         "schema": "scara-iso/simulate/1",
         "unit": "mm",
         "seed": seed,
-        "metadata": dict(run.metadata),
-        "cycle": run.cycle.tolist(),
-        "axes": {
-            name: {
-                "unit": axis.unit,
-                "resolution": axis.resolution,
-                "readings": axis.readings.tolist(),
-            }
-            for name, axis in run.axes.items()
-        },
-        "covariates": {name: values.tolist() for name, values in run.covariates.items()},
+        **picked(run, "metadata cycle"),
+        "axes": {n: picked(axis, "unit resolution readings") for n, axis in run.axes.items()},
+        **picked(run, "covariates"),
     }
 
 
@@ -191,39 +136,59 @@ def plan_json(plan: PosePlan) -> Json:
     return {
         "schema": "scara-iso/plan/1",
         "unit": "mm",
-        "solid": plan.solid.value,
-        "size_mm": list(plan.size_mm),
-        "corners": plan.corners.tolist(),
-        "plane": plan.plane.value,
-        "elbow": plan.elbow.value,
-        "diagonal_mm": plan.diagonal_mm,
-        "m_mm": plan.m_mm,
-        "stroke_limits": plan.stroke_limits,
-        "cycles": {"run": plan.conditions.cycles, "used": plan.conditions.used},
-        "visits": [dict(row) for row in plan.rows()],
+        **picked(plan, "solid size_mm corners plane elbow diagonal_mm m_mm stroke_limits"),
+        "cycles": picked(plan.conditions, "run=cycles used"),
+        "visits": plain(plan.rows()),
     }
 
 
-def explain_json(pages: Iterable[Page]) -> Json:
-    """Return the JSON object of ``explain``, schema ``scara-iso/explain/1``."""
+def comparison_json(comparison: Comparison) -> Json:
+    """Return the JSON object of ``compare``, schema ``scara-iso/compare/1``."""
     return {
-        "schema": "scara-iso/explain/1",
-        "pages": [
+        "schema": "scara-iso/compare/1",
+        "unit": "mm",
+        "test": {
+            "method": "studentised permutation of centred cycles, single-step maximum",
+            "level": 0.05,
+            **picked(comparison, "shuffles seed"),
+        },
+        "before": _compared(comparison.pairs[0].before),
+        "pairs": [
             {
-                "code": page.code,
-                "kind": page.kind,
-                "title": page.title,
-                "text": list(page.text),
-                "parameters": [
-                    {"name": name, "unit": unit, "meaning": meaning}
-                    for name, unit, meaning in page.parameters
-                ],
+                "after": _compared(pair.after),
+                "spreads": [_contrast(one) for one in pair.spreads],
+                "means": [_contrast(one) for one in pair.means],
+                "findings": each(pair.findings, _FINDING),
             }
-            for page in pages
+            for pair in comparison.pairs
         ],
     }
 
 
-def rivals_json(rivals: Iterable[Rival]) -> list[Json]:
-    """Return effects with their probabilities."""
-    return [{"effect": r.effect, "probability": r.probability} for r in rivals]
+def _compared(analysis: Analysis) -> Json:
+    cycles = picked(analysis.cycles, "read used")
+    return {**_source(analysis.run), **picked(analysis.run, "metadata"), "cycles": cycles}
+
+
+def _contrast(one: Contrast) -> Json:
+    ratio = "" if one.quantity == "mean" else "ratio ratio_interval"
+    return picked(
+        one,
+        f"pose figure quantity unit before after difference difference_interval=interval {ratio} "
+        "p_value p_value_at_floor p_value_alone verdict cycles_needed smallest_shown doubts",
+    )
+
+
+def explain_json(pages: Iterable[Page]) -> Json:
+    """Return the JSON object of ``explain``, schema ``scara-iso/explain/1``."""
+    names = ("name", "unit", "meaning")
+    return {
+        "schema": "scara-iso/explain/1",
+        "pages": [
+            {
+                **picked(page, "code kind title text"),
+                "parameters": [dict(zip(names, row, strict=True)) for row in page.parameters],
+            }
+            for page in pages
+        ],
+    }

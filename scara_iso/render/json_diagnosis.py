@@ -1,110 +1,97 @@
-"""Diagnoses and designs as JSON objects: the schemas of docs/json.md."""
+"""Diagnoses, designs and gears as JSON objects: the schemas of docs/json.md."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
-from scara_iso.diagnosis import Design, Diagnosis, Found, PlannedRun, RunReversals, Series, Smallest
-from scara_iso.render.json import Json, rivals_json
-from scara_iso.render.json_backlash import gear_json
+from scara_iso.render.json import Json, each, picked, plain, pose_json
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis import (
+        Design,
+        Diagnosis,
+        Found,
+        GearDiagnosis,
+        GearFound,
+        PlannedRun,
+        RunReversals,
+        Smallest,
+    )
+    from scara_iso.iso9283 import PoseResult
+    from scara_iso.robot import Backlash
+
+_RIVAL = "effect probability"
+_CHANCE = "p_value p_value_at_floor"
+_COURSES = "measured predicted_before predicted_after"
+_CROSSING = "load_deviation_rad inertia_ratio deviation_mm"
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> Json:
     """Return the JSON object of ``diagnose``, schema ``scara-iso/diagnose/1``."""
-    RP = diagnosis.repeatability
     return {
         "schema": "scara-iso/diagnose/1",
         "unit": "mm",
-        "verdict": diagnosis.verdict.value,
-        "p_value": diagnosis.p_value,
-        "p_value_at_floor": diagnosis.p_value_at_floor,
+        **picked(diagnosis, f"verdict {_CHANCE}"),
         "effects": [_found(found) for found in diagnosis.effects],
-        "candidates": rivals_json(diagnosis.candidates),
+        "candidates": each(diagnosis.candidates, _RIVAL),
         "error": {
-            name: {"rms": dict(error.rms), "held_out_rms": dict(error.held_out_rms)}
-            for name, error in (
-                ("before", diagnosis.error_before),
-                ("after", diagnosis.error_after),
-            )
+            "before": picked(diagnosis.error_before, "rms held_out_rms"),
+            "after": picked(diagnosis.error_after, "rms held_out_rms"),
         },
-        "repeatability": {
-            "measured": dict(RP.measured),
-            "model_before": dict(RP.model_before),
-            "model_after": dict(RP.model_after),
-            "with_effect_removed": dict(RP.with_effect_removed),
-        },
+        "repeatability": picked(
+            diagnosis.repeatability, "measured model_before model_after with_effect_removed"
+        ),
         "shares": {
-            axis: {
-                "effects": part.effects,
-                "resolution": part.resolution,
-                "unexplained": part.unexplained,
-            }
+            axis: picked(part, "effects resolution unexplained")
             for axis, part in diagnosis.shares.items()
         },
-        "series": _series(diagnosis.series),
-        "flags": [
-            {
-                "axis": f.axis,
-                "cycle": f.cycle,
-                "p_value": f.p_value,
-                "p_value_at_floor": f.p_value_at_floor,
-            }
-            for f in diagnosis.flags
-        ],
+        "series": picked(diagnosis.series, f"cycle {_COURSES}"),
+        "flags": each(diagnosis.flags, f"axis cycle {_CHANCE}"),
         "notes": list(diagnosis.notes),
         **({} if diagnosis.reversals is None else {"gear": _gear(diagnosis.reversals)}),
     }
 
 
-def _series(series: Series) -> Json:
-    courses = {
-        "measured": series.measured,
-        "predicted_before": series.predicted_before,
-        "predicted_after": series.predicted_after,
-    }
+def _found(found: Found) -> Json:
+    joint = int(found.joint[-1]) if found.joint in ("joint 1", "joint 2") else None
     return {
-        "cycle": series.cycle.tolist(),
-        **{
-            name: {axis: values.tolist() for axis, values in course.items()}
-            for name, course in courses.items()
-        },
+        **picked(found, "effect axes"),
+        "joint": joint,
+        **picked(found, f"direction=joint angles parameters standard_errors {_CHANCE} probability"),
+        **_named(found),
+        "unidentified": list(found.unidentified),
     }
+
+
+def _named(found: Found | GearFound) -> Json:
+    return {"rivals": each(found.rivals, _RIVAL), **picked(found, "cause confirm_by")}
 
 
 def _gear(found: RunReversals) -> Json:
     return {
-        **({"verdict": None} if found.gear is None else gear_json(found.gear)),
+        **({"verdict": None} if found.gear is None else _gear_diagnosis(found.gear)),
         "reversals": [asdict(one) for one in found.reversals],
-        "mirrored": found.mirrored,
-        "missing": list(found.missing),
-        "notes": list(found.notes),
+        **picked(found, "mirrored missing notes"),
     }
 
 
-def _joint(direction: str | None) -> int | None:
-    return int(direction[-1]) if direction in ("joint 1", "joint 2") else None
-
-
-def _found(found: Found) -> Json:
+def _gear_diagnosis(closed: GearDiagnosis) -> Json:
     return {
-        "effect": found.effect,
-        "axes": list(found.axes),
-        "joint": _joint(found.joint),
-        "direction": found.joint,
-        "angles": dict(found.angles),
-        "parameters": {
-            name: dict(value) if isinstance(value, Mapping) else value
-            for name, value in found.parameters.items()
+        **picked(closed, f"verdict {_CHANCE}"),
+        "effects": [
+            {
+                **picked(found, "effect joint parameters intervals p_value probability"),
+                **_named(found),
+            }
+            for found in closed.effects
+        ],
+        "candidates": each(closed.candidates, _RIVAL),
+        "error": {
+            "before": picked(closed, "rms=rms_before held_out_rms=held_out_before"),
+            "after": picked(closed, "rms=rms_after held_out_rms=held_out_after"),
         },
-        "standard_errors": {name: dict(value) for name, value in found.standard_errors.items()},
-        "p_value": found.p_value,
-        "p_value_at_floor": found.p_value_at_floor,
-        "probability": found.probability,
-        "rivals": rivals_json(found.rivals),
-        "cause": found.cause,
-        "confirm_by": found.confirm_by,
-        "unidentified": list(found.unidentified),
     }
 
 
@@ -114,8 +101,7 @@ def design_json(plan: PlannedRun, found: Design) -> Json:
         "schema": "scara-iso/design/1",
         "unit": "mm",
         "cycles": len(plan.conditions),
-        "sigma": plan.sigma,
-        "resolution": plan.division,
+        **picked(plan, "sigma resolution=division"),
         "columns": list(plan.conditions.covariates),
         "smallest": _smallest(found.smallest),
         "alike": [{"effects": [a.first, a.second], "cosine": a.cosine} for a in found.alike],
@@ -125,3 +111,31 @@ def design_json(plan: PlannedRun, found: Design) -> Json:
 
 def _smallest(found: Iterable[Smallest]) -> dict[str, float | None]:
     return {one.effect: one.travel for one in found}
+
+
+def backlash_json(
+    result: Backlash, actual: PoseResult | None = None, closed: GearDiagnosis | None = None
+) -> Json:
+    """Return the JSON object of ``backlash``, schema ``scara-iso/backlash/1``.
+
+    ``actual`` is a measured pose, given as ``actual`` beside the model; ``closed`` what a measured
+    sweep leaves unexplained.
+    """
+    reflected = result.reflected and {
+        "ratio": result.ratio,
+        **picked(result.reflected, f"motor_inertia {_CROSSING}"),
+    }
+    sweep = closed and {
+        **_gear_diagnosis(closed),
+        "series": picked(closed, _COURSES),
+        "notes": plain(closed.notes),
+    }
+    return {
+        "schema": "scara-iso/backlash/1",
+        "gap_rad": result.gap_rad,
+        **picked(result.as_given, _CROSSING),
+        **picked(result, "arm_m free_play_mm"),
+        "reflected": reflected,
+        **({} if actual is None else {"actual": pose_json(actual)}),
+        **(sweep or {}),
+    }

@@ -1,4 +1,4 @@
-"""Pictures, as SVG or PNG by the name of the file; the same input gives the same bytes."""
+"""Pictures as matplotlib figures, and as SVG or PNG files; the same input, the same bytes."""
 
 from __future__ import annotations
 
@@ -24,27 +24,21 @@ if TYPE_CHECKING:
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 
 
-def plot_plan(plan: PosePlan, arm: Arm, path: Path) -> None:
-    """Draw the workspace from above, and the solid with its diagonal plane and the poses.
-
-    ``path`` ends in .svg or .png. Raises `UsageError` for another ending, and as `write_file`.
-    """
+def plot_plan(plan: PosePlan) -> Figure:
+    """Return the workspace from above, and the solid with its diagonal plane and the poses."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1))
-    _draw_from_above(left, plan, arm)
+    _draw_from_above(left, plan)
     spec = right.get_subplotspec()
     right.remove()
     _draw_solid(figure.add_subplot(spec, projection="3d"), plan)
-    save(figure, path)
+    return figure
 
 
-def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
-    """Draw readings and predictions, and what is left, before and after, for each axis.
-
-    Errors as in `plot_plan`.
-    """
+def plot_diagnosis(diagnosis: Diagnosis) -> Figure:
+    """Return readings and predictions, and what is left, before and after, for each axis."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
     series = diagnosis.series
@@ -69,11 +63,14 @@ def plot_diagnosis(diagnosis: Diagnosis, path: Path) -> None:
         rows[-1][column].legend(
             loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3, fontsize=8, frameon=False
         )
-    save(figure, path)
+    return figure
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure without date or random names; errors as in `plot_plan`."""
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as .svg or .png, without date or random names.
+
+    Raises `UsageError` for another ending, and as `write_file`.
+    """
     import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
 
     kind = path.suffix.lower().lstrip(".")
@@ -93,7 +90,8 @@ def save(figure: Figure, path: Path) -> None:
     write_file(path, drawn.getvalue())
 
 
-def _draw_from_above(axes: Axes, plan: PosePlan, arm: Arm) -> None:
+def _draw_from_above(axes: Axes, plan: PosePlan) -> None:
+    arm = plan.arm
     axes.set_title("Workspace seen from above")
     _fill_workspace(axes, arm)
     face = plan.corners[[0, 1, 2, 3, 0], :2]

@@ -47,7 +47,9 @@ class Failure:
     """A table that could not be diagnosed."""
 
     message: str
+    """What is wrong with it."""
     exit_code: int
+    """The one with which the command ends."""
 
 
 def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) -> Report:

@@ -26,8 +26,11 @@ class InputFile:
     """A file that the report was made of, and the SHA-256 of its bytes in hex."""
 
     role: str
+    """What it is to the report: ``table`` or ``model``."""
     name: str
+    """As the user named it."""
     sha256: str
+    """64 hexadecimal digits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +38,11 @@ class Provenance:
     """How a report came to be, so that it can be made again."""
 
     files: tuple[InputFile, ...]
+    """What it was made of."""
     version: str
+    """Of this program."""
     command: str
+    """The call that made it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +54,9 @@ class Dossier:
     """
 
     analysis: Analysis
+    """Figures and findings."""
     provenance: Provenance
+    """What the report was made of, and by which command."""
     diagnoses: Mapping[str | None, Diagnosis | Failure] = field(default_factory=dict)
     gearboxes: Mapping[int, tuple[Gearbox, float | None]] = field(default_factory=dict)
 
@@ -62,7 +70,8 @@ class Document:
 
     title: str
     sections: Report
-    source: Dossier
+    source: Dossier | None = None
+    """None where it is not about a whole test."""
 
 
 def document(dossier: Dossier) -> Document:

@@ -9,7 +9,7 @@ from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Tab
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
 
-def plan_report(plan: PosePlan, robot: str) -> Report:
+def plan_report(plan: PosePlan, robot: str = "") -> Report:
     """Return what is said of a plan: size, poses, how they are visited."""
     return (
         Section("", tuple(_verdict(plan, robot))),

@@ -5,9 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from decimal import Decimal
 
+import numpy as np
+
 from scara_iso.iso9283 import Analysis, PoseResult
-from scara_iso.reporting.blocks import Block, Number, Table
-from scara_iso.run import Axis, FloatArray
+from scara_iso.reporting.blocks import Block, Number, Report, Section, Table, Text
+from scara_iso.run import Axis, FloatArray, IntArray, Run
+
+Columns = dict[str, list[Number] | list[str]]
+
+
+def readings_report(run: Run) -> Report:
+    """Return every row of a run; lengths in mm, angles in degrees."""
+    poses: Columns = {} if run.pose is None else {"pose": run.pose.tolist()}
+    columns = {**poses, **_columns(run, np.arange(len(run)))}
+    return (Section(run.origin.source, (Text(run.origin.understood), _table(run, columns))),)
 
 
 def raw_data(analysis: Analysis, pose: PoseResult) -> Iterator[Block]:
@@ -15,9 +26,17 @@ def raw_data(analysis: Analysis, pose: PoseResult) -> Iterator[Block]:
     run = analysis.run
     rows = dict(run.rows_by_pose())[pose.label]
     counted = set(pose.rows.tolist())
-    columns: dict[str, list[Number] | list[str]]
-    columns = {} if run.lines is None else {"line": [Number(n) for n in run.lines[rows].tolist()]}
-    columns |= {"cycle": [Number(n) for n in run.cycle[rows].tolist()]}
+    counts = ["yes" if row in counted else "discarded" for row in rows.tolist()]
+    yield _table(run, {**_columns(run, rows), "counts": counts})
+
+
+def _columns(run: Run, rows: IntArray) -> Columns:
+    numbers = {"line": run.lines, "cycle": run.cycle}
+    columns: Columns = {
+        name: [Number(n) for n in values[rows].tolist()]
+        for name, values in numbers.items()
+        if values is not None
+    }
     columns |= {
         f"{axis.name} [{axis.unit}]": _digits(axis, axis.readings[rows])
         for axis in run.axes.values()
@@ -26,9 +45,12 @@ def raw_data(analysis: Analysis, pose: PoseResult) -> Iterator[Block]:
         name: [Number(v, ".12g") for v in values[rows].tolist()]
         for name, values in run.covariates.items()
     }
-    columns |= {"counts": ["yes" if row in counted else "discarded" for row in rows.tolist()]}
+    return columns
+
+
+def _table(run: Run, columns: Columns) -> Table:
     note = "" if run.lines is None else f"line: where the row stands in {run.origin.source}"
-    yield Table(tuple(columns), tuple(zip(*columns.values(), strict=True)), note)
+    return Table(tuple(columns), tuple(zip(*columns.values(), strict=True)), note)
 
 
 def _digits(axis: Axis, values: FloatArray) -> list[Number]:

@@ -47,6 +47,9 @@ class Elbow(Enum):
 class Arm:
     """A SCARA arm: two link lengths and the (lowest, highest) position of each joint.
 
+    ``link_1_mm`` and ``link_2_mm`` are distances between the vertical axes; ``joint_1_deg``,
+    ``joint_2_deg`` and ``joint_4_deg`` limits of the turning joints.
+
     Raises `UsageError`, naming every fault, for a length that is not positive or is beyond a
     kilometre, or limits that are not two finite numbers in order.
     """

@@ -10,8 +10,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from scara_iso.display import Displayed
 from scara_iso.errors import UsageError
+from scara_iso.frames import frame_of, or_nan
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +42,7 @@ class Crossing:
 
 
 @dataclass(frozen=True, slots=True)
-class Backlash:
+class Backlash(Displayed):
     """Eq. 16-22 for one gear, and the same with the rotor seen through the gearbox."""
 
     gap_rad: float
@@ -51,6 +57,25 @@ class Backlash:
     """Gear ratio N; None where not given."""
     reflected: Crossing | None
     """N^2 I_m in place of I_m: the rotor as the output shaft sees it; None without a ratio."""
+
+    def __repr__(self) -> str:
+        deviation, share = self.as_given.load_deviation_rad, self.as_given.inertia_ratio
+        return f"<Backlash: the load moves {deviation:.4g} rad, 1/{share:.6g} of the gap>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table: I_m as given, and in a second row through the gearbox.
+
+        Columns: those of `Crossing` and inertia_ratio; ``attrs`` hold the gap [rad], the arm [m],
+        the free play [mm] and the ratio. NaN without an arm.
+        """
+        names = (*Crossing.__slots__, "inertia_ratio")
+        rows = [
+            {name: or_nan(getattr(one, name)) for name in names}
+            for one in (self.as_given, self.reflected)
+            if one is not None
+        ]
+        stated = {"gap_rad": self.gap_rad, "arm_m": self.arm_m, "free_play_mm": self.free_play_mm}
+        return frame_of(rows, {**stated, "ratio": self.ratio})
 
 
 def backlash(

@@ -50,7 +50,8 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()
     texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
-    check_clusters(run, {**run.covariates, **texts})
+    beside = {**run.covariates, **texts}
+    check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
     notes += [
         f"column {c.position + 1} {quoted(layout.header[c.position])} not used"
         for c in layout.of(Kind.COMMENT)

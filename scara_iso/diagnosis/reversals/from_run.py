@@ -27,7 +27,9 @@ class Reversal:
     """Half the distance between the two approaches, of one axis at one payload."""
 
     axis: str
+    """``X`` or ``Y``."""
     payload_kg: float
+    """Payload [kg]."""
     cycles: tuple[int, int]
     """How many arrived with approach +1, and -1."""
     half_width_mm: float
@@ -37,6 +39,7 @@ class Reversal:
     predicted_before_mm: float | None = None
     """By eq. 16 and the gear effects that the model declares; None where it cannot say."""
     predicted_after_mm: float | None = None
+    """With the effects that were found; None likewise."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -44,6 +47,7 @@ class RunReversals:
     """The reversals of a run, and what the model's gears leave of them."""
 
     reversals: tuple[Reversal, ...]
+    """One for each axis and payload."""
     gear: GearDiagnosis | None
     """In mm; None where the model lacks what the comparison needs."""
     missing: tuple[str, ...] = ()
@@ -51,6 +55,7 @@ class RunReversals:
     mirrored: bool = False
     """Whether the load rests on the other side than in the model, so that sizes were compared."""
     notes: tuple[str, ...] = ()
+    """What was left out or not tried, one line each."""
     accounts_for: tuple[str, ...] = ()
     """Effects of the readings that are gone once those on the gear are in the model."""
 

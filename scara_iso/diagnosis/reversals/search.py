@@ -39,15 +39,23 @@ class GearFound:
     """An effect on the load deviation; intervals are 95 %, over all effects that were found."""
 
     effect: str
+    """Name of the effect; `explain` takes it."""
     joint: Joint
+    """Number of the joint; None for a sweep of one gear."""
     parameters: Mapping[str, float]
+    """By name, in the units that the effect's page states."""
     intervals: Mapping[str, tuple[float, float]]
+    """95 %, by the name of the parameter."""
     p_value: float
+    """Chance of as much in scatter alone."""
     probability: float
     """Of the effects found, together."""
     rivals: tuple[Rival, ...]
+    """Other effects that fit as well, likeliest first."""
     cause: str
+    """What usually causes it."""
     confirm_by: str
+    """The experiment that confirms it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,21 +63,31 @@ class GearDiagnosis:
     """What the two-inertia model leaves unexplained of reversals, shape (m,), in their unit."""
 
     verdict: Verdict
+    """Whether something is left, and whether effects explain it."""
     p_value: float
+    """Chance of as much left in scatter alone."""
     p_value_at_floor: bool
     """No simulation came as far: the chance is at most the p-value."""
     effects: tuple[GearFound, ...]
+    """At most two."""
     candidates: tuple[Rival, ...]
     """Nearest effects where the verdict is that none fits."""
     rms_before: float
+    """Root mean square of what eq. 16 leaves."""
     rms_after: float
+    """Of what eq. 16 with the effects leaves."""
     held_out_before: float
+    """Of groups that the fit did not see, by eq. 16."""
     held_out_after: float | None
     """Each group (a reversal; a payload) left out in turn; None where there is one only."""
     measured: FloatArray
+    """Shape (m,)."""
     predicted_before: FloatArray
+    """By eq. 16, shape (m,)."""
     predicted_after: FloatArray
+    """With the effects, shape (m,)."""
     notes: tuple[str, ...] = ()
+    """What could not be tried, one line each."""
 
 
 def diagnose_sweep(

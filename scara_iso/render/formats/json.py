@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from scara_iso.errors import UsageError
 from scara_iso.render.json import Json, analysis_json, to_text
-from scara_iso.render.json_backlash import backlash_json
-from scara_iso.render.json_diagnosis import diagnosis_json
+from scara_iso.render.json_diagnosis import backlash_json, diagnosis_json
 from scara_iso.reporting import Document, Dossier, Failure, head, uncertainty_budget
 
 
 def render(document: Document) -> bytes:
-    """Return the object as one line."""
+    """Return the object as one line; `UsageError` for what is not about a whole test."""
+    if document.source is None:
+        raise UsageError(f"{document.title}: only the report of a whole test is written as JSON")
     return f"{to_text(report_json(document.source))}\n".encode()
 
 

@@ -17,9 +17,13 @@ class Gearbox:
     """One joint's drive, as its catalogue gives it."""
 
     Im: float
+    """Inertia of motor and gear, on its own shaft [kg m2]."""
     IL: float
+    """Inertia of the load [kg m2]."""
     arcmin: float
+    """Full gap at the output [arcmin]."""
     ratio: float | None = None
+    """Gear ratio N; None where not given."""
     stiffness: float | None = None
     """Of gear and shaft, at the output [N m/rad]."""
     friction: float | None = None
