@@ -28,6 +28,16 @@ def make_frame(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> pd.
     return frame
 
 
+def axis_attributes(axes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return what the axes of a run state beside their readings, for the ``attrs`` of a table."""
+    stated = ("unit", "resolution", "uncertainty", "command")
+    found = {name: {key: getattr(axis, key) for key in stated} for name, axis in axes.items()}
+    for sizes in found.values():
+        if isinstance(sizes["command"], Mapping):
+            sizes["command"] = dict(sizes["command"])
+    return found
+
+
 def numbers_of(name: str, column: pd.Series) -> npt.NDArray[np.float64]:
     """Return a column's numbers, shape (rows,); `DataError` where one is missing or not finite."""
     try:

@@ -11,7 +11,7 @@ import numpy as np
 from scara_iso.dial import step_of
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283.by_name import Poses
-from scara_iso.iso9283.characteristics import find_characteristics
+from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import Rows, UsedCycles, used_cycles
@@ -82,7 +82,7 @@ def analyze(
     )
     found = [one for compute in find_characteristics() for one in compute(measured)]
     findings = tuple(finding for check in find_checks() for finding in check(measured))
-    held = check_limits(found, limits or {}, findings, decision=rule)
+    held = check_limits(found, limits or {}, findings, decision=rule, needs=needs())
     return Analysis(
         run=run,
         cycles=measured.cycles,

@@ -124,6 +124,8 @@ class Characteristic:
     between: tuple[str | None, ...] = ()
     """Labels of the poses, where there are several."""
     limit: LimitCheck | None = None
+    of_means: bool = False
+    """Whether its interval shrinks evenly with the root of the cycles, as that of a mean."""
 
     @property
     def name(self) -> str:
@@ -187,3 +189,9 @@ def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dic
         "n": len(pose.cycle),
         **{name: math.nan if value is None else value for name, value in stated.items()},
     }
+
+
+def limit_names(code: str, pose: str | None, of: str) -> tuple[str, ...]:
+    """Return the names of a limit: of one pose, then of all; an angle has its own, ``AP_a``."""
+    named = f"{code}_a" if of == "theta" else code
+    return (named,) if pose is None else (f"{named}:{pose}", named)

@@ -39,6 +39,8 @@ def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:
     columns: dict[str, list[str]] = {"cycle": [Digits(n) for n in run.cycle.tolist()]}
     if run.pose is not None:
         columns["pose"] = run.pose.tolist()
+    if run.direction is not None:
+        columns["approach"] = run.direction.tolist()
     columns |= {name: _digits(axis.readings, axis.resolution) for name, axis in run.axes.items()}
     columns |= _commands(run)
     columns |= {n: _plain(n, values) for n, values in run.covariates.items()}

@@ -16,6 +16,7 @@ from scara_iso.quantities import MILLIMETRE
 
 CODE = "RP"
 CLAUSE = "7.2.2"
+NEEDS = "cycles at a pose, read along an axis that is a length"
 
 
 def compute(test: Measured) -> Iterator[Characteristic]:

@@ -13,6 +13,7 @@ from scara_iso.quantities import Dimension
 
 CODE = "RP_a"
 CLAUSE = "7.2.2"
+NEEDS = "cycles at a pose, read of an axis that is an angle"
 
 
 def compute(test: Measured) -> Iterator[Characteristic]:

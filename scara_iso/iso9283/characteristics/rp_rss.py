@@ -13,6 +13,7 @@ from scara_iso.iso9283.results import Characteristic, Measured
 
 CODE = "RP_rss"
 CLAUSE = "paper eq. 23"
+NEEDS = "cycles at a pose, read along X and Y"
 
 
 def compute(test: Measured) -> Iterator[Characteristic]:
