@@ -65,7 +65,7 @@ def pop_direction(columns: MutableMapping[str, pd.Series]) -> Labels | None:
     return np.array(read)
 
 
-def arrivals(pose: Labels | None, direction: Labels | None) -> Labels | None:
+def arrival_labels(pose: Labels | None, direction: Labels | None) -> Labels | None:
     """Return which readings belong together, a label for each row: pose, and direction if several.
 
     None where there is one pose and one direction without a name.
@@ -78,8 +78,8 @@ def arrivals(pose: Labels | None, direction: Labels | None) -> Labels | None:
 def arrival_at(
     label: str | None, pose: Labels | None, direction: Labels | None
 ) -> tuple[str | None, str | None]:
-    """Return pose and direction of approach of a label of `arrivals`, None for what has none."""
-    arrived = arrivals(pose, direction)
+    """Return pose and direction of a label of `arrival_labels`, None for what it has none of."""
+    arrived = arrival_labels(pose, direction)
     if arrived is None or direction is None or label not in arrived:
         return label, None
     row = int(np.argmax(arrived == label))

@@ -15,7 +15,7 @@ from scara_iso.frames import FRAME, axis_attributes, make_frame, numbers_of, ref
 from scara_iso.pose_columns import (
     Commanded,
     arrival_at,
-    arrivals,
+    arrival_labels,
     by_pose,
     check_clusters,
     number_cycles,
@@ -210,7 +210,7 @@ class Run:
         A run without a pose column is one pose, labelled None; a pose that is approached from
         several directions is one for each, as ``P1 from +x``.
         """
-        return rows_by_label(arrivals(self.pose, self.direction), len(self))
+        return rows_by_label(arrival_labels(self.pose, self.direction), len(self))
 
     def arrival_at(self, label: str | None) -> tuple[str | None, str | None]:
         """Return pose and direction of approach of a label that `rows_by_pose` yields."""
@@ -265,7 +265,7 @@ class Run:
             if name in numbers
         }  # fmt: skip
         run = cls(
-            cycle=number_cycles(counted, arrivals(pose, direction), len(frame)),
+            cycle=number_cycles(counted, arrival_labels(pose, direction), len(frame)),
             axes=axes,
             pose=pose,
             covariates=numbers,

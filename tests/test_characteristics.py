@@ -10,6 +10,7 @@ import statistics
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from scipy.optimize import curve_fit
 from scipy.spatial.distance import pdist
 from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
@@ -17,6 +18,7 @@ from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.analysis import analyze
+from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.estimates import _student
 from scara_iso.plugins import find_modules
 from scara_iso.quantities import Dimension
@@ -68,7 +70,27 @@ def three_directions(rng, *, axes="XYZ", cycles=31, pose=None, moved=0.03, **cha
     return Run(cycle=cycle, axes=found, pose=pose, direction=direction)
 
 
-FITTING = {"vAP": three_directions}
+def drift_test(
+    rng, *, axes="XYZ", cycles=10, blocks=33, size=0.06, tau_h=0.9, every_h=0.25, **changes
+):
+    """Return blocks of visits, one each quarter of an hour, that X and half of it Y drift in."""
+    block = np.repeat(np.arange(1, blocks + 1), cycles)
+    visit = np.tile(np.arange(1, cycles + 1), blocks)
+    time_s = 3600 * every_h * (block - 1) + 12.0 * visit
+    drift = size * (1 - np.exp(-time_s / 3600 / tau_h))
+    share = {"X": 1.0, "Y": -0.5}
+    found = {
+        n: Axis(n, rng.normal(0, 0.004, len(block)) + share.get(n, 0) * drift, **changes)
+        for n in axes
+    }
+    covariates = {"block": block.astype(float), "time_s": time_s}
+    return Run(cycle=visit, axes=found, covariates=covariates)
+
+
+FITTING = {
+    "vAP": three_directions,
+    **dict.fromkeys(("dAP", "dRP", "steady_after"), drift_test),
+}
 """Runs that have what a characteristic needs, where two poses in turn do not."""
 
 
@@ -91,11 +113,12 @@ def test_contract(module, rng):
     for one in found:
         estimate = one.estimate
         assert (one.code, estimate.clause) == (module.CODE, module.CLAUSE)
-        assert estimate.unit == ("deg" if one.of == "theta" else "mm")
-        assert estimate.n == 30
+        units = {"theta": "deg"} | ({"XYZ": "h"} if module.CODE == "steady_after" else {})
+        assert estimate.unit == units.get(one.of, "mm")
+        assert estimate.n == (30 if make is not drift_test else 33 if estimate.unit == "h" else 10)
         assert estimate.interval[0] <= estimate.value <= estimate.interval[1]
         assert estimate.u == pytest.approx(math.hypot(*estimate.parts.values()))
-    few = analyze(make(rng, cycles=4), cycles=4)
+    few = analyze(make(rng, cycles=4), **({} if make is drift_test else {"cycles": 4}))
     assert all(one.estimate.u is one.estimate.interval is None for one in module.compute(few))
 
 
@@ -353,3 +376,120 @@ def test_another_word_for_a_direction_is_refused_with_its_line(tmp_path):
     assert [(f.line, f.message.split(",")[0]) for f in caught.value.faults] == [
         (4, "'left' is no direction of approach"), (5, "'+1' is no direction of approach"),
     ]  # fmt: skip
+
+
+def blocks_of(run, names):
+    return np.stack([run.axes[n].readings.reshape(33, 10) for n in names], axis=-1)
+
+
+def test_drift_is_the_largest_distance_from_the_first_block(rng):
+    run = drift_test(rng)
+    analysis = analyze(run)
+    found = by_name(analysis, "dAP")
+    assert [of for _, of in found] == ["X", "Y", "Z", "XY", "XYZ"]
+    for of in ("X", "XY", "XYZ"):
+        centres = blocks_of(run, of).mean(axis=1)
+        largest = np.linalg.norm(centres - centres[0], axis=1).max()
+        assert found[None, of].estimate.value == pytest.approx(largest)
+    assert not by_name(analysis, "RP"), "no RP counts the drift of hours as scatter"
+    assert found[None, "X"].estimate.interval[0] > 0.05
+    assert found[None, "Z"].estimate.interval[0] == 0
+
+
+def test_drift_of_repeatability_is_the_largest_change_of_rp(rng):
+    run = drift_test(rng)
+    found = by_name(analyze(run), "dRP")
+    for of in ("X", "XY", "XYZ"):
+        blocks = blocks_of(run, of)
+        distances = np.linalg.norm(blocks - blocks.mean(axis=1, keepdims=True), axis=2)
+        RP = distances.mean(axis=1) + 3 * distances.std(axis=1, ddof=1)
+        estimate = found[None, of].estimate
+        assert estimate.value == pytest.approx(np.abs(RP[1:] - RP[0]).max())
+        assert estimate.interval[0] == 0, "the scatter does not change"
+
+
+def test_a_scatter_that_grows_is_shown(rng):
+    run = drift_test(rng, axes="X", size=0.0)
+    later = run.axes["X"].readings * np.where(run.covariates["block"] > 16, 6.0, 1.0)
+    grown = Run(run.cycle, {"X": Axis("X", later)}, covariates=run.covariates)
+    assert by_name(analyze(grown), "dRP")[None, "X"].estimate.interval[0] > 0
+
+
+def test_the_time_constant_is_that_of_a_nonlinear_least_squares_fit(rng):
+    run = drift_test(rng, axes="X")
+    analysis = analyze(run)
+    means = run.axes["X"].readings.reshape(33, 10).mean(axis=1)
+    hours = (run.covariates["time_s"] - 12.0).reshape(33, 10).mean(axis=1) / 3600
+    fit, _ = curve_fit(lambda t, c, a, tau: c + a * np.exp(-t / tau), hours, means, (0, 0, 1))
+    (course,) = drift_courses(run, analysis.poses, analysis.block)
+    assert course.fit.time_constant_h == pytest.approx(fit[2], rel=0.005)
+    steady = by_name(analysis, "steady_after")[None, "X"].estimate
+    assert steady.value == pytest.approx(math.log(10) * fit[2], rel=0.005)
+    assert steady.interval[0] < math.log(10) * 0.9 < steady.interval[1]
+
+
+def test_without_drift_or_before_its_end_nothing_is_steady(rng):
+    assert not by_name(analyze(drift_test(rng, size=0.0)), "steady_after")
+    slow = analyze(drift_test(rng, tau_h=30.0, size=0.3))
+    assert not by_name(slow, "steady_after")
+    (course,) = drift_courses(slow.run, slow.poses, slow.block)
+    assert not course.fit.is_steady
+
+
+def test_gaps_in_time_part_the_blocks_of_a_stated_drift_test(rng):
+    run = drift_test(rng)
+    unnumbered = Run(
+        np.arange(1, 331), run.axes, covariates={"time_s": run.covariates["time_s"]},
+        metadata={"test": "drift"},
+    )  # fmt: skip
+    analysis = analyze(unnumbered)
+    assert np.array_equal(analysis.block, run.covariates["block"] - 1)
+    (said,) = (f.message for f in analysis.findings if f.code == "drift-test")
+    assert said.startswith("a drift test: 33 blocks of 10 visits over 8.03 h, parted at gaps")
+    pair, again = (by_name(analyze(r), "dAP")[None, "XYZ"].estimate for r in (run, unnumbered))
+    assert pair == again
+
+
+def test_a_block_without_times_is_a_covariate_of_an_ordinary_test(rng):
+    x = Axis("X", rng.normal(0, 0.01, 31))
+    run = Run(np.arange(1, 32), {"X": x}, covariates={"block": np.repeat([1.0, 2.0], [15, 16])})
+    analysis = analyze(run)
+    assert analysis.block is None
+    assert by_name(analysis, "RP")
+
+
+@pytest.mark.parametrize("name", ["first_cycle_discarded", "cycles"])
+def test_no_visit_of_a_drift_test_is_discarded(rng, name):
+    with pytest.raises(UsageError, match="every visit of a drift test counts"):
+        analyze(drift_test(rng), **{name: 31 if name == "cycles" else True})
+
+
+def test_a_drift_test_that_cannot_be_read_says_why(rng):
+    run = drift_test(rng)
+    stated = Run(run.cycle, run.axes, metadata={"test": "drift"})
+    with pytest.raises(DataError, match="neither a column 'block' nor times"):
+        analyze(stated)
+    cycle = run.cycle.copy()
+    cycle[5] = 9
+    with pytest.raises(DataError) as caught:
+        analyze(Run(cycle, run.axes, covariates=run.covariates))
+    assert "visit 9 comes after visit 5" in caught.value.faults[0].message
+
+
+def test_terminal_json_and_report_show_a_drift_test(rng, tmp_path, capsys):
+    run = drift_test(rng, resolution=0.001)
+    table, page = tmp_path / "drift.csv", tmp_path / "drift.html"
+    table.write_text(write_table(run), encoding="utf-8")
+    assert main(["analyze", str(table), "--limit", "dAP=0.01"]) == 1
+    out = capsys.readouterr().out
+    said = " ".join(out.split())
+    assert re.search(r"steady after [12]\.\d+ h \[[12]\.\d+, 2\.\d+\]: a tenth is left then", said)
+    assert "330 visits in 33 blocks; every visit counts." in said
+    assert main(["analyze", str(table), "--json"]) == 0
+    (course,) = json.loads(capsys.readouterr().out)["drift"]
+    assert len(course["time_h"]) == len(course["mean"]["X"]) == 33
+    assert course["fit"]["steady"]
+    assert main(["report", str(table), "-o", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    assert "Course of the drift" in text
+    assert "Repeatability at" not in text

@@ -7,7 +7,7 @@ converts itself: `report` says it and `render` shows it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.frames import make_frame
@@ -15,7 +15,7 @@ from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.figures import AxisResult, Interval, PoseResult, RadialResult
 from scara_iso.quantities import Dimension, Estimate
-from scara_iso.run import Run
+from scara_iso.run import IntArray, Run
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,6 +44,8 @@ class Measured:
     run: Run
     cycles: Cycles
     poses: Poses[PoseResult]
+    block: IntArray | None = field(default=None, repr=False, compare=False)
+    """Of a drift test (7.6): the block of each row, from 0, shape (rows,); None for another."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +146,8 @@ class Analysis:
     findings: tuple[Finding, ...]
     limits: tuple[LimitCheck, ...] = ()
     characteristics: tuple[Characteristic, ...] = ()
+    block: IntArray | None = field(default=None, repr=False, compare=False)
+    """Of a drift test, as in `Measured`."""
 
     def __repr__(self) -> str:
         of_it = self.run.origin.source or "a run"
@@ -189,6 +193,11 @@ def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dic
         "n": len(pose.cycle),
         **{name: math.nan if value is None else value for name, value in stated.items()},
     }
+
+
+def poses_in_cycles(test: Measured | Analysis) -> Poses[PoseResult]:
+    """Return the poses that were visited in cycles: a drift test has none, and so no RP."""
+    return test.poses if test.block is None else Poses()
 
 
 def limit_names(code: str, pose: str | None, of: str) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         Analysis,
         AxisResult,
         Characteristic,
+        DriftCourse,
         Finding,
         LimitCheck,
         PosePlan,
@@ -57,12 +58,41 @@ def analysis_json(analysis: Analysis) -> Json:
         },
         "poses": [pose_json(pose) for pose in analysis.poses],
         "characteristics": [_characteristic(one) for one in analysis.characteristics],
+        **_drift(analysis),
         "limits": [_limit(check) for check in analysis.limits],
         "conformity": None if analysis.conformity is None else analysis.conformity.value,
         "deviations": [
             {"rule": f.rule, "code": f.code, "message": f.message} for f in analysis.deviations
         ],
         "findings": [finding_json(finding) for finding in analysis.findings],
+    }
+
+
+def _drift(analysis: Analysis) -> Json:
+    """Return the course of each pose of a drift test; nothing of another test."""
+    from scara_iso.iso9283 import drift_courses  # noqa: PLC0415 - scipy, for drift tests only
+
+    if analysis.block is None:
+        return {}
+    courses = drift_courses(analysis.run, analysis.poses, analysis.block)
+    return {"drift": [_course(course) for course in courses]}
+
+
+def _course(course: DriftCourse) -> Json:
+    fit = course.fit
+    return {
+        "pose": course.pose.label,
+        "visits": [len(visits) for visits in course.visits],
+        "time_h": None if course.hours is None else course.hours.tolist(),
+        "mean": {name: means.tolist() for name, means in course.means.items()},
+        "fit": None
+        if fit is None
+        else {
+            "time_constant_h": fit.time_constant_h,
+            "time_constant_interval_h": fit.interval_h,
+            "steady": fit.is_steady,
+            "fitted": {name: values.tolist() for name, values in fit.fitted.items()},
+        },
     }
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.pose_columns import Commanded, arrivals, check_clusters, number_cycles
+from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
@@ -161,7 +161,7 @@ def _run(
     counted = columns.numbers(counters[0]) if counters else None
     direction = next((columns.labels(c) for c in layout.of(Kind.DIRECTION)), None)
     return Run(
-        cycle=number_cycles(counted, arrivals(pose, direction), len(lines)),
+        cycle=number_cycles(counted, arrival_labels(pose, direction), len(lines)),
         axes=axes,
         pose=pose,
         covariates=covariates,

@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from scara_iso.iso9283.figures import PoseResult
-from scara_iso.iso9283.results import Measured
+from scara_iso.iso9283.results import Measured, poses_in_cycles
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
@@ -47,9 +47,10 @@ def distances(test: Measured) -> Iterator[Distances]:
 
     In XY and XYZ only on one scale; nothing where cycle does not follow cycle.
     """
-    if len(test.poses) > _MOST_POSES:
+    poses = poses_in_cycles(test)
+    if len(poses) > _MOST_POSES:
         return
-    for first, second in combinations(test.poses, 2):
+    for first, second in combinations(poses, 2):
         (pose, way), (other, other_way) = (test.run.arrival_at(p.label) for p in (first, second))
         rows = _visited_in_turn(first, second) if pose != other and way == other_way else None
         if rows is not None:

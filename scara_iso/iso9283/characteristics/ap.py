@@ -12,7 +12,12 @@ from collections.abc import Iterator
 
 from scara_iso.iso9283.estimates import distance_estimate, position_estimate
 from scara_iso.iso9283.figures import AxisResult, PoseResult
-from scara_iso.iso9283.results import Characteristic, Measured, limit_names
+from scara_iso.iso9283.results import (
+    Characteristic,
+    Measured,
+    limit_names,
+    poses_in_cycles,
+)
 from scara_iso.quantities import Estimate
 
 CODE = "AP"
@@ -25,7 +30,7 @@ NEEDS = (
 
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each axis, XY and XYZ of each pose whose command pose the dial knows."""
-    for pose in test.poses:
+    for pose in poses_in_cycles(test):
         for name, found in pose.figures.items():
             if found.accuracy is not None:
                 estimate = _estimate(found.accuracy, pose, name)

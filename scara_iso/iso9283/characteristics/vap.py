@@ -19,7 +19,12 @@ import numpy as np
 
 from scara_iso.iso9283.barycentres import components, largest_distance
 from scara_iso.iso9283.figures import PoseResult
-from scara_iso.iso9283.results import Characteristic, Measured, limit_names
+from scara_iso.iso9283.results import (
+    Characteristic,
+    Measured,
+    limit_names,
+    poses_in_cycles,
+)
 
 CODE = "vAP"
 CLAUSE = "7.2.3"
@@ -32,7 +37,7 @@ NEEDS = (
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each axis, XY and XYZ of each pose with two directions or more."""
     arrived: dict[str | None, list[PoseResult]] = {}
-    for one in test.poses:
+    for one in poses_in_cycles(test):
         arrived.setdefault(test.run.arrival_at(one.label)[0], []).append(one)
     for pose, directions in arrived.items():
         if len(directions) > 1:
