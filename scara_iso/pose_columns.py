@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Protocol
+import re
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+Labels = npt.NDArray[np.str_]
+IntArray = npt.NDArray[np.int64]
+
 Commanded = float | Mapping[str, float] | None
 """A coordinate of the command pose: of the only pose, or by pose; None where not stated."""
-CONDITIONS = frozenset({"approach", "payload_kg", "speed", "temperature_C", "time_s"})
+CONDITIONS = frozenset({"approach", "block", "payload_kg", "speed", "temperature_C", "time_s"})
 """Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
 POSE_NAMES = frozenset({
     "pose", "pose label", "pose name", "pose no", "point", "point no", "point name", "punkt",
@@ -34,6 +41,58 @@ def pose_column(names: Iterable[str]) -> str | None:
             f"columns {', '.join(map(repr, found))} all name the pose", remedy="leave one of them"
         )
     return "pose" if "pose" in found else next(iter(found), None)
+
+
+def read_direction(text: str) -> str | None:
+    """Return the direction of approach that a cell spells: ``+x`` to ``-z``; None for another."""
+    match = _DIRECTION.fullmatch(text.strip().translate(_MINUS))
+    return None if match is None else match[1].lower()
+
+
+_DIRECTION = re.compile(r"'?([+-][xyz])", re.IGNORECASE)  # after ' in a guarded spreadsheet cell
+_MINUS = str.maketrans("\u2212\u2013", "--")
+
+
+def pop_direction(columns: MutableMapping[str, pd.Series]) -> Labels | None:
+    """Take the column ``approach`` out where it holds directions; those of each row, or None."""
+    found = columns.get("approach")
+    read = [] if found is None else [read_direction(str(cell)) for cell in found.tolist()]
+    if not read or None in read:
+        return None
+    del columns["approach"]
+    return np.array(read)
+
+
+def arrival_labels(pose: Labels | None, direction: Labels | None) -> Labels | None:
+    """Return which readings belong together, a label for each row: pose, and direction if several.
+
+    None where there is one pose and one direction without a name.
+    """
+    if direction is None or not np.any(direction != direction[:1]):
+        return pose
+    return direction if pose is None else np.char.add(np.char.add(pose, " from "), direction)
+
+
+def arrival_at(
+    label: str | None, pose: Labels | None, direction: Labels | None
+) -> tuple[str | None, str | None]:
+    """Return pose and direction of a label of `arrival_labels`, None for what it has none of."""
+    arrived = arrival_labels(pose, direction)
+    if arrived is None or direction is None or label not in arrived:
+        return label, None
+    row = int(np.argmax(arrived == label))
+    return None if pose is None else str(pose[row]), str(direction[row])
+
+
+def rows_by_label(labels: Labels | None, rows: int) -> Iterator[tuple[str | None, IntArray]]:
+    """Yield each label and its row numbers, in order of first appearance; None has all rows."""
+    if labels is None:
+        yield None, np.arange(rows)
+        return
+    names, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
+    found = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
+    for k in np.argsort(first, kind="stable"):
+        yield str(names[k]), found[k]
 
 
 def number_cycles(

@@ -12,8 +12,18 @@ import numpy.typing as npt
 
 from scara_iso.display import Displayed
 from scara_iso.errors import DataError
-from scara_iso.frames import FRAME, make_frame, numbers_of, refuse_without_unit
-from scara_iso.pose_columns import Commanded, by_pose, check_clusters, number_cycles, pose_column
+from scara_iso.frames import FRAME, axis_attributes, make_frame, numbers_of, refuse_without_unit
+from scara_iso.pose_columns import (
+    Commanded,
+    arrival_at,
+    arrival_labels,
+    by_pose,
+    check_clusters,
+    number_cycles,
+    pop_direction,
+    pose_column,
+    rows_by_label,
+)
 from scara_iso.quantities import TURN, Dimension, parse_unit, unwrap
 
 if TYPE_CHECKING:
@@ -78,7 +88,8 @@ class Axis:
 class Run(Displayed):
     """One test: a row per cycle (and pose), a column per indicator axis; read-only.
 
-    ``cycle`` has shape (rows,); every axis, ``pose`` (labels) and each covariate as well.
+    ``cycle`` has shape (rows,); every axis, ``pose`` (labels), ``direction`` (of approach, ``+x``
+    to ``-z``; ISO 9283 7.2.3) and each covariate as well.
     ``lines`` are the rows' line numbers in their file, where there is one. ``metadata`` holds the
     table's ``key: value`` lines as text. Raises `DataError` where shapes differ, no axis is
     there, or a value is not finite.
@@ -94,6 +105,8 @@ class Run(Displayed):
     lines: IntArray | None = None
     origin: Origin = Origin()
     """Where the run came from; never computed with."""
+    direction: npt.NDArray[np.str_] | None = None
+    """Labels of the directions of approach; None where none are named."""
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -103,10 +116,9 @@ class Run(Displayed):
             {name: _frozen(values, np.float64) for name, values in self.covariates.items()}
         ))  # fmt: skip
         set_(self, "metadata", MappingProxyType(dict(self.metadata)))
-        if self.pose is not None:
-            set_(self, "pose", _frozen(self.pose, np.str_))
-        if self.lines is not None:
-            set_(self, "lines", _frozen(self.lines, np.int64))
+        for name, kind in (("pose", np.str_), ("direction", np.str_), ("lines", np.int64)):
+            if getattr(self, name) is not None:
+                set_(self, name, _frozen(getattr(self, name), kind))
         self._check_shapes()
 
     def _check_shapes(self) -> None:
@@ -118,8 +130,8 @@ class Run(Displayed):
             **{name: axis.readings for name, axis in self.axes.items()},
             **self.covariates,
         }
-        columns |= {"pose": self.pose} if self.pose is not None else {}
-        columns |= {"lines": self.lines} if self.lines is not None else {}
+        others = {"pose": self.pose, "direction": self.direction, "lines": self.lines}
+        columns |= {name: values for name, values in others.items() if values is not None}
         misnamed = [key for key, axis in self.axes.items() if key != axis.name]
         if misnamed:
             raise DataError(f"axis {misnamed[0]} holds the readings of another")
@@ -156,6 +168,7 @@ class Run(Displayed):
             pose=None if one_pose else labels,
             covariates={name: values[rows] for name, values in self.covariates.items()},
             lines=None if self.lines is None else self.lines[rows],
+            direction=None if self.direction is None else self.direction[rows],
         )
 
     def unwrapped(self) -> Run:
@@ -187,7 +200,8 @@ class Run(Displayed):
         """Return the command coordinate of an axis at a pose, None where none is stated for it."""
         stated = self.axes[axis].command
         if isinstance(stated, Mapping):
-            return stated.get(self.metadata.get("pose", "") if label is None else label)
+            pose = self.arrival_at(label)[0]
+            return stated.get(self.metadata.get("pose", "") if pose is None else pose)
         several = self.pose is not None and bool(np.any(self.pose != self.pose[0]))
         return None if several else stated
 
@@ -199,15 +213,14 @@ class Run(Displayed):
     def rows_by_pose(self) -> Iterator[tuple[str | None, IntArray]]:
         """Yield each pose's label and row numbers, poses in order of first appearance.
 
-        A run without a pose column is one pose, labelled None.
+        A run without a pose column is one pose, labelled None; a pose that is approached from
+        several directions is one for each, as ``P1 from +x``.
         """
-        if self.pose is None:
-            yield None, np.arange(len(self))
-            return
-        labels, first, inverse = np.unique(self.pose, return_index=True, return_inverse=True)
-        rows = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
-        for k in np.argsort(first, kind="stable"):
-            yield str(labels[k]), rows[k]
+        return rows_by_label(arrival_labels(self.pose, self.direction), len(self))
+
+    def arrival_at(self, label: str | None) -> tuple[str | None, str | None]:
+        """Return pose and direction of approach of a label that `rows_by_pose` yields."""
+        return arrival_at(label, self.pose, self.direction)
 
     def to_frame(self) -> pd.DataFrame:
         """Return the run as a pandas table; `from_frame` reads it back to the same run.
@@ -216,8 +229,9 @@ class Run(Displayed):
         """
         columns: dict[str, npt.NDArray[np.generic]] = {"cycle": self.cycle}
         columns |= {"pose": self.pose} if self.pose is not None else {}
+        columns |= {"approach": self.direction} if self.direction is not None else {}
         columns |= {name: axis.readings for name, axis in self.axes.items()}
-        attributes = {"metadata": dict(self.metadata), "axes": _axis_attributes(self.axes)}
+        attributes = {"metadata": dict(self.metadata), "axes": axis_attributes(self.axes)}
         return make_frame({**columns, **self.covariates}, attributes)
 
     @classmethod
@@ -232,11 +246,12 @@ class Run(Displayed):
         """Return the run that a pandas table holds.
 
         Columns X, Y, Z and theta are axes, ``cycle`` (see `number_cycles`), ``pose`` (or another
-        of `POSE_NAMES`, in any case) and ``command_X`` are what they say, any other numeric one is
-        a covariate. ``unit`` (``mm``, ``deg``, ``0.01 mm`` ...) and ``resolution`` (in that unit)
-        hold for every axis, unless `to_frame` left others in ``attrs``. Raises `DataError` where an
-        axis has no unit, for a value that is missing or not finite, naming column and row, and for
-        a column that parts the readings as poses do.
+        of `POSE_NAMES`, in any case), ``approach`` (+1/-1, or ``+x`` and the like) and
+        ``command_X`` are what they say, any other numeric one is a covariate. ``unit`` (``mm``,
+        ``deg``, ``0.01 mm`` ...) and ``resolution`` (in that unit) hold for every axis, unless
+        `to_frame` left others in ``attrs``. Raises `DataError` where an axis has no unit, for a
+        value that is missing or not finite, naming column and row, and for a column that parts
+        the readings as poses do.
         """
         kept = frame.attrs.get("axes", {})
         refuse_without_unit([n for n in AXES if n in frame.columns and n not in kept], unit)
@@ -244,6 +259,7 @@ class Run(Displayed):
         values = {str(name): frame[name] for name in frame.columns}
         named = pose_column(values)
         pose = None if named is None else values.pop(named).to_numpy(dtype=str)
+        direction = pop_direction(values)
         numbers = {name: numbers_of(name, column) for name, column in values.items()}
         counted = numbers.pop("cycle", None)
         if counted is not None and np.any(counted != np.round(counted)):
@@ -255,12 +271,13 @@ class Run(Displayed):
             if name in numbers
         }  # fmt: skip
         run = cls(
-            cycle=number_cycles(counted, pose, len(frame)),
+            cycle=number_cycles(counted, arrival_labels(pose, direction), len(frame)),
             axes=axes,
             pose=pose,
             covariates=numbers,
             metadata=frame.attrs.get("metadata", {}) if metadata is None else metadata,
             origin=Origin(source=FRAME),
+            direction=direction,
         ).unwrapped()
         check_clusters(run.axes, run.rows_by_pose(), run.covariates, run.metadata, where=FRAME)
         return run
@@ -277,15 +294,6 @@ def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Com
     sizes: dict[str, Any] = {k: convert(value) for k, value in stated.items() if k != "unit"}
     sizes |= {} if command is None else {"command": convert(command)}
     return Axis(name, size.to_base(values), size.dimension, **sizes)
-
-
-def _axis_attributes(axes: Mapping[str, Axis]) -> dict[str, dict[str, Any]]:
-    stated = ("unit", "resolution", "uncertainty", "command")
-    found = {name: {key: getattr(axis, key) for key in stated} for name, axis in axes.items()}
-    for sizes in found.values():
-        if isinstance(sizes["command"], Mapping):
-            sizes["command"] = dict(sizes["command"])
-    return found
 
 
 def _ordered(axes: Mapping[str, Axis]) -> list[str]:

@@ -1,6 +1,7 @@
 """Every characteristic meets one contract; RD and the figures of AP against independent sums."""
 
 import inspect
+import io
 import json
 import math
 import re
@@ -9,16 +10,20 @@ import statistics
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from scipy.stats import chi2, t
+from scipy.optimize import curve_fit
+from scipy.spatial.distance import pdist
+from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
 from scara_iso.cli import main
-from scara_iso.errors import UsageError
+from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.analysis import analyze
+from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.estimates import _student
 from scara_iso.plugins import find_modules
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
+from scara_iso.tables import read_table, write_table
 
 MODULES = find_modules(characteristics, "scara_iso.characteristics")
 
@@ -46,6 +51,49 @@ def two_poses(rng, *, axes="XYZ", cycles=31, dial_zero=True, in_turn=True, apart
     return run if in_turn else run.take(np.argsort(pose, kind="stable"))
 
 
+def three_directions(rng, *, axes="XYZ", cycles=31, pose=None, moved=0.03, **changes):
+    """Return a run that arrives from +x, +y and +z in each cycle, ``moved`` apart in X by +y."""
+    direction = np.tile(["+x", "+y", "+z"], cycles)
+    found = {
+        name: Axis(
+            name,
+            rng.normal(0, 0.01, 3 * cycles)
+            + np.where(direction == "+y", moved, 0.0) * (name == "X"),
+            **changes,
+        )
+        for name in axes
+    }
+    if axes == "XYZ":
+        found["theta"] = Axis("theta", rng.normal(0, 0.01, 3 * cycles), Dimension.ANGLE)
+    pose = None if pose is None else np.full(3 * cycles, pose)
+    cycle = np.repeat(np.arange(1, cycles + 1), 3)
+    return Run(cycle=cycle, axes=found, pose=pose, direction=direction)
+
+
+def drift_test(
+    rng, *, axes="XYZ", cycles=10, blocks=33, size=0.06, tau_h=0.9, every_h=0.25, **changes
+):
+    """Return blocks of visits, one each quarter of an hour, that X and half of it Y drift in."""
+    block = np.repeat(np.arange(1, blocks + 1), cycles)
+    visit = np.tile(np.arange(1, cycles + 1), blocks)
+    time_s = 3600 * every_h * (block - 1) + 12.0 * visit
+    drift = size * (1 - np.exp(-time_s / 3600 / tau_h))
+    share = {"X": 1.0, "Y": -0.5}
+    found = {
+        n: Axis(n, rng.normal(0, 0.004, len(block)) + share.get(n, 0) * drift, **changes)
+        for n in axes
+    }
+    covariates = {"block": block.astype(float), "time_s": time_s}
+    return Run(cycle=visit, axes=found, covariates=covariates)
+
+
+FITTING = {
+    "vAP": three_directions,
+    **dict.fromkeys(("dAP", "dRP", "steady_after"), drift_test),
+}
+"""Runs that have what a characteristic needs, where two poses in turn do not."""
+
+
 def by_name(analysis, code):
     return {(c.pose, c.of): c for c in analysis.characteristics if c.code == code}
 
@@ -56,18 +104,21 @@ def test_contract(module, rng):
     assert title.endswith(".")
     assert len(page) > 100, "the docstring is the page that explains it"
     assert re.fullmatch(r"[A-Za-z_]+", module.CODE)
-    analysis = analyze(two_poses(rng, resolution=0.001, uncertainty=0.0005))
+    assert len(module.NEEDS) > 10
+    make = FITTING.get(module.CODE, two_poses)
+    analysis = analyze(make(rng, resolution=0.001, uncertainty=0.0005))
     found = list(module.compute(analysis))
-    assert found, "two poses of four axes with their command poses have everything there is"
+    assert found, "a fitting run has it"
     assert len({(one.pose, one.of) for one in found}) == len(found)
     for one in found:
         estimate = one.estimate
         assert (one.code, estimate.clause) == (module.CODE, module.CLAUSE)
-        assert estimate.unit == ("deg" if one.of == "theta" else "mm")
-        assert estimate.n == 30
+        units = {"theta": "deg"} | ({"XYZ": "h"} if module.CODE == "steady_after" else {})
+        assert estimate.unit == units.get(one.of, "mm")
+        assert estimate.n == (30 if make is not drift_test else 33 if estimate.unit == "h" else 10)
         assert estimate.interval[0] <= estimate.value <= estimate.interval[1]
         assert estimate.u == pytest.approx(math.hypot(*estimate.parts.values()))
-    few = analyze(two_poses(rng, cycles=4), cycles=4)
+    few = analyze(make(rng, cycles=4), **({} if make is drift_test else {"cycles": 4}))
     assert all(one.estimate.u is one.estimate.interval is None for one in module.compute(few))
 
 
@@ -187,10 +238,11 @@ def test_a_limit_of_what_is_not_there_names_what_is(rng):
     run = two_poses(rng, in_turn=False)
     with pytest.raises(UsageError) as caught:
         analyze(run, limits={"RD": 1.0})
-    assert caught.value.remedy == "it has X, Y, Z, theta, XY, XYZ"
+    assert caught.value.remedy == "it has X, Y, Z, theta, XY, XYZ, AP"
+    assert "needs two to ten poses that are visited in each cycle" in caught.value.what
     with pytest.raises(UsageError) as caught:
         analyze(two_poses(rng), limits={"RQ": 1.0})
-    assert caught.value.remedy == "it has X, Y, Z, theta, XY, XYZ, RD"
+    assert caught.value.remedy == "it has X, Y, Z, theta, XY, XYZ, AD, AP, RD"
 
 
 def test_terminal_and_json_show_it(rng, tmp_path, capsys):
@@ -208,3 +260,236 @@ def test_terminal_and_json_show_it(rng, tmp_path, capsys):
     assert document["schema"] == "scara-iso/analyze/2"
     (x,) = (c for c in document["characteristics"] if (c["code"], c["of"]) == ("RD", "X"))
     assert x["limit"] == {"limit": 0.5, "verdict": "pass", "rule": "interval"}
+
+
+def test_distance_accuracy_against_students_interval_of_the_distances(rng):
+    run = two_poses(rng, apart=40.0, resolution=0.001)
+    found = by_name(analyze(run), "AD")
+    assert [key[1] for key in found] == ["X", "Y", "Z", "XY", "XYZ"]
+    u = math.sqrt(2) * 1e-3 / math.sqrt(12)
+    for of in ("X", "XY", "XYZ"):
+        readings = np.stack([run.axes[name].readings for name in of], axis=1)[2:].reshape(30, 2, -1)
+        D = np.array([math.dist(a, b) for a, b in readings]) - 40 * math.sqrt(len(of))
+        estimate = found["P1-P2", of].estimate
+        assert estimate.value == pytest.approx(D.mean())
+        ends = ttest_1samp(D, 0).confidence_interval()
+        reach = math.hypot((ends.high - ends.low) / 2, 2 * u)
+        assert estimate.interval == pytest.approx((D.mean() - reach, D.mean() + reach), abs=1e-6)
+
+
+@pytest.mark.parametrize("change", [{"dial_zero": False}, {"apart": 0.0}])
+def test_without_a_scale_that_both_poses_share_there_is_no_distance_accuracy(rng, change):
+    assert by_name(analyze(two_poses(rng, **change)), "AD") == {}
+
+
+def test_along_an_axis_the_distance_counts_in_the_direction_commanded(rng):
+    found = by_name(analyze(two_poses(rng, axes="X", apart=-40.0)), "AD")
+    (estimate,) = (one.estimate for one in found.values())
+    assert abs(estimate.value) < 0.01
+
+
+def test_a_limit_of_a_signed_figure_is_one_of_its_size(rng):
+    run = two_poses(rng, axes="X")
+    low = Axis("X", run.axes["X"].readings - np.where(run.pose == "P2", 0.5, 0.0),
+               command=run.axes["X"].command)  # fmt: skip
+    run = Run(run.cycle, {"X": low}, run.pose, metadata=run.metadata)
+    (check,) = analyze(run, limits={"AD": 0.4}).limits
+    assert check.verdict.value == "fail"
+    assert check.RP == pytest.approx(0.5, abs=0.02)
+    assert [c.verdict.value for c in analyze(run, limits={"AP:P2": 0.6}).limits] == ["pass"]
+
+
+def test_variation_is_the_largest_distance_of_the_barycentres(rng):
+    run = three_directions(rng)
+    found = by_name(analyze(run), "vAP")
+    assert [of for _, of in found] == ["X", "Y", "Z", "theta", "XY", "XYZ"]
+    for of in ("X", "XY", "XYZ"):
+        positions = np.stack([run.axes[name].readings for name in of], axis=1)[3:]
+        centres = positions.reshape(30, 3, -1).mean(axis=0)
+        assert found[None, of].estimate.value == pytest.approx(pdist(centres).max())
+
+
+def test_the_interval_of_two_directions_along_an_axis_is_welchs(rng):
+    run = three_directions(rng, axes="X")
+    two = run.take(np.flatnonzero(run.direction != "+z"))
+    estimate = by_name(analyze(two), "vAP")[None, "X"].estimate
+    x = two.axes["X"].readings[2:]
+    ends = ttest_ind(x[1::2], x[::2], equal_var=False).confidence_interval()
+    assert estimate.interval == pytest.approx((ends.low, ends.high))
+
+
+def test_each_direction_has_its_own_repeatability_and_a_pose_its_name(rng):
+    analysis = analyze(three_directions(rng, pose="P1", moved=1.0), limits={"vAP:P1": 2.0})
+    assert [pose.label for pose in analysis.poses] == [f"P1 from {d}" for d in ("+x", "+y", "+z")]
+    assert all(pose.axes["X"].RP < 0.05 for pose in analysis.poses)
+    assert {pose for pose, _ in by_name(analysis, "vAP")} == {"P1"}
+    assert not by_name(analysis, "RD"), "one pose has no distance to itself"
+    assert {check.verdict.value for check in analysis.limits} == {"pass"}
+    assert not [f for f in analysis.findings if f.code == "approach-directions"]
+
+
+@pytest.mark.parametrize(
+    ("left", "said", "is_there"),
+    [(["+x"], "no vAP", False), (["+x", "+y"], "may be larger", True)],
+)
+def test_directions_that_lack_are_said(rng, left, said, is_there):
+    run = three_directions(rng)
+    analysis = analyze(run.take(np.flatnonzero(np.isin(run.direction, left))))
+    (finding,) = (f for f in analysis.findings if f.code == "approach-directions")
+    assert said in finding.message
+    assert bool(by_name(analysis, "vAP")) is is_there
+
+
+def test_opposite_directions_are_not_perpendicular(rng):
+    run = three_directions(rng)
+    direction = np.where(run.direction == "+z", "-x", run.direction)
+    analysis = analyze(Run(run.cycle, run.axes, direction=direction))
+    assert [f.rule for f in analysis.findings if f.code == "approach-directions"] == [
+        "ISO 9283 7.2.3: three perpendicular directions"
+    ]
+
+
+@pytest.mark.parametrize("spelt", ["+x", "'+x", "+X", " +x "])
+def test_a_table_may_name_directions(rng, tmp_path, capsys, spelt):
+    rows = [
+        f"{c},{d},{rng.normal(0, 0.01):.4f}" for d in (spelt, "-Y", "\u2212z") for c in range(1, 32)
+    ]
+    table = tmp_path / "three.csv"
+    table.write_text("\n".join(["# unit: mm", "cycle,approach,X", *rows, ""]), encoding="utf-8")
+    assert main(["analyze", str(table), "--json", "--limit", "vAP=0.05"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    (x,) = (c for c in document["characteristics"] if c["code"] == "vAP")
+    assert (x["of"], x["n"], x["limit"]["verdict"]) == ("X", 30, "pass")
+    run = read_table(table)
+    assert run.direction.tolist() == ["+x"] * 31 + ["-y"] * 31 + ["-z"] * 31
+    again = read_table(io.BytesIO(write_table(run).encode()))
+    assert again.direction.tolist() == run.direction.tolist()
+    framed = Run.from_frame(run.to_frame())
+    assert framed.direction.tolist() == run.direction.tolist()
+
+
+def test_another_word_for_a_direction_is_refused_with_its_line(tmp_path):
+    table = tmp_path / "odd.csv"
+    table.write_text("# unit: mm\napproach,X\n+x,1\nleft,2\n+1,3\n", encoding="utf-8")
+    with pytest.raises(DataError) as caught:
+        read_table(table)
+    assert [(f.line, f.message.split(",")[0]) for f in caught.value.faults] == [
+        (4, "'left' is no direction of approach"), (5, "'+1' is no direction of approach"),
+    ]  # fmt: skip
+
+
+def blocks_of(run, names):
+    return np.stack([run.axes[n].readings.reshape(33, 10) for n in names], axis=-1)
+
+
+def test_drift_is_the_largest_distance_from_the_first_block(rng):
+    run = drift_test(rng)
+    analysis = analyze(run)
+    found = by_name(analysis, "dAP")
+    assert [of for _, of in found] == ["X", "Y", "Z", "XY", "XYZ"]
+    for of in ("X", "XY", "XYZ"):
+        centres = blocks_of(run, of).mean(axis=1)
+        largest = np.linalg.norm(centres - centres[0], axis=1).max()
+        assert found[None, of].estimate.value == pytest.approx(largest)
+    assert not by_name(analysis, "RP"), "no RP counts the drift of hours as scatter"
+    assert found[None, "X"].estimate.interval[0] > 0.05
+    assert found[None, "Z"].estimate.interval[0] == 0
+
+
+def test_drift_of_repeatability_is_the_largest_change_of_rp(rng):
+    run = drift_test(rng)
+    found = by_name(analyze(run), "dRP")
+    for of in ("X", "XY", "XYZ"):
+        blocks = blocks_of(run, of)
+        distances = np.linalg.norm(blocks - blocks.mean(axis=1, keepdims=True), axis=2)
+        RP = distances.mean(axis=1) + 3 * distances.std(axis=1, ddof=1)
+        estimate = found[None, of].estimate
+        assert estimate.value == pytest.approx(np.abs(RP[1:] - RP[0]).max())
+        assert estimate.interval[0] == 0, "the scatter does not change"
+
+
+def test_a_scatter_that_grows_is_shown(rng):
+    run = drift_test(rng, axes="X", size=0.0)
+    later = run.axes["X"].readings * np.where(run.covariates["block"] > 16, 6.0, 1.0)
+    grown = Run(run.cycle, {"X": Axis("X", later)}, covariates=run.covariates)
+    assert by_name(analyze(grown), "dRP")[None, "X"].estimate.interval[0] > 0
+
+
+def test_the_time_constant_is_that_of_a_nonlinear_least_squares_fit(rng):
+    run = drift_test(rng, axes="X")
+    analysis = analyze(run)
+    means = run.axes["X"].readings.reshape(33, 10).mean(axis=1)
+    hours = (run.covariates["time_s"] - 12.0).reshape(33, 10).mean(axis=1) / 3600
+    fit, _ = curve_fit(lambda t, c, a, tau: c + a * np.exp(-t / tau), hours, means, (0, 0, 1))
+    (course,) = drift_courses(run, analysis.poses, analysis.block)
+    assert course.fit.time_constant_h == pytest.approx(fit[2], rel=0.005)
+    steady = by_name(analysis, "steady_after")[None, "X"].estimate
+    assert steady.value == pytest.approx(math.log(10) * fit[2], rel=0.005)
+    assert steady.interval[0] < math.log(10) * 0.9 < steady.interval[1]
+
+
+def test_without_drift_or_before_its_end_nothing_is_steady(rng):
+    assert not by_name(analyze(drift_test(rng, size=0.0)), "steady_after")
+    slow = analyze(drift_test(rng, tau_h=30.0, size=0.3))
+    assert not by_name(slow, "steady_after")
+    (course,) = drift_courses(slow.run, slow.poses, slow.block)
+    assert not course.fit.is_steady
+
+
+def test_gaps_in_time_part_the_blocks_of_a_stated_drift_test(rng):
+    run = drift_test(rng)
+    unnumbered = Run(
+        np.arange(1, 331), run.axes, covariates={"time_s": run.covariates["time_s"]},
+        metadata={"test": "drift"},
+    )  # fmt: skip
+    analysis = analyze(unnumbered)
+    assert np.array_equal(analysis.block, run.covariates["block"] - 1)
+    (said,) = (f.message for f in analysis.findings if f.code == "drift-test")
+    assert said.startswith("a drift test: 33 blocks of 10 visits over 8.03 h, parted at gaps")
+    pair, again = (by_name(analyze(r), "dAP")[None, "XYZ"].estimate for r in (run, unnumbered))
+    assert pair == again
+
+
+def test_a_block_without_times_is_a_covariate_of_an_ordinary_test(rng):
+    x = Axis("X", rng.normal(0, 0.01, 31))
+    run = Run(np.arange(1, 32), {"X": x}, covariates={"block": np.repeat([1.0, 2.0], [15, 16])})
+    analysis = analyze(run)
+    assert analysis.block is None
+    assert by_name(analysis, "RP")
+
+
+@pytest.mark.parametrize("name", ["first_cycle_discarded", "cycles"])
+def test_no_visit_of_a_drift_test_is_discarded(rng, name):
+    with pytest.raises(UsageError, match="every visit of a drift test counts"):
+        analyze(drift_test(rng), **{name: 31 if name == "cycles" else True})
+
+
+def test_a_drift_test_that_cannot_be_read_says_why(rng):
+    run = drift_test(rng)
+    stated = Run(run.cycle, run.axes, metadata={"test": "drift"})
+    with pytest.raises(DataError, match="neither a column 'block' nor times"):
+        analyze(stated)
+    cycle = run.cycle.copy()
+    cycle[5] = 9
+    with pytest.raises(DataError) as caught:
+        analyze(Run(cycle, run.axes, covariates=run.covariates))
+    assert "visit 9 comes after visit 5" in caught.value.faults[0].message
+
+
+def test_terminal_json_and_report_show_a_drift_test(rng, tmp_path, capsys):
+    run = drift_test(rng, resolution=0.001)
+    table, page = tmp_path / "drift.csv", tmp_path / "drift.html"
+    table.write_text(write_table(run), encoding="utf-8")
+    assert main(["analyze", str(table), "--limit", "dAP=0.01"]) == 1
+    out = capsys.readouterr().out
+    said = " ".join(out.split())
+    assert re.search(r"steady after [12]\.\d+ h \[[12]\.\d+, 2\.\d+\]: a tenth is left then", said)
+    assert "330 visits in 33 blocks; every visit counts." in said
+    assert main(["analyze", str(table), "--json"]) == 0
+    (course,) = json.loads(capsys.readouterr().out)["drift"]
+    assert len(course["time_h"]) == len(course["mean"]["X"]) == 33
+    assert course["fit"]["steady"]
+    assert main(["report", str(table), "-o", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    assert "Course of the drift" in text
+    assert "Repeatability at" not in text

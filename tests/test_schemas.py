@@ -99,6 +99,32 @@ def one_apart(path):
     return path
 
 
+def drifting(path):
+    """Write eight blocks of five visits that warm up."""
+    rng = np.random.default_rng(6)
+    rows = [
+        f"{block},{visit},{900 * block + 10 * visit},{rng.normal(1 - 0.5**block, 0.01):.3f}"
+        for block in range(8)
+        for visit in range(1, 6)
+    ]
+    lines = ["# unit: mm", "block,cycle,time_s,X", *rows, ""]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+def from_three_sides(path):
+    """Write one pose approached from three directions."""
+    rng = np.random.default_rng(7)
+    rows = [
+        f"{side},{cycle},{rng.normal(0, 0.01):.3f}"
+        for cycle in range(1, 32)
+        for side in ("+x", "+y", "+z")
+    ]
+    lines = ["# unit: mm", "approach,cycle,X", *rows, ""]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
 def reversals(path):
     """Write reversals of a gap smaller than stated; friction that holds the load makes the same."""
     rng = np.random.default_rng(1)
@@ -138,6 +164,8 @@ def documents(tmp_path_factory):
             *written("analyze", full, "--limit", "XY=0.045", code=1),
             *written("analyze", few),
             *written("analyze", referred(folder / "referred.csv")),
+            *written("analyze", drifting(folder / "drift.csv")),
+            *written("analyze", from_three_sides(folder / "sides.csv"), "--limit", "vAP=1"),
         ],
         "backlash": [
             *written(*JOINT),
@@ -171,6 +199,7 @@ def documents(tmp_path_factory):
         "report": [
             *written("report", EXAMPLES / "scatter.csv", "--model", MODEL),
             *written("report", short, "--cycles", "4", "--first-cycle-discarded"),
+            *written("report", folder / "sides.csv"),
         ],
         "simulate": written("simulate", MODEL, "--temperature", "20:24"),
     }  # fmt: skip

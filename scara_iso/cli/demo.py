@@ -57,12 +57,11 @@ def _open_report() -> None:
     from pathlib import Path
     from tempfile import mkdtemp
 
-    from scara_iso.disk import write_file
-    from scara_iso.library import report, writer
+    from scara_iso.library import report
     from scara_iso.robot import table_1
 
     page = Path(mkdtemp(prefix="scara-iso-")) / "fum_scara.html"
-    write_file(page, writer(page, None)(report(table_1()).dossier))
+    report(table_1(), to=page)
     opened = webbrowser.open(page.as_uri())
     typer.echo(f"{page} is {'opened' if opened else 'written: open it in a browser'}")
 

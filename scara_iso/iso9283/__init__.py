@@ -19,6 +19,11 @@ if TYPE_CHECKING:
         UsedCycles as UsedCycles,
         used_cycles as used_cycles,
     )
+    from scara_iso.iso9283.drift import (
+        DriftCourse as DriftCourse,
+        DriftFit as DriftFit,
+        drift_courses as drift_courses,
+    )
     from scara_iso.iso9283.figures import (
         AxisResult as AxisResult,
         PoseResult as PoseResult,
@@ -39,6 +44,7 @@ if TYPE_CHECKING:
         Finding as Finding,
         LimitCheck as LimitCheck,
         Severity as Severity,
+        poses_in_cycles as poses_in_cycles,
     )
     from scara_iso.iso9283.statistics import (
         GAUSSIAN_ERROR as GAUSSIAN_ERROR,

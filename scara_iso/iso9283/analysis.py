@@ -10,8 +10,9 @@ import numpy as np
 
 from scara_iso.dial import step_of
 from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283.blocks import block_of_rows, every_visit
 from scara_iso.iso9283.by_name import Poses
-from scara_iso.iso9283.characteristics import find_characteristics
+from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import Rows, UsedCycles, used_cycles
@@ -64,13 +65,17 @@ def analyze(
     """
     rule = _rule(decision)
     run = run.unwrapped()
-    chosen = used_cycles(
-        run,
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
-    )
+    block = block_of_rows(run)
+    if block is None:
+        chosen = used_cycles(
+            run,
+            first_cycle_discarded=first_cycle_discarded,
+            cycles=cycles,
+            all_count=all_count,
+            allow_gaps=allow_gaps,
+        )
+    else:
+        chosen = every_visit(run, block, asked=first_cycle_discarded or cycles is not None)
     if chosen.used < _FEWEST_CYCLES:
         raise DataError(
             f"{chosen.used} cycle counts: no scatter can be computed", where=run.origin.source
@@ -79,10 +84,11 @@ def analyze(
         run=run,
         cycles=Cycles(chosen.read, chosen.discarded, chosen.used, all_count=chosen.all_count),
         poses=_pose_results(run, chosen, other_definitions=other_definitions),
+        block=block,
     )
     found = [one for compute in find_characteristics() for one in compute(measured)]
     findings = tuple(finding for check in find_checks() for finding in check(measured))
-    held = check_limits(found, limits or {}, findings, decision=rule)
+    held = check_limits(found, limits or {}, findings, decision=rule, needs=needs())
     return Analysis(
         run=run,
         cycles=measured.cycles,
@@ -90,6 +96,7 @@ def analyze(
         findings=findings,
         limits=binding(held),
         characteristics=held,
+        block=block,
     )
 
 

@@ -15,6 +15,7 @@ from dataclasses import replace
 from scara_iso.errors import UsageError
 from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule
 from scara_iso.iso9283.results import Characteristic, Finding, LimitCheck
+from scara_iso.quantities import Estimate
 from scara_iso.run import AXES
 
 MOST_CYCLES = 100_000
@@ -30,12 +31,14 @@ def check_limits(
     findings: Sequence[Finding] = (),
     *,
     decision: DecisionRule = DecisionRule.INTERVAL,
+    needs: Mapping[str, str] | None = None,
 ) -> tuple[Characteristic, ...]:
     """Return the characteristics, each with its comparison with the limit that holds for it.
 
     ``limits`` by name (`Characteristic.limited_by`), in mm, or degrees for an angle;
-    ``findings`` of the same poses say which intervals are void. Raises `UsageError` for a limit
-    that is not positive and finite, or of what the run does not have.
+    a figure with a sign is held by its size. ``findings`` of the same poses say which intervals
+    are void, ``needs`` what a characteristic asks of a test, by its code. Raises `UsageError`
+    for a limit that is not positive and finite, or of what the run does not have.
     """
     wrong = [f"{limit:g}" for limit in limits.values() if not (math.isfinite(limit) and limit > 0)]
     if wrong:
@@ -43,8 +46,10 @@ def check_limits(
     names = {name for one in characteristics for name in one.limited_by}
     unknown = sorted(set(limits) - {EVERY_LENGTH} - names)
     if unknown:
+        wanted = (needs or {}).get(unknown[0].partition(":")[0])
         raise UsageError(
-            f"`limit={unknown[0]}=...`: this table has no such figure",
+            f"`limit={unknown[0]}=...`: this table has no such figure"
+            + (f"; it needs {wanted}" if wanted else ""),
             remedy=f"it has {', '.join(_plain_names(characteristics))}",
         )
     if EVERY_LENGTH in limits and EVERY_LENGTH not in names:
@@ -99,6 +104,7 @@ def _held(
 def _check(
     found: Characteristic, limit: float, decision: DecisionRule, *, is_void: bool
 ) -> LimitCheck:
+    found = replace(found, estimate=_size(found.estimate))
     check = LimitCheck(
         figure=found.name,
         code=found.code,
@@ -116,6 +122,15 @@ def _check(
     return replace(check, cycles_wanted=_cycles_wanted(found, limit))
 
 
+def _size(estimate: Estimate) -> Estimate:
+    """Return an estimate without its sign."""
+    value, ends = abs(estimate.value), estimate.interval
+    if ends is not None:
+        near = 0.0 if ends[0] <= 0 <= ends[1] else min(map(abs, ends))
+        ends = (near, max(map(abs, ends)))
+    return replace(estimate, value=value, interval=ends)
+
+
 def _cycles_wanted(found: Characteristic, limit: float) -> int | None:
     """Return how many cycles bring the interval's end to the limit in most tests, if any do.
 
@@ -123,6 +138,8 @@ def _cycles_wanted(found: Characteristic, limit: float) -> int | None:
     limit is 0 the dial hides the scatter from however many.
     """
     RP, interval = found.estimate.value, found.estimate.interval
+    if found.of_means:
+        return _cycles_of_means(found.estimate, limit)
     U = 2 * (found.calibration or 0.0)
     if interval is None or interval[0] == 0 or abs(limit - RP) <= U:
         return None
@@ -131,6 +148,17 @@ def _cycles_wanted(found: Characteristic, limit: float) -> int | None:
     reach = abs(_log_ratio(RP, side * math.sqrt(max((end - RP) ** 2 - U**2, 0.0))))
     room = abs(_log_ratio(RP, side * math.sqrt((limit - RP) ** 2 - U**2)))
     return math.ceil(min(found.estimate.n * (_POWER * reach / room) ** 2, MOST_CYCLES))
+
+
+def _cycles_of_means(estimate: Estimate, limit: float) -> int | None:
+    """Return likewise how many bring the even interval of a mean to the limit."""
+    U, room = 2 * estimate.parts.get("reading", 0.0), abs(limit - estimate.value)
+    if estimate.interval is None or room <= U:
+        return None
+    end = estimate.interval[1] if limit > estimate.value else estimate.interval[0]
+    reach = math.sqrt(max((end - estimate.value) ** 2 - U**2, 0.0))
+    wanted = estimate.n * (_POWER * reach) ** 2 / (room**2 - U**2)
+    return math.ceil(min(wanted, MOST_CYCLES))
 
 
 def _log_ratio(RP: float, change: float) -> float:

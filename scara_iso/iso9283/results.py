@@ -6,7 +6,7 @@ converts itself: `report` says it and `render` shows it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.display import Displayed
@@ -15,7 +15,7 @@ from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.figures import AxisResult, Interval, PoseResult, RadialResult
 from scara_iso.quantities import Dimension, Estimate
-from scara_iso.run import Run
+from scara_iso.run import IntArray, Run
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,6 +47,8 @@ class Measured:
     run: Run
     cycles: Cycles
     poses: Poses[PoseResult]
+    block: IntArray | None = field(default=None, repr=False, compare=False)
+    """Of a drift test (7.6): the block of each row, from 0, shape (rows,); None for another."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +140,8 @@ class Characteristic:
     """Labels of the poses, where there are several."""
     limit: LimitCheck | None = None
     """What it makes of its limit; None where none was given."""
+    of_means: bool = False
+    """Whether its interval shrinks evenly with the root of the cycles, as that of a mean."""
 
     @property
     def name(self) -> str:
@@ -161,6 +165,8 @@ class Analysis(Displayed):
     """One for each figure that was held against a limit."""
     characteristics: tuple[Characteristic, ...] = ()
     """Every figure of the test, by clause."""
+    block: IntArray | None = field(default=None, repr=False, compare=False)
+    """Of a drift test, as in `Measured`."""
 
     def __repr__(self) -> str:
         of_it = self.run.origin.source or "a run"
@@ -205,3 +211,14 @@ def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dic
         "n": len(pose.cycle),
         **{name: or_nan(value) for name, value in stated.items()},
     }
+
+
+def poses_in_cycles(test: Measured | Analysis) -> Poses[PoseResult]:
+    """Return the poses that were visited in cycles: a drift test has none, and so no RP."""
+    return test.poses if test.block is None else Poses()
+
+
+def limit_names(code: str, pose: str | None, of: str) -> tuple[str, ...]:
+    """Return the names of a limit: of one pose, then of all; an angle has its own, ``AP_a``."""
+    named = f"{code}_a" if of == "theta" else code
+    return (named,) if pose is None else (f"{named}:{pose}", named)

@@ -110,6 +110,23 @@ def rp_interval(
     return _interval(figure, positions, resolutions)
 
 
+def pooled_intervals(
+    blocks: Sequence[FloatArray], *, confidence: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return limits of RP of each block, shape (blocks,), as `rp_interval` for a perfect dial.
+
+    Each block has shape (components, n). The relative error is that of all of them together: of
+    ten readings by themselves the jackknife tells little.
+    """
+    z = NormalDist().inv_cdf((1 + confidence) / 2)
+    RP = np.array([float(_radial(block)) for block in blocks])
+    n = np.array([block.shape[-1] for block in blocks])
+    of_one = np.array([float(_jackknife(_radial, block)[0]) for block in blocks])
+    pooled = math.sqrt(float(np.mean(of_one**2 * (n - 1))))
+    error = max(pooled, GAUSSIAN_ERROR[blocks[0].shape[0]]) / np.sqrt(n - 1)
+    return RP * _lower(error, z), RP * np.exp(np.minimum(_upper(error, z), _LARGEST))
+
+
 def rss_interval(
     positions: FloatArray, *, resolutions: Sequence[float] | None
 ) -> tuple[FloatArray, FloatArray]:
@@ -178,18 +195,18 @@ def _jackknife(
     return np.asarray(error), np.asarray((groups - 1) * (whole - mean))
 
 
-def _lower(error: FloatArray) -> FloatArray:
-    """Return sqrt(r / chi-square) at 97.5 %, r = 1 / (2 error^2): Wilson and Hilferty (1931)."""
+def _lower(error: FloatArray, z: float = _Z) -> FloatArray:
+    """Return sqrt(r / chi-square) at z, r = 1 / (2 error^2): Wilson and Hilferty (1931)."""
     error = np.minimum(error, 1.0)  # beyond one the formula turns back
-    return np.asarray((1 - 4 / 9 * error**2 + 2 / 3 * _Z * error) ** -1.5)
+    return np.asarray((1 - 4 / 9 * error**2 + 2 / 3 * z * error) ** -1.5)
 
 
-def _upper(error: FloatArray) -> FloatArray:
-    """Return ln sqrt(r / chi-square) at 2.5 %, as `_lower` but to second order of the error.
+def _upper(error: FloatArray, z: float = _Z) -> FloatArray:
+    """Return ln sqrt(r / chi-square) at -z, as `_lower` but to second order of the error.
 
     The formula itself has no end from an error of 0.6.
     """
-    return np.asarray(_Z * error + (_Z**2 + 2) / 3 * error**2)
+    return np.asarray(z * error + (z**2 + 2) / 3 * error**2)
 
 
 def _beside_rounding(

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from scara_iso.comparison import Comparison, Contrast
-    from scara_iso.iso9283 import Analysis, AxisResult, Characteristic, PosePlan, PoseResult
+    from scara_iso.iso9283 import (
+        Analysis,
+        AxisResult,
+        Characteristic,
+        DriftCourse,
+        PosePlan,
+        PoseResult,
+    )
     from scara_iso.reporting import Page
     from scara_iso.run import Run
 
@@ -70,6 +77,7 @@ def analysis_json(analysis: Analysis) -> Json:
         "cycles": picked(analysis.cycles, "read discarded used"),
         "poses": [pose_json(pose) for pose in analysis.poses],
         "characteristics": [_characteristic(one) for one in analysis.characteristics],
+        **_drift(analysis),
         "limits": each(
             analysis.limits,
             "figure pose RP interval limit verdict rule=decision interval_void cycles_wanted guard "
@@ -83,6 +91,34 @@ def analysis_json(analysis: Analysis) -> Json:
 
 def _source(run: Run) -> Json:
     return picked(run, "source=origin.source read_as=origin.understood")
+
+
+def _drift(analysis: Analysis) -> Json:
+    """Return the course of each pose of a drift test; nothing of another test."""
+    from scara_iso.iso9283 import drift_courses  # noqa: PLC0415 - scipy, for drift tests only
+
+    if analysis.block is None:
+        return {}
+    courses = drift_courses(analysis.run, analysis.poses, analysis.block)
+    return {"drift": [_course(course) for course in courses]}
+
+
+def _course(course: DriftCourse) -> Json:
+    fit = course.fit
+    return {
+        "pose": course.pose.label,
+        "visits": [len(visits) for visits in course.visits],
+        "time_h": None if course.hours is None else course.hours.tolist(),
+        "mean": {name: means.tolist() for name, means in course.means.items()},
+        "fit": None
+        if fit is None
+        else {
+            "time_constant_h": fit.time_constant_h,
+            "time_constant_interval_h": fit.interval_h,
+            "steady": fit.is_steady,
+            "fitted": {name: values.tolist() for name, values in fit.fitted.items()},
+        },
+    }
 
 
 def pose_json(pose: PoseResult) -> Json:

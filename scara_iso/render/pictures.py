@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scara_iso.render.plots import AREA, ARM, EDGE, PLANE, SOLID
-from scara_iso.reporting import Course, Figure, Plane, Prediction, printable
+from scara_iso.reporting import Course, DriftPicture, Figure, Plane, Prediction, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -72,6 +72,8 @@ def _drawn(figure: Figure) -> Drawing:
             _draw_plane(drawing.add_axes((0.18, 0.12, 0.80, 0.85)), data)
         case Prediction() as data:
             _draw_prediction(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), data)
+        case DriftPicture() as data:
+            _draw_drift(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), data)
     return drawing
 
 
@@ -105,6 +107,20 @@ def _draw_prediction(axes: Axes, data: Prediction) -> None:
     axes.plot(data.cycle, data.before, color=SOLID, lw=1.3, ls=(0, (5, 3)), label="before")
     axes.plot(data.cycle, data.after, color=PLANE, lw=2, label="after")
     axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=3, frameon=False)
+
+
+def _draw_drift(axes: Axes, data: DriftPicture) -> None:
+    if data.steady is not None:
+        low, steady, high = data.steady
+        axes.axvspan(low, high, color=AREA, lw=0)
+        axes.axvline(steady, color=SOLID, lw=1.2, ls=(0, (5, 3)))
+    marks = zip(data.moved.items(), ("o", "s", "^"), (ARM, PLANE, SOLID), strict=False)
+    for (name, moved), mark, colour in marks:
+        axes.plot(data.hours, moved, mark, color=colour, mfc="none", ms=3.6, label=name)
+        if name in data.fitted:
+            axes.plot(data.hours, data.fitted[name], color=colour, lw=1.3)
+    axes.set(xlabel="hours", ylabel="moved [mm]")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=3, frameon=False)
 
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         Block as Block,
         Cell as Cell,
         Course as Course,
+        DriftPicture as DriftPicture,
         Figure as Figure,
         Interval as Interval,
         Notice as Notice,

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from scara_iso.iso9283 import CYCLES_USED, Analysis, AxisResult, Finding, PoseResult, RadialResult
+from scara_iso.iso9283 import (
+    CYCLES_USED,
+    Analysis,
+    AxisResult,
+    Finding,
+    PoseResult,
+    RadialResult,
+    poses_in_cycles,
+)
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -18,6 +26,7 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.characteristics import characteristics
 from scara_iso.reporting.digits import U_of_scatter, interval, rounded
+from scara_iso.reporting.drift import drift_sections, drift_verdict
 from scara_iso.reporting.limits import conformity, limits
 from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
 
@@ -29,7 +38,8 @@ _GRAVITY = {"error": 0, "warning": 1, "info": 2}
 def analysis_report(analysis: Analysis) -> Report:
     """Return what is said of an analysis."""
     sections = [Section("", (*_origin(analysis), *verdict(analysis)))]
-    for pose in analysis.poses:
+    sections += drift_sections(analysis)
+    for pose in poses_in_cycles(analysis):
         label = pose.label or ""
         name = f"pose {label}: " if label else ""
         sections.append(Section(f"{name}repeatability", tuple(pose_figures(pose)), label))
@@ -48,7 +58,9 @@ def _origin(analysis: Analysis) -> Iterator[Block]:
 
 def verdict(analysis: Analysis) -> Iterator[Block]:
     """Yield the figure that the test is about, warnings, and whether limits are kept."""
-    if len(analysis.poses) == 1:
+    if analysis.block is not None:
+        yield from drift_verdict(analysis)
+    elif len(analysis.poses) == 1:
         yield Text(_headline(analysis.poses[0]), "strong")
     else:
         yield Text(_largest(analysis.poses), "strong")
@@ -70,6 +82,8 @@ def _warnings(analysis: Analysis) -> Iterator[Block]:
 
 def _cycles(analysis: Analysis) -> str:
     cycles = analysis.cycles
+    if analysis.block is not None:
+        return f"{cycles.read} visits in {analysis.block.max() + 1} blocks; every visit counts."
     each = " at each pose" if len(analysis.poses) > 1 else ""
     if any(pose.missing for pose in analysis.poses):
         each += " or more" if each else ""

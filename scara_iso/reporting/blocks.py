@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -128,10 +129,21 @@ class Prediction:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class DriftPicture:
+    """How far each axis moved by block [mm], what is fitted, and when it is steady [h]."""
+
+    hours: FloatArray
+    moved: Mapping[str, FloatArray]
+    fitted: Mapping[str, FloatArray]
+    steady: tuple[float, float, float] | None
+    """Lower end, estimate and upper end."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Figure:
     """The data of a picture, and in words what is to be seen in it."""
 
-    data: Course | Plane | Prediction
+    data: Course | Plane | Prediction | DriftPicture
     title: str
     caption: str
 

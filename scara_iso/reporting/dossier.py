@@ -6,12 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.iso9283 import Analysis, PoseResult
+from scara_iso.iso9283 import Analysis, PoseResult, poses_in_cycles
 from scara_iso.reporting.analysis import findings, pose_figures, verdict
 from scara_iso.reporting.backlash import backlash_report
 from scara_iso.reporting.blocks import Block, Report, Section, Strip, Table, Text
 from scara_iso.reporting.characteristics import characteristics
 from scara_iso.reporting.diagnosis import Failure, diagnosis_report, diagnosis_verdict
+from scara_iso.reporting.drift import drift_pictures
 from scara_iso.reporting.figures import courses, plane, predictions
 from scara_iso.reporting.intermediates import by_cycle, intermediates
 from scara_iso.reporting.limits import limits
@@ -90,7 +91,9 @@ def _sections(dossier: Dossier) -> Report:
         ),
     ]
     separate = any(found.code == "separate-axes" for found in analysis.findings)
-    for pose in analysis.poses:
+    poses = poses_in_cycles(analysis)
+    sections += drift_pictures(analysis)
+    for pose in poses:
         sections.append(Section(_of(pose, "Repeatability"), tuple(pose_figures(pose))))
         pictures = (*courses(pose), *plane(pose, separate=separate))
         sections.append(Section(_of(pose, "Readings"), pictures))
@@ -101,7 +104,7 @@ def _sections(dossier: Dossier) -> Report:
         sections += _diagnosis(pose, dossier.diagnoses.get(pose.label))
     for joint, (gearbox, arm) in dossier.gearboxes.items():
         sections += _gear(joint, gearbox, arm, analysis.poses)
-    for pose in analysis.poses:
+    for pose in poses:
         sections.append(Section(_of(pose, "Intermediate values"), tuple(intermediates(pose))))
         sections.append(Section(_of(pose, "Deviations of each cycle"), tuple(by_cycle(pose))))
     sections += [Section(_of(p, "Raw data"), tuple(raw_data(analysis, p))) for p in analysis.poses]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.pose_columns import Commanded, check_clusters, number_cycles
+from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
@@ -73,7 +73,8 @@ def _check_layout(layout: Layout, faults: Faults) -> None:
             continue
         if layout.header[column.position].startswith(("=", "@")):
             faults.add("a formula for a column's name", layout.header_line, field)
-        kind = Kind.COVARIATE if column.kind is Kind.TIMESTAMP else column.kind
+        covariate = column.kind in (Kind.TIMESTAMP, Kind.DIRECTION)
+        kind = Kind.COVARIATE if covariate else column.kind
         name = "time_s" if column.kind is Kind.TIMESTAMP else column.name
         before = first.setdefault((kind, name.lower()), column)
         if before is not column:
@@ -159,14 +160,16 @@ def _run(
     faults.check()
     counters = layout.of(Kind.CYCLE)
     counted = columns.numbers(counters[0]) if counters else None
+    direction = next((columns.labels(c) for c in layout.of(Kind.DIRECTION)), None)
     return Run(
-        cycle=number_cycles(counted, pose, len(lines)),
+        cycle=number_cycles(counted, arrival_labels(pose, direction), len(lines)),
         axes=axes,
         pose=pose,
         covariates=covariates,
         metadata=metadata,
         lines=lines,
         origin=Origin(faults.where),
+        direction=direction,
     ).unwrapped()
 
 
@@ -237,7 +240,8 @@ def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray) -> str:
         f"{' '.join(name for name in units if units[name] == unit)} in {unit}"
         for unit in dict.fromkeys(units.values())
     ]
-    also = (["pose"] if run.pose is not None else []) + list(run.covariates)
+    labelled = {"pose": run.pose, "approach": run.direction}
+    also = [name for name, labels in labelled.items() if labels is not None] + list(run.covariates)
     text = ", ".join(parts) + (f"; also {', '.join(map(_short, also))}" if also else "")
     return f"{text}; {len(lines)} rows (lines {lines[0]}-{lines[-1]})"
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
 
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.pose_columns import read_direction
 from scara_iso.run import FloatArray, IntArray
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import Layout
@@ -68,11 +69,9 @@ class Columns:
             case Kind.CYCLE:
                 part = parse_clean(cells, self.decimal)
                 return part if part is not None and _are_counts(part[0]) else None
-            case Kind.POSE | Kind.COMMENT:
-                remark = column.kind is Kind.COMMENT
-                labels = [cell.strip(BLANKS)[: _REMARK if remark else None] for cell in cells]
-                clean = remark or not any(_label_fault(x) or x[0] == "'" for x in set(labels))
-                return (np.array(labels), Mark.NONE) if clean else None
+            case Kind.POSE | Kind.COMMENT | Kind.DIRECTION:
+                labels = _clean_labels(column.kind, cells)
+                return None if labels is None else (labels, Mark.NONE)
             case Kind.TIMESTAMP:
                 stamps = [read_timestamp(cell) for cell in cells]
                 return None if None in stamps else (np.array(stamps, dtype=object), Mark.NONE)
@@ -108,13 +107,13 @@ class Columns:
     def _part_by_cell(
         self, column: Column, pairs: Iterable[tuple[Cell, int]]
     ) -> npt.NDArray[np.generic]:
+        readers: dict[Kind, Callable[[Column, Cell, int], float | str]] = {
+            **dict.fromkeys((Kind.AXIS, Kind.COMMAND, Kind.COVARIATE), self._number),
+            Kind.CYCLE: self._count, Kind.POSE: self._label, Kind.DIRECTION: self._direction,
+        }  # fmt: skip
         match column.kind:
-            case Kind.AXIS | Kind.COMMAND | Kind.COVARIATE:
-                return np.array([self._number(column, cell, line) for cell, line in pairs])
-            case Kind.CYCLE:
-                return np.array([self._count(column, cell, line) for cell, line in pairs])
-            case Kind.POSE:
-                return np.array([self._label(column, cell, line) for cell, line in pairs])
+            case kind if kind in readers:
+                return np.array([readers[kind](column, cell, line) for cell, line in pairs])
             case Kind.TIMESTAMP:
                 stamps = [self._stamp(column, cell, line) for cell, line in pairs]
                 return np.array(stamps, dtype=object)
@@ -168,6 +167,13 @@ class Columns:
             return ""
         return label[1:] if label[:1] == "'" and label[1:2] in _ESCAPED else label
 
+    def _direction(self, column: Column, cell: Cell, line: int) -> str:
+        direction = read_direction(cell) if isinstance(cell, str) else None
+        if direction is None:
+            what = f"{_text(cell)} is no direction of approach, +x to -z, as above it"
+            self._fault(column, what, line)
+        return direction or ""
+
     def _stamp(self, column: Column, cell: Cell, line: int) -> datetime | None:
         stamp = read_timestamp(cell) if isinstance(cell, str) else None
         if stamp is None:
@@ -182,7 +188,7 @@ class Columns:
         return np.concatenate([np.empty(0), *self._parts[column]]).astype(np.float64)
 
     def labels(self, column: Column) -> npt.NDArray[np.str_]:
-        """Return the labels of a pose column, or the remarks of one, shape (rows,)."""
+        """Return the labels of poses or directions, or the remarks of a column, shape (rows,)."""
         return np.concatenate([np.empty(0, dtype=np.str_), *self._parts[column]])
 
     def stamps(self, column: Column) -> list[datetime | None]:
@@ -195,6 +201,18 @@ class Columns:
 
 
 _ESCAPED = ("'", *FORMULA)
+
+
+def _clean_labels(kind: Kind, cells: Sequence[str]) -> npt.NDArray[np.str_] | None:
+    """Return the labels of cells that need no word said, None where one does."""
+    if kind is Kind.DIRECTION:
+        known = {cell: read_direction(cell) for cell in set(cells)}
+        clean = None not in known.values()
+        return np.array([known[cell] for cell in cells], dtype=np.str_) if clean else None
+    remark = kind is Kind.COMMENT
+    labels = [cell.strip(BLANKS)[: _REMARK if remark else None] for cell in cells]
+    clean = remark or not any(_label_fault(x) or x[0] == "'" for x in set(labels))
+    return np.array(labels) if clean else None
 
 
 def _label_fault(label: str) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
 
-from scara_iso.pose_columns import POSE_NAMES
+from scara_iso.pose_columns import POSE_NAMES, read_direction
 from scara_iso.quantities import Unit, find_unit
 from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.numbers import BLANKS, parse_cell
@@ -24,6 +24,8 @@ class Kind(Enum):
     CYCLE = "cycle"
     POSE = "pose"
     TIMESTAMP = "timestamp"
+    APPROACH = "approach"
+    DIRECTION = "direction of approach"
     OPEN = "what its first cell says"
     COVARIATE = "covariate"
     COMMENT = "comment"
@@ -53,6 +55,7 @@ _CYCLE = _CYCLE_PROPER | {
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),
     **dict.fromkeys(POSE_NAMES, Kind.POSE),
+    "approach": Kind.APPROACH,
     **dict.fromkeys(("timestamp", "time stamp", "zeitstempel", "datetime", "date time"),
                     Kind.TIMESTAMP),
     **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit"), Kind.OPEN),
@@ -64,7 +67,7 @@ _KINDS = {
 }  # fmt: skip
 _COVARIATES = {
     "time_s": "time_s", "t_s": "time_s", "zeit_s": "time_s", "temperature_c": "temperature_C",
-    "temperatur_c": "temperature_C", "approach": "approach", "payload_kg": "payload_kg",
+    "temperatur_c": "temperature_C", "payload_kg": "payload_kg",
     "speed": "speed",
 }  # fmt: skip
 _SPLITS = (
@@ -168,6 +171,9 @@ def read_names(cells: list[str], units: list[str]) -> list[Column]:
 
 def settle(column: Column, name: str, first: str) -> Column:
     """Return what a column that is left open is, by its first cell: numbers, stamps or a note."""
+    if column.kind is Kind.APPROACH:
+        labelled = read_direction(first) is not None
+        return replace(column, kind=Kind.DIRECTION if labelled else Kind.COVARIATE)
     if column.kind is not Kind.OPEN:
         return column
     if parse_cell(first) is not None:

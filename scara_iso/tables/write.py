@@ -21,7 +21,7 @@ from scara_iso.tables.locale import (
     text_cell,
     write_rows,
 )
-from scara_iso.tables.names import Column, Kind, read_name
+from scara_iso.tables.names import Kind, read_name
 from scara_iso.tables.statements import COMMAND, is_of_axes
 
 _CUT = re.compile(rf"[,;]\s*[\"']?[{re.escape(FORMULA)}]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?[,;]")
@@ -39,6 +39,8 @@ def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:
     columns: dict[str, list[str]] = {"cycle": [Digits(n) for n in run.cycle.tolist()]}
     if run.pose is not None:
         columns["pose"] = run.pose.tolist()
+    if run.direction is not None:
+        columns["approach"] = run.direction.tolist()
     columns |= {name: _digits(axis.readings, axis.resolution) for name, axis in run.axes.items()}
     columns |= _commands(run)
     columns |= {n: _plain(n, values) for n, values in run.covariates.items()}
@@ -49,12 +51,17 @@ def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:
 
 def _check_names(run: Run) -> None:
     axes = [name for name in run.axes if name not in AXES]
-    wrong = [n for n in run.covariates if read_name(text_cell(n)) != Column(Kind.COVARIATE, n)]
+    wrong = [n for n in run.covariates if not _names_a_covariate(n)]
     if axes or wrong:
         raise DataError(
             f"a table cannot hold columns named {', '.join(map(repr, axes + wrong))}",
             remedy="rename them",
         )
+
+
+def _names_a_covariate(name: str) -> bool:
+    read = read_name(text_cell(name))
+    return read.name == name and read.kind in (Kind.COVARIATE, Kind.APPROACH) and not read.unit
 
 
 def _preamble(run: Run) -> Iterator[str]:

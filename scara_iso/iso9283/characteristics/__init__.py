@@ -1,14 +1,15 @@
 """What a test measures: one small file per characteristic, a clause each.
 
 Each module's docstring is the page that explains it, ``CODE`` is its name in outputs and limits,
-``CLAUSE`` where it is defined, and ``compute(test)`` yields it for all poses that have it. Third
-parties add a module through the entry-point group ``scara_iso.characteristics``.
+``CLAUSE`` where it is defined, ``NEEDS`` what a test must hold for it, and ``compute(test)`` yields
+it for all poses that have it. Third parties add a module through the entry-point group
+``scara_iso.characteristics``.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from types import ModuleType
 
@@ -21,13 +22,23 @@ Compute = Callable[[Measured], Iterator[Characteristic]]
 @cache
 def find_characteristics() -> tuple[Compute, ...]:
     """Return every characteristic there is: those of this folder by name, then those of others."""
-    modules = find_modules(sys.modules[__name__], "scara_iso.characteristics")
-    return tuple(module.compute for module in modules)
+    return tuple(module.compute for module in _modules())
+
+
+@cache
+def needs() -> Mapping[str, str]:
+    """Return what a test must hold for each characteristic, by its code."""
+    return {module.CODE: module.NEEDS for module in _modules()}
+
+
+@cache
+def _modules() -> tuple[ModuleType, ...]:
+    return find_modules(sys.modules[__name__], "scara_iso.characteristics")
 
 
 def check_shape(module: ModuleType) -> None:
     """Raise `AttributeError` or `TypeError` unless a module is a characteristic's."""
     if not (callable(module.compute) and isinstance(module.CODE, str)):
         raise TypeError("compute is no function, or CODE no text")
-    if not isinstance(module.CLAUSE, str):
-        raise TypeError("CLAUSE is no text")
+    if not (isinstance(module.CLAUSE, str) and isinstance(module.NEEDS, str)):
+        raise TypeError("CLAUSE or NEEDS is no text")

@@ -12,20 +12,32 @@ from collections.abc import Iterator
 
 from scara_iso.iso9283.estimates import distance_estimate, position_estimate
 from scara_iso.iso9283.figures import AxisResult, PoseResult
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.results import (
+    Characteristic,
+    Measured,
+    limit_names,
+    poses_in_cycles,
+)
 from scara_iso.quantities import Estimate
 
 CODE = "AP"
 CLAUSE = "7.2.1"
+NEEDS = (
+    "the command pose of each pose ('# command_X: ...', '# command_X[P3]: ...') and dials whose "
+    "zero is referred to it ('# dial_zero: command')"
+)
 
 
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each axis, XY and XYZ of each pose whose command pose the dial knows."""
-    for pose in test.poses:
+    for pose in poses_in_cycles(test):
         for name, found in pose.figures.items():
             if found.accuracy is not None:
                 estimate = _estimate(found.accuracy, pose, name)
-                yield Characteristic(CODE, pose.label, name, estimate)
+                names = limit_names(CODE, pose.label, name)
+                yield Characteristic(
+                    CODE, pose.label, name, estimate, limited_by=names, of_means=True
+                )
 
 
 def _estimate(value: float, pose: PoseResult, name: str) -> Estimate:

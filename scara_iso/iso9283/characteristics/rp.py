@@ -11,16 +11,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.iso9283.conformity import EVERY_LENGTH
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.results import Characteristic, Measured, poses_in_cycles
 from scara_iso.quantities import MILLIMETRE
 
 CODE = "RP"
 CLAUSE = "7.2.2"
+NEEDS = "cycles at a pose, read along an axis that is a length"
 
 
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each length axis, XY and XYZ of each pose."""
-    for pose in test.poses:
+    for pose in poses_in_cycles(test):
         for name, found in pose.figures.items():
             if found.repeatability.unit == MILLIMETRE.name:
                 yield Characteristic(

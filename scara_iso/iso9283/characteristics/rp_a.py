@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.results import Characteristic, Measured, poses_in_cycles
 from scara_iso.quantities import Dimension
 
 CODE = "RP_a"
 CLAUSE = "7.2.2"
+NEEDS = "cycles at a pose, read of an axis that is an angle"
 
 
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each angle of each pose."""
-    for pose in test.poses:
+    for pose in poses_in_cycles(test):
         for name, axis in pose.axes.items():
             if axis.dimension is Dimension.ANGLE:
                 yield Characteristic(

@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.iso9283.conformity import EVERY_LENGTH
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.results import Characteristic, Measured, poses_in_cycles
 
 CODE = "RP_rss"
 CLAUSE = "paper eq. 23"
+NEEDS = "cycles at a pose, read along X and Y"
 
 
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for XY of each pose."""
-    for pose in test.poses:
+    for pose in poses_in_cycles(test):
         if pose.XY is not None and pose.XY.root_sum_of_squares is not None:
             yield Characteristic(
                 CODE, pose.label, "XY", pose.XY.root_sum_of_squares, ("XY", EVERY_LENGTH),

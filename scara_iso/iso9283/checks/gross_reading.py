@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scara_iso.iso9283.figures import AxisResult
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Measured, poses_in_cycles
 from scara_iso.run import FloatArray
 
 CODE = "gross-reading"
@@ -22,7 +22,7 @@ _MOST = 3  # more of them are no single readings
 
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning for each axis with up to three readings over six sigma from the median."""
-    for pose in measured.poses:
+    for pose in poses_in_cycles(measured):
         for axis in pose.axes.values():
             far = _far_readings(axis)
             if 0 < len(far) <= _MOST:

@@ -16,8 +16,8 @@ _POSES = 5
 
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield a note for fewer than five poses."""
-    found = len(measured.poses)
-    if found < _POSES:
+    found = len({measured.run.arrival_at(pose.label)[0] for pose in measured.poses})
+    if measured.block is None and found < _POSES:
         yield Finding(
             CODE,
             "info",

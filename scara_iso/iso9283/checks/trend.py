@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Measured, poses_in_cycles
 from scara_iso.run import FloatArray, IntArray
 
 CODE = "trend"
@@ -26,7 +26,7 @@ _MOST_CYCLES = 2000  # every k-th of more: the test compares all pairs
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning for each axis with a monotonic trend."""
     level = _LEVEL / (len(measured.poses) * len(measured.run.axes))
-    for pose in measured.poses:
+    for pose in poses_in_cycles(measured):
         for axis in pose.axes.values():
             p_value = mann_kendall(axis.readings[:: math.ceil(axis.n / _MOST_CYCLES)])
             if p_value < level:

@@ -42,6 +42,7 @@ def report_json(dossier: Dossier) -> Json:
             "line": None if run.lines is None else run.lines.tolist(),
             "cycle": run.cycle.tolist(),
             "pose": None if run.pose is None else run.pose.tolist(),
+            **({} if run.direction is None else {"approach": run.direction.tolist()}),
             "axes": {name: axis.readings.tolist() for name, axis in run.axes.items()},
             "covariates": {name: values.tolist() for name, values in run.covariates.items()},
         },

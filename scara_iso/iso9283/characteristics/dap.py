@@ -1,0 +1,49 @@
+"""Drift of pose accuracy: how far the pose has moved since the first block of a drift test.
+
+dAP is the largest distance between the barycentre of the first block and that of a later one, of
+each axis, XY and XYZ (of an angle, the largest change of the mean). The standard takes the change
+of AP; the command pose falls out of it along an axis, and in XY and XYZ the distance of the
+barycentres is never less, so that no command pose is needed and the dial must only keep its zero.
+The standard's test: power off for 8 h, a cold start, then blocks of 10 visits to P1 from P2 with
+warm-up motion between them for 8 h. In a table a column `block` numbers the blocks and time_s
+or timestamp dates the rows; with `# test: drift` and no such column, gaps in time of
+more than three usual steps part the blocks. Every visit counts. The interval allows for the choice
+of the largest among the blocks, so that a pose that stands still has one down to 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from scara_iso.iso9283.barycentres import components, largest_distance
+from scara_iso.iso9283.blocks import visits_of_blocks
+from scara_iso.iso9283.results import Characteristic, Measured, limit_names
+
+CODE = "dAP"
+CLAUSE = "7.6"
+NEEDS = (
+    "a drift test: blocks of visits over hours, numbered in a column 'block' and timed in a "
+    "column time_s or timestamp"
+)
+
+
+def compute(test: Measured) -> Iterator[Characteristic]:
+    """Yield it for each axis, XY and XYZ of each pose of a drift test."""
+    if test.block is None:
+        return
+    for pose in test.poses:
+        visits = visits_of_blocks(test.block, pose.rows)
+        pairs = [(0, k) for k in range(1, len(visits))]
+        for of, names in components(test.run):
+            groups = [np.stack([pose.axes[n].readings[rows] for n in names]) for rows in visits]
+            axes = [test.run.axes[name] for name in names]
+            yield Characteristic(
+                CODE,
+                pose.label,
+                of,
+                largest_distance(groups, pairs, axes=axes, clause=CLAUSE),
+                limited_by=limit_names(CODE, pose.label, of),
+                of_means=True,
+            )

@@ -1,0 +1,41 @@
+"""The table is read as a drift test.
+
+Its column `block` and its times (or `# test: drift`) make it one by ISO 9283 7.6: blocks of visits
+over hours, of which every visit counts. It has dAP and dRP instead of RP, which would count the
+drift of all hours as scatter. If the table is 31 cycles and the column is a condition, call the
+column otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "drift-test"
+_VISITS = 10
+_HOURS = 8.0
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield how a drift test was read, and where it departs from the standard's."""
+    if measured.block is None:
+        return
+    time = measured.run.covariates.get("time_s")
+    counts = np.unique(measured.block, return_counts=True)[1] // len(measured.poses)
+    sizes = (
+        f"{counts.min()}" if counts.min() == counts.max() else f"{counts.min()} to {counts.max()}"
+    )
+    gaps = "" if "block" in measured.run.covariates else ", parted at gaps in time"
+    hours = None if time is None else float(time[-1] - time[0]) / 3600
+    over = "" if hours is None else f" over {hours:.3g} h"
+    said = f"a drift test: {len(counts)} blocks of {sizes} visits{over}{gaps}; every visit counts"
+    yield Finding(CODE, "info", said)
+    if counts.min() != _VISITS or counts.max() != _VISITS:
+        what = f"blocks of {sizes} visits"
+        yield Finding(CODE, "warning", what, rule="ISO 9283 7.6: blocks of 10 visits")
+    if hours is not None and hours < _HOURS:
+        what = f"it runs over {hours:.3g} h"
+        yield Finding(CODE, "warning", what, rule=f"ISO 9283 7.6: {_HOURS:g} h, or until steady")

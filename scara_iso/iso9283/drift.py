@@ -1,0 +1,138 @@
+"""How a pose moves over the hours of a drift test: its course by block, and when it is steady."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.iso9283.barycentres import largest_distance
+from scara_iso.iso9283.blocks import visits_of_blocks
+from scara_iso.iso9283.figures import Interval, PoseResult
+from scara_iso.quantities import Dimension
+from scara_iso.run import FloatArray, IntArray, Run
+
+STEADY = math.log(10.0)
+"""Time constants after which a tenth of the drift is left, and a tenth of its first rate."""
+CLAUSE = "7.6"
+_FEWEST_BLOCKS = 6
+_TRIED = np.geomspace(1 / 300, 10, 1500)  # time constants, of the whole test
+_LEVEL = 0.95
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DriftCourse:
+    """One pose of a drift test; ``visits`` are the places of each block's rows in the pose's."""
+
+    pose: PoseResult
+    visits: Sequence[IntArray]
+    hours: FloatArray | None
+    """Mean time of each block since the first row of the test, shape (blocks,)."""
+    fit: DriftFit | None
+    """None where the blocks do not move by more than chance, are few, or have no times."""
+
+    @property
+    def means(self) -> Mapping[str, FloatArray]:
+        """Mean of each block by axis, shape (blocks,)."""
+        return {
+            name: np.array([axis.readings[rows].mean() for rows in self.visits])
+            for name, axis in self.pose.axes.items()
+        }
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DriftFit:
+    """Block means of all lengths as limit + (start - limit) exp(-t / time constant)."""
+
+    axes: tuple[str, ...]
+    time_constant_h: float
+    interval_h: tuple[float, float | None]
+    """95 %; None where no block of the test bounds it."""
+    hours: FloatArray
+    """Shape (blocks,)."""
+    fitted: Mapping[str, FloatArray]
+    """By axis, shape (blocks,)."""
+
+    @property
+    def steady_after_h(self) -> float:
+        """When a tenth of the drift is left."""
+        return STEADY * self.time_constant_h
+
+    @property
+    def steady_interval_h(self) -> Interval | None:
+        """95 %; None where the test is too short to bound it."""
+        low, high = self.interval_h
+        return None if high is None else (STEADY * low, STEADY * high)
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether it is steady before the test ends."""
+        return self.steady_interval_h is not None and self.steady_after_h <= self.hours[-1]
+
+
+def drift_courses(run: Run, poses: Sequence[PoseResult], block: IntArray) -> list[DriftCourse]:
+    """Return the course of each pose; ``block`` as `block_of_rows` gives it."""
+    return [_course(run, pose, visits_of_blocks(block, pose.rows)) for pose in poses]
+
+
+def _course(run: Run, pose: PoseResult, visits: Sequence[IntArray]) -> DriftCourse:
+    time = run.covariates.get("time_s")
+    if time is None:
+        return DriftCourse(pose, visits, None, None)
+    since = (time - time[0])[pose.rows] / 3600
+    hours = np.array([since[rows].mean() for rows in visits])
+    return DriftCourse(pose, visits, hours, _fit(run, pose, visits, hours))
+
+
+def _fit(
+    run: Run, pose: PoseResult, visits: Sequence[IntArray], hours: FloatArray
+) -> DriftFit | None:
+    names = [n for n, axis in run.axes.items() if axis.dimension is Dimension.LENGTH]
+    if len(visits) < _FEWEST_BLOCKS or not names:
+        return None
+    groups = [np.stack([pose.axes[n].readings[rows] for n in names]) for rows in visits]
+    pairs = [(0, k) for k in range(1, len(groups))]
+    axes = [run.axes[name] for name in names]
+    moved = largest_distance(groups, pairs, axes=axes, clause=CLAUSE)
+    if moved.interval is None or moved.interval[0] == 0:
+        return None
+    means = np.stack([group.mean(axis=1) for group in groups], axis=1)
+    tried, likelihood = _profile(hours, means)
+    best = int(np.argmin(likelihood))
+    inside = np.flatnonzero(likelihood <= likelihood[best] + _threshold(*means.shape))
+    # Below the shortest that is tried the drift is over within the first block, whatever it is.
+    low = 0.0 if inside[0] == 0 else float(tried[inside[0]])
+    high = None if inside[-1] == len(tried) - 1 else float(tried[inside[-1]])
+    fitted = dict(zip(names, _fitted(hours, means, float(tried[best])), strict=True))
+    return DriftFit(tuple(names), float(tried[best]), (low, high), hours, fitted)
+
+
+def _profile(hours: FloatArray, means: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the time constants tried and twice the negative log-likelihood of each.
+
+    ``means`` of shape (axes, blocks); limit, start and scatter of each axis are its own.
+    """
+    tried = _TRIED * (hours[-1] - hours[0])
+    decay = np.exp(-(hours - hours[0]) / tried[:, np.newaxis])
+    decay -= decay.mean(axis=1, keepdims=True)
+    centred = means - means.mean(axis=1, keepdims=True)
+    explained = (decay @ centred.T) ** 2 / (decay**2).sum(axis=1, keepdims=True)
+    total = (centred**2).sum(axis=1)
+    left = np.maximum(total - explained, np.finfo(np.float64).tiny + 1e-12 * total)
+    return tried, np.asarray(len(hours) * np.log(left).sum(axis=1))
+
+
+def _threshold(axes: int, blocks: int) -> float:
+    """Return how far the profile may rise inside the 95 % interval: F of 1 and the residuals."""
+    from scipy.special import fdtri  # noqa: PLC0415 - heavy
+
+    return blocks / (blocks - 2) * float(fdtri(1, axes * (blocks - 2) - 1, _LEVEL))
+
+
+def _fitted(hours: FloatArray, means: FloatArray, time_constant: float) -> FloatArray:
+    decay = np.exp(-(hours - hours[0]) / time_constant)
+    design = np.stack([np.ones_like(hours), decay], axis=1)
+    found = np.linalg.lstsq(design, means.T, rcond=None)[0]
+    return np.asarray((design @ found).T)
