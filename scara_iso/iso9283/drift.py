@@ -12,7 +12,7 @@ from scara_iso.iso9283.barycentres import largest_distance
 from scara_iso.iso9283.blocks import visits_of_blocks
 from scara_iso.iso9283.figures import Interval, PoseResult
 from scara_iso.quantities import Dimension
-from scara_iso.run import FloatArray, IntArray, Run
+from scara_iso.run import Axis, FloatArray, IntArray, Run
 
 STEADY = math.log(10.0)
 """Time constants after which a tenth of the drift is left, and a tenth of its first rate."""
@@ -69,7 +69,8 @@ class DriftFit:
     @property
     def is_steady(self) -> bool:
         """Whether it is steady before the test ends."""
-        return self.steady_interval_h is not None and self.steady_after_h <= self.hours[-1]
+        ends = self.steady_interval_h
+        return ends is not None and self.steady_after_h <= float(self.hours[-1])
 
 
 def drift_courses(run: Run, poses: Sequence[PoseResult], block: IntArray) -> list[DriftCourse]:
@@ -83,21 +84,27 @@ def _course(run: Run, pose: PoseResult, visits: Sequence[IntArray]) -> DriftCour
         return DriftCourse(pose, visits, None, None)
     since = (time - time[0])[pose.rows] / 3600
     hours = np.array([since[rows].mean() for rows in visits])
-    return DriftCourse(pose, visits, hours, _fit(run, pose, visits, hours))
+    axes = [axis for axis in run.axes.values() if axis.dimension is Dimension.LENGTH]
+    readings = [
+        np.stack([pose.axes[a.name].readings[rows] for a in axes]) for rows in visits if axes
+    ]
+    return DriftCourse(pose, visits, hours, fit_drift(readings, hours, axes))
 
 
-def _fit(
-    run: Run, pose: PoseResult, visits: Sequence[IntArray], hours: FloatArray
+def fit_drift(
+    groups: Sequence[FloatArray], hours: FloatArray, axes: Sequence[Axis]
 ) -> DriftFit | None:
-    names = [n for n, axis in run.axes.items() if axis.dimension is Dimension.LENGTH]
-    if len(visits) < _FEWEST_BLOCKS or not names:
+    """Return the fit of blocks of readings, of shape (axes, visits) each, at ``hours``.
+
+    None where they are fewer than six, or do not move by more than chance.
+    """
+    if len(groups) < _FEWEST_BLOCKS:
         return None
-    groups = [np.stack([pose.axes[n].readings[rows] for n in names]) for rows in visits]
     pairs = [(0, k) for k in range(1, len(groups))]
-    axes = [run.axes[name] for name in names]
     moved = largest_distance(groups, pairs, axes=axes, clause=CLAUSE)
     if moved.interval is None or moved.interval[0] == 0:
         return None
+    names = [axis.name for axis in axes]
     means = np.stack([group.mean(axis=1) for group in groups], axis=1)
     tried, likelihood = _profile(hours, means)
     best = int(np.argmin(likelihood))

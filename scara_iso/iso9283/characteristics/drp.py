@@ -45,11 +45,17 @@ def compute(test: Measured) -> Iterator[Characteristic]:
             blocks = [np.stack([pose.axes[n].readings[rows] for n in names]) for rows in visits]
             names_of_limit = limit_names(CODE, pose.label, of)
             yield Characteristic(
-                CODE, pose.label, of, _estimate(blocks, axes), names_of_limit, of_means=True
+                CODE,
+                pose.label,
+                of,
+                change_of_repeatability(blocks, axes),
+                names_of_limit,
+                of_means=True,
             )
 
 
-def _estimate(blocks: list[FloatArray], axes: list[Axis]) -> Estimate:
+def change_of_repeatability(blocks: list[FloatArray], axes: list[Axis]) -> Estimate:
+    """Return the largest change of RP from the first of ``blocks``, of shape (axes, visits)."""
     RP = np.array([float(repeatability(block).RP) for block in blocks])
     change = np.abs(RP[1:] - RP[0])
     n, unit = min(block.shape[1] for block in blocks), axes[0].unit
