@@ -6,8 +6,8 @@
     0.01404
 
 There is one function for each command, with its options as keywords: `analyze`, `diagnose`,
-`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`. Where a table is
-wanted they take a path, a `Run` or a pandas table with its unit. Errors
+`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`, `visits`, `push`.
+Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
 
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         record as record,
         report as report,
         simulate as simulate,
+        visits as visits,
     )
     from scara_iso.robot import Backlash as Backlash, Crossing as Crossing, backlash as backlash
     from scara_iso.run import Axis as Axis, Run as Run
@@ -78,6 +79,7 @@ __all__ = [
     "record",
     "report",
     "simulate",
+    "visits",
     "write_table",
 ]
 

@@ -49,5 +49,6 @@ if TYPE_CHECKING:
         standard_deviation as standard_deviation,
         two_divisions as two_divisions,
     )
+    from scara_iso.iso9283.transients import arrival_characteristics as arrival_characteristics
 else:
     __getattr__ = face(__name__)

@@ -24,5 +24,6 @@ if TYPE_CHECKING:
         writer as writer,
     )
     from scara_iso.library.several import compare as compare
+    from scara_iso.library.streams import visits as visits
 else:
     __getattr__ = face(__name__)

@@ -63,6 +63,7 @@ if TYPE_CHECKING:
         probe_report as probe_report,
     )
     from scara_iso.reporting.stated import NOT_STATED as NOT_STATED, head as head
+    from scara_iso.reporting.streams import visits_report as visits_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.words import printable as printable
 else:
