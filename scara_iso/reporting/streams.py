@@ -52,8 +52,7 @@ def _rule(rule: Rule, found: StreamVisits) -> Iterator[Block]:
     yield Text(f"a visit: a rest of {rule.dwell_s:g} s or more that was seen to begin")
     yield Text(f"limit band: {bands} ({band})")
     yield Text(
-        "the reading is the mean from where every axis keeps the band to half a window before the "
-        "rest ends",
+        "the reading is the mean of the middle half of the rest, from where the band is kept",
         "quiet",
     )
 

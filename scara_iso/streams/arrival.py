@@ -1,4 +1,4 @@
-"""How one axis comes to rest: the attained pose, and what happens before it is kept.
+"""How one axis comes to rest: the pose attained, and what happens before it is kept.
 
 The stabilisation time runs from the first entry into the limit band about the attained pose, after
 the farthest point of the motion, to the last; the overshoot is the largest distance beyond the
@@ -22,27 +22,32 @@ class Arrival:
     direction: int
     """+1 where the reading rose to the pose, -1 where it fell, 0 where it hardly moved."""
     settled: int | None
-    """The sample from which the band is kept; None where the last half leaves it."""
+    """The sample from which the band is kept; None where it is left beyond the middle."""
     stabilisation_s: float | None
     overshoot: float | None
 
 
-def attained(readings: FloatArray) -> float:
-    """Return the pose that a rest ends in: the mean of its last half."""
-    return float(readings[len(readings) // 2 :].mean())
+def middle(first: int, last: int) -> tuple[int, int]:
+    """Return the first and the last sample of the middle half of a rest.
+
+    Where the arrival's tail is over and the departure has not begun.
+    """
+    quarter = (last - first + 1) // 4
+    return first + quarter, last - quarter
 
 
 def arrive(time: FloatArray, readings: FloatArray, rest: int, pose: float, band: float) -> Arrival:
     """Return the arrival of ``readings``, shape (n,): the motion, then from ``rest`` on the rest.
 
-    ``band`` is the half width of the limit band about ``pose``.
+    They end where the middle half of the rest does; ``band`` is the half width of the limit band
+    about ``pose``.
     """
     off = readings - pose
     far = int(np.argmax(np.abs(off[: rest + 1])))
     direction = 0 if abs(off[far]) <= band else -int(np.sign(off[far]))
     outside = np.flatnonzero(np.abs(off) > band)
     last = int(outside[-1]) if len(outside) else -1
-    if last >= rest + (len(off) - rest) // 2:
+    if last >= rest + 2 * (len(off) - rest) // 3:  # two thirds of three quarters: its middle
         return Arrival(direction, None, None, None)
     if direction == 0:
         return Arrival(0, last + 1, None, None)

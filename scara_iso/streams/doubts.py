@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.run import FloatArray
+from scara_iso.streams.arrival import middle
 from scara_iso.streams.rests import Motion, Rest, find_rests
 from scara_iso.streams.result import Doubt
 
@@ -35,9 +36,8 @@ class Stream:
 
     def levels(self, rest: Rest) -> FloatArray:
         """Return the mean of each length in the middle half of a rest, shape (lengths,)."""
-        quarter = (rest.last - rest.first + 1) // 4
-        inner = slice(rest.first + quarter, rest.last + 1 - quarter)
-        return np.array([values[inner].mean() for values in self.lengths])
+        begin, end = middle(rest.first, rest.last)
+        return np.array([values[begin : end + 1].mean() for values in self.lengths])
 
 
 @dataclass(frozen=True, slots=True)

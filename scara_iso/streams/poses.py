@@ -9,6 +9,7 @@ import numpy as np
 
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
+from scara_iso.streams.arrival import middle
 from scara_iso.streams.doubts import Stay, Stream
 
 AWAY = "-"
@@ -46,8 +47,8 @@ def label(
 
 def _pose_at(run: Run, stream: Stream, rest: Stay) -> str:
     assert run.pose is not None  # noqa: S101 - the caller looked
-    quarter = (rest.last - rest.first) // 4
-    labels = sorted(set(run.pose[rest.first + quarter : rest.last - quarter + 1].tolist()))
+    begin, end = middle(rest.first, rest.last)
+    labels = sorted(set(run.pose[begin : end + 1].tolist()))
     if len(labels) != 1:
         raise DataError(
             f"the pose changes in the rest at {stream.at(rest.first):.3f} s: {', '.join(labels)}",
@@ -93,24 +94,27 @@ def _check_turns(
     order: Sequence[str],
     still: float,
 ) -> list[str]:
-    """Refuse rests that are nearer to another place of the first turn than to their own.
+    """Refuse rests that are nearer to another place of the order than to their own.
 
-    Returns which places of the order cannot be told apart by their levels.
+    A place is where it was in the first turn, and where it is in most. Returns which places cannot
+    be told apart by their levels.
     """
     first = levels[: len(order)]
-    apart = np.abs(levels[:, None, :] - first[None, :, :]).max(axis=2)
     place = np.arange(len(levels)) % len(order)
-    own = apart[np.arange(len(levels)), place]
-    wrong = np.flatnonzero((own > _FARTHEST * still) & (2 * apart.min(axis=1) < own))
-    if len(wrong):
-        k = int(wrong[0])
-        other = order[int(apart[k].argmin())]
-        raise DataError(
-            f"rest {k + 1} at {stream.at(rests[k].first):.3f} s should be {order[place[k]]} and "
-            f"is at the level of {other}: a rest is missing before it, or the order is another",
-            where=run.origin.source,
-            remedy="look at the stream there; correct `poses=`, or cut the stream in two",
-        )
+    usual = np.array([np.median(levels[place == k], axis=0) for k in range(len(first))])
+    for places in (first, usual):
+        apart = np.abs(levels[:, None, :] - places[None, :, :]).max(axis=2)
+        own = apart[np.arange(len(levels)), place]
+        wrong = np.flatnonzero((own > _FARTHEST * still) & (2 * apart.min(axis=1) < own))
+        if len(wrong):
+            k = int(wrong[0])
+            raise DataError(
+                f"rest {k + 1} at {stream.at(rests[k].first):.3f} s should be {order[place[k]]} "
+                f"and is at the level of {order[int(apart[k].argmin())]}: a rest is missing before "
+                "it, or the order is another",
+                where=run.origin.source,
+                remedy="look at the stream there; correct `poses=`, or cut the stream in two",
+            )
     return [
         f"{order[i]} and {order[j]} rest at one level: their order cannot be checked"
         for i in range(len(first))

@@ -3,8 +3,10 @@
 The rule has two parameters: a window that slides over the stream, and the largest range of the
 readings within it at rest. Unless the user states that threshold it is the one on which least
 depends: the number of rests is counted under thresholds from the dial's division to the largest
-range, and the widest stretch of them with one number is taken, at twice its low end. What comes or
-goes by halving or doubling the threshold is for the caller to list.
+range, and of the stretches of them with one number that span a factor of three the one with the
+most rests is taken, at twice its low end. The most, since a dial that nothing touches is stiller
+than one at a pose, and a threshold between the two would lose every visit. What comes or goes by
+halving or doubling the threshold, and the other stretches, are for the caller to list.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import numpy.typing as npt
 from scara_iso.run import FloatArray
 
 FEWEST_IN_WINDOW = 5
-NARROWEST = 4.0  # benchmarks/visits.py
+NARROWEST = 3.0  # benchmarks/visits.py
 """Factor over which the number of rests must not depend on the threshold."""
 _FINENESS = 4 / 3
 _GAP = 5.0
@@ -80,8 +82,9 @@ class Plateau:
 def plateaus(found: Motion, least: float, long: int) -> list[Plateau]:
     """Return the ranges of thresholds with one number of rests of ``long`` samples or more.
 
-    The widest comes first. ``least`` is the smallest range that can be told from none: the dial's
-    division. Thresholds are a third apart, and windows half a window.
+    Those with most rests come first, and only those that span `NARROWEST`. ``least`` is the
+    smallest range that can be told from none: the dial's division. Thresholds are a third apart,
+    and windows a quarter of a window.
     """
     step = max(1, found.window // 4)
     ranges = found.ranges[::step]
@@ -96,7 +99,8 @@ def plateaus(found: Motion, least: float, long: int) -> list[Plateau]:
         for i, j in pairwise(edges)
         if i < j and counts[i] > 0
     ]
-    return sorted(made, key=lambda one: -one.factor)
+    wide = [one for one in made if one.factor >= NARROWEST]
+    return sorted(wide, key=lambda one: (-one.count, -one.factor))
 
 
 def _count(quiet: npt.NDArray[np.bool_], need: float) -> int:

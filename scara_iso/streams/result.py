@@ -18,10 +18,13 @@ class Visit:
     settled: float
     """From here on every axis keeps the limit band."""
     end: float
-    """Last sample of the mean: half a window before the departure shows."""
+    """Last sample at rest."""
+    averaged: tuple[float, float]
+    """First and last sample of the reading."""
     samples: int
+    """Of the mean."""
     mean: Mapping[str, float]
-    """By axis, of the samples from `settled` to `end`: the reading."""
+    """By axis, over `averaged`: the reading."""
     scatter: Mapping[str, float]
     """Their standard deviation, by axis."""
     approach: Mapping[str, int]

@@ -43,7 +43,7 @@ def table(run: Run, visits: Sequence[Visit], rule: Rule, rate_hz: float) -> tupl
         axes[name] = replace(axis, readings=readings, resolution=division)
     approach, more = _approach(run, visits)
     covariates = {
-        "time_s": np.round([(v.settled + v.end) / 2 for v in visits], _MICROSECOND),
+        "time_s": np.round([sum(v.averaged) / 2 for v in visits], _MICROSECOND),
         **approach,
         **_means(run, visits),
         **_transients(run, visits),
@@ -84,7 +84,7 @@ def _means(run: Run, visits: Sequence[Visit]) -> dict[str, FloatArray]:
     time, found = run.covariates["time_s"], {}
     for name, values in run.covariates.items():
         if name not in ("time_s", "approach"):
-            ends = np.searchsorted(time, [(v.settled, v.end) for v in visits])
+            ends = np.searchsorted(time, [v.averaged for v in visits])
             means = [values[first : max(last, first + 1)].mean() for first, last in ends.tolist()]
             found[name] = np.array([float(f"{mean:.9g}") for mean in means])
     return found

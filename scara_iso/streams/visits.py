@@ -12,15 +12,16 @@ from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import arrival_characteristics
 from scara_iso.quantities import Dimension
 from scara_iso.run import FloatArray, Run
-from scara_iso.streams.arrival import arrive, attained
+from scara_iso.streams.arrival import arrive, middle
 from scara_iso.streams.doubts import Stay, Stream, join, long_rests, of_other_thresholds, sort
 from scara_iso.streams.poses import label
-from scara_iso.streams.rests import NARROWEST, Motion, find_rests, motion, plateaus, still_of
+from scara_iso.streams.rests import Motion, find_rests, motion, plateaus, still_of
 from scara_iso.streams.result import Doubt, Rule, StreamVisits, Visit
 from scara_iso.streams.table import table
 
 SLOWEST_HZ = 50.0
 """Sampling rate from which stabilisation time and overshoot are read (iso_test: at least 50 Hz)."""
+_ALMOST = 1 - 1e-6
 _WINDOWS_IN_DWELL = 5
 _FEWEST_SAMPLES = 20
 _SCATTERS_IN_BAND = 5.0  # 500 samples of Gaussian scatter leave it once in 3000 rests
@@ -71,6 +72,8 @@ def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
         band_stated=wanted.band is not None,
     )
     visits, unsettled = _visits(stream, stays, kept, labels, rule, rate_hz=1 / interval)
+    if 1 / interval < SLOWEST_HZ * _ALMOST:
+        notes.append(f"{1 / interval:.3g} Hz: stabilisation time and overshoot need 50 Hz or more")
     made, more = table(run, visits, rule, 1 / interval)
     return StreamVisits(
         run=made,
@@ -95,7 +98,7 @@ def _visits(
 ) -> tuple[list[Visit], list[Doubt]]:
     before = {stay: stays[k - 1].last if k else 0 for k, stay in enumerate(stays)}
     visits, doubts = [], []
-    fast = rate_hz >= SLOWEST_HZ * (1 - 1e-6)
+    fast = rate_hz >= SLOWEST_HZ * _ALMOST
     for stay, pose in zip(kept, labels, strict=True):
         visit, unsettled = _visit(stream, stay, before[stay], rule, fast=fast)
         visits.append(replace(visit, pose=pose))
@@ -133,7 +136,7 @@ def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[fl
     if wanted.still is not None:
         return wanted.still, []
     ranked = plateaus(found, _least(run), round(wanted.dwell_s / interval))
-    if not ranked or ranked[0].factor < NARROWEST:
+    if not ranked:
         raise DataError(
             "rest and motion cannot be told apart: the number of rests follows every threshold",
             where=run.origin.source,
@@ -143,7 +146,6 @@ def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[fl
         f"`still=` from {one.low:.2g} to {one.high:.2g} would find {one.count} rests, "
         f"not {ranked[0].count}"
         for one in ranked[1:]
-        if one.factor >= NARROWEST
     ]
     return still_of(ranked[0]), others
 
@@ -185,10 +187,8 @@ def _bands(
 
 
 def _scatter_at_rest(values: FloatArray, kept: Sequence[Stay]) -> float:
-    halves = [
-        values[(stay.rests[-1].first + stay.last) // 2 : stay.last + 1].std(ddof=1) for stay in kept
-    ]
-    return float(np.median(halves))
+    inner = [middle(stay.rests[-1].first, stay.last) for stay in kept]
+    return float(np.median([values[begin : end + 1].std(ddof=1) for begin, end in inner]))
 
 
 def _visit(
@@ -196,25 +196,30 @@ def _visit(
 ) -> tuple[Visit, list[Doubt]]:
     """Return the visit of a stay, and whether an axis never settles; ``before`` ends the last rest.
 
-    The last half window is left out: within it a departure may have begun.
+    Its reading is the mean of the middle half, from where every axis keeps the band.
     """
-    end = max(stay.last - rule.samples_in_window // 2, stay.first + 2)
-    first, whole = stay.rests[0], slice(before, end + 1)
-    arrivals = {}
-    for name, values in stream.axes.items():
-        pose = attained(values[stay.rests[-1].first : end + 1])
-        arrivals[name] = arrive(
-            stream.time[whole], values[whole], first.first - before, pose, rule.band[name]
-        )
-    late = [name for name, arrival in arrivals.items() if arrival.settled is None]
-    begins = [before + a.settled for a in arrivals.values() if a.settled is not None]
-    settled = min(max([first.first, *begins]), end - 1)
+    begin, end = middle(stay.first, stay.last)
     inside = np.concatenate([np.arange(r.first, r.last + 1) for r in stay.rests])
-    inside = inside[(inside >= settled) & (inside <= end)]
+    inside = inside[(inside >= begin) & (inside <= end)]
+    whole = slice(before, end + 1)
+    arrivals = {
+        name: arrive(
+            stream.time[whole],
+            values[whole],
+            stay.first - before,
+            float(values[inside].mean()),
+            rule.band[name],
+        )
+        for name, values in stream.axes.items()
+    }
+    late = [name for name, arrival in arrivals.items() if arrival.settled is None]
+    settled = max([stay.first, *(before + a.settled for a in arrivals.values() if a.settled)])
+    inside = inside[inside >= settled]
     visit = Visit(
         start=stream.at(stay.first),
         settled=stream.at(settled),
-        end=stream.at(end),
+        end=stream.at(stay.last),
+        averaged=(stream.at(int(inside[0])), stream.at(int(inside[-1]))),
         samples=len(inside),
         mean={name: float(v[inside].mean()) for name, v in stream.axes.items()},
         scatter={name: float(v[inside].std(ddof=1)) for name, v in stream.axes.items()},
@@ -222,6 +227,6 @@ def _visit(
         stabilisation_s={n: a.stabilisation_s if fast else None for n, a in arrivals.items()},
         overshoot={n: a.overshoot if fast else None for n, a in arrivals.items()},
     )
-    message = f"{', '.join(late)} leaves the limit band in the last half: the mean is of all of it"
+    message = f"{', '.join(late)} leaves the limit band beyond the middle of the rest"
     doubt = Doubt("does-not-settle", visit.start, visit.end, message, counted=True)
     return visit, [doubt] if late else []
