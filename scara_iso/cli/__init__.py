@@ -29,7 +29,7 @@ COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
         "record", "analyze", "report", "compare", "backlash", "diagnose", "simulate", "plan",
-        "visits", "ports", "demo", "explain",
+        "visits", "push", "ports", "demo", "explain",
     )
 }  # fmt: skip
 

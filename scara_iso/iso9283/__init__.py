@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         Solid as Solid,
         make_plan as make_plan,
     )
+    from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,
         Characteristic as Characteristic,

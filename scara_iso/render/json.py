@@ -57,7 +57,7 @@ def analysis_json(analysis: Analysis) -> Json:
         },
         "poses": [pose_json(pose) for pose in analysis.poses],
         "characteristics": [characteristic_json(one) for one in analysis.characteristics],
-        "limits": [_limit(check) for check in analysis.limits],
+        "limits": [limit_json(check) for check in analysis.limits],
         "conformity": None if analysis.conformity is None else analysis.conformity.value,
         "deviations": [
             {"rule": f.rule, "code": f.code, "message": f.message} for f in analysis.deviations
@@ -150,7 +150,8 @@ def characteristic_json(found: Characteristic) -> Json:
     }
 
 
-def _limit(check: LimitCheck) -> Json:
+def limit_json(check: LimitCheck) -> Json:
+    """Return the object of a figure held against a limit."""
     return {
         "figure": check.figure,
         "pose": check.pose,
