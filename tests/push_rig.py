@@ -5,6 +5,8 @@ slides on to where the two are equal, found by bisection. The program's play ope
 is not used.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 
@@ -12,6 +14,7 @@ def beyond(x, half_play):
     return np.sign(x) * max(abs(x) - half_play, 0.0)
 
 
+@lru_cache(maxsize=64)
 def positions(force, *, stiffness, half_play, friction, start=0.0):
     """Return where the link rests after each force [mm]; stiffness in N/mm."""
     x, found = start, []
@@ -41,7 +44,7 @@ def readings(rng, *, stiffness=500.0, half_play=0.02, friction=6.0, noise=0.0, d
              drift=0.0, **steps):  # fmt: skip
     """Return forces and the dial's readings [mm]."""
     force = forces(**steps)
-    x = positions(force, stiffness=stiffness, half_play=half_play, friction=friction)
+    x = positions(tuple(force.tolist()), stiffness=stiffness, half_play=half_play, friction=friction)
     x = x + noise * rng.standard_normal(len(x)) + drift * np.linspace(0, 1, len(x)) + 0.3
     return force, x if division is None else np.round(x / division) * division
 

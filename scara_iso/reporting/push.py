@@ -10,16 +10,11 @@ from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Report, Se
 from scara_iso.reporting.digits import interval, rounded
 from scara_iso.reporting.limits import deciding_places
 
-_MEANING = {
-    "lost_motion": "between the two flanks, spring and friction taken off",
-    "friction_width": "between the ways to and fro, on one flank",
-    "hysteresis": "both together, at no force",
-    "deflection": "between the two ends of the loop",
-    "compliance": "clause 10: displacement per force",
-    "friction_force": "Coulomb friction, one side",
-    "friction_torque": "Coulomb friction, one side",
-    "stiffness": "of all behind the dial",
-}
+_MEANING = (
+    "lost motion: between the flanks, spring and friction taken off; friction width: between the "
+    "ways to and fro on one flank; hysteresis: both together, at no force; deflection: between the "
+    "ends of the loop; friction: Coulomb's, one side; stiffness: of all behind the dial"
+)
 _TONE: dict[Conformity, Literal["good", "bad", "warn"]] = {
     Conformity.PASS: "good",
     Conformity.FAIL: "bad",
@@ -64,11 +59,8 @@ def _figures(found: list[Characteristic]) -> Table:
         estimate = one.estimate
         ends = estimate.interval
         U = 0.0 if ends is None else (ends[1] - ends[0]) / 2
-        rows.append(
-            (one.code, rounded(estimate.value, U), interval(ends), estimate.unit,
-             _MEANING[one.code])
-        )  # fmt: skip
-    return Table(("figure", "", "95 % interval", "in", "what it is"), tuple(rows))
+        rows.append((one.code, rounded(estimate.value, U), interval(ends), estimate.unit))
+    return Table(("figure", "", "95 % interval", "in"), tuple(rows))
 
 
 def _limits(checks: tuple[LimitCheck, ...]) -> Table:
@@ -98,6 +90,7 @@ def _how(found: PushResult) -> Iterator[Block]:
         )
     yield from (Text(note) for note in found.loop.notes)
     run_in = f"; {fit.run_in} before the first end do not count" if fit.run_in else ""
+    yield Text(_MEANING, "quiet")
     yield Text(
         f"{fit.readings} readings{run_in}; reading = force through friction x compliance ± half "
         f"the lost motion, each loop with its own zero; residual {fit.residual:.2g} mm; 95 %, "
