@@ -16,8 +16,10 @@ from enum import Enum
 import numpy as np
 
 from scara_iso.errors import UsageError
-from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rectangle, Workspace, largest_rectangle
+from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rated, Rectangle, Workspace, largest_rectangle
 from scara_iso.run import FloatArray
+
+_UNRATED = Rated()
 
 POSES = ("P1", "P2", "P3", "P4", "P5")
 
@@ -134,6 +136,8 @@ class PosePlan:
     stroke_limits: bool
     """Whether a larger cube would fit if the stroke were longer."""
     conditions: PoseTestConditions
+    rated: Rated = _UNRATED
+    """What the percentages of `conditions` are of."""
 
     def __post_init__(self) -> None:
         self.corners.flags.writeable = False
@@ -149,9 +153,15 @@ class PosePlan:
         """Share of m in L, which eq. 1 wants within 0.1 ± 0.02."""
         return self.m_mm / self.diagonal_mm
 
-    def rows(self) -> list[Mapping[str, str | int | float]]:
-        """Return one cycle as a table, one row for each visit in order, for a robot program."""
+    def rows(self) -> list[Mapping[str, str | int | float | None]]:
+        """Return one cycle as a table, one row for each visit in order, for a robot program.
+
+        A cycle begins at P1, so every pose is always approached from the same one; the path from
+        it is a line in the plane, as the paper's.
+        """
         by_name = {pose.name: pose for pose in self.poses}
+        how, rated = self.conditions, self.rated
+        before = ("P1", *how.order)
         return [
             {
                 "visit": number,
@@ -161,13 +171,21 @@ class PosePlan:
                     for key in PlannedPose.__slots__
                     if key != "name"
                 },
-                "velocity_percent": self.conditions.velocity_percent,
-                "load_percent": self.conditions.load_percent,
-                "dwell_s": self.conditions.dwell_s,
-                "cycles": self.conditions.cycles,
+                "from_pose": before[number - 1],
+                "path": "linear",
+                "velocity_percent": how.velocity_percent,
+                "velocity_mm_s": _share(how.velocity_percent, rated.velocity_mm_s),
+                "load_percent": how.load_percent,
+                "load_kg": _share(how.load_percent, rated.load_kg),
+                "dwell_s": how.dwell_s,
+                "cycles": how.cycles,
             }
-            for number, name in enumerate(self.conditions.order, start=1)
+            for number, name in enumerate(how.order, start=1)
         ]
+
+
+def _share(percent: float, rated: float | None) -> float | None:
+    return None if rated is None else percent * rated / 100
 
 
 def make_plan(
@@ -179,6 +197,7 @@ def make_plan(
     m_over_diagonal: float = 0.1,
     theta_deg: float = 0.0,
     conditions: PoseTestConditions | None = None,
+    rated: Rated = _UNRATED,
 ) -> PosePlan:
     """Return the test for ``arm``, every pose within reach and limits.
 
@@ -203,6 +222,7 @@ def make_plan(
         m_mm=m_over_diagonal * diagonal,
         stroke_limits=solid is Solid.CUBE and area.width > arm.stroke_mm,
         conditions=PoseTestConditions() if conditions is None else conditions,
+        rated=rated,
     )
 
 

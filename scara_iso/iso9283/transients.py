@@ -11,5 +11,5 @@ from scara_iso.run import Run
 
 def arrival_characteristics(run: Run) -> Iterator[Characteristic]:
     """Yield them for every pose, of all its visits: each arrival is one of the clauses' three."""
-    yield from stabilisation_time.of_run(run, run.rows_by_pose())
-    yield from overshoot.of_run(run, run.rows_by_pose())
+    yield from stabilisation_time.stabilisation_times(run, run.rows_by_pose())
+    yield from overshoot.overshoots(run, run.rows_by_pose())

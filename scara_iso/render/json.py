@@ -201,6 +201,7 @@ def plan_json(plan: PosePlan) -> Json:
         "diagonal_mm": plan.diagonal_mm,
         "m_mm": plan.m_mm,
         "stroke_limits": plan.stroke_limits,
+        "rated": {"load_kg": plan.rated.load_kg, "velocity_mm_s": plan.rated.velocity_mm_s},
         "cycles": {"run": plan.conditions.cycles, "used": plan.conditions.used},
         "visits": [dict(row) for row in plan.rows()],
     }

@@ -18,13 +18,17 @@ def visits_report(found: StreamVisits) -> Report:
     sections = [
         Section("", tuple(_verdict(found))),
         Section("rule", tuple(_rule(found.rule, found))),
-        Section("visits", (_visits(found),)),
+        Section("visits", (_visits(found), *_more(len(found.visits), "visits"))),
     ]
     if found.characteristics:
         table = characteristics_table(found.characteristics)
         sections.append(Section("arrivals (7.4, 7.5)", (table, Text(_longest(found), "quiet"))))
     if found.doubts:
-        sections.append(Section("to be looked at", (_doubts(found.doubts),)))
+        sections.append(
+            Section(
+                "to be looked at", (_doubts(found.doubts), *_more(len(found.doubts), "of them"))
+            )
+        )
     return tuple(sections)
 
 
@@ -71,9 +75,12 @@ def _visits(found: StreamVisits) -> Table:
     rows = [
         _row(k, visit, axes, labelled=labelled) for k, visit in enumerate(found.visits[:_SHOWN], 1)
     ]
-    over = len(found.visits) - len(rows)
-    more = f"and {over} more visits: -o FILE or --json has all; " if over > 0 else ""
-    return Table(tuple(header), tuple(rows), f"{more}from: + where the reading rose to the pose")
+    return Table(tuple(header), tuple(rows), "from: + where the reading rose to the pose")
+
+
+def _more(number: int, of_them: str) -> Iterator[Text]:
+    if number > _SHOWN:
+        yield Text(f"and {number - _SHOWN} more {of_them}: `json=True` shows all")
 
 
 def _row(k: int, visit: Visit, axes: list[str], *, labelled: bool) -> tuple[Cell, ...]:
@@ -106,6 +113,4 @@ def _doubts(doubts: tuple[Doubt, ...]) -> Table:
         )
         for doubt in doubts[:_SHOWN]
     )
-    over = len(doubts) - len(rows)
-    note = f"and {over} more: --json has all" if over > 0 else ""
-    return Table(("what", "from [s]", "to [s]", "visit", "why"), rows, note)
+    return Table(("what", "from [s]", "to [s]", "visit", "why"), rows)

@@ -16,7 +16,7 @@ from scara_iso.run import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
-class Arrival:
+class Settling:
     """One arrival along one axis: times in s, lengths in mm, angles in degrees."""
 
     direction: int
@@ -36,7 +36,7 @@ def middle(first: int, last: int) -> tuple[int, int]:
     return first + quarter, last - quarter
 
 
-def arrive(time: FloatArray, readings: FloatArray, rest: int, pose: float, band: float) -> Arrival:
+def arrive(time: FloatArray, readings: FloatArray, rest: int, pose: float, band: float) -> Settling:
     """Return the arrival of ``readings``, shape (n,): the motion, then from ``rest`` on the rest.
 
     They end where the middle half of the rest does; ``band`` is the half width of the limit band
@@ -48,15 +48,17 @@ def arrive(time: FloatArray, readings: FloatArray, rest: int, pose: float, band:
     outside = np.flatnonzero(np.abs(off) > band)
     last = int(outside[-1]) if len(outside) else -1
     if last >= rest + 2 * (len(off) - rest) // 3:  # two thirds of three quarters: its middle
-        return Arrival(direction, None, None, None)
+        return Settling(direction, None, None, None)
     if direction == 0:
-        return Arrival(0, last + 1, None, None)
+        return Settling(0, last + 1, None, None)
     # Not the first sample in the band: a fast arrival crosses it between two samples.
     entry = far + int(np.argmax(direction * off[far:] >= -band))
     entered = _crossing(time, off, entry - 1, -direction * band)
     stays = _crossing(time, off, last, band if off[last] > 0 else -band)
     beyond = float(np.max(direction * off[entry:]))
-    return Arrival(direction, last + 1, max(stays - entered, 0.0), beyond if beyond > band else 0.0)
+    return Settling(
+        direction, last + 1, max(stays - entered, 0.0), beyond if beyond > band else 0.0
+    )
 
 
 def _crossing(time: FloatArray, off: FloatArray, before: int, level: float) -> float:

@@ -17,7 +17,7 @@ _LONG = 2.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stream:
+class Samples:
     """Samples in time: axes of shape (n,), of which ``lengths`` tell rest from motion."""
 
     time: FloatArray
@@ -57,7 +57,7 @@ class Stay:
         return self.rests[-1].last
 
 
-def join(stream: Stream, rests: Sequence[Rest], shortest: float, still: float) -> list[Stay]:
+def join(stream: Samples, rests: Sequence[Rest], shortest: float, still: float) -> list[Stay]:
     """Return the rests, those joined that a short interruption parts at one level."""
     stays: list[Stay] = []
     for rest in rests:
@@ -72,7 +72,7 @@ def join(stream: Stream, rests: Sequence[Rest], shortest: float, still: float) -
 
 
 def sort(
-    stream: Stream, stays: Sequence[Stay], dwell: float, still: float
+    stream: Samples, stays: Sequence[Stay], dwell: float, still: float
 ) -> tuple[list[Stay], list[Doubt], int]:
     """Return the visits, the doubts about them and about the others, and how many pauses.
 
@@ -95,7 +95,7 @@ def sort(
     return kept, doubts, pauses
 
 
-def _no_visit(stream: Stream, stay: Stay, dwell: float, still: float) -> tuple[str, str] | None:
+def _no_visit(stream: Samples, stay: Stay, dwell: float, still: float) -> tuple[str, str] | None:
     lasts = stream.at(stay.last) - stream.at(stay.first)
     if stay.first == 0:
         return "begins-at-rest", "the stream begins at rest: no arrival was seen, no visit"
@@ -110,7 +110,7 @@ def _no_visit(stream: Stream, stay: Stay, dwell: float, still: float) -> tuple[s
     return None
 
 
-def _interruptions(stream: Stream, stay: Stay) -> Iterator[Doubt]:
+def _interruptions(stream: Samples, stay: Stay) -> Iterator[Doubt]:
     for before, after in zip(stay.rests, stay.rests[1:], strict=False):
         yield Doubt(
             "interrupted",
@@ -121,7 +121,7 @@ def _interruptions(stream: Stream, stay: Stay) -> Iterator[Doubt]:
         )
 
 
-def long_rests(stream: Stream, kept: Sequence[Stay]) -> list[Doubt]:
+def long_rests(stream: Samples, kept: Sequence[Stay]) -> list[Doubt]:
     """Return a doubt for each visit that lasts so long that two may have become one."""
     lasts = [stream.at(stay.last) - stream.at(stay.first) for stay in kept]
     usual = float(np.median(lasts)) if lasts else 0.0
@@ -139,7 +139,7 @@ def long_rests(stream: Stream, kept: Sequence[Stay]) -> list[Doubt]:
 
 
 def of_other_thresholds(
-    stream: Stream, found: Motion, kept: Sequence[Stay], dwell: float, still: float
+    stream: Samples, found: Motion, kept: Sequence[Stay], dwell: float, still: float
 ) -> Iterator[Doubt]:
     """Yield the visits that come or go where the threshold is halved or doubled."""
     for factor, said in ((0.5, "half"), (2.0, "double")):
@@ -153,11 +153,11 @@ def of_other_thresholds(
             yield _threshold_doubt(stream, stay, message, counted=False)
 
 
-def _threshold_doubt(stream: Stream, stay: Stay, message: str, *, counted: bool) -> Doubt:
+def _threshold_doubt(stream: Samples, stay: Stay, message: str, *, counted: bool) -> Doubt:
     return Doubt("threshold", stream.at(stay.first), stream.at(stay.last), message, counted)
 
 
-def _lasts(stream: Stream, stay: Stay) -> float:
+def _lasts(stream: Samples, stay: Stay) -> float:
     return stream.at(stay.last) - stream.at(stay.first)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
 from scara_iso.streams.arrival import middle
-from scara_iso.streams.doubts import Stay, Stream
+from scara_iso.streams.doubts import Samples, Stay
 
 AWAY = "-"
 """Stands in the order of poses for a rest at which no pose is."""
@@ -21,7 +21,7 @@ _SHOWN = 6
 
 
 def label(
-    run: Run, stream: Stream, rests: Sequence[Stay], order: Sequence[str], still: float
+    run: Run, stream: Samples, rests: Sequence[Stay], order: Sequence[str], still: float
 ) -> tuple[list[Stay], list[str | None], list[str]]:
     """Return the rests that are visits, their poses, and what was noted.
 
@@ -45,7 +45,7 @@ def label(
     return kept, list(labels), notes
 
 
-def _pose_at(run: Run, stream: Stream, rest: Stay) -> str:
+def _pose_at(run: Run, stream: Samples, rest: Stay) -> str:
     assert run.pose is not None  # noqa: S101 - the caller looked
     begin, end = middle(rest.first, rest.last)
     labels = sorted(set(run.pose[begin : end + 1].tolist()))
@@ -58,7 +58,7 @@ def _pose_at(run: Run, stream: Stream, rest: Stay) -> str:
     return str(labels[0])
 
 
-def _refuse_levels(run: Run, stream: Stream, levels: FloatArray, still: float) -> None:
+def _refuse_levels(run: Run, stream: Samples, levels: FloatArray, still: float) -> None:
     """Refuse rests on levels that are far apart against ``still`` and against their own spread.
 
     Of four rests or more a level of a single one is a reading that is off, and no pose.
@@ -75,7 +75,7 @@ def _refuse_levels(run: Run, stream: Stream, levels: FloatArray, still: float) -
             raise _several_levels(run, stream, len(ordered), middles)
 
 
-def _several_levels(run: Run, stream: Stream, rests: int, middles: Sequence[float]) -> DataError:
+def _several_levels(run: Run, stream: Samples, rests: int, middles: Sequence[float]) -> DataError:
     named = ", ".join(f"{middle:.6g}" for middle in middles[:_SHOWN])
     return DataError(
         f"the {rests} rests are at {len(middles)} levels, about {named} {stream.unit}: "
@@ -88,7 +88,7 @@ def _several_levels(run: Run, stream: Stream, rests: int, middles: Sequence[floa
 
 def _check_turns(
     run: Run,
-    stream: Stream,
+    stream: Samples,
     rests: Sequence[Stay],
     levels: FloatArray,
     order: Sequence[str],

@@ -72,7 +72,7 @@ def _approach(run: Run, visits: Sequence[Visit]) -> tuple[dict[str, FloatArray],
     came = {n: np.array([v.approach[n] for v in visits], dtype=float) for n in run.axes}
     whole = [name for name, signs in came.items() if np.all(signs != 0)]
     if not whole:
-        return {}, ["no axis moves at every arrival: no column approach; --json has each axis"]
+        return {}, ["no axis moves at every arrival: no column approach; `json=True` has each axis"]
     others = [n for n in came if n != whole[0] and np.any(came[n] != came[whole[0]])]
     said = f"approach is the direction along {whole[0]}"
     notes = [f"{said}; it differs along {', '.join(others)}"] if others else []

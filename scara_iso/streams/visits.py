@@ -13,7 +13,7 @@ from scara_iso.iso9283 import arrival_characteristics
 from scara_iso.quantities import Dimension
 from scara_iso.run import FloatArray, Run
 from scara_iso.streams.arrival import arrive, middle
-from scara_iso.streams.doubts import Stay, Stream, join, long_rests, of_other_thresholds, sort
+from scara_iso.streams.doubts import Samples, Stay, join, long_rests, of_other_thresholds, sort
 from scara_iso.streams.poses import label
 from scara_iso.streams.rests import Motion, find_rests, motion, plateaus, still_of
 from scara_iso.streams.result import Doubt, Rule, StreamVisits, Visit
@@ -88,7 +88,7 @@ def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
 
 
 def _visits(
-    stream: Stream,
+    stream: Samples,
     stays: Sequence[Stay],
     kept: Sequence[Stay],
     labels: Sequence[str | None],
@@ -106,7 +106,7 @@ def _visits(
     return visits, doubts
 
 
-def _stream(run: Run) -> Stream:
+def _stream(run: Run) -> Samples:
     time = run.covariates.get("time_s")
     where = run.origin.source
     if time is None:
@@ -128,7 +128,7 @@ def _stream(run: Run) -> Stream:
     axes = {name: axis.readings for name, axis in run.axes.items()}
     lengths = [a.readings for a in run.axes.values() if a.dimension is Dimension.LENGTH]
     unit = Dimension.LENGTH if lengths else Dimension.ANGLE
-    return Stream(time, axes, lengths or list(axes.values()), unit.value)
+    return Samples(time, axes, lengths or list(axes.values()), unit.value)
 
 
 def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[float, list[str]]:
@@ -165,14 +165,14 @@ def _no_visit(run: Run, wanted: Wanted, still: float, doubts: Sequence[Doubt]) -
     )
 
 
-def _missing(stream: Stream, gap: int) -> Doubt:
+def _missing(stream: Samples, gap: int) -> Doubt:
     start, end = stream.at(gap), stream.at(gap + 1)
     message = f"samples are missing for {end - start:.3g} s: what happened then is not known"
     return Doubt("missing-samples", start, end, message, counted=False)
 
 
 def _bands(
-    run: Run, stream: Stream, kept: Sequence[Stay], stated: float | None
+    run: Run, stream: Samples, kept: Sequence[Stay], stated: float | None
 ) -> Mapping[str, float]:
     """Return the half width of the limit band by axis."""
     if stated is not None:
@@ -192,7 +192,7 @@ def _scatter_at_rest(values: FloatArray, kept: Sequence[Stay]) -> float:
 
 
 def _visit(
-    stream: Stream, stay: Stay, before: int, rule: Rule, *, fast: bool
+    stream: Samples, stay: Stay, before: int, rule: Rule, *, fast: bool
 ) -> tuple[Visit, list[Doubt]]:
     """Return the visit of a stay, and whether an axis never settles; ``before`` ends the last rest.
 

@@ -24,10 +24,10 @@ CLAUSE = "7.5"
 
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each axis of each pose whose table was made of a stream."""
-    yield from of_run(test.run, counted(test))
+    yield from overshoots(test.run, counted(test))
 
 
-def of_run(run: Run, poses: Iterator[tuple[str | None, IntArray]]) -> Iterator[Characteristic]:
+def overshoots(run: Run, poses: Iterator[tuple[str | None, IntArray]]) -> Iterator[Characteristic]:
     """Yield it for the given rows of each pose."""
 
     def column(axis: Axis) -> tuple[str, str, float | None]:

@@ -24,10 +24,12 @@ CLAUSE = "7.4"
 
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each axis of each pose whose table was made of a stream."""
-    yield from of_run(test.run, counted(test))
+    yield from stabilisation_times(test.run, counted(test))
 
 
-def of_run(run: Run, poses: Iterator[tuple[str | None, IntArray]]) -> Iterator[Characteristic]:
+def stabilisation_times(
+    run: Run, poses: Iterator[tuple[str | None, IntArray]]
+) -> Iterator[Characteristic]:
     """Yield it for the given rows of each pose."""
     rate = parse_number(run.metadata.get("stream_rate_hz", ""))
     # Each of the two crossings lies between two samples (GUM F.2.2.1).
