@@ -20,17 +20,35 @@ from scara_iso.plugins import find_modules
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 
+UNITS = {"stabilisation_time": "s", "compliance": "mm/100 N"}
 MODULES = find_modules(characteristics, "scara_iso.characteristics")
 
 
-def two_poses(rng, *, axes="XYZ", cycles=31, dial_zero=True, in_turn=True, apart=40.0, **changes):
+FORCES = np.array([10.0, 20.0, 10.0, 0.0, -10.0, -20.0, -10.0, 0.0])
+
+
+def of_a_stream(rng, axes, force):
+    """Return the columns that a stream's table has, and those of a force that goes to and fro."""
+    rows = len(force)
+    found = {f"stabilisation_{name}_s": rng.uniform(0.1, 0.2, rows) for name in axes}
+    sizes = {name: axis.dimension.value for name, axis in axes.items()}
+    found |= {f"overshoot_{n}_{unit}": rng.uniform(0, 0.1, rows) for n, unit in sizes.items()}
+    return found | {"force_N": force}
+
+
+def two_poses(
+    rng, *, axes="XYZ", cycles=31, dial_zero=True, in_turn=True, apart=40.0, stream=False, **changes
+):
     """Return a run that visits P1 and P2 in each cycle, ``apart`` from each other in every axis."""
     pose = np.tile(["P1", "P2"], cycles)
     cycle = np.repeat(np.arange(1, cycles + 1), 2)
+    force = np.resize(np.repeat(FORCES, 2), 2 * cycles)
     found = {
         name: Axis(
             name,
-            rng.normal(0, 0.01, 2 * cycles) + np.where(pose == "P2", apart, 0.0),
+            rng.normal(0, 0.01, 2 * cycles)
+            + np.where(pose == "P2", apart, 0.0)
+            + (0.01 * force if stream else 0.0),
             command={"P1": 0.0, "P2": apart},
             **changes,
         )
@@ -41,6 +59,7 @@ def two_poses(rng, *, axes="XYZ", cycles=31, dial_zero=True, in_turn=True, apart
         cycle=cycle,
         axes=found,
         pose=pose,
+        covariates=of_a_stream(rng, found, force) if stream else {},
         metadata={"dial_zero": "command"} if dial_zero else {},
     )
     return run if in_turn else run.take(np.argsort(pose, kind="stable"))
@@ -56,14 +75,15 @@ def test_contract(module, rng):
     assert title.endswith(".")
     assert len(page) > 100, "the docstring is the page that explains it"
     assert re.fullmatch(r"[A-Za-z_]+", module.CODE)
-    analysis = analyze(two_poses(rng, resolution=0.001, uncertainty=0.0005))
+    analysis = analyze(two_poses(rng, resolution=0.001, uncertainty=0.0005, stream=True))
     found = list(module.compute(analysis))
     assert found, "two poses of four axes with their command poses have everything there is"
     assert len({(one.pose, one.of) for one in found}) == len(found)
     for one in found:
         estimate = one.estimate
         assert (one.code, estimate.clause) == (module.CODE, module.CLAUSE)
-        assert estimate.unit == ("deg" if one.of == "theta" else "mm")
+        length = UNITS.get(module.CODE, "mm")
+        assert estimate.unit == ("deg" if (one.of, length) == ("theta", "mm") else length)
         assert estimate.n == 30
         assert estimate.interval[0] <= estimate.value <= estimate.interval[1]
         assert estimate.u == pytest.approx(math.hypot(*estimate.parts.values()))
@@ -208,3 +228,22 @@ def test_terminal_and_json_show_it(rng, tmp_path, capsys):
     assert document["schema"] == "scara-iso/analyze/2"
     (x,) = (c for c in document["characteristics"] if (c["code"], c["of"]) == ("RD", "X"))
     assert x["limit"] == {"limit": 0.5, "verdict": "pass", "rule": "interval"}
+
+
+def test_three_arrivals_have_a_stabilisation_time_with_students_interval(rng):
+    run = two_poses(rng, axes="X", cycles=4, stream=True)
+    found = by_name(analyze(run, cycles=4), "stabilisation_time")["P1", "X"].estimate
+    times = run.covariates["stabilisation_X_s"][2::2]  # of P1, the first cycle discarded
+    assert found.value == pytest.approx(statistics.mean(times))
+    reach = t.ppf(0.975, 2) * statistics.stdev(times) / math.sqrt(3)
+    assert found.interval[1] == pytest.approx(found.value + reach)
+    assert found.interval[0] == pytest.approx(max(found.value - reach, 0.0))
+    assert not by_name(analyze(two_poses(rng, cycles=3, stream=True), cycles=3), "overshoot")
+
+
+def test_compliance_is_the_slope_of_the_reading_over_the_force(rng):
+    run = two_poses(rng, axes="X", stream=True)
+    found = by_name(analyze(run), "compliance")["P1", "X"].estimate
+    assert found.value == pytest.approx(1.0, abs=4 * found.u)  # 0.01 mm/N
+    assert found.u < 0.1
+    assert not by_name(analyze(two_poses(rng)), "compliance")
