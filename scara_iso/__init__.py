@@ -6,8 +6,8 @@
     0.01404
 
 There is one function for each command, with its options as keywords: `analyze`, `diagnose`,
-`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`. Where a table is
-wanted they take a path, a `Run` or a pandas table with its unit. Errors
+`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`, `visits`, `push`.
+Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
 
@@ -43,9 +43,11 @@ if TYPE_CHECKING:
         diagnose as diagnose,
         diagnose_many as diagnose_many,
         plan as plan,
+        push as push,
         record as record,
         report as report,
         simulate as simulate,
+        visits as visits,
     )
     from scara_iso.robot import Backlash as Backlash, Crossing as Crossing, backlash as backlash
     from scara_iso.run import Axis as Axis, Run as Run
@@ -81,10 +83,12 @@ __all__ = [
     "diagnose",
     "diagnose_many",
     "plan",
+    "push",
     "read_table",
     "record",
     "report",
     "simulate",
+    "visits",
     "write_table",
 ]
 

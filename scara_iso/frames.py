@@ -37,6 +37,8 @@ def frame_of(rows: Sequence[Mapping[str, Any]], attributes: Mapping[str, Any]) -
 def or_nan(value: float | None) -> float:
     """Return a number, or NaN where there is none."""
     return math.nan if value is None else value
+
+
 def axis_attributes(axes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Return what the axes of a run state beside their readings, for the ``attrs`` of a table."""
     stated = ("unit", "resolution", "uncertainty", "command")

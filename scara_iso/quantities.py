@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
@@ -175,7 +175,7 @@ class Estimate:
     value: float
     """In `unit`."""
     unit: str
-    """``mm`` or ``deg``; of `u`, `parts` and `interval` too."""
+    """``mm``, ``deg`` or another; of `u`, `parts` and `interval` too."""
     u: float | None
     """Standard uncertainty: the root of the sum of squares of `parts`; None without `interval`."""
     parts: Mapping[str, float]
@@ -187,6 +187,19 @@ class Estimate:
     """Number of cycles."""
     clause: str
     """Clause of ISO 9283, or equation of the paper."""
+
+    def scaled(self, factor: float, unit: str) -> Estimate:
+        """Return the same figure in another unit: everything times ``factor``, which is exact."""
+        return replace(
+            self,
+            value=self.value * factor,
+            unit=unit,
+            u=None if self.u is None else self.u * factor,
+            parts={name: part * factor for name, part in self.parts.items()},
+            interval=None
+            if self.interval is None
+            else (self.interval[0] * factor, self.interval[1] * factor),
+        )
 
 
 def rounding_uncertainty(resolution: float) -> float:

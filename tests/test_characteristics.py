@@ -25,17 +25,35 @@ from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
 
+UNITS = {"stabilisation_time": "s", "compliance": "mm/100 N"}
 MODULES = find_modules(characteristics, "scara_iso.characteristics")
 
 
-def two_poses(rng, *, axes="XYZ", cycles=31, dial_zero=True, in_turn=True, apart=40.0, **changes):
+FORCES = np.array([10.0, 20.0, 10.0, 0.0, -10.0, -20.0, -10.0, 0.0])
+
+
+def of_a_stream(rng, axes, force):
+    """Return the columns that a stream's table has, and those of a force that goes to and fro."""
+    rows = len(force)
+    found = {f"stabilisation_{name}_s": rng.uniform(0.1, 0.2, rows) for name in axes}
+    sizes = {name: axis.dimension.value for name, axis in axes.items()}
+    found |= {f"overshoot_{n}_{unit}": rng.uniform(0, 0.1, rows) for n, unit in sizes.items()}
+    return found | {"force_N": force}
+
+
+def two_poses(
+    rng, *, axes="XYZ", cycles=31, dial_zero=True, in_turn=True, apart=40.0, stream=False, **changes
+):
     """Return a run that visits P1 and P2 in each cycle, ``apart`` from each other in every axis."""
     pose = np.tile(["P1", "P2"], cycles)
     cycle = np.repeat(np.arange(1, cycles + 1), 2)
+    force = np.resize(np.repeat(FORCES, 2), 2 * cycles)
     found = {
         name: Axis(
             name,
-            rng.normal(0, 0.01, 2 * cycles) + np.where(pose == "P2", apart, 0.0),
+            rng.normal(0, 0.01, 2 * cycles)
+            + np.where(pose == "P2", apart, 0.0)
+            + (0.01 * force if stream else 0.0),
             command={"P1": 0.0, "P2": apart},
             **changes,
         )
@@ -46,6 +64,7 @@ def two_poses(rng, *, axes="XYZ", cycles=31, dial_zero=True, in_turn=True, apart
         cycle=cycle,
         axes=found,
         pose=pose,
+        covariates=of_a_stream(rng, found, force) if stream else {},
         metadata={"dial_zero": "command"} if dial_zero else {},
     )
     return run if in_turn else run.take(np.argsort(pose, kind="stable"))
@@ -106,15 +125,18 @@ def test_contract(module, rng):
     assert re.fullmatch(r"[A-Za-z_]+", module.CODE)
     assert len(module.NEEDS) > 10
     make = FITTING.get(module.CODE, two_poses)
-    analysis = analyze(make(rng, resolution=0.001, uncertainty=0.0005))
+    more = {"stream": True} if make is two_poses else {}
+    analysis = analyze(make(rng, resolution=0.001, uncertainty=0.0005, **more))
     found = list(module.compute(analysis))
     assert found, "a fitting run has it"
     assert len({(one.pose, one.of) for one in found}) == len(found)
     for one in found:
         estimate = one.estimate
         assert (one.code, estimate.clause) == (module.CODE, module.CLAUSE)
-        units = {"theta": "deg"} | ({"XYZ": "h"} if module.CODE == "steady_after" else {})
-        assert estimate.unit == units.get(one.of, "mm")
+        length = UNITS.get(module.CODE, "mm")
+        units = {"theta": "deg"} if length == "mm" else {}
+        units |= {"XYZ": "h"} if module.CODE == "steady_after" else {}
+        assert estimate.unit == units.get(one.of, length)
         assert estimate.n == (30 if make is not drift_test else 33 if estimate.unit == "h" else 10)
         assert estimate.interval[0] <= estimate.value <= estimate.interval[1]
         assert estimate.u == pytest.approx(math.hypot(*estimate.parts.values()))
@@ -493,3 +515,22 @@ def test_terminal_json_and_report_show_a_drift_test(rng, tmp_path, capsys):
     text = page.read_text(encoding="utf-8")
     assert "Course of the drift" in text
     assert "Repeatability at" not in text
+
+
+def test_three_arrivals_have_a_stabilisation_time_with_students_interval(rng):
+    run = two_poses(rng, axes="X", cycles=4, stream=True)
+    found = by_name(analyze(run, cycles=4), "stabilisation_time")["P1", "X"].estimate
+    times = run.covariates["stabilisation_X_s"][2::2]  # of P1, the first cycle discarded
+    assert found.value == pytest.approx(statistics.mean(times))
+    reach = t.ppf(0.975, 2) * statistics.stdev(times) / math.sqrt(3)
+    assert found.interval[1] == pytest.approx(found.value + reach)
+    assert found.interval[0] == pytest.approx(max(found.value - reach, 0.0))
+    assert not by_name(analyze(two_poses(rng, cycles=3, stream=True), cycles=3), "overshoot")
+
+
+def test_compliance_is_the_slope_of_the_reading_over_the_force(rng):
+    run = two_poses(rng, axes="X", stream=True)
+    found = by_name(analyze(run), "compliance")["P1", "X"].estimate
+    assert found.value == pytest.approx(1.0, abs=4 * found.u)  # 0.01 mm/N
+    assert found.u < 0.1
+    assert not by_name(analyze(two_poses(rng)), "compliance")

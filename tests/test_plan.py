@@ -1,13 +1,17 @@
 """The plan: cube, plane and poses, each condition checked on the result by hand."""
 
+import csv
 import itertools
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from scara_iso.cli import main
 from scara_iso.errors import UsageError
 from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, make_plan
+from scara_iso.robot import Rated
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.workspace import Workspace
 
@@ -127,7 +131,11 @@ def test_one_row_for_each_visit_holds_what_a_robot_needs():
     assert {"x_mm", "theta_deg", "joint_1_deg", "joint_3_mm", "singularity_deg"} <= set(rows[0])
     assert {row["velocity_percent"] for row in rows} == {50}
     assert {row["dwell_s"] for row in rows} == {1.5}
-    assert all(isinstance(v, str | int | float) for row in rows for v in row.values())
+    assert [row["from_pose"] for row in rows] == ["P1", "P5", "P4", "P3", "P2"]
+    assert {row["path"] for row in rows} == {"linear"}
+    assert {row["velocity_mm_s"] for row in rows} == {row["load_kg"] for row in rows} == {None}
+    rated = make_plan(FUM, conditions=conditions, rated=Rated(2.0, 1200.0)).rows()
+    assert {(row["velocity_mm_s"], row["load_kg"]) for row in rated} == {(600.0, 0.2)}
 
 
 def test_31_cycles_are_run_and_30_used():
@@ -169,3 +177,23 @@ def test_impossible_robots_are_refused(arm, says):
 def test_conditions_that_cannot_be_meant_are_refused(change, says):
     with pytest.raises(UsageError, match=says):
         PoseTestConditions(**change)
+
+
+def test_rated_values_are_read_from_the_model_and_said(tmp_path, capsys):
+    model = tmp_path / "rated.toml"
+    text = (Path(__file__).parents[1] / "examples/fum_scara.toml").read_text(encoding="utf-8")
+    model.write_text(f"[rated]\nload_kg = 2\nvelocity_mm_s = 1000\n{text}", encoding="utf-8")
+    points = tmp_path / "points.csv"
+    assert main(["plan", str(model), "--velocity", "50", "-o", str(points)]) == 0
+    told = capsys.readouterr().out
+    assert "(1000 mm/s)" in told
+    assert "nine diagonal planes" in told
+    with points.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["velocity_mm_s"] for row in rows] == ["500.0"] * 5
+    assert [row["load_kg"] for row in rows] == ["2.0"] * 5
+    model.write_text(f"[rated]\nload_kg = -2\nmass = 1\n{text}", encoding="utf-8")
+    assert main(["plan", str(model)]) == 65
+    said = capsys.readouterr().err
+    assert "rated.load_kg: must be positive" in said
+    assert "rated.mass: no such key" in said

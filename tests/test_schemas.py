@@ -191,6 +191,10 @@ def documents(tmp_path_factory):
         "plan": written("plan", MODEL),
         "ports": ports,
         "probe": written("ports", "--probe", "sim:", "--ask", "opto-rs232"),
+        "push": [
+            *written("push", EXAMPLES / "push.csv", "--arm", "0.25", "--limit", "1.2"),
+            *written("push", EXAMPLES / "push.csv", "--limit", "deflection_mm=0.1", code=1),
+        ],
         "record": [
             *written("record", folder / "run.csv", "--gauge", "X=opto-rs232@sim:?pace=0",
                      "--trigger", "timer:0.1"),
@@ -201,6 +205,7 @@ def documents(tmp_path_factory):
             *written("report", short, "--cycles", "4", "--first-cycle-discarded"),
             *written("report", folder / "sides.csv"),
         ],
+        "visits": written("visits", EXAMPLES / "stream.csv", "--poses", "P1,-"),
         "simulate": written("simulate", MODEL, "--temperature", "20:24"),
     }  # fmt: skip
 

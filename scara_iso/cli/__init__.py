@@ -29,8 +29,8 @@ CANNOT_WRITE = 74
 _ANYWHERE = ("--debug", "--no-color")
 
 GROUPS = {
-    "Measure": ("plan", "ports", "record"),
-    "Understand": ("analyze", "diagnose", "compare", "backlash"),
+    "Measure": ("plan", "ports", "record", "visits"),
+    "Understand": ("analyze", "diagnose", "compare", "push", "backlash"),
     "Report": ("report",),
     "Learn": ("demo", "explain", "simulate"),
 }

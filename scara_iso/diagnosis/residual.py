@@ -13,6 +13,7 @@ from scara_iso.dial import step_of
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, Run
+from scara_iso.transient_columns import is_transient
 
 Predicted = Mapping[str, npt.ArrayLike]
 """Predicted readings (n,) by axis."""
@@ -128,6 +129,8 @@ def _informative(run: Run) -> tuple[dict[str, FloatArray], list[str]]:
     notes: list[str] = []
     for name, series in run.covariates.items():
         copied = [other for other in kept if other != "time_s" and _same(series, kept[other])]
+        if is_transient(name):
+            continue  # how an arrival ended moves no reading
         if name == "time_s":
             kept[name] = series
         elif np.ptp(series) == 0:

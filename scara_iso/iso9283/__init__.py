@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         Solid as Solid,
         make_plan as make_plan,
     )
+    from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,
         Characteristic as Characteristic,
@@ -55,5 +56,6 @@ if TYPE_CHECKING:
         standard_deviation as standard_deviation,
         two_divisions as two_divisions,
     )
+    from scara_iso.iso9283.transients import arrival_characteristics as arrival_characteristics
 else:
     __getattr__ = face(__name__)

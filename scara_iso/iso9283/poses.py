@@ -20,11 +20,13 @@ from scara_iso.display import Plotted
 from scara_iso.errors import UsageError
 from scara_iso.frames import frame_of
 from scara_iso.iso9283.by_name import Poses
-from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rectangle, Workspace, largest_rectangle
+from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rated, Rectangle, Workspace, largest_rectangle
 from scara_iso.run import FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd
+
+_UNRATED = Rated()
 
 POSES = ("P1", "P2", "P3", "P4", "P5")
 
@@ -159,6 +161,8 @@ class PosePlan(Plotted):
     """Cycles, velocity, load, dwell and order of visits."""
     arm: Arm
     """The arm that it is planned for."""
+    rated: Rated = _UNRATED
+    """What the percentages of `conditions` are of."""
 
     def __post_init__(self) -> None:
         self.corners.flags.writeable = False
@@ -183,21 +187,35 @@ class PosePlan(Plotted):
         """Return one cycle as a pandas table: the columns of `rows`, a row for each visit."""
         return frame_of(self.rows(), {})
 
-    def rows(self) -> list[Mapping[str, str | int | float]]:
-        """Return one cycle as a table, one row for each visit in order, for a robot program."""
+    def rows(self) -> list[Mapping[str, str | int | float | None]]:
+        """Return one cycle as a table, one row for each visit in order, for a robot program.
+
+        A cycle begins at P1, so every pose is always approached from the same one; the path from
+        it is a line in the plane, as the paper's.
+        """
         numbers = PlannedPose.__slots__[1:]
+        how, rated = self.conditions, self.rated
+        before = ("P1", *how.order)
         return [
             {
                 "visit": number,
                 "pose": name,
                 **{key: getattr(self.poses[name], key) for key in numbers},
-                "velocity_percent": self.conditions.velocity_percent,
-                "load_percent": self.conditions.load_percent,
-                "dwell_s": self.conditions.dwell_s,
-                "cycles": self.conditions.cycles,
+                "from_pose": before[number - 1],
+                "path": "linear",
+                "velocity_percent": how.velocity_percent,
+                "velocity_mm_s": _share(how.velocity_percent, rated.velocity_mm_s),
+                "load_percent": how.load_percent,
+                "load_kg": _share(how.load_percent, rated.load_kg),
+                "dwell_s": how.dwell_s,
+                "cycles": how.cycles,
             }
-            for number, name in enumerate(self.conditions.order, start=1)
+            for number, name in enumerate(how.order, start=1)
         ]
+
+
+def _share(percent: float, rated: float | None) -> float | None:
+    return None if rated is None else percent * rated / 100
 
 
 def make_plan(
@@ -209,6 +227,7 @@ def make_plan(
     m_over_diagonal: float = 0.1,
     theta_deg: float = 0.0,
     conditions: PoseTestConditions | None = None,
+    rated: Rated = _UNRATED,
 ) -> PosePlan:
     """Return the test for ``arm``, every pose within reach and limits.
 
@@ -234,6 +253,7 @@ def make_plan(
         stroke_limits=solid is Solid.CUBE and area.width > arm.stroke_mm,
         conditions=PoseTestConditions() if conditions is None else conditions,
         arm=arm,
+        rated=rated,
     )
 
 

@@ -18,11 +18,13 @@ if TYPE_CHECKING:
         diagnose_many as diagnose_many,
     )
     from scara_iso.library.models import plan as plan, simulate as simulate
+    from scara_iso.library.pushes import push as push
     from scara_iso.library.recordings import Nobody as Nobody, record as record
     from scara_iso.library.reports import (
         TestReport as TestReport,
         report as report,
     )
     from scara_iso.library.several import compare as compare
+    from scara_iso.library.streams import visits as visits
 else:
     __getattr__ = face(__name__)

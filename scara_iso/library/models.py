@@ -128,6 +128,7 @@ def plan(
         elbow=None if elbow is None else _named(Elbow, "elbow", elbow),
         m_over_diagonal=m,
         conditions=conditions,
+        rated=known.rated,
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from scara_iso.comparison import Comparison
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.iso9283 import Analysis, PosePlan
+from scara_iso.iso9283 import Analysis, PosePlan, PushResult
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.reports import TestReport
 from scara_iso.render import find_format, plot_comparison, plot_diagnosis, plot_plan
@@ -21,11 +21,14 @@ from scara_iso.reporting import (
     diagnosis_report,
     document,
     plan_report,
+    push_report,
     readings_report,
     summary_report,
+    visits_report,
 )
 from scara_iso.robot import Backlash
 from scara_iso.run import Run
+from scara_iso.streams import StreamVisits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +40,9 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
     Diagnoses: ("Diagnoses", lambda found: summary_report(found.names, found.found)),
     Diagnosis: ("Diagnosis", lambda found: diagnosis_report(found, "")),
     PosePlan: ("Plan of the test", plan_report),
+    PushResult: ("Push test", push_report),
     Run: ("Readings", readings_report),
+    StreamVisits: ("Visits of a stream", visits_report),
 }
 _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
     Comparison: plot_comparison,

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
         design_json as design_json,
         diagnosis_json as diagnosis_json,
     )
+    from scara_iso.render.json_push import push_json as push_json
+    from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.live import (
         AxisView as AxisView,
         LiveScreen as LiveScreen,

@@ -25,7 +25,11 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 _HALF = re.compile("[\ud800-\udfff]")
 """Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
-_FINDING = "code severity axis pose message"
+FINDING = "code severity axis pose message"
+LIMIT = (
+    "figure pose RP interval limit verdict rule=decision interval_void cycles_wanted guard "
+    "inside clear"
+)
 _RADIAL = (
     "RP_radial=RP RP_radial_interval=RP_interval l_bar S_l uncertainty uncertainty_ratio accuracy"
 )
@@ -76,16 +80,12 @@ def analysis_json(analysis: Analysis) -> Json:
         "metadata": dict(analysis.run.metadata),
         "cycles": picked(analysis.cycles, "read discarded used"),
         "poses": [pose_json(pose) for pose in analysis.poses],
-        "characteristics": [_characteristic(one) for one in analysis.characteristics],
+        "characteristics": [characteristic_json(one) for one in analysis.characteristics],
         **_drift(analysis),
-        "limits": each(
-            analysis.limits,
-            "figure pose RP interval limit verdict rule=decision interval_void cycles_wanted guard "
-            "inside clear",
-        ),
+        "limits": each(analysis.limits, LIMIT),
         "conformity": plain(analysis.conformity),
         "deviations": each(analysis.deviations, "rule code message"),
-        "findings": each(analysis.findings, _FINDING),
+        "findings": each(analysis.findings, FINDING),
     }
 
 
@@ -147,7 +147,8 @@ def _axis(axis: AxisResult) -> Json:
     return found
 
 
-def _characteristic(found: Characteristic) -> Json:
+def characteristic_json(found: Characteristic) -> Json:
+    """Return a characteristic's object."""
     return {
         **picked(found, "code clause=estimate.clause pose of"),
         **picked(found.estimate, "value unit u parts interval n"),
@@ -173,6 +174,7 @@ def plan_json(plan: PosePlan) -> Json:
         "schema": "scara-iso/plan/1",
         "unit": "mm",
         **picked(plan, "solid size_mm corners plane elbow diagonal_mm m_mm stroke_limits"),
+        "rated": picked(plan.rated, "load_kg velocity_mm_s"),
         "cycles": picked(plan.conditions, "run=cycles used"),
         "visits": plain(plan.rows()),
     }
@@ -194,7 +196,7 @@ def comparison_json(comparison: Comparison) -> Json:
                 "after": _compared(pair.after),
                 "spreads": [_contrast(one) for one in pair.spreads],
                 "means": [_contrast(one) for one in pair.means],
-                "findings": each(pair.findings, _FINDING),
+                "findings": each(pair.findings, FINDING),
             }
             for pair in comparison.pairs
         ],

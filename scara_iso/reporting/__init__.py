@@ -63,8 +63,10 @@ if TYPE_CHECKING:
         probe_json as probe_json,
         probe_report as probe_report,
     )
+    from scara_iso.reporting.push import push_report as push_report
     from scara_iso.reporting.raw_data import readings_report as readings_report
     from scara_iso.reporting.stated import NOT_STATED as NOT_STATED, head as head
+    from scara_iso.reporting.streams import visits_report as visits_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.words import printable as printable
 else:

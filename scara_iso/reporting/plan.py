@@ -38,6 +38,11 @@ def _verdict(plan: PosePlan, robot: str) -> Iterator[Block]:
         f"{low:.3g} L of the diagonal L = {plan.diagonal_mm:.1f} mm, within (0.1 ± 0.02) L"
     )
     yield Text(
+        "the paper speaks of nine diagonal planes; a cube has six through opposite edges, and the "
+        "standard names four of them, of which this is one",
+        "quiet",
+    )
+    yield Text(
         "L is the diagonal of the plane (ISO 9283), which is also a diagonal of the solid (paper)",
         "quiet",
     )
@@ -68,13 +73,27 @@ def _corners(plan: PosePlan) -> Table:
     return Table(("corner", "x", "y", "z"), rows)
 
 
+def _of(rated: float | None, unit: str) -> str:
+    return "" if rated is None else f" ({rated:g} {unit})"
+
+
 def _visits(plan: PosePlan) -> Iterator[Block]:
     how = plan.conditions
     yield Text(
         f"{how.cycles} cycles, {how.used} used, each from P1 through {', '.join(how.order)}; "
-        f"{how.velocity_percent:g} % of the rated velocity, {how.load_percent:g} % of the rated "
-        f"load, {how.dwell_s:g} s at each pose before its reading"
+        f"{how.velocity_percent:g} % of the rated velocity{_of(plan.rated.velocity_mm_s, 'mm/s')}, "
+        f"{how.load_percent:g} % of the rated load{_of(plan.rated.load_kg, 'kg')}, "
+        f"{how.dwell_s:g} s at each pose before its reading"
     )
+    yield Text(
+        "each pose is approached from the one before, along a line, so always from the same side"
+    )
+    missing = [
+        name for name, value in (("velocity_mm_s", plan.rated.velocity_mm_s),
+                                 ("load_kg", plan.rated.load_kg)) if value is None
+    ]  # fmt: skip
+    if missing:
+        yield Text(f"the model states no rated {' and '.join(missing)}: add [rated]", "warn")
     yield Text(
         "do the stabilisation time first: it fixes the dwell (6.10); -o FILE writes the visits for "
         "a robot program",

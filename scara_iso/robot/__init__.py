@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         Gearbox as Gearbox,
         Indicator as Indicator,
         Model as Model,
+        Rated as Rated,
         declare as declare,
         predict as predict,
         read_model as read_model,

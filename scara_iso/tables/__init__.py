@@ -10,14 +10,6 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.tables.columns import Cell as Cell
-    from scara_iso.tables.faults import (
-        Faults as Faults,
-        listed as listed,
-        quoted as quoted,
-        refuse as refuse,
-    )
-    from scara_iso.tables.layout import is_comment as is_comment
     from scara_iso.tables.locale import (
         FORMULA as FORMULA,
         PLAIN as PLAIN,
@@ -27,28 +19,19 @@ if TYPE_CHECKING:
         find_locale as find_locale,
         write_rows as write_rows,
     )
-    from scara_iso.tables.names import clean as clean
+    from scara_iso.tables.named_columns import (
+        ColumnNames as ColumnNames,
+        NamedColumns as NamedColumns,
+        read_columns as read_columns,
+    )
+    from scara_iso.tables.names import read_unit as read_unit
     from scara_iso.tables.numbers import (
-        BLANKS as BLANKS,
         Mark as Mark,
         parse_cell as parse_cell,
         parse_clean as parse_clean,
     )
     from scara_iso.tables.read import read_table as read_table
-    from scara_iso.tables.source import (
-        OLD_WORKBOOK as OLD_WORKBOOK,
-        WORKBOOK as WORKBOOK,
-        Source as Source,
-        read_bytes as read_bytes,
-    )
-    from scara_iso.tables.text import (
-        Delimiter as Delimiter,
-        decode_text as decode_text,
-        split_head as split_head,
-        split_lines as split_lines,
-        stated_delimiter as stated_delimiter,
-    )
-    from scara_iso.tables.workbook import read_sheets as read_sheets
+    from scara_iso.tables.source import Source as Source, read_bytes as read_bytes
     from scara_iso.tables.write import write_table as write_table
 else:
     __getattr__ = face(__name__)

@@ -5,7 +5,7 @@
 """
 
 from scara_iso.robot.model.file import declare, read_model
-from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model
+from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model, Rated
 from scara_iso.robot.model.predict import predict
 from scara_iso.robot.model.simulate import simulate
 
@@ -14,6 +14,7 @@ __all__ = [
     "Gearbox",
     "Indicator",
     "Model",
+    "Rated",
     "declare",
     "predict",
     "read_model",

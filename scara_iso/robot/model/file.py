@@ -14,7 +14,7 @@ from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.model.declared import declared_effects
 from scara_iso.robot.model.keys import KeyFaults, number_at, only, pair, section
-from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model
+from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model, Rated
 from scara_iso.run import AXES
 
 if TYPE_CHECKING:
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 _LARGEST = 1_000_000  # bytes
 _ARM = ("link_1_mm", "link_2_mm", "joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg")
 _PAIRS = {"joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg"}
-_SECTIONS = {"robot", "gearbox", "pose", "indicator", "effect"}
+_RATED = tuple(field.name for field in fields(Rated))
+_SECTIONS = {"robot", "rated", "gearbox", "pose", "indicator", "effect"}
 
 
 def read_model(path: str | Path) -> Model:
@@ -46,6 +47,7 @@ def read_model(path: str | Path) -> Model:
         joints_deg=_pose(section(document, "pose", faults), arm, faults),
         gearboxes=gears,
         effects=tuple(declared_effects(document.get("effect", []), indicators, gears, faults)),
+        rated=_rated(section(document, "rated", faults), faults),
     )
     if faults:
         raise DataError(
@@ -100,6 +102,15 @@ def _checked(build: Callable[[], Any], where: str, faults: KeyFaults) -> Any:
     except UsageError as error:
         faults.add(where, error.what)
         return None
+
+
+def _rated(table: Mapping[str, Any], faults: KeyFaults) -> Rated:
+    only(table, set(_RATED), "rated", faults)
+    given = {name: number_at(table, name, "rated", faults) for name in _RATED}
+    for name, value in given.items():
+        if value is not None and value <= 0:
+            faults.add(f"rated.{name}", "must be positive")
+    return Rated(**given)
 
 
 def _arm(robot: Mapping[str, Any], faults: KeyFaults) -> Arm | None:

@@ -51,6 +51,15 @@ class Indicator:
 
 
 @dataclass(frozen=True, slots=True)
+class Rated:
+    """What the maker rates the robot for, to which a test's percentages refer; None: not stated."""
+
+    load_kg: float | None = None
+    velocity_mm_s: float | None = None
+    """Of the tool along a line."""
+
+
+@dataclass(frozen=True, slots=True)
 class DeclaredEffect:
     """An effect that the model knows of.
 
@@ -89,3 +98,4 @@ class Model:
     gearboxes: Mapping[int, Gearbox] = field(default_factory=dict)
     """By the number of the joint."""
     effects: tuple[DeclaredEffect, ...] = ()
+    rated: Rated = Rated()

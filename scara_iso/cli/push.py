@@ -1,0 +1,68 @@
+"""``scara-iso push``: lost motion, friction and stiffness of a joint from a force loop."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from scara_iso.cli.options import (
+    NOT_WITHIN_LIMITS,
+    AsJson,
+    LimitRule,
+    ResolutionOfTable,
+    UnitOfTable,
+    parse_limits,
+)
+from scara_iso.cli.output import write_json, write_report
+from scara_iso.iso9283 import Conformity, DecisionRule
+
+Loop = Annotated[
+    str, typer.Argument(metavar="LOOP", help="Table with force_N and reading; - is standard input.")
+]
+Arm = Annotated[float | None, typer.Option(help="From the joint to dial and force [m].")]
+Limits = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="[FIGURE=]SIZE",
+        help="Exit with 1 where the lost motion is not proven to be at most this [arcmin]; "
+        "hysteresis=2 for another figure of the joint, deflection_mm=0.24 for one of the reading. "
+        "May be repeated.",
+    ),
+]
+
+
+def push_command(
+    loop: Loop,
+    *,
+    arm: Arm = None,
+    limit: Limits = None,
+    decision: LimitRule = DecisionRule.INTERVAL,
+    unit: UnitOfTable = None,
+    resolution: ResolutionOfTable = None,
+    json: AsJson = False,
+) -> None:
+    """Take lost motion, friction and stiffness of a joint from a force loop and a dial.
+
+    Example: scara-iso push examples/push.csv --arm 0.25 --limit 1.5
+    """
+    from scara_iso.library import push
+
+    found = push(
+        loop,
+        arm=arm,
+        unit=unit,
+        resolution=resolution,
+        limits=parse_limits(limit or ()),
+        decision=decision.value,
+    )
+    if json:
+        from scara_iso.render import push_json
+
+        write_json(push_json(found))
+    else:
+        from scara_iso.reporting import push_report
+
+        write_report(push_report(found))
+    if found.conformity not in (None, Conformity.PASS):
+        raise typer.Exit(NOT_WITHIN_LIMITS)

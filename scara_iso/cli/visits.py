@@ -1,0 +1,87 @@
+"""``scara-iso visits``: a fast sensor's stream to a table of visits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from scara_iso.cli.options import (
+    AsJson,
+    DecimalMark,
+    ExcelLocale,
+    ResolutionOfTable,
+    Sheet,
+    UnitOfTable,
+)
+from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
+
+Stream = Annotated[
+    str,
+    typer.Argument(
+        metavar="STREAM", help="Table with time_s and one to four axes, or NAME.raw.jsonl."
+    ),
+]
+Dwell = Annotated[float, typer.Option(help="Shortest rest that is a visit [s].")]
+Still = Annotated[
+    float | None,
+    typer.Option(help="Largest range at rest, within a window [mm]; else found from the stream."),
+]
+Band = Annotated[
+    float | None,
+    typer.Option(help="Half width of the limit band [mm]; else five times the scatter at rest."),
+]
+Poses = Annotated[
+    str | None,
+    typer.Option(metavar="P1,P2,..", help="Poses in the order of the rests; - is no pose."),
+]
+Output = Annotated[
+    Path | None, typer.Option("-o", "--output", help="The visits as a table of readings.")
+]
+
+
+def visits_command(
+    stream: Stream,
+    *,
+    dwell: Dwell = 1.0,
+    still: Still = None,
+    band: Band = None,
+    poses: Poses = None,
+    unit: UnitOfTable = None,
+    resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
+    sheet: Sheet = None,
+    output: Output = None,
+    excel_locale: ExcelLocale = None,
+    json: AsJson = False,
+) -> None:
+    """Turn a stream of 50 to 500 samples a second into one reading for each visit.
+
+    Example: scara-iso visits examples/stream.csv --poses P1,- -o run.csv
+    """
+    from scara_iso.library import visits
+    from scara_iso.tables import find_locale, write_table
+
+    check_outputs([output], [stream])
+    found = visits(
+        stream,
+        dwell=dwell,
+        still=still,
+        band=band,
+        poses=[name.strip() for name in poses.split(",")] if poses else (),
+        unit=unit,
+        resolution=resolution,
+        decimal=decimal,
+        sheet=sheet,
+    )
+    if output is not None:
+        write_text(write_table(found.run, find_locale(excel_locale)), output)
+    if json:
+        from scara_iso.render import visits_json
+
+        write_json(visits_json(found))
+    else:
+        from scara_iso.reporting import visits_report
+
+        write_report(visits_report(found))

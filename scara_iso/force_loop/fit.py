@@ -1,0 +1,172 @@
+"""Compliance, play and friction of a loop: reading = c G + b sign G + where its loop stands.
+
+G is the force that Coulomb friction lets through (`loop.transmitted`), c the compliance of the
+spring behind the play 2 b, and each loop has its own zero, so that a slow drift counts for nothing.
+Given the friction the rest is linear; the friction is searched. The model is a choice of this
+program: no clause states one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.errors import DataError
+from scara_iso.force_loop.loop import (
+    FEWEST_LOOPS,
+    ForceLoop,
+    flank,
+    is_loop,
+    loop_numbers,
+    transmitted,
+    turns,
+)
+from scara_iso.quantities import rounding_uncertainty
+from scara_iso.run import FloatArray, IntArray
+
+_GRID = 60
+_ROUNDS = 4
+_IMPROBABLE = 0.001
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LoopFit:
+    """What a loop is made of: compliance [mm/N], half the play [mm], friction [N]."""
+
+    compliance: float
+    half_play: float
+    friction: float
+    covariance: FloatArray
+    """Of these three in this order, shape (3, 3): chance, and a shape that the model misses."""
+    freedom: int
+    """Degrees of freedom of the residual."""
+    residual: float
+    """Standard deviation of the residual [mm]."""
+    readings: int
+    loops: int
+    run_in: int
+    """Readings before the first end of the loop, which do not count."""
+    deflection: float
+    """Reading between the two ends of the loop, mean [mm]."""
+    ends: tuple[float, float]
+    """Lowest and highest force [N]."""
+    misfit: float | None
+    """Rms of what all loops repeat and the model does not [mm]; None where that is chance."""
+
+
+def fit_loop(loop: ForceLoop) -> LoopFit:
+    """Return the fit; `DataError` where the forces make no two loops, or the readings no spring."""
+    if not is_loop(loop.force):
+        raise DataError(
+            f"the forces do not go to both sides in {FEWEST_LOOPS} loops or more",
+            where=loop.source,
+            remedy="step the force from one side to the other and back, three times",
+        )
+    ends = turns(loop.force)
+    first = int(ends[0])
+    force = loop.force[first:]
+    towards = math.copysign(1.0, float((force - force.mean()) @ loop.reading[first:]))
+    reading = towards * loop.reading[first:]  # a dial on the far side reads the push as negative
+    number = loop_numbers(loop.force, first, ends)
+    friction = _search(force, reading, number)
+    design, jacobian = _design(force, number, friction)
+    solution, *_ = np.linalg.lstsq(design, reading, rcond=None)
+    c, b = float(solution[0]), float(solution[1])
+    jacobian[:, 2] *= c
+    left = reading - design @ solution
+    freedom = len(force) - design.shape[1] - 1
+    step = 0.0 if loop.resolution is None else rounding_uncertainty(loop.resolution)
+    variance = max(float(left @ left) / freedom, step**2)
+    misfit, repeats = _misfit(force, left, number)
+    inverse = np.linalg.pinv(jacobian.T @ jacobian)
+    covariance = inverse[:3, :3] * variance * (repeats if misfit is not None else 1.0)
+    _check_spring(c, covariance, loop)
+    return LoopFit(
+        compliance=c,
+        half_play=b,
+        friction=friction,
+        covariance=covariance,
+        freedom=freedom,
+        residual=math.sqrt(variance),
+        readings=len(force),
+        loops=int(number.max()) + 1,
+        run_in=first,
+        deflection=_deflection(loop, ends),
+        ends=(float(loop.force.min()), float(loop.force.max())),
+        misfit=misfit,
+    )
+
+
+def _search(force: FloatArray, reading: FloatArray, number: IntArray) -> float:
+    """Return the friction that leaves the smallest squares, on a grid that closes in."""
+    low, high = 0.0, float(np.ptp(force)) / 4
+    best = 0.0
+    zeros = _zeros(number)
+    for _ in range(_ROUNDS):
+        tried = np.linspace(low, high, _GRID)
+        through = transmitted(force, tried)
+        signs = flank(through)
+        squares = []
+        for G, sign in zip(through, signs, strict=True):
+            design = np.column_stack([G, sign, zeros])
+            left = reading - design @ np.linalg.lstsq(design, reading, rcond=None)[0]
+            squares.append(float(left @ left))
+        k = int(np.argmin(squares))
+        best = float(tried[k])
+        low, high = float(tried[max(k - 1, 0)]), float(tried[min(k + 1, _GRID - 1)])
+    return best
+
+
+def _zeros(number: IntArray) -> FloatArray:
+    return np.eye(int(number.max()) + 1)[number]
+
+
+def _design(force: FloatArray, number: IntArray, friction: float) -> tuple[FloatArray, FloatArray]:
+    """Return the columns of the linear part, and those of all with dG/dF_f as the third."""
+    step = max(friction, float(np.ptp(force))) * 1e-6
+    low, middle, high = transmitted(
+        force, np.array([max(friction - step, 0.0), friction, friction + step])
+    )
+    slope = (high - low) / (friction + step - max(friction - step, 0.0))
+    sign, zeros = flank(middle[np.newaxis])[0], _zeros(number)
+    return np.column_stack([middle, sign, zeros]), np.column_stack([middle, sign, slope, zeros])
+
+
+def _misfit(force: FloatArray, left: FloatArray, number: IntArray) -> tuple[float | None, float]:
+    """Return the rms of what loops repeat beyond chance, and how many readings share a step.
+
+    The test of lack of fit (Draper and Smith, 2.1), over equal steps of the force in one direction.
+    """
+    from scipy.special import fdtrc  # noqa: PLC0415 - only for loops
+
+    rising = np.sign(np.diff(force, prepend=force[0]))
+    keys = np.column_stack([np.round(force, 9), rising])
+    _, group, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
+    group = group.reshape(-1)
+    groups, free = len(counts), len(force) - len(counts)
+    lack = groups - 3 - int(number.max()) - 1
+    if free < groups / 2 or lack < 1:
+        return None, 1.0
+    means = np.bincount(group, left) / counts
+    within = float(((left - means[group]) ** 2).sum()) / free
+    between = float((counts * means**2).sum()) / lack
+    if within > 0 and float(fdtrc(lack, free, between / within)) > _IMPROBABLE:
+        return None, 1.0
+    return math.sqrt(float((counts * means**2).sum()) / len(force)), len(force) / groups
+
+
+def _check_spring(c: float, covariance: FloatArray, loop: ForceLoop) -> None:
+    if not c > 4 * math.sqrt(covariance[0, 0]):
+        raise DataError(
+            "the readings do not follow the force: no spring can be told from their scatter",
+            where=loop.source,
+            remedy="push harder, or read a dial with a finer division",
+        )
+
+
+def _deflection(loop: ForceLoop, ends: IntArray) -> float:
+    at = loop.reading[ends]
+    high = loop.force[ends] > 0
+    return abs(float(at[high].mean() - at[~high].mean()))

@@ -1,0 +1,41 @@
+"""Static compliance: how far the arm gives way to a force, in mm per 100 N.
+
+The slope of the reading over a force that is stepped to both sides in two loops or more, the play
+and the friction of the joints taken apart: `scara-iso push` does the test of one joint and gives
+those too. In a table of readings it needs a column `force_N`. That forces go in steps of 10 % of
+the rated load, to both sides and three times, is background knowledge of the clause; the model of
+spring, play and friction behind the slope is this program's choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.errors import DataError
+from scara_iso.force_loop import ForceLoop, fit_loop, is_loop
+from scara_iso.iso9283.pushed_joint import COMPLIANCE, compliance_estimate
+from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.quantities import Dimension
+
+CODE = "compliance"
+CLAUSE = COMPLIANCE
+NEEDS = (
+    "a column 'force_N' of forces stepped to both sides in two loops or more, or `scara-iso push`"
+)
+
+
+def compute(test: Measured) -> Iterator[Characteristic]:
+    """Yield it for each length axis of each pose at which a force was stepped to and fro."""
+    force = test.run.covariates.get("force_N")
+    if force is None:
+        return
+    for pose in test.poses:
+        for name, axis in pose.axes.items():
+            if axis.dimension is Dimension.LENGTH and is_loop(force[pose.rows]):
+                loop = ForceLoop(force[pose.rows], axis.readings, axis.resolution, axis.calibration)
+                try:
+                    fit = fit_loop(loop)
+                except DataError:  # this axis does not follow the force
+                    continue
+                estimate = compliance_estimate(fit, axis.calibration)
+                yield Characteristic(CODE, pose.label, name, estimate, (CODE,))

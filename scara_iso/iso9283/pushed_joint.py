@@ -1,0 +1,197 @@
+"""A push test: lost motion, friction width, stiffness and compliance, each with its interval."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from scara_iso.display import Displayed
+from scara_iso.errors import UsageError
+from scara_iso.force_loop import ForceLoop, LoopFit, fit_loop
+from scara_iso.frames import frame_of, or_nan
+from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule
+from scara_iso.iso9283.limits import check_limits
+from scara_iso.iso9283.results import Characteristic, LimitCheck
+from scara_iso.quantities import Estimate
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COMPLIANCE = "10"
+"""Clause of the static compliance."""
+_NO_CLAUSE = "push test"
+_PER = 100.0
+"""Newtons to which a compliance is referred: mm/100 N."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PushResult(Displayed):
+    """What a push test found."""
+
+    loop: ForceLoop
+    """Force [N] and reading [mm], as they were read."""
+    fit: LoopFit
+    """The loop's two branches and what is left beside them."""
+    arm_m: float | None
+    """From the joint to the dial and to the force [m]."""
+    characteristics: tuple[Characteristic, ...]
+    """By code: compliance, lost_motion, friction_width, hysteresis, deflection, and of the joint
+    stiffness and friction_torque."""
+
+    def __repr__(self) -> str:
+        of_it = self.loop.source or "a force loop"
+        return f"<PushResult of {of_it}: {self.fit.loops} loops, {self.fit.readings} readings>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the figures as a pandas table: code, of, value, unit, u, low, high, n."""
+        return frame_of([_row(one) for one in self.characteristics], {})
+
+    def estimate(self, code: str, of: str) -> Estimate:
+        """Return a figure, such as ``("lost_motion", "joint")``; raises `KeyError`."""
+        return {(one.code, one.of): one.estimate for one in self.characteristics}[code, of]
+
+    @property
+    def limits(self) -> tuple[LimitCheck, ...]:
+        """The figures that were held against a limit."""
+        return tuple(one.limit for one in self.characteristics if one.limit is not None)
+
+    @property
+    def conformity(self) -> Conformity | None:
+        """The verdict on the whole, as that of an analysis; None where no limit was given."""
+        found = {check.verdict for check in self.limits}
+        order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
+        return next((verdict for verdict in order if verdict in found), None)
+
+
+def _row(found: Characteristic) -> dict[str, str | float]:
+    estimate = found.estimate
+    low, high = estimate.interval or (math.nan, math.nan)
+    return {
+        "code": found.code,
+        "of": found.of,
+        "value": estimate.value,
+        "unit": estimate.unit,
+        "u": or_nan(estimate.u),
+        "low": low,
+        "high": high,
+        "n": estimate.n,
+    }
+
+
+def push_test(
+    loop: ForceLoop,
+    *,
+    arm_m: float | None = None,
+    limits: Mapping[str, float] | None = None,
+    decision: DecisionRule = DecisionRule.INTERVAL,
+) -> PushResult:
+    """Return what a force loop says of a joint; ``arm_m`` from the joint to dial and force [m].
+
+    ``limits`` by code, in arcmin of the joint, with ``_mm`` behind in mm of the reading; the empty
+    name is the lost motion of the joint. Raises `UsageError` for what cannot be meant, `DataError`
+    as `fit_loop`.
+    """
+    if arm_m is not None and not 0 < arm_m < math.inf:
+        raise UsageError(f"`arm={arm_m:g}`: not a length above zero")
+    fit = fit_loop(loop)
+    found = [*_of_reading(fit, loop.uncertainty)]
+    found += [] if arm_m is None else _of_joint(found, arm_m)
+    held = check_limits(found, limits or {}, decision=decision)
+    return PushResult(loop, fit, arm_m, held)
+
+
+def compliance_estimate(fit: LoopFit, calibration: float | None) -> Estimate:
+    """Return the displacement per force [mm/100 N]; ``calibration`` of the indicator in mm."""
+    # Readings at both ends of the loop carry it (GUM 5.1.2).
+    known = None if calibration is None else math.sqrt(2) * calibration / np.ptp(fit.ends)
+    return _estimate(fit, (1.0, 0.0, 0.0), fit.compliance, known, COMPLIANCE).scaled(
+        _PER, f"mm/{_PER:g} N"
+    )
+
+
+def _of_reading(fit: LoopFit, calibration: float | None) -> list[Characteristic]:
+    c, b, friction = fit.compliance, fit.half_play, fit.friction
+    apart = None if calibration is None else math.sqrt(2) * calibration
+    width = (2 * friction, 0.0, 2 * c)
+    figures = {
+        "lost_motion": _estimate(fit, (0.0, 2.0, 0.0), 2 * b, apart),
+        "friction_width": _estimate(fit, width, 2 * c * friction, apart),
+        "hysteresis": _estimate(fit, (width[0], 2.0, width[2]), 2 * (b + c * friction), apart),
+    }
+    found = [
+        Characteristic(code, None, "reading", one, (f"{code}_mm",), calibration=calibration)
+        for code, one in figures.items()
+    ]
+    deflection = replace(
+        _estimate(fit, (0.0, 0.0, 0.0), fit.deflection, apart, ends=True), clause=_NO_CLAUSE
+    )
+    found.append(Characteristic("deflection", None, "reading", deflection, ("deflection_mm",)))
+    stiff = compliance_estimate(fit, calibration)
+    found.append(Characteristic("compliance", None, "reading", stiff, ("compliance",)))
+    force = _estimate(fit, (0.0, 0.0, 1.0), friction, None, unit="N")
+    return [*found, Characteristic("friction_force", None, "reading", force)]
+
+
+def _of_joint(found: Sequence[Characteristic], arm_m: float) -> list[Characteristic]:
+    """Return the figures of the joint; the arm is taken as known."""
+    per_mm = math.degrees(1 / (1000 * arm_m)) * 60
+    by_code = {one.code: one.estimate for one in found}
+    made = [
+        Characteristic(code, None, "joint", by_code[code].scaled(per_mm, "arcmin"),
+                       (code, EVERY_LENGTH) if code == "lost_motion" else (code,))
+        for code in ("lost_motion", "friction_width", "hysteresis", "deflection")
+    ]  # fmt: skip
+    torque = by_code["friction_force"].scaled(arm_m, "N m")
+    angle = by_code["compliance"].scaled(per_mm / (_PER * arm_m), "arcmin/N m")
+    return [
+        *made,
+        Characteristic("friction_torque", None, "joint", torque),
+        Characteristic("stiffness", None, "joint", _inverse(angle)),
+    ]
+
+
+def _inverse(compliance: Estimate) -> Estimate:
+    """Return the stiffness [N m/arcmin]; its interval is that of the compliance, turned over."""
+    value, u, interval = compliance.value, compliance.u, compliance.interval
+    return replace(
+        compliance,
+        value=1 / value,
+        unit="N m/arcmin",
+        u=None if u is None else u / value**2,
+        parts={name: part / value**2 for name, part in compliance.parts.items()},
+        interval=None if not interval or interval[0] <= 0 else (1 / interval[1], 1 / interval[0]),
+        clause=_NO_CLAUSE,
+    )
+
+
+def _estimate(
+    fit: LoopFit,
+    slope: Sequence[float],
+    value: float,
+    calibration: float | None,
+    clause: str = _NO_CLAUSE,
+    *,
+    unit: str = "mm",
+    ends: bool = False,
+) -> Estimate:
+    """Return a function of the fit with ``slope`` by compliance, half play and friction.
+
+    With ``ends`` it is a difference of mean readings at the ends of the loops.
+    """
+    from scipy.special import stdtrit  # noqa: PLC0415 - only for loops
+
+    vector = np.asarray(slope)
+    variance = float(vector @ fit.covariance @ vector)
+    variance = fit.residual**2 * 2 / fit.loops if ends else variance
+    parts = {"sampling": math.sqrt(max(variance, 0.0))}
+    parts |= {} if calibration is None else {"calibration": float(calibration)}
+    reach = math.hypot(
+        float(stdtrit(fit.freedom, 0.975)) * parts["sampling"], 2 * parts.get("calibration", 0.0)
+    )
+    value = max(value, 0.0)  # a play below none is one of none
+    interval = (max(value - reach, 0.0), value + reach)
+    return Estimate(value, unit, math.hypot(*parts.values()), parts, interval, fit.readings, clause)

@@ -1,0 +1,36 @@
+"""`push`: what a force loop says of a joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from scara_iso.errors import UsageError
+from scara_iso.force_loop import read_loop
+from scara_iso.iso9283 import DecisionRule, PushResult, push_test
+from scara_iso.tables import Source
+
+
+def push(
+    table: Source,
+    *,
+    arm: float | None = None,
+    unit: str | None = None,
+    resolution: float | None = None,
+    limits: Mapping[str, float] | None = None,
+    decision: str = DecisionRule.INTERVAL.value,
+) -> PushResult:
+    """Return lost motion, friction, stiffness and compliance of a joint that was pushed to and fro.
+
+    ``table`` is a path, ``-``, bytes or an open file with the columns force_N and reading (a
+    length), its steps in the order in which they were done. ``arm`` is the distance from the joint
+    to dial and force [m]; without it there are figures of the reading only. ``unit`` and
+    ``resolution`` (in it) are as in `read_table`. ``limits`` are by code (``lost_motion``,
+    ``friction_width``, ``hysteresis``, ``deflection``) in arcmin of the joint, with ``_mm`` behind
+    in mm; the empty name is the lost motion. ``decision`` as in `analyze`. Raises `DataError` for a
+    table that cannot be read or is no loop, `UsageError` for what cannot be meant.
+    """
+    words = [rule.value for rule in DecisionRule]
+    if decision not in words:
+        raise UsageError(f"decision {decision!r}", remedy=f"use {' or '.join(words)}")
+    loop = read_loop(table, unit=unit, resolution=resolution)
+    return push_test(loop, arm_m=arm, limits=limits, decision=DecisionRule(decision))

@@ -1,0 +1,19 @@
+"""A fast sensor's stream to visits: rest told from motion by a stated rule, doubts listed.
+
+`find_visits` takes a `Run` with a row for each sample and gives one with a row for each visit.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.streams.result import (
+        Doubt as Doubt,
+        Rule as Rule,
+        StreamVisits as StreamVisits,
+        Visit as Visit,
+    )
+    from scara_iso.streams.visits import Wanted as Wanted, find_visits as find_visits
+else:
+    __getattr__ = face(__name__)

@@ -1,0 +1,232 @@
+"""From the samples of a stream to visits: the steps in their order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283 import arrival_characteristics
+from scara_iso.quantities import Dimension
+from scara_iso.run import FloatArray, Run
+from scara_iso.streams.arrival import arrive, middle
+from scara_iso.streams.doubts import Samples, Stay, join, long_rests, of_other_thresholds, sort
+from scara_iso.streams.poses import label
+from scara_iso.streams.rests import Motion, find_rests, motion, plateaus, still_of
+from scara_iso.streams.result import Doubt, Rule, StreamVisits, Visit
+from scara_iso.streams.table import table
+
+SLOWEST_HZ = 50.0
+"""Sampling rate from which stabilisation time and overshoot are read (iso_test: at least 50 Hz)."""
+_ALMOST = 1 - 1e-6
+_WINDOWS_IN_DWELL = 5
+_FEWEST_SAMPLES = 20
+_SCATTERS_IN_BAND = 5.0  # 500 samples of Gaussian scatter leave it once in 3000 rests
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What the user states of a stream; see `Rule`. Raises `UsageError` for what is no size."""
+
+    dwell_s: float = 1.0
+    still: float | None = None
+    band: float | None = None
+    poses: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, value in (("dwell", self.dwell_s), ("still", self.still), ("band", self.band)):
+            if value is not None and not 0 < value < math.inf:
+                raise UsageError(f"`{name}={value:g}`", remedy="give a size above zero")
+
+
+def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
+    """Return the visits of a stream: a run with a row for each sample and the covariate time_s.
+
+    Raises `DataError` where time is missing or goes back, nothing moves or rests, or levels clearly
+    differ and no pose says which is which.
+    """
+    stream = _stream(run)
+    interval = float(np.median(np.diff(stream.time)))
+    found = motion(stream.time, stream.lengths, wanted.dwell_s / _WINDOWS_IN_DWELL)
+    still, notes = _still(run, found, wanted, interval)
+    stays = join(stream, find_rests(found, still), wanted.dwell_s / 2, still)
+    rests, doubts, pauses = sort(stream, stays, wanted.dwell_s, still)
+    if not rests:
+        raise _no_visit(run, wanted, still, doubts)
+    kept, labels, said = label(run, stream, rests, wanted.poses, still)
+    notes += said
+    notes += [f"{pauses} rests shorter than half the dwell are not listed"] if pauses else []
+    doubts += long_rests(stream, kept)
+    doubts += of_other_thresholds(stream, found, rests, wanted.dwell_s, still)
+    doubts += [_missing(stream, gap) for gap in found.gaps]
+    rule = Rule(
+        dwell_s=wanted.dwell_s,
+        window_s=float(f"{(found.window - 1) * interval:.9g}"),
+        samples_in_window=found.window,
+        still=still,
+        still_stated=wanted.still is not None,
+        band=_bands(run, stream, kept, wanted.band),
+        band_stated=wanted.band is not None,
+    )
+    visits, unsettled = _visits(stream, stays, kept, labels, rule, rate_hz=1 / interval)
+    if 1 / interval < SLOWEST_HZ * _ALMOST:
+        notes.append(f"{1 / interval:.3g} Hz: stabilisation time and overshoot need 50 Hz or more")
+    made, more = table(run, visits, rule, 1 / interval)
+    return StreamVisits(
+        run=made,
+        visits=tuple(visits),
+        doubts=tuple(sorted(doubts + unsettled, key=lambda doubt: doubt.start)),
+        rule=rule,
+        samples=len(stream.time),
+        rate_hz=1 / interval,
+        notes=(*notes, *more),
+        characteristics=tuple(arrival_characteristics(made)),
+    )
+
+
+def _visits(
+    stream: Samples,
+    stays: Sequence[Stay],
+    kept: Sequence[Stay],
+    labels: Sequence[str | None],
+    rule: Rule,
+    *,
+    rate_hz: float,
+) -> tuple[list[Visit], list[Doubt]]:
+    before = {stay: stays[k - 1].last if k else 0 for k, stay in enumerate(stays)}
+    visits, doubts = [], []
+    fast = rate_hz >= SLOWEST_HZ * _ALMOST
+    for stay, pose in zip(kept, labels, strict=True):
+        visit, unsettled = _visit(stream, stay, before[stay], rule, fast=fast)
+        visits.append(replace(visit, pose=pose))
+        doubts += unsettled
+    return visits, doubts
+
+
+def _stream(run: Run) -> Samples:
+    time = run.covariates.get("time_s")
+    where = run.origin.source
+    if time is None:
+        raise DataError(
+            "no time: a stream needs the column time_s, or timestamp",
+            where=where,
+            remedy="name the column of seconds time_s",
+        )
+    if len(time) < _FEWEST_SAMPLES:
+        raise DataError(f"{len(time)} samples are no stream", where=where)
+    back = np.flatnonzero(np.diff(time) <= 0)
+    if len(back):
+        line = int(back[0]) + 1 if run.lines is None else int(run.lines[back[0] + 1])
+        raise DataError(
+            f"time does not go on at {len(back)} samples, first in line {line}",
+            where=where,
+            remedy="give each sample its own time, in their order",
+        )
+    axes = {name: axis.readings for name, axis in run.axes.items()}
+    lengths = [a.readings for a in run.axes.values() if a.dimension is Dimension.LENGTH]
+    unit = Dimension.LENGTH if lengths else Dimension.ANGLE
+    return Samples(time, axes, lengths or list(axes.values()), unit.value)
+
+
+def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[float, list[str]]:
+    """Return the threshold, and what other thresholds would find."""
+    if wanted.still is not None:
+        return wanted.still, []
+    ranked = plateaus(found, _least(run), round(wanted.dwell_s / interval))
+    if not ranked:
+        raise DataError(
+            "rest and motion cannot be told apart: the number of rests follows every threshold",
+            where=run.origin.source,
+            remedy="record rest and motion, or state `still=0.01`, the largest range at rest",
+        )
+    others = [
+        f"`still=` from {one.low:.2g} to {one.high:.2g} would find {one.count} rests, "
+        f"not {ranked[0].count}"
+        for one in ranked[1:]
+    ]
+    return still_of(ranked[0]), others
+
+
+def _least(run: Run) -> float:
+    """Return the smallest range that can be told from none."""
+    stated = [axis.resolution for axis in run.axes.values() if axis.resolution is not None]
+    return max(stated) if stated else 1e-6
+
+
+def _no_visit(run: Run, wanted: Wanted, still: float, doubts: Sequence[Doubt]) -> DataError:
+    seen = f"; {doubts[0].message} ({doubts[0].start:.3f} s)" if doubts else ""
+    return DataError(
+        f"no rest of {wanted.dwell_s:g} s or more within {still:g}{seen}",
+        where=run.origin.source,
+        remedy="state the shortest rest that is a visit as `dwell=0.5`, or `still=` larger",
+    )
+
+
+def _missing(stream: Samples, gap: int) -> Doubt:
+    start, end = stream.at(gap), stream.at(gap + 1)
+    message = f"samples are missing for {end - start:.3g} s: what happened then is not known"
+    return Doubt("missing-samples", start, end, message, counted=False)
+
+
+def _bands(
+    run: Run, stream: Samples, kept: Sequence[Stay], stated: float | None
+) -> Mapping[str, float]:
+    """Return the half width of the limit band by axis."""
+    if stated is not None:
+        return dict.fromkeys(run.axes, stated)
+    return {
+        name: float(
+            f"{max(_SCATTERS_IN_BAND * _scatter_at_rest(stream.axes[name], kept), 2 * least):.2g}"
+        )
+        for name, axis in run.axes.items()
+        for least in [axis.resolution or 1e-6]
+    }
+
+
+def _scatter_at_rest(values: FloatArray, kept: Sequence[Stay]) -> float:
+    inner = [middle(stay.rests[-1].first, stay.last) for stay in kept]
+    return float(np.median([values[begin : end + 1].std(ddof=1) for begin, end in inner]))
+
+
+def _visit(
+    stream: Samples, stay: Stay, before: int, rule: Rule, *, fast: bool
+) -> tuple[Visit, list[Doubt]]:
+    """Return the visit of a stay, and whether an axis never settles; ``before`` ends the last rest.
+
+    Its reading is the mean of the middle half, from where every axis keeps the band.
+    """
+    begin, end = middle(stay.first, stay.last)
+    inside = np.concatenate([np.arange(r.first, r.last + 1) for r in stay.rests])
+    inside = inside[(inside >= begin) & (inside <= end)]
+    whole = slice(before, end + 1)
+    arrivals = {
+        name: arrive(
+            stream.time[whole],
+            values[whole],
+            stay.first - before,
+            float(values[inside].mean()),
+            rule.band[name],
+        )
+        for name, values in stream.axes.items()
+    }
+    late = [name for name, arrival in arrivals.items() if arrival.settled is None]
+    settled = max([stay.first, *(before + a.settled for a in arrivals.values() if a.settled)])
+    inside = inside[inside >= settled]
+    visit = Visit(
+        start=stream.at(stay.first),
+        settled=stream.at(settled),
+        end=stream.at(stay.last),
+        averaged=(stream.at(int(inside[0])), stream.at(int(inside[-1]))),
+        samples=len(inside),
+        mean={name: float(v[inside].mean()) for name, v in stream.axes.items()},
+        scatter={name: float(v[inside].std(ddof=1)) for name, v in stream.axes.items()},
+        approach={name: arrival.direction for name, arrival in arrivals.items()},
+        stabilisation_s={n: a.stabilisation_s if fast else None for n, a in arrivals.items()},
+        overshoot={n: a.overshoot if fast else None for n, a in arrivals.items()},
+    )
+    message = f"{', '.join(late)} leaves the limit band beyond the middle of the rest"
+    doubt = Doubt("does-not-settle", visit.start, visit.end, message, counted=True)
+    return visit, [doubt] if late else []

@@ -1,0 +1,230 @@
+"""Tables that hold no cycles: numbers under known names, read as strictly as readings are."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.run import FloatArray
+from scara_iso.tables.columns import Cell
+from scara_iso.tables.faults import Faults, listed, quoted, refuse
+from scara_iso.tables.layout import is_comment, read_statement
+from scara_iso.tables.names import clean, read_unit
+from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
+from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
+from scara_iso.tables.text import (
+    Delimiter,
+    Row,
+    decode_text,
+    split_head,
+    split_lines,
+    stated_delimiter,
+)
+
+_SMALLEST = 1e-30
+_MOST_ROWS = 100_000
+_WITH_UNIT = re.compile(r"(.+?)(?: ?[\[(](.+)[\])]|[_ ]([^_ ]+))")
+
+_Rows = list[tuple[int, Sequence[Cell]]]
+_Marks = dict[Mark, tuple[int, int, str]]
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnNames:
+    """What a table is to hold: ``what`` it is, its columns, and what to do where it does not."""
+
+    what: str
+    needed: tuple[str, ...]
+    remedy: str
+    optional: tuple[str, ...] = ()
+    positive: frozenset[str] = frozenset()
+    with_unit: frozenset[str] = frozenset()
+    """Columns that may state their unit: ``reading_mm``, ``reading [um]``."""
+
+    def find(self, cell: Cell) -> tuple[str | None, str]:
+        """Return the column that a header cell names, None for another, and the unit it states."""
+        known = {name.lower(): name for name in (*self.needed, *self.optional)}
+        text = clean(str(cell))
+        if text.lower() in known:
+            return known[text.lower()], ""
+        match = _WITH_UNIT.fullmatch(text)
+        name = known.get(match[1].lower()) if match else None
+        unit = (match[2] or match[3]) if match else ""
+        if name not in self.with_unit or (match and match[3] and read_unit(unit) is None):
+            return None, ""
+        return name, unit
+
+    def count(self, header: Sequence[Cell]) -> int:
+        """Return how many cells of a header are known."""
+        return sum(self.find(cell)[0] is not None for cell in header)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class NamedColumns:
+    """The columns that were found, shape (rows,) each; those of other names are left out."""
+
+    values: Mapping[str, FloatArray]
+    units: Mapping[str, str]
+    """By column, as its header states it."""
+    statements: Mapping[str, str]
+    """``# key: value`` lines by key."""
+    source: str
+    header_line: int
+    left_out: tuple[str, ...]
+
+
+def read_columns(source: Source, names: ColumnNames) -> NamedColumns:
+    """Return the columns of a table, text or .xlsx, in the spellings that `read_table` takes.
+
+    ``#`` begins a comment line. Raises `NoInputError` where it cannot be read, and `DataError` with
+    every fault and its line.
+    """
+    data, where = read_bytes(source)
+    statements: dict[str, str] = {}
+    if data.startswith(WORKBOOK):
+        found = _of_workbook(data, where, names)
+    else:
+        found, statements = _of_text(data, where, names)
+    rows = [(line, cells) for line, cells in found if _is_row(cells)]
+    if not 2 <= len(rows) <= _MOST_ROWS:
+        raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
+    faults = Faults(where, names.what)
+    values = _columns(rows, names, faults)
+    faults.check()
+    (header_line, header), *_ = rows
+    stated = dict(names.find(cell) for cell in header)
+    return NamedColumns(
+        values=values,
+        units={name: unit for name, unit in stated.items() if name and unit},
+        statements=statements,
+        source=where,
+        header_line=header_line,
+        left_out=tuple(clean(str(c)) for c in header if names.find(c)[0] is None),
+    )
+
+
+def _of_text(data: bytes, where: str, names: ColumnNames) -> tuple[_Rows, dict[str, str]]:
+    if data.startswith(OLD_WORKBOOK):
+        raise refuse(where, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
+    text, _ = decode_text(data, where)
+    lines = list(enumerate(text.split("\n"), 1))
+    sep = stated_delimiter(lines[0][1])
+    lines = lines[bool(sep) :]
+    faults = Faults(where, names.what)
+    statements = _statements(lines, faults)
+    lines = [(k, line) for k, line in lines if _is_row([line])]
+    if not lines:
+        return [], statements
+    header = lines[0][1]
+    named = {d: names.count(split_head([header], d)[0].cells) for d in Delimiter}
+    delimiter = sep or max(named, key=lambda d: named[d])
+    rows: _Rows = []
+    for k, line in lines:
+        try:
+            rows.append((k, split_lines([line], delimiter)[0]))
+        except csv.Error as error:
+            faults.add(f"{error}: {quoted(line)}", k, remedy="close or remove the quote")
+    faults.check()
+    return rows, statements
+
+
+def _statements(lines: Sequence[tuple[int, str]], faults: Faults) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for k, line in lines:
+        text = line.strip(BLANKS).strip('"')
+        statement = read_statement(Row(k, [text], text, k)) if is_comment(text) else None
+        if statement is not None and found.setdefault(*statement) != statement[1]:
+            before = quoted(found[statement[0]])
+            faults.add(f"{statement[0]} is {quoted(statement[1])} here and {before} above", k)
+    return found
+
+
+def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
+    from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - zip and XML for few
+
+    found: dict[str, _Rows] = {}
+    for title, cells in read_sheets(data, where):
+        numbered: _Rows = [(k, row) for k, row in enumerate(cells, 1) if _is_row(row)]
+        if numbered and names.count(numbered[0][1]) >= len(names.needed):
+            found[title] = numbered
+    if len(found) != 1:
+        which = f"sheets {listed(map(quoted, found))} hold" if found else "no sheet holds"
+        remedy = "leave one" if found else names.remedy
+        raise refuse(where, f"{which} {names.what}", remedy=remedy)
+    return next(iter(found.values()))
+
+
+def _is_row(cells: Sequence[Cell]) -> bool:
+    texts = [cell.strip(BLANKS) if isinstance(cell, str) else "0" for cell in cells]
+    return any(texts) and not is_comment(texts[0].lstrip('"'))
+
+
+def _columns(rows: _Rows, names: ColumnNames, faults: Faults) -> dict[str, FloatArray]:
+    (header_line, header), *body = rows
+    found = [names.find(cell)[0] for cell in header]
+    for missing in (n for n in names.needed if n not in found):
+        faults.add(f"column {missing} is missing", header_line, remedy=names.remedy)
+    for name in (n for n in (*names.needed, *names.optional) if found.count(n) > 1):
+        faults.add(f"column {name} is there twice", header_line, remedy=names.remedy)
+    whole = [row for row in body if _is_whole(row, len(header), faults)]
+    marks: _Marks = {}
+    values = {
+        name: np.array([_value(name, cells[k], (line, k + 1), names, marks, faults)
+                        for line, cells in whole])
+        for k, name in enumerate(found)
+        if name
+    }  # fmt: skip
+    _check_marks(marks, faults)
+    return values
+
+
+def _is_whole(row: tuple[int, Sequence[Cell]], width: int, faults: Faults) -> bool:
+    line, cells = row
+    if len(cells) != width:
+        remedy = "for decimal commas in a comma-separated table, export it with semicolons"
+        faults.add(f"{len(cells)} fields, the header has {width}", line, remedy=remedy)
+    return len(cells) == width
+
+
+def _value(
+    name: str,
+    cell: Cell,
+    place: tuple[int, int],
+    names: ColumnNames,
+    marks: _Marks,
+    faults: Faults,
+) -> float:
+    value = cell if isinstance(cell, float) else math.nan
+    if isinstance(cell, str):
+        number = parse_cell(cell)
+        if number is not None and not number.unit:
+            value = number.value
+            marks.setdefault(number.mark, (*place, cell.strip(BLANKS)))
+    if not math.isfinite(value):
+        faults.add(f"{name}: {quoted(str(cell))} is not a number", *place, remedy=names.remedy)
+    elif name in names.positive and value <= 0 and Mark.BOTH not in marks:
+        faults.add(f"{name}: {value:g} is not positive", *place, remedy=names.remedy)
+    elif value and not _SMALLEST < abs(value) < 1 / _SMALLEST:
+        faults.add(f"{name}: {value:g} is beyond any drive", *place, remedy=names.remedy)
+    return value
+
+
+def _check_marks(marks: _Marks, faults: Faults) -> None:
+    """Refuse a comma that could be a decimal or a thousands mark."""
+    comma = Mark.COMMA in marks or Mark.EITHER in marks
+    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
+        said = "commas and points both occur"
+    elif Mark.EITHER in marks and Mark.COMMA not in marks:
+        said = "could have a decimal comma or group thousands"
+    else:
+        return
+    for mark in marks.keys() - {Mark.NONE}:
+        line, column, text = marks[mark]
+        faults.add(
+            f"{quoted(text)}: {said}", line, column, remedy="write decimal points, no groups"
+        )

@@ -1,0 +1,193 @@
+"""A push test against a joint of other equations; its table as strictly read as readings are."""
+
+import json
+import math
+
+import numpy as np
+import push_rig
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import scara_iso
+from scara_iso.cli import main
+from scara_iso.errors import DataError, UsageError
+from scara_iso.force_loop import ForceLoop
+from scara_iso.iso9283 import push_test
+
+
+def of_joint(rng, arm=0.25, **joint):
+    return push_test(ForceLoop(*push_rig.readings(rng, **joint), resolution=0.001), arm_m=arm)
+
+
+@settings(max_examples=40)
+@given(
+    stiffness=st.floats(50, 5000),
+    half_play=st.floats(0, 0.1),
+    friction=st.floats(0, 20),
+)
+def test_an_exact_loop_gives_back_what_it_is_made_of(stiffness, half_play, friction):
+    joint = {"stiffness": stiffness, "half_play": half_play, "friction": friction}
+    force, reading = push_rig.readings(np.random.default_rng(0), **joint)
+    found = push_test(ForceLoop(force, reading), arm_m=0.25)
+    assert found.fit.compliance == pytest.approx(1 / stiffness, rel=1e-3)
+    assert 2 * found.fit.half_play == pytest.approx(2 * half_play, abs=0.01 / stiffness + 1e-6)
+    width = found.estimate("friction_width", "reading").value
+    assert width == pytest.approx(2 * friction / stiffness, abs=0.01 / stiffness + 1e-6)
+
+
+def test_figures_of_the_joint_follow_from_the_arm(rng):
+    found = of_joint(rng, stiffness=400.0, half_play=0.036, friction=5.0)
+    arcmin = 60 * math.degrees(1 / 250)  # of 1 mm at 250 mm
+    joint = {one.code: one.estimate for one in found.characteristics if one.of == "joint"}
+    assert joint["lost_motion"].value == pytest.approx(0.072 * arcmin, rel=0.01)
+    assert joint["friction_width"].value == pytest.approx(2 * 5 / 400 * arcmin, rel=0.02)
+    assert joint["friction_torque"].value == pytest.approx(5 * 0.25, rel=0.02)
+    assert joint["stiffness"].value == pytest.approx(400 * 0.25 / arcmin, rel=0.01)
+    assert joint["stiffness"].unit == "N m/arcmin"
+    compliance = found.estimate("compliance", "reading")
+    assert (compliance.value, compliance.unit, compliance.clause) == (
+        pytest.approx(0.25, rel=0.01), "mm/100 N", "10"
+    )  # fmt: skip
+
+
+def test_a_dial_on_the_far_side_finds_the_same(rng):
+    force, reading = push_rig.readings(rng, noise=0.0005)
+    one, other = (push_test(ForceLoop(force, way * reading), arm_m=0.3) for way in (1, -1))
+    for mine, theirs in zip(one.characteristics, other.characteristics, strict=True):
+        assert mine.estimate.value == pytest.approx(theirs.estimate.value)
+
+
+def test_a_drift_from_loop_to_loop_is_no_lost_motion(rng):
+    steady, moving = (of_joint(np.random.default_rng(3), noise=0.0003, drift=d) for d in (0, 0.01))
+    play = [one.estimate("lost_motion", "reading").value for one in (steady, moving)]
+    assert play[0] == pytest.approx(play[1], abs=0.001)
+
+
+def test_intervals_hold_what_they_should():
+    """Coverage in 150 loops; benchmarks/push.py has it for more joints and dials."""
+    truth = {"lost_motion": 0.04, "friction_width": 0.024, "hysteresis": 0.064, "compliance": 0.2}
+    inside = dict.fromkeys(truth, 0)
+    for seed in range(150):
+        found = of_joint(np.random.default_rng(seed), noise=0.001, division=0.001)
+        for code, value in truth.items():
+            low, high = found.estimate(code, "reading").interval
+            inside[code] += low <= value <= high
+    assert all(135 <= count <= 150 for count in inside.values()), inside
+
+
+def test_a_shape_that_the_model_misses_is_said_and_widens_the_intervals(rng):
+    force, reading = push_rig.readings(rng, noise=0.0002)
+    bent = reading + 3e-6 * force**2  # stiffer on one side
+    plain, found = (push_test(ForceLoop(force, x)) for x in (reading, bent))
+    assert plain.fit.misfit is None
+    assert found.fit.misfit == pytest.approx(3e-6 * force.std() ** 2, rel=0.5)
+    widths = [one.estimate("lost_motion", "reading").u for one in (plain, found)]
+    assert widths[1] > 3 * widths[0]
+
+
+@pytest.mark.parametrize(
+    ("force", "said"),
+    [
+        (np.tile([0.0, 10, 20, 10], 8), "do not go to both sides"),
+        (push_rig.forces(loops=1), "two loops|2 loops"),
+        (np.array([10.0, -10.0]), "do not go to both sides"),
+    ],
+)
+def test_forces_that_make_no_loops_are_refused(force, said):
+    with pytest.raises(DataError, match=said):
+        push_test(ForceLoop(force, force * 0.001))
+
+
+def test_readings_without_a_spring_are_refused(rng):
+    force = push_rig.forces()
+    with pytest.raises(DataError, match="no spring can be told"):
+        push_test(ForceLoop(force, rng.normal(0, 0.001, len(force))))
+
+
+@pytest.mark.parametrize(
+    ("limits", "verdict"),
+    [({"": 5.0}, "pass"), ({"lost_motion": 0.1}, "fail"), ({"hysteresis": 0.88}, "not-provable"),
+     ({"": 5.0, "deflection_mm": 0.1}, "fail"), (None, None)],
+)  # fmt: skip
+def test_limits_are_decided_on_the_interval(rng, limits, verdict):
+    force, reading = push_rig.readings(np.random.default_rng(1), noise=0.002, division=0.001)
+    found = push_test(ForceLoop(force, reading), arm_m=0.25, limits=limits)
+    assert (found.conformity and found.conformity.value) == verdict
+
+
+def test_a_limit_of_what_is_not_there(rng):
+    with pytest.raises(UsageError, match="no such figure"):
+        of_joint(rng, arm=None, noise=0.001).loop and push_test(
+            of_joint(rng).loop, limits={"lost_motion": 1.0}
+        )
+
+
+def written(tmp_path, rng, head="# unit: mm\n# resolution: 0.001\n", change=lambda text: text):
+    path = tmp_path / "loop.csv"
+    force, reading = push_rig.readings(rng, noise=0.0005)
+    path.write_text(change(push_rig.text(force, reading, head)))
+    return path
+
+
+SPELLINGS = {
+    "decimal commas": (
+        "# unit: mm\n# resolution: 0.001\n",
+        lambda t: t.replace(",", ";").replace(".", ","),
+    ),
+    "unit in the header": ("", lambda t: t.replace("reading", "reading [mm]", 1)),
+    "unit behind the name": ("", lambda t: t.replace("reading", "reading_mm", 1)),
+    "another column": ("# unit: mm\n", lambda t: t.replace("reading", "reading,note", 1)
+                       .replace("\n", ",x\n").replace("note,x", "note").replace("mm,x", "mm")),
+    "tabs": ("# unit: mm\n", lambda t: t.replace(",", "\t")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_spellings(spelling, tmp_path):
+    head, change = SPELLINGS[spelling]
+    rng = np.random.default_rng
+    plain = scara_iso.push(written(tmp_path, rng(4)), arm=0.25)
+    other = scara_iso.push(written(tmp_path, rng(4), head, change), arm=0.25)
+    one, two = (f.estimate("stiffness", "joint").value for f in (plain, other))
+    assert one == pytest.approx(two, rel=1e-9)
+
+
+def test_micrometres_are_converted(tmp_path, rng):
+    text = "# unit: um\nforce_N,reading\n" + "".join(
+        f"{F:g},{1000 * x:.1f}\n"
+        for F, x in zip(*push_rig.readings(rng, noise=0.0005), strict=True)
+    )
+    found = scara_iso.push(text.encode())
+    assert found.estimate("lost_motion", "reading").value == pytest.approx(0.04, abs=0.002)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("force_N,reading\n1,2\n2,3\n", "no unit stated"),
+        ("# unit: deg\nforce_N,reading\n1,2\n2,3\n", "a dial reads lengths"),
+        ("# unit: mm\nforce_N,reading [um]\n1,2\n2,3\n", "stated in two ways"),
+        ("# unit: mm\n# resolution: x\nforce_N,reading\n1,2\n", "is not a size"),
+        ("# unit: mm\nforce_N,reading\n1,x\ny,3\n", "2 faults"),
+        ("# unit: mm\nforce_N;reading\n1,5;2.5\n", "commas and points both occur"),
+        ("# unit: mm\nforce,reading\n1,2\n", "column force_N is missing"),
+        ("", "at least one row|empty"),
+    ],
+)
+def test_faults_of_a_table(text, said):
+    with pytest.raises(DataError) as caught:
+        scara_iso.push(text.encode())
+    assert any(part in str(caught.value) for part in said.split("|"))
+
+
+def test_command_line(tmp_path, rng, capsys):
+    loop = str(written(tmp_path, rng))
+    assert main(["push", loop, "--arm", "0.25", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["joint"]["lost_motion"]["unit"] == "arcmin"
+    assert told["loops"] == 3
+    assert main(["push", loop, "--arm", "0.25", "--limit", "0.1"]) == 1
+    assert "OUTSIDE the limit" in capsys.readouterr().out
+    assert main(["push", loop, "--limit", "1"]) == 2
+    assert main(["push", loop, "--arm", "0"]) == 2
+    assert main(["push", str(tmp_path / "none.csv")]) == 66
