@@ -121,7 +121,7 @@ def _of_workbook(data: bytes, name: str) -> _Rows:
             found[title] = numbered
     if len(found) != 1:
         which = f"sheets {listed(map(quoted, found))} hold" if found else "no sheet holds"
-        raise refuse(name, f"{which} a sweep", remedy=_REMEDY if not found else "leave one")
+        raise refuse(name, f"{which} a sweep", remedy=_REMEDY if not found else "keep one of them")
     return next(iter(found.values()))
 
 
