@@ -310,7 +310,7 @@ def test_a_sine_through_simulate_is_named_once(call, tmp_path):
     ("argv", "said"),
     [
         (["--design", "--cycles", "12"], "11 usable cycles"),
-        (["--design", "--model", MODEL], "--model has no part"),
+        (["--design", "--model", MODEL], "--model does not go with --design"),
         (["--design", TABLE_1, "--columns", "approach"], "--columns does not go with a table"),
         ([TABLE_1, "--columns", "approach"], "--columns is for --design"),
     ],
