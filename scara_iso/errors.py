@@ -46,7 +46,7 @@ class ScaraIsoError(Exception):
 
 
 class UsageError(ScaraIsoError):
-    """An option or argument that cannot be meant; exit code 2."""
+    """An option or argument that is not valid; exit code 2."""
 
     exit_code = 2
 

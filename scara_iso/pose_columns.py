@@ -38,7 +38,7 @@ def pose_column(names: Iterable[str]) -> str | None:
     found = [name for name in names if name.strip().lower().replace("_", " ") in POSE_NAMES]
     if len(found) > 1 and "pose" not in found:
         raise DataError(
-            f"columns {', '.join(map(repr, found))} all name the pose", remedy="leave one of them"
+            f"columns {', '.join(map(repr, found))} all name the pose", remedy="keep one of them"
         )
     return "pose" if "pose" in found else next(iter(found), None)
 

@@ -123,7 +123,7 @@ class Run(Displayed):
 
     def _check_shapes(self) -> None:
         if not self.axes:
-            raise DataError("a run needs at least one axis", remedy=f"name one of {AXES}")
+            raise DataError("a run needs at least one axis", remedy="name X, Y, Z or theta")
         if not len(self):
             raise DataError("a run needs at least one cycle")
         columns: dict[str, npt.NDArray[np.generic]] = {

@@ -282,7 +282,7 @@ def test_a_model_is_not_saved_over_the_one_it_is_made_of(call, tmp_path):
     link.symlink_to(own)
     code, out, err = call("diagnose", table, "--model", own, "--save-model", link)
     assert (code, out) == (73, "")
-    assert "made of" in err
+    assert "an input of this command" in err
     assert own.read_bytes() == MODEL.read_bytes()
 
 
@@ -310,8 +310,8 @@ def test_a_sine_through_simulate_is_named_once(call, tmp_path):
     ("argv", "said"),
     [
         (["--design", "--cycles", "12"], "11 usable cycles"),
-        (["--design", "--model", MODEL], "--model has no part"),
-        (["--design", TABLE_1, "--columns", "approach"], "--columns beside a table"),
+        (["--design", "--model", MODEL], "--model does not go with --design"),
+        (["--design", TABLE_1, "--columns", "approach"], "--columns does not go with a table"),
         ([TABLE_1, "--columns", "approach"], "--columns is for --design"),
     ],
 )

@@ -13,7 +13,7 @@ from scipy import stats
 from scara_iso import analyze
 from scara_iso.cli import main
 from scara_iso.comparison import ContrastVerdict, compare
-from scara_iso.comparison.dial import largest_bias, seen
+from scara_iso.comparison.dial import largest_bias, through_dial
 from scara_iso.comparison.permutation import mean_error
 from scara_iso.comparison.spread import spread
 from scara_iso.errors import DataError, UsageError
@@ -189,9 +189,11 @@ def test_rounding_moves_a_mean_by_no_more_than_it_is_given(rng):
 def test_a_figure_is_freed_from_its_rounding(rng):
     true = 2.60632 * 0.6
     for place in (0.0, 0.25, 0.5):
-        found = seen(np.rint(place + 0.6 * rng.standard_normal((1, 20_000))), [1.0], angle=False)
+        found = through_dial(
+            np.rint(place + 0.6 * rng.standard_normal((1, 20_000))), [1.0], angle=False
+        )
         assert found.freed == pytest.approx(true, rel=0.03)
-    fine = seen(rng.standard_normal((1, 30)), [0.1], angle=False)
+    fine = through_dial(rng.standard_normal((1, 30)), [0.1], angle=False)
     assert fine.read == fine.freed
 
 
@@ -271,7 +273,7 @@ def test_a_drift_is_said_beside_the_figure(rng):
 
 def test_what_cannot_be_compared_is_refused(rng):
     one = analysis(gaussian(rng))
-    with pytest.raises(UsageError, match="compared with nothing"):
+    with pytest.raises(UsageError, match="needs two runs"):
         compare([one])
     with pytest.raises(DataError, match="no axis in common"):
         compare([one, analysis({"Y": rng.standard_normal(30)})])

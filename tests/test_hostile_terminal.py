@@ -179,7 +179,7 @@ def test_ports_of_this_machine(sent, monkeypatch):
 
 @pytest.mark.parametrize(
     ("gauge", "code", "end"),
-    [("opto-rs232", 0, "2 of 2 cycles"), ("generic", 69, "nothing is left behind")],
+    [("opto-rs232", 0, "2 of 2 cycles"), ("generic", 69, "no file is kept")],
 )
 def test_the_screen_of_a_recording(gauge, code, end, sent, folder, monkeypatch):
     monkeypatch.chdir(folder)

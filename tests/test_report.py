@@ -323,7 +323,7 @@ def test_a_report_is_not_written_over_what_it_is_made_of(tmp_path, capsys):
     shutil.copy(WARM_UP, table)
     assert main(["report", str(table), "-o", str(table)]) == 73
     assert table.read_bytes() == WARM_UP.read_bytes()
-    assert "made of" in capsys.readouterr().err
+    assert "an input of this command" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("missing", [["no.csv"], [str(WARM_UP), "--model", "no.toml"]])

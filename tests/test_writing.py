@@ -154,13 +154,13 @@ def test_no_command_writes_over_what_it_reads(folder, capsys, arguments):
     (folder / f"soft{ending}").symlink_to(folder / own)
     for target in (f"hard{ending}", f"soft{ending}"):
         assert main([*arguments, target]) == 73
-        assert "made of" in capsys.readouterr().err
+        assert "an input of this command" in capsys.readouterr().err
         assert {path: path.read_bytes() for path in before} == before
 
 
 def test_one_file_is_not_named_twice(folder, capsys):
     assert main(["plan", MODEL, "--picture", "a.svg", "-o", "./a.svg"]) == 2
-    assert "named twice" in capsys.readouterr().err
+    assert "named for two outputs" in capsys.readouterr().err
     assert list(folder.iterdir()) == []
 
 

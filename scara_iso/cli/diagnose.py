@@ -121,7 +121,7 @@ def _refuse_beside_design(
     given = {"--model": model, "--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
     for option, value in given.items():
         if value is not None:
-            raise UsageError(f"{option} has no part in --design", remedy="leave it out")
+            raise UsageError(f"{option} does not go with --design", remedy="leave it out")
 
 
 @dataclass(frozen=True, slots=True)

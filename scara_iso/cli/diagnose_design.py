@@ -35,7 +35,9 @@ def show_design(
     if len(tables) > 1:
         raise UsageError("--design takes one table at most")
     if tables and columns is not None:
-        raise UsageError("--columns beside a table", remedy="the plan has the table's columns")
+        raise UsageError(
+            "--columns does not go with a table", remedy="the plan has the table's columns"
+        )
     if sigma is not None and not 0 < sigma < math.inf:
         raise UsageError(f"--sigma {sigma:g}: not a positive, finite length")
     plan = (
@@ -77,7 +79,9 @@ def _planned(
     names = [name.strip() for name in columns.split(",") if name.strip()]
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise UsageError(f"--columns {unknown[0]}", remedy=f"known are {', '.join(known)}")
+        raise UsageError(
+            f"--columns {unknown[0]}: no such column", remedy=f"known are {', '.join(known)}"
+        )
     return PlannedRun(
         Conditions(cycle, {name: known[name] for name in names}),
         sigma or _SIGMA_MM,

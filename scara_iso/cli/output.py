@@ -101,7 +101,7 @@ def check_outputs(outputs: Sequence[Path | None], inputs: Sequence[str | None]) 
     for path in named:
         if any(_same_file(path, Path(name)) for name in inputs if name not in (None, "-")):
             raise CannotCreateError(
-                "is what the result is made of", where=str(path), remedy="name another file"
+                "is an input of this command", where=str(path), remedy="name another file"
             )
         try:
             recording = _of_a_recording(path.resolve())
@@ -115,7 +115,7 @@ def check_outputs(outputs: Sequence[Path | None], inputs: Sequence[str | None]) 
                 remedy="name another file, or remove it yourself",
             )  # fmt: skip
     if len({path.resolve() for path in named}) < len(named):
-        raise UsageError(f"{named[0]} is named twice to be written", remedy="name two files")
+        raise UsageError(f"{named[0]} is named for two outputs", remedy="name two files")
 
 
 def _same_file(path: Path, name: Path) -> bool:

@@ -158,7 +158,7 @@ def _confirm(recorded: Sequence[str], *, on_terminal: bool) -> None:
             if input("Go on with these? [y/N] ").strip().lower() in ("y", "yes"):
                 return
     raise UsageError(
-        "the gauges that the raw file names are not confirmed",
+        "the raw file names its gauges, and they are to be confirmed",
         remedy="give them: " + " ".join(f"--gauge {shlex.quote(gauge)}" for gauge in recorded),
     )
 

@@ -1,10 +1,10 @@
 """What a difference decides against chance: interval, p-value, verdict, cycles needed.
 
 A difference counts only as far as the dials' rounding does not explain it (`comparison.dial`), in
-units of its standard error, against the largest such difference among all figures of each deal:
-the single-step maximum (Westfall and Young 1993). Interval and test use the same deals, so an
-interval leaves out "no difference" exactly where the test rejects it. Several pairs share the
-level equally (Bonferroni).
+units of its standard error, against the largest such difference among all figures of each
+permutation: the single-step maximum (Westfall and Young 1993). Interval and test use the same
+permutations, so an interval leaves out "no difference" exactly where the test rejects it. Several
+pairs share the level equally (Bonferroni).
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from statistics import NormalDist
 
 import numpy as np
 
-from scara_iso.comparison.dial import Seen, ratio_range
+from scara_iso.comparison.dial import DialSpread, ratio_range
 from scara_iso.comparison.result import ContrastVerdict, Ends
 from scara_iso.run import FloatArray
 
 LEVEL = 0.05
 MOST_CYCLES = 100_000
 _POWER = NormalDist().inv_cdf(0.8)  # 4 of 5 tests
-_LARGEST = 1e6  # errors; a deal of equal readings has no error
+_LARGEST = 1e6  # errors; a permutation of equal readings has no error
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,11 +58,13 @@ class Decision:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Chance:
-    """Absolute studentised differences of each deal, shape (figures, deals); number of pairs."""
+class PermutationTest:
+    """What a difference decides, by the differences that chance makes."""
 
-    dealt: FloatArray
+    permuted: FloatArray
+    """Absolute studentised differences, shape (figures, permutations)."""
     pairs: int = 1
+    """Number of pairs of runs that share the level."""
 
     def decide(self, distance: Distance, k: int, *, cycles: tuple[int, int]) -> Decision:
         """Return what the difference of figure ``k`` decides."""
@@ -70,21 +72,21 @@ class Chance:
         critical = self._critical()
         return Decision(
             verdict=_verdict(distance, apart, critical),
-            p_value=min(_share(self.dealt.max(axis=0), apart) * self.pairs, 1.0),
-            p_value_at_floor=bool(np.all(self.dealt < apart)),
-            p_value_alone=_share(self.dealt[k], apart),
+            p_value=min(_share(self.permuted.max(axis=0), apart) * self.pairs, 1.0),
+            p_value_at_floor=bool(np.all(self.permuted < apart)),
+            p_value_alone=_share(self.permuted[k], apart),
             critical=critical,
             cycles_needed=None if apart > critical else _cycles(apart, critical, cycles),
         )
 
     def _critical(self) -> float:
         """Return the distance that is passed exactly where the p-value is at most the level."""
-        largest = np.sort(self.dealt.max(axis=0))[::-1]
+        largest = np.sort(self.permuted.max(axis=0))[::-1]
         rank = math.floor(LEVEL * (len(largest) + 1) / self.pairs)
         return min(float(largest[rank - 1]), _LARGEST)
 
 
-def log_ratio(before: Seen, after: Seen) -> Distance:
+def log_ratio(before: DialSpread, after: DialSpread) -> Distance:
     """Return the distance of two spreads: the logarithm of after over before."""
     low, high = ratio_range(before, after)
     both = before.read > 0 and after.read > 0
@@ -103,7 +105,7 @@ def smallest_ratio(distance: Distance, errors: float) -> float | None:
     return _bounded(_exp(distance.upper - distance.lower + errors * distance.error))
 
 
-def difference_interval(before: Seen, after: Seen, decision: Decision) -> Ends:
+def difference_interval(before: DialSpread, after: DialSpread, decision: Decision) -> Ends:
     """Return the interval of after minus before, from those of each (Zou and Donner 2008).
 
     It leaves out 0 where the ratio's interval leaves out 1: the ratio decides.
@@ -122,7 +124,7 @@ def difference_interval(before: Seen, after: Seen, decision: Decision) -> Ends:
     return _bounded(lower), _bounded(upper)
 
 
-def _limits(found: Seen, critical: float) -> tuple[float, float]:
+def _limits(found: DialSpread, critical: float) -> tuple[float, float]:
     reach = critical * found.error
     return found.lower * _exp(-reach), found.upper * _exp(reach)
 
@@ -135,7 +137,7 @@ def _verdict(distance: Distance, apart: float, critical: float) -> ContrastVerdi
 
 
 def _share(chance: FloatArray, apart: float) -> float:
-    """Return the share of deals as far apart, the one that was run among them."""
+    """Return the share of permutations as far apart, the one that was run among them."""
     return (1 + int(np.sum(chance >= apart))) / (1 + len(chance))
 
 

@@ -26,7 +26,7 @@ _DRAWN = 2048
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class DialSpread:
     """A figure through its dial: as read, and freed from what Gaussian scatter gains there.
 
     Where two divisions hold all readings the figure is anywhere from 0 to ``freed``.
@@ -49,7 +49,9 @@ class Seen:
         return max(self.read, self.freed)
 
 
-def seen(positions: FloatArray, resolutions: Sequence[float | None], *, angle: bool) -> Seen:
+def through_dial(
+    positions: FloatArray, resolutions: Sequence[float | None], *, angle: bool
+) -> DialSpread:
     """Return the figure of positions of shape (components, n) through dials of ``resolutions``.
 
     A dial whose resolution is not known is taken as fine, but not where all readings are equal.
@@ -58,14 +60,14 @@ def seen(positions: FloatArray, resolutions: Sequence[float | None], *, angle: b
     read, error = float(figure), float(relative_error)
     known = [resolution for resolution in resolutions if resolution is not None]
     if len(known) < len(resolutions):
-        return Seen(read, read or math.inf, error, open=read == 0)
+        return DialSpread(read, read or math.inf, error, open=read == 0)
     width = float(two_divisions(positions, known))
     if width > 0:
-        return Seen(read, max(float(_hidden(width, positions)), read), error, open=True)
-    return Seen(read, read / _gain(positions, np.array(known), angle=angle), error)
+        return DialSpread(read, max(float(_hidden(width, positions)), read), error, open=True)
+    return DialSpread(read, read / _gain(positions, np.array(known), angle=angle), error)
 
 
-def ratio_range(before: Seen, after: Seen) -> tuple[float, float]:
+def ratio_range(before: DialSpread, after: DialSpread) -> tuple[float, float]:
     """Return the ratios after over before that the dials leave open, chance aside."""
     if before.open or after.open:
         return _over(after.lower, before.upper), _over(after.upper, before.lower)

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.comparison.decision import (
-    Chance,
     Distance,
+    PermutationTest,
     difference_interval,
     log_ratio,
     ratio_interval,
     smallest_ratio,
 )
-from scara_iso.comparison.dial import largest_bias, seen
+from scara_iso.comparison.dial import largest_bias, through_dial
 from scara_iso.comparison.matching import axes_in_common, poses_in_common, unlike
-from scara_iso.comparison.permutation import FigureColumns, deal, mean_error
+from scara_iso.comparison.permutation import FigureColumns, mean_error, permute
 from scara_iso.comparison.result import Comparison, Contrast, Pair
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Analysis, Finding, PoseResult
@@ -53,7 +53,7 @@ def compare(
     `DataError` where a run has no axis or pose in common with the first, or fewer than five cycles.
     """
     if len(analyses) < 2:
-        raise UsageError("one run is compared with nothing", remedy="name two tables or more")
+        raise UsageError("a comparison needs two runs", remedy="name two tables or more")
     for analysis in analyses:
         if analysis.cycles.used < _FEWEST_CYCLES:
             what = f"{analysis.cycles.used} cycles count: {_FEWEST_CYCLES} are the fewest"
@@ -72,14 +72,17 @@ def _pair(
 ) -> Pair:
     columns = list(_columns(before, after))
     figures = _figures(columns)
-    dealt = deal(
+    permuted = permute(
         np.stack([column.readings[0] for column in columns]),
         np.stack([column.readings[1] for column in columns]),
         [figure for _, figure in figures],
         rng,
         shuffles=shuffles,
     )
-    means, spreads = Chance(dealt.means, pairs), Chance(dealt.spreads, pairs)
+    means, spreads = (
+        PermutationTest(permuted.means, pairs),
+        PermutationTest(permuted.spreads, pairs),
+    )
     findings = (
         *unlike(before, after),
         *_doubtful(before, "before"),
@@ -133,7 +136,9 @@ def _doubtful(analysis: Analysis, when: str) -> Iterator[Finding]:
             yield Finding(f.code, f.severity, f"{when}: {f.message}", f.axis, f.pose)
 
 
-def _mean(column: _Column, chance: Chance, k: int, findings: Sequence[Finding]) -> Contrast:
+def _mean(
+    column: _Column, chance: PermutationTest, k: int, findings: Sequence[Finding]
+) -> Contrast:
     x, y = column.readings
     before = float(x.mean())
     observed = float((y - x[0]).mean() - (x - x[0]).mean())
@@ -161,12 +166,12 @@ def _mean(column: _Column, chance: Chance, k: int, findings: Sequence[Finding]) 
 
 
 def _spread(
-    name: str, used: Sequence[_Column], chance: Chance, k: int, findings: Sequence[Finding]
+    name: str, used: Sequence[_Column], chance: PermutationTest, k: int, findings: Sequence[Finding]
 ) -> Contrast:
     angle = used[0].before.dimension is Dimension.ANGLE
     positions = [np.stack([column.readings[run] for column in used]) for run in (0, 1)]
-    old = seen(positions[0], [column.before.resolution for column in used], angle=angle)
-    new = seen(positions[1], [column.after.resolution for column in used], angle=angle)
+    old = through_dial(positions[0], [column.before.resolution for column in used], angle=angle)
+    new = through_dial(positions[1], [column.after.resolution for column in used], angle=angle)
     distance = log_ratio(old, new)
     found = chance.decide(distance, k, cycles=(positions[0].shape[1], positions[1].shape[1]))
     return Contrast(

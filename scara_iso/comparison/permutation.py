@@ -1,10 +1,10 @@
-"""Chance: what the studentised differences are when cycles are dealt to the two runs at random.
+"""What the studentised differences are by chance: cycles given to the two runs at random.
 
 The means of two runs may differ (an indicator has no absolute zero), so readings are centred
-before they are dealt: about their mean for the test of means, about their median for that of
-spreads, whose level is then best (docs/compare.md). One deal serves all axes and poses: what they
-have in common stays. Studentised statistics keep their level where the shapes of the two scatters
-differ (Janssen 1997 for means, Pauly 2011 for spreads).
+before they are permuted: about their mean for the test of means, about their median for that of
+spreads, whose level is then best (docs/compare.md). One permutation serves all axes and poses:
+what they have in common stays. Studentised statistics keep their level where the shapes of the two
+scatters differ (Janssen 1997 for means, Pauly 2011 for spreads).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from scara_iso.comparison.spread import spread
 from scara_iso.run import FloatArray, IntArray
 
-_BLOCK = 2_000_000  # readings dealt at a time
+_BLOCK = 2_000_000  # readings permuted at a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,21 +29,21 @@ class FigureColumns:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Dealt:
-    """Absolute studentised differences of each deal: shape (columns or figures, deals)."""
+class Permuted:
+    """Absolute studentised differences, shape (columns or figures, permutations)."""
 
     means: FloatArray
     spreads: FloatArray
 
 
-def deal(
+def permute(
     before: FloatArray,
     after: FloatArray,
     figures: Sequence[FigureColumns],
     rng: np.random.Generator,
     *,
     shuffles: int,
-) -> Dealt:
+) -> Permuted:
     """Return what chance makes of two runs' readings, shapes (columns, n) and (columns, m)."""
     n, total = before.shape[1], before.shape[1] + after.shape[1]
     about_mean = _pooled(before, after, np.mean)
@@ -55,7 +55,7 @@ def deal(
         orders = rng.permuted(np.tile(np.arange(total), shape), axis=1)
         means.append(_means(about_mean, orders, n))
         spreads.append(_spreads(about_median, orders, n, figures))
-    return Dealt(np.concatenate(means, axis=1), np.concatenate(spreads, axis=1))
+    return Permuted(np.concatenate(means, axis=1), np.concatenate(spreads, axis=1))
 
 
 def mean_error(before: FloatArray, after: FloatArray) -> FloatArray:
@@ -70,8 +70,8 @@ def _pooled(before: FloatArray, after: FloatArray, centre: object) -> FloatArray
 
 
 def _means(pooled: FloatArray, orders: IntArray, n: int) -> FloatArray:
-    dealt = pooled[:, orders]
-    first, second = dealt[..., :n], dealt[..., n:]
+    permuted = pooled[:, orders]
+    first, second = permuted[..., :n], permuted[..., n:]
     difference = np.abs(second.mean(axis=-1) - first.mean(axis=-1))
     return _studentised(difference, mean_error(first, second))
 
@@ -81,16 +81,16 @@ def _spreads(
 ) -> FloatArray:
     found = []
     for figure in figures:
-        dealt = np.moveaxis(pooled[list(figure.columns)][:, orders], 0, 1)
-        first, first_error = spread(dealt[..., :n], angle=figure.angle)
-        second, second_error = spread(dealt[..., n:], angle=figure.angle)
-        tiny = np.finfo(np.float64).tiny  # a deal of equal readings counts as a large difference
+        permuted = np.moveaxis(pooled[list(figure.columns)][:, orders], 0, 1)
+        first, first_error = spread(permuted[..., :n], angle=figure.angle)
+        second, second_error = spread(permuted[..., n:], angle=figure.angle)
+        tiny = np.finfo(np.float64).tiny  # equal readings count as a large difference
         logs = np.log(np.maximum(second, tiny)) - np.log(np.maximum(first, tiny))
         found.append(_studentised(np.abs(logs), np.hypot(first_error, second_error)))
     return np.stack(found)
 
 
 def _studentised(difference: FloatArray, error: FloatArray) -> FloatArray:
-    """Return difference over error; 0 where both runs of a deal are one value."""
+    """Return difference over error; 0 where both runs of a permutation are one value."""
     safe = np.where(error > 0, error, 1.0)
     return np.asarray(np.where(error > 0, difference / safe, np.where(difference > 0, np.inf, 0)))

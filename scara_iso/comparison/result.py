@@ -54,7 +54,7 @@ class Contrast:
     p_value: float
     """Among all figures of this quantity and all pairs."""
     p_value_at_floor: bool
-    """No deal came as far apart: the chance is at most the p-value."""
+    """No permutation came as far apart: the chance is at most the p-value."""
     p_value_alone: float
     """As if no other figure had been looked at."""
     verdict: ContrastVerdict
@@ -100,7 +100,7 @@ class Comparison(Plotted):
     pairs: tuple[Pair, ...]
     """One for each run after the first."""
     shuffles: int
-    """Number of permutations dealt."""
+    """Number of permutations."""
     seed: int
     """Seed of the permutations."""
 

@@ -66,7 +66,7 @@ class DiagonalPlane(Enum):
 
 @dataclass(frozen=True, slots=True)
 class PoseTestConditions:
-    """How the poses are visited. Raises `UsageError` for what no test can mean."""
+    """How the poses are visited. Raises `UsageError` for invalid values."""
 
     cycles: int = 31
     """Cycles run; the paper runs 31, of which the first only settles the contact side."""

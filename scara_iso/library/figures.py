@@ -34,7 +34,7 @@ def analyze(
     (``X``, ``XY``...), the empty name for every length; ``decision`` is ``interval`` (a limit is
     kept or broken where the whole 95 % interval says so) or ``simple`` (RP alone).
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
-    that cannot be read or breaks the cycle rule, `UsageError` for options that cannot be meant.
+    that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
     analysis = iso9283.analyze(
         TableOptions(unit, resolution, decimal, sheet).read(table),

@@ -57,13 +57,15 @@ def simulate(
     declares, such as ``"warm_up:size=0.03,tau=8"``; ``approach`` is ``one``, ``both`` or ``random``
     and adds that column; ``temperature`` ramps from one to another [degC]; ``payload`` are loads
     by turns [kg]; ``drivetrain`` takes rest positions from the gears through time. Same arguments,
-    same readings. Raises `UsageError` for what cannot be meant, and as `read_model`.
+    same readings. Raises `UsageError` for invalid values, and as `read_model`.
     """
     known = described(model)
     if cycles < 2:
-        raise UsageError(f"{cycles} cycles are no test", remedy="simulate two or more")
+        raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")
     if approach is not None and approach not in _SIDES:
-        raise UsageError(f"approach {approach!r}", remedy=f"use one of {', '.join(_SIDES)}")
+        raise UsageError(
+            f"approach {approach!r} is not known", remedy=f"use one of {', '.join(_SIDES)}"
+        )
     rng = np.random.default_rng(seed)
     covariates = _recorded(temperature, payload, cycles)
     rests: Mapping[str, FloatArray] | None = None
@@ -90,7 +92,7 @@ def _recorded(
         found["temperature_C"] = np.linspace(*temperature, cycles).round(2)
     if payload is not None:
         if not len(payload):
-            raise UsageError("no load is named", remedy="name one payload or more, in kg")
+            raise UsageError("no payload is named", remedy="name one payload or more, in kg")
         found["payload_kg"] = np.resize(np.asarray(payload, dtype=float), cycles)
     return found
 
@@ -135,5 +137,5 @@ def plan(
 def _named(kind: type[_Word], option: str, word: str) -> _Word:
     words = [one.value for one in kind]
     if word not in words:
-        raise UsageError(f"{option} {word!r}: none of that name", remedy=f"use {', '.join(words)}")
+        raise UsageError(f"{option} {word!r} is not known", remedy=f"use {', '.join(words)}")
     return kind(word)

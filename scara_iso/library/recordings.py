@@ -55,7 +55,7 @@ def record(
     with an ``operator`` whose ``poll()`` gives the commands. ``tell`` hears each event, a stored
     reading only once it is safe on the disk. ``stable`` readings in a row must agree; none counts
     within ``rearm`` seconds of the last (0.5, for recorded streams 0). ``metadata`` goes into the
-    table's head. Raises `UsageError` for options that cannot be meant, `InstrumentError` for a
+    table's head. Raises `UsageError` for invalid options, `InstrumentError` for a
     port, `CannotCreateError` and `WriteError` for the files.
     """
     specs = parse_gauges(gauges, unit=unit)

@@ -127,7 +127,9 @@ def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     if locale is None:
         return lambda dossier: render(document(dossier))
     if path.suffix.lower() != ".csv":
-        raise UsageError("`excel_locale=` spells a .csv", remedy="let the name end in .csv")
+        raise UsageError(
+            "`excel_locale=` is for a report as .csv", remedy="let the name end in .csv"
+        )
     spelled = partial(render, locale=find_locale(locale))
     return lambda dossier: spelled(document(dossier))
 

@@ -140,7 +140,7 @@ def _inline(svg: str, figure: Figure) -> str:
 
 
 def _attributes(style: str) -> str:
-    """Return a style as presentation attributes, which need no leave of a page's policy."""
+    """Return a style as presentation attributes, which a page's policy allows."""
     parts = (part.partition(":") for part in style.split(";") if part.strip())
     pairs = {name.strip(): value.strip() for name, _, value in parts}
     if "font-family" in pairs:

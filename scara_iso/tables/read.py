@@ -57,7 +57,7 @@ def read_table(
 
     Raises `NoInputError` for a file that cannot be opened, `DataError` with its faults (the first
     thousand kept) for one that is no table or could be read two ways, `UsageError` for an option
-    that cannot be meant.
+    that is not valid.
     """
     if decimal not in (None, ",", "."):
         raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")

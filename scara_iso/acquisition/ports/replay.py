@@ -166,7 +166,7 @@ def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
             case {"event": "stored", "cycle": int(cycle), "text": str(text), "at": float(at)}:
                 if text not in frames:
                     raise DataError(
-                        f"the bytes of cycle {cycle}, axis {axis}, are not there",
+                        f"the bytes of cycle {cycle}, axis {axis}, are missing",
                         where=str(path), remedy="`rebuild=True` makes the table of what was stored",
                     )  # fmt: skip
                 found[cycle] = (time - float(record["t"]) + at, frames[text] + dialect.terminator)

@@ -58,7 +58,7 @@ class Bench:
         self.last_problem = ""
 
     def open(self) -> None:
-        """Let powers come up, refuse what is under way, and learn the units.
+        """Wait until the indicators are powered, refuse what is under way, and learn the units.
 
         What comes meanwhile is noticed: no trouble of the recording. Raises `UsageError` where
         nobody states the unit of a gauge.

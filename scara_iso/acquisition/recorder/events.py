@@ -176,7 +176,7 @@ Command: TypeAlias = Take | Void | Note | Pause | Quit
 
 
 class Operator(Protocol):
-    """Whoever says when: a keyboard, a foot switch that types Enter, lines of standard input."""
+    """Gives the commands: a keyboard, a foot switch that types Enter, lines of standard input."""
 
     def poll(self) -> Command | None:
         """Return the next command if one was given; never waits."""

@@ -69,9 +69,12 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
     ports = []
     for spec in job.gauges:
         if job.resume and is_recorded(spec.address):
-            raise UsageError("a recorded stream starts again: record it into a new file")
+            raise UsageError("a recorded stream cannot be resumed: record it into a new file")
         if job.plan.stable > 1 and spec.address.startswith("replay:"):
-            raise UsageError("a recorded stream is not asked twice", remedy="leave `stable=` out")
+            raise UsageError(
+                "a recorded stream cannot be asked again for a settled reading",
+                remedy="leave `stable=` out",
+            )
         asked = not isinstance(job.plan.trigger, Listen)
         port = open_port(spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked)
         stack.callback(port.close)
@@ -103,7 +106,7 @@ def _end(
     if not history.latest and not history.troubles["voided"] and not history.damaged:
         remove(journal.path, disk)
         return InstrumentError(
-            "no reading was recorded, and nothing is left behind",
+            "no reading was recorded, and no file is kept",
             remedy="scara-iso ports with `probe=PORT` shows what an indicator sends",
         )
     rows = int(history.complete_rows().sum())

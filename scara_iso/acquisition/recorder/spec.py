@@ -122,7 +122,7 @@ def _parity(text: str | None) -> Parity | None:
             return None
         case "N" | "E" | "O" as parity:
             return parity
-    raise UsageError(f"parity={text} is none of N, E, O")
+    raise UsageError(f"parity={text}: use N, E or O")
 
 
 def _bytes(text: str) -> bytes:
@@ -168,7 +168,7 @@ def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
         )
     if sizes := wrong_sizes(found):
         raise UsageError(
-            f"metadata {sizes[0]!r}: {found[sizes[0]]!r} is not a plain number, or none above 0",
+            f"metadata {sizes[0]!r}: {found[sizes[0]]!r} is not a plain number above 0",
             remedy="in mm, of an angle in degrees: indicator_uncertainty=0.0005",
         )
     if sum(len(key) + len(value) for key, value in found.items()) > _LONGEST:

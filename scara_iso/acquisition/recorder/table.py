@@ -68,7 +68,7 @@ def rebuild(
     data = table_of(history, excel_locale)
     if table.exists() and table.read_bytes() not in (plain, data):
         raise CannotCreateError(
-            "is there and says something else", where=str(table), remedy="name another OUT.csv"
+            "exists already, with other contents", where=str(table), remedy="name another OUT.csv"
         )
     beside = raw_path(table).resolve() == raw.resolve()
     write_table_of(history, table, data, disk=disk, beside=beside)
