@@ -66,7 +66,8 @@ def coverage(count: int, noise: float, hz: float) -> None:
     inside = dict.fromkeys(truth, 0)
     for seed in range(RUNS):
         rng = np.random.default_rng(seed)
-        time, reading, _ = streams.visits(rng, count=count, noise=noise, hz=hz, division=0.001)
+        how = {"noise": noise, "hz": hz, "division": 0.001, "dwell": 4.0}
+        time, reading, _ = streams.visits(rng, count=count, **how)
         time = time + rng.uniform(0, 1 / hz)
         for one in visits(as_run(time, reading), poses=["P1", "-"], band=band).characteristics:
             low, high = one.estimate.interval or (0.0, 0.0)
