@@ -191,3 +191,16 @@ def test_command_line(tmp_path, rng, capsys):
     assert main(["push", loop, "--limit", "1"]) == 2
     assert main(["push", loop, "--arm", "0"]) == 2
     assert main(["push", str(tmp_path / "none.csv")]) == 66
+
+
+def test_rounding_that_repeats_is_counted():
+    """Steps of whole divisions: all readings of a flank are rounded alike, loop after loop."""
+    inside = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        joint = {"half_play": 0.02 + 0.002 * rng.random(), "friction": 6.0 + rng.random()}
+        force, reading = push_rig.readings(rng, noise=0.001, division=0.01, **joint)
+        found = push_test(ForceLoop(force, reading, resolution=0.01))
+        low, high = found.estimate("friction_width", "reading").interval
+        inside += low <= 2 * joint["friction"] / 500 <= high
+    assert inside >= 37

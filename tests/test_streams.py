@@ -70,6 +70,14 @@ def test_stabilisation_and_overshoot_are_those_of_the_closed_form(zeta):
         assert one.interval[0] <= one.value <= one.interval[1]
 
 
+def test_noise_does_not_raise_the_overshoot():
+    rng = np.random.default_rng(3)
+    time, reading, _ = simulated.visits(rng, noise=0.003, count=8)
+    found = scara_iso.visits(as_run(time, reading), poses=["P1", "-"], band=0.02)
+    (overshoot,) = (o.estimate for o in found.characteristics if o.code == "overshoot")
+    assert overshoot.value == pytest.approx(Arm().overshoot(0.3), abs=0.0015)
+
+
 def test_an_arm_that_creeps_in_has_no_overshoot():
     time, reading = plateau(200, 0.4, 3.0, 0.4, 3.0, 0.4, 3.0)
     found = scara_iso.visits(as_run(time, reading), poses=["P1", "-"])

@@ -16,7 +16,7 @@ from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.results import Characteristic, LimitCheck
-from scara_iso.quantities import Estimate
+from scara_iso.quantities import Estimate, rounding_uncertainty
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 COMPLIANCE = "10"
 """Clause of the static compliance."""
 _NO_CLAUSE = "push test"
+_DITHERED = 0.5
+"""Residual over division from which rounding averages out; benchmarks/push.py."""
 _PER = 100.0
 """Newtons to which a compliance is referred: mm/100 N."""
 
@@ -98,24 +100,35 @@ def push_test(
     if arm_m is not None and not 0 < arm_m < math.inf:
         raise UsageError(f"`arm={arm_m:g}`: not a length above zero")
     fit = fit_loop(loop)
-    found = [*_of_reading(fit, loop.uncertainty)]
+    found = _of_reading(loop, fit)
     found += [] if arm_m is None else _of_joint(found, arm_m)
     held = check_limits(found, limits or {}, decision=decision)
     return PushResult(loop, fit, arm_m, held)
 
 
-def compliance_estimate(fit: LoopFit, calibration: float | None) -> Estimate:
-    """Return the displacement per force [mm/100 N]; ``calibration`` of the indicator in mm."""
-    # Readings at both ends of the loop carry it (GUM 5.1.2).
-    known = None if calibration is None else math.sqrt(2) * calibration / np.ptp(fit.ends)
-    return _estimate(fit, (1.0, 0.0, 0.0), fit.compliance, known, COMPLIANCE).scaled(
-        _PER, f"mm/{_PER:g} N"
-    )
+def compliance_estimate(loop: ForceLoop, fit: LoopFit) -> Estimate:
+    """Return the displacement per force [mm/100 N]."""
+    apart = _between_readings(loop, fit)
+    known = None if apart is None else apart / float(np.ptp(fit.ends))  # at the ends of the loop
+    found = _estimate(fit, (1.0, 0.0, 0.0), fit.compliance, known, COMPLIANCE)
+    return found.scaled(_PER, f"mm/{_PER:g} N")
 
 
-def _of_reading(fit: LoopFit, calibration: float | None) -> list[Characteristic]:
+def _between_readings(loop: ForceLoop, fit: LoopFit) -> float | None:
+    """Return what the dial adds to the difference of two mean readings, as standard uncertainty.
+
+    Rounding counts in full unless the readings scatter over divisions: where the steps of the
+    force are whole divisions, all readings of a flank are rounded alike (GUM F.2.2.1, 5.1.2).
+    """
+    rounded = loop.resolution is not None and fit.residual < _DITHERED * loop.resolution
+    parts = [rounding_uncertainty(loop.resolution)] if rounded and loop.resolution else []
+    parts += [] if loop.uncertainty is None else [loop.uncertainty]
+    return math.sqrt(2) * math.hypot(*parts) if parts else None
+
+
+def _of_reading(loop: ForceLoop, fit: LoopFit) -> list[Characteristic]:
     c, b, friction = fit.compliance, fit.half_play, fit.friction
-    apart = None if calibration is None else math.sqrt(2) * calibration
+    apart, calibration = _between_readings(loop, fit), loop.uncertainty
     width = (2 * friction, 0.0, 2 * c)
     figures = {
         "lost_motion": _estimate(fit, (0.0, 2.0, 0.0), 2 * b, apart),
@@ -130,9 +143,10 @@ def _of_reading(fit: LoopFit, calibration: float | None) -> list[Characteristic]
         _estimate(fit, (0.0, 0.0, 0.0), fit.deflection, apart, ends=True), clause=_NO_CLAUSE
     )
     found.append(Characteristic("deflection", None, "reading", deflection, ("deflection_mm",)))
-    stiff = compliance_estimate(fit, calibration)
+    stiff = compliance_estimate(loop, fit)
     found.append(Characteristic("compliance", None, "reading", stiff, ("compliance",)))
-    force = _estimate(fit, (0.0, 0.0, 1.0), friction, None, unit="N")
+    shift = None if apart is None else apart / (2 * c)  # of a flank, as a force
+    force = _estimate(fit, (0.0, 0.0, 1.0), friction, shift, unit="N")
     return [*found, Characteristic("friction_force", None, "reading", force)]
 
 
@@ -172,7 +186,7 @@ def _estimate(
     fit: LoopFit,
     slope: Sequence[float],
     value: float,
-    calibration: float | None,
+    reading_u: float | None,
     clause: str = _NO_CLAUSE,
     *,
     unit: str = "mm",
@@ -188,9 +202,9 @@ def _estimate(
     variance = float(vector @ fit.covariance @ vector)
     variance = fit.residual**2 * 2 / fit.loops if ends else variance
     parts = {"sampling": math.sqrt(max(variance, 0.0))}
-    parts |= {} if calibration is None else {"calibration": float(calibration)}
+    parts |= {} if reading_u is None else {"reading": reading_u}
     reach = math.hypot(
-        float(stdtrit(fit.freedom, 0.975)) * parts["sampling"], 2 * parts.get("calibration", 0.0)
+        float(stdtrit(fit.freedom, 0.975)) * parts["sampling"], 2 * (reading_u or 0.0)
     )
     value = max(value, 0.0)  # a play below none is one of none
     interval = (max(value - reach, 0.0), value + reach)

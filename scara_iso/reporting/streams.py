@@ -38,8 +38,7 @@ def _verdict(found: StreamVisits) -> Iterator[Block]:
         f"{len(found.visits)} visits in {found.samples} samples at {found.rate_hz:.4g} Hz", "strong"
     )
     if found.doubts:
-        said = f"{len(found.doubts)} stretches are doubtful, {out} of them are not counted"
-        yield Text(f"{said}: see below", "warn")
+        yield Text(f"to be looked at: {len(found.doubts)}, of which {out} do not count", "warn")
     yield from (Text(note) for note in found.notes)
     yield Text(found.run.origin.understood, "quiet")
 

@@ -14,6 +14,9 @@ import numpy as np
 
 from scara_iso.run import FloatArray
 
+_NEAR_TOP = 0.9  # a swing differs there from a parabola by less than 0.1 % of it
+_FEWEST_ON_PARABOLA = 4
+
 
 @dataclass(frozen=True, slots=True)
 class Settling:
@@ -55,10 +58,26 @@ def arrive(time: FloatArray, readings: FloatArray, rest: int, pose: float, band:
     entry = far + int(np.argmax(direction * off[far:] >= -band))
     entered = _crossing(time, off, entry - 1, -direction * band)
     stays = _crossing(time, off, last, band if off[last] > 0 else -band)
-    beyond = float(np.max(direction * off[entry:]))
-    return Settling(
-        direction, last + 1, max(stays - entered, 0.0), beyond if beyond > band else 0.0
-    )
+    beyond = direction * off[entry:]
+    overshoot = _peak(beyond) if beyond.max() > band else 0.0
+    return Settling(direction, last + 1, max(stays - entered, 0.0), overshoot)
+
+
+def _peak(beyond: FloatArray) -> float:
+    """Return the height of the largest peak: of the parabola through what is near its top.
+
+    The largest of many samples would be read too large by a few times their scatter.
+    """
+    top = int(np.argmax(beyond))
+    below = np.flatnonzero(beyond < _NEAR_TOP * beyond[top])
+    k = int(np.searchsorted(below, top))
+    first = int(below[k - 1]) + 1 if k else 0
+    last = int(below[k]) if k < len(below) else len(beyond)
+    if last - first < _FEWEST_ON_PARABOLA:
+        return float(beyond[top])
+    at = np.arange(first, last) - top
+    bend, slope, height = np.polyfit(at, beyond[first:last], 2).tolist()
+    return float(beyond[top]) if bend >= 0 else float(height - slope**2 / (4 * bend))
 
 
 def _crossing(time: FloatArray, off: FloatArray, before: int, level: float) -> float:

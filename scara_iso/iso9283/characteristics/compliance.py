@@ -37,5 +37,5 @@ def compute(test: Measured) -> Iterator[Characteristic]:
                     fit = fit_loop(loop)
                 except DataError:  # this axis does not follow the force
                     continue
-                estimate = compliance_estimate(fit, axis.calibration)
+                estimate = compliance_estimate(loop, fit)
                 yield Characteristic(CODE, pose.label, name, estimate, (CODE,))

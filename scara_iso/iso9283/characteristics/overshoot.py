@@ -4,8 +4,8 @@ Of each arrival the largest distance beyond the attained pose after the first en
 band, 0 where it stays in the band; of three arrivals or more their mean, with Student's interval
 and the indicator's uncertainty. `scara-iso visits` reads it from a stream of at least 50 Hz and
 leaves it in the table. The clause is known; the definition is background knowledge of it, not
-quoted, and so is that the mean is stated. The largest peak among noise is read too large by a few
-times the scatter at rest.
+quoted, and so is that the mean is stated. The height of a peak is that of
+the parabola through its top, so that noise does not raise it.
 """
 
 from __future__ import annotations
