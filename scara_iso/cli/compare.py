@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso.cli.options import (
+    NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
@@ -17,9 +18,11 @@ from scara_iso.cli.options import (
     ResolutionOfTable,
     Sheet,
     UnitOfTable,
+    parse_limits,
 )
 from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
+from scara_iso.iso9283 import Conformity
 
 if TYPE_CHECKING:
     from scara_iso.comparison import Comparison
@@ -47,6 +50,13 @@ def compare_command(
     cycles: CyclesRun = None,
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
+    exchangeability: Annotated[
+        bool, typer.Option("--exchangeability", help="The tables are of several robots (7.2.4).")
+    ] = False,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=LIMIT", help="exchangeability=0.05, in mm; decided as analyze."),
+    ] = None,
     seed: Seed = 9283,
     json: AsJson = False,
 ) -> None:
@@ -69,6 +79,8 @@ def compare_command(
         cycles=cycles,
         all_count=all_count,
         allow_gaps=allow_gaps,
+        exchangeability=exchangeability,
+        limits=parse_limits(limit or ()),
         seed=seed,
     )
     if plot is not None:
@@ -76,6 +88,9 @@ def compare_command(
 
         plot_comparison(comparison, plot)
     _write(comparison, as_json=json)
+    held = [one.limit.verdict for one in comparison.characteristics if one.limit is not None]
+    if any(verdict is not Conformity.PASS for verdict in held):
+        raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
 def _write(comparison: Comparison, *, as_json: bool) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Literal
 
-from scara_iso.iso9283 import Analysis, Finding
+from scara_iso.iso9283 import Analysis, Characteristic, Finding
 
 Ends = tuple[float | None, float | None]
 """Of an interval; None where nothing bounds it."""
@@ -85,6 +85,8 @@ class Comparison:
     pairs: tuple[Pair, ...]
     shuffles: int
     seed: int
+    characteristics: tuple[Characteristic, ...] = ()
+    """Exchangeability (7.2.4), where the runs are of several robots and it was asked for."""
 
     def __repr__(self) -> str:
         shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}

@@ -57,7 +57,7 @@ def analysis_json(analysis: Analysis) -> Json:
             "used": cycles.used,
         },
         "poses": [pose_json(pose) for pose in analysis.poses],
-        "characteristics": [_characteristic(one) for one in analysis.characteristics],
+        "characteristics": [characteristic_json(one) for one in analysis.characteristics],
         **_drift(analysis),
         "limits": [_limit(check) for check in analysis.limits],
         "conformity": None if analysis.conformity is None else analysis.conformity.value,
@@ -160,7 +160,8 @@ def _radial(found: RadialResult) -> Json:
     }
 
 
-def _characteristic(found: Characteristic) -> Json:
+def characteristic_json(found: Characteristic) -> Json:
+    """Return a characteristic's object."""
     estimate, check = found.estimate, found.limit
     return {
         "code": found.code,

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from scara_iso.comparison import Comparison, Contrast, Pair
 from scara_iso.iso9283 import Analysis
-from scara_iso.render.json import Json, finding_json
+from scara_iso.render.json import Json, characteristic_json, finding_json
 
 
 def comparison_json(comparison: Comparison) -> Json:
     """Return the object; see docs/json.md."""
+    found = [characteristic_json(one) for one in comparison.characteristics]
     return {
         "schema": "scara-iso/compare/1",
         "unit": "mm",
@@ -20,6 +21,7 @@ def comparison_json(comparison: Comparison) -> Json:
         },
         "before": _run(comparison.pairs[0].before),
         "pairs": [_pair(pair) for pair in comparison.pairs],
+        **({"characteristics": found} if found else {}),
     }
 
 

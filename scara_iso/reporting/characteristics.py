@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from scara_iso.iso9283 import Analysis, Characteristic
 from scara_iso.reporting.blocks import Cell, Number, Section, Table
@@ -13,11 +13,16 @@ _OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")
 
 def characteristics(analysis: Analysis) -> Iterator[Section]:
     """Yield one table of them, where there is one."""
-    rows = [_row(one) for one in analysis.characteristics if one.code not in _OF_A_POSE]
-    if rows:
+    yield from table_of([one for one in analysis.characteristics if one.code not in _OF_A_POSE])
+
+
+def table_of(found: Sequence[Characteristic]) -> Iterator[Section]:
+    """Yield one table of characteristics, where there are any."""
+    if found:
         header = ("characteristic", "pose", "of", "figure", "95 % interval", "n", "in")
         how = "scara-iso explain CODE says more of each"
-        yield Section("characteristics", (Table(header, tuple(rows), how),))
+        rows = tuple(_row(one) for one in found)
+        yield Section("characteristics", (Table(header, rows, how),))
 
 
 def _row(found: Characteristic) -> tuple[Cell, ...]:
