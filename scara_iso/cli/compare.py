@@ -51,7 +51,7 @@ def compare_command(
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
     exchangeability: Annotated[
-        bool, typer.Option("--exchangeability", help="The tables are of several robots (7.2.4).")
+        bool, typer.Option("--exchangeability", help="The tables are of several robots (7.7).")
     ] = False,
     limit: Annotated[
         list[str] | None,

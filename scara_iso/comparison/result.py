@@ -86,7 +86,7 @@ class Comparison:
     shuffles: int
     seed: int
     characteristics: tuple[Characteristic, ...] = ()
-    """Exchangeability (7.2.4), where the runs are of several robots and it was asked for."""
+    """Exchangeability (7.7), where the runs are of several robots and it was asked for."""
 
     def __repr__(self) -> str:
         shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}

@@ -1,4 +1,4 @@
-"""Several robots with one program as one test, for its exchangeability (7.2.4)."""
+"""Several robots with one program as one test, for its exchangeability (7.7)."""
 
 from __future__ import annotations
 

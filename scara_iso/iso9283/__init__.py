@@ -48,6 +48,11 @@ if TYPE_CHECKING:
         Severity as Severity,
         poses_in_cycles as poses_in_cycles,
     )
+    from scara_iso.iso9283.scope import (
+        BEYOND_DIALS as BEYOND_DIALS,
+        NotMeasured as NotMeasured,
+        not_measured as not_measured,
+    )
     from scara_iso.iso9283.statistics import (
         GAUSSIAN_ERROR as GAUSSIAN_ERROR,
         GAUSSIAN_RP as GAUSSIAN_RP,

@@ -35,7 +35,7 @@ def compare(
 
     ``compare(before, after)`` or ``compare([before, after, later])``; an `Analysis` is taken as it
     is. Options are those of `analyze`, for every table; ``seed`` is that of the permutations. With
-    ``exchangeability`` the tables are of several robots (7.2.4), and ``limits`` may hold
+    ``exchangeability`` the tables are of several robots (7.7), and ``limits`` may hold
     ``exchangeability``, in mm. The method is that of docs/compare.md. Raises one error with the
     faults of all tables, and `UsageError` for fewer than two.
     """

@@ -21,7 +21,7 @@ from scara_iso.iso9283.figures import PoseResult
 from scara_iso.iso9283.results import Characteristic, Measured, limit_names
 
 CODE = "exchangeability"
-CLAUSE = "7.2.4"
+CLAUSE = "7.7"
 NEEDS = (
     "a table of each of several robots, run with one program and dials of one zero: "
     "`compare A.csv B.csv --exchangeability`"
