@@ -14,7 +14,7 @@ from scipy.optimize import curve_fit
 from scipy.spatial.distance import pdist
 from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
-from scara_iso import compare
+from scara_iso import compare, diagnose
 from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import characteristics
@@ -569,3 +569,9 @@ def test_what_is_not_measured_is_said_by_clause(rng, capsys):
     assert {"8.2", "8.3", "8.5", "8.6", "9", "11"} <= {one.clause for one in found.values()}
     assert main(["explain", "beyond-dials"]) == 0
     assert "path accuracy AT" in capsys.readouterr().out
+
+
+def test_a_drift_test_is_not_diagnosed_and_says_where_its_course_is(rng):
+    with pytest.raises(DataError, match="a drift test is not diagnosed") as caught:
+        diagnose(drift_test(rng))
+    assert "scara-iso analyze" in caught.value.remedy

@@ -10,6 +10,7 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze
+    from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
