@@ -13,10 +13,12 @@ _OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")
 
 def characteristics(analysis: Analysis) -> Iterator[Section]:
     """Yield one table of them, where there is one."""
-    yield from table_of([one for one in analysis.characteristics if one.code not in _OF_A_POSE])
+    yield from characteristics_table(
+        [one for one in analysis.characteristics if one.code not in _OF_A_POSE]
+    )
 
 
-def table_of(found: Sequence[Characteristic]) -> Iterator[Section]:
+def characteristics_table(found: Sequence[Characteristic]) -> Iterator[Section]:
     """Yield one table of characteristics, where there are any."""
     if found:
         header = ("characteristic", "pose", "of", "figure", "95 % interval", "n", "in")

@@ -26,7 +26,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
-from scara_iso.reporting.characteristics import table_of
+from scara_iso.reporting.characteristics import characteristics_table
 from scara_iso.reporting.digits import p_value, rounded
 from scara_iso.reporting.limits import table_of_limits
 
@@ -45,7 +45,7 @@ def comparison_report(comparison: Comparison) -> Report:
     head = [Text(f"comparison with {_name(first.run.origin.source)}", "strong")]
     if len(comparison.pairs) > 1:
         head.append(Text(f"{len(comparison.pairs)} tables, each against this first one", "quiet"))
-    sections = [Section("", tuple(head)), *table_of(comparison.characteristics)]
+    sections = [Section("", tuple(head)), *characteristics_table(comparison.characteristics)]
     sections += table_of_limits([c.limit for c in comparison.characteristics if c.limit])
     for pair in comparison.pairs:
         name = _name(pair.after.run.origin.source)

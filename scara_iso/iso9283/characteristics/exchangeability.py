@@ -2,8 +2,8 @@
 
 The largest distance between the barycentres of the robots at a pose: along each axis, in XY and in
 XYZ (of an angle, the largest difference of means). Run the same program, 30 cycles on each robot,
-with the dials left where they are, or set to zero against the same reference; `compare A.csv B.csv
---exchangeability` takes a table of each. Every table must say what its zero is referred to
+with the dials left where they are, or set to zero against the same reference, and compare a table
+of each with `exchangeability=True`. Every table must say what its zero is referred to
 (`# dial_zero: command`, or another word such as fixture), and all of them the same: two dials that
 were set to zero at the robot's own place would show robots that are all alike. The interval is made
 as that of vAP.
@@ -23,8 +23,8 @@ from scara_iso.iso9283.results import Characteristic, Measured, limit_names
 CODE = "exchangeability"
 CLAUSE = "7.7"
 NEEDS = (
-    "a table of each of several robots, run with one program and dials of one zero: "
-    "`compare A.csv B.csv --exchangeability`"
+    "a table of each of several robots, run with one program and dials of one zero, compared with "
+    "`exchangeability=True`"
 )
 
 
