@@ -14,12 +14,15 @@ from scipy.optimize import curve_fit
 from scipy.spatial.distance import pdist
 from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
+from scara_iso import compare, diagnose
 from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.estimates import _student
+from scara_iso.iso9283.results import Measured
+from scara_iso.iso9283.scope import not_measured
 from scara_iso.plugins import find_modules
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
@@ -110,6 +113,14 @@ FITTING = {
     "vAP": three_directions,
     **dict.fromkeys(("dAP", "dRP", "steady_after"), drift_test),
 }
+
+
+def of_two_robots(analysis, other):
+    """Return the test of two robots with one program."""
+    one, two = (Measured(a.run, a.cycles, a.poses) for a in (analysis, other))
+    return Measured(one.run, one.cycles, one.poses, robots=(two,))
+
+
 """Runs that have what a characteristic needs, where two poses in turn do not."""
 
 
@@ -126,7 +137,10 @@ def test_contract(module, rng):
     assert len(module.NEEDS) > 10
     make = FITTING.get(module.CODE, two_poses)
     more = {"stream": True} if make is two_poses else {}
+    several = module.CODE == "exchangeability"
     analysis = analyze(make(rng, resolution=0.001, uncertainty=0.0005, **more))
+    measured = Measured(analysis.run, analysis.cycles, analysis.poses, analysis.block)
+    analysis = of_two_robots(analysis, analyze(make(rng))) if several else measured
     found = list(module.compute(analysis))
     assert found, "a fitting run has it"
     assert len({(one.pose, one.of) for one in found}) == len(found)
@@ -141,6 +155,9 @@ def test_contract(module, rng):
         assert estimate.interval[0] <= estimate.value <= estimate.interval[1]
         assert estimate.u == pytest.approx(math.hypot(*estimate.parts.values()))
     few = analyze(make(rng, cycles=4), **({} if make is drift_test else {"cycles": 4}))
+    few = (
+        of_two_robots(few, few) if several else Measured(few.run, few.cycles, few.poses, few.block)
+    )
     assert all(one.estimate.u is one.estimate.interval is None for one in module.compute(few))
 
 
@@ -535,3 +552,68 @@ def test_compliance_is_the_slope_of_the_reading_over_the_force(rng):
     assert found.value == pytest.approx(1.0, abs=4 * found.u)  # 0.01 mm/N
     assert found.u < 0.1
     assert not by_name(analyze(two_poses(rng)), "compliance")
+
+
+def robots(rng, folder, zero="command", serials="ABC"):
+    """Write a table of each of three robots, X of the third 0.04 mm from the others."""
+    tables = []
+    for serial, at in zip(serials, (0.0, 0.01, 0.04), strict=True):
+        rows = [
+            f"{c},{x:.4f},{y:.4f}"
+            for c, (x, y) in enumerate(rng.normal((at, 0), 0.005, (31, 2)), 1)
+        ]
+        stated = [
+            "# unit: mm",
+            f"# serial_number: {serial}",
+            *([f"# dial_zero: {zero}"] if zero else []),
+        ]
+        tables.append(folder / f"{serial}{len(tables)}.csv")
+        tables[-1].write_text("\n".join([*stated, "cycle,X,Y", *rows, ""]), encoding="utf-8")
+    return [str(table) for table in tables]
+
+
+def test_robots_are_as_exchangeable_as_their_barycentres_are_near(rng, tmp_path, capsys):
+    tables = robots(rng, tmp_path)
+    found = compare(*tables, exchangeability=True).characteristics
+    assert [(one.code, one.of) for one in found] == [
+        ("exchangeability", of) for of in ("X", "Y", "XY")
+    ]
+    centres = np.stack([
+        [axis.readings[1:].mean() for axis in read_table(table).axes.values()] for table in tables
+    ])  # fmt: skip
+    assert found[2].estimate.value == pytest.approx(pdist(centres).max())
+    argv = ["compare", *tables, "--exchangeability", "--limit"]
+    assert main([*argv, "exchangeability=0.1", "--json"]) == 0
+    (x, *_) = json.loads(capsys.readouterr().out)["characteristics"]
+    assert (x["clause"], x["limit"]["verdict"]) == ("7.7", "pass")
+    assert main([*argv, "exchangeability=0.01"]) == 1
+    out = capsys.readouterr().out
+    assert "exchangeability (7.7)" in out
+    assert "FAIL" in out
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"zero": ""}, "share one zero"), ({"serials": "ABA"}, "the same serial_number")],
+)
+def test_robots_that_cannot_be_exchanged_for_another_are_refused(rng, tmp_path, change, said):
+    with pytest.raises(DataError, match=said):
+        compare(*robots(rng, tmp_path, **change), exchangeability=True)
+    with pytest.raises(UsageError):
+        compare(*robots(rng, tmp_path), limits={"exchangeability": 1.0})
+
+
+def test_what_is_not_measured_is_said_by_clause(rng, capsys):
+    found = {one.name: one for one in not_measured(analyze(two_poses(rng)))}
+    assert "RP" not in found
+    assert found["vAP"].clause == "7.2.3"
+    assert "three perpendicular directions" in found["vAP"].why
+    assert {"8.2", "8.3", "8.5", "8.6", "9", "11"} <= {one.clause for one in found.values()}
+    assert main(["explain", "beyond-dials"]) == 0
+    assert "path accuracy AT" in capsys.readouterr().out
+
+
+def test_a_drift_test_is_not_diagnosed_and_says_where_its_course_is(rng):
+    with pytest.raises(DataError, match="a drift test is not diagnosed") as caught:
+        diagnose(drift_test(rng))
+    assert "scara-iso analyze" in caught.value.remedy

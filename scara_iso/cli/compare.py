@@ -9,6 +9,7 @@ import typer
 
 from scara_iso import library, render, reporting
 from scara_iso.cli.options import (
+    NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
@@ -18,9 +19,11 @@ from scara_iso.cli.options import (
     ResolutionOfTable,
     Sheet,
     UnitOfTable,
+    parse_limits,
 )
 from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
+from scara_iso.iso9283 import Conformity
 
 Tables = Annotated[
     list[str],
@@ -45,6 +48,13 @@ def compare_command(
     cycles: CyclesRun = None,
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
+    exchangeability: Annotated[
+        bool, typer.Option("--exchangeability", help="The tables are of several robots (7.7).")
+    ] = False,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=LIMIT", help="exchangeability=0.05, in mm; decided as analyze."),
+    ] = None,
     seed: Seed = 9283,
     json: AsJson = False,
 ) -> None:
@@ -65,6 +75,8 @@ def compare_command(
         cycles=cycles,
         all_count=all_count,
         allow_gaps=allow_gaps,
+        exchangeability=exchangeability,
+        limits=parse_limits(limit or ()),
         seed=seed,
     )
     if plot is not None:
@@ -73,3 +85,6 @@ def compare_command(
         write_json(render.comparison_json(comparison))
     else:
         write_report(reporting.comparison_report(comparison))
+    held = [one.limit.verdict for one in comparison.characteristics if one.limit is not None]
+    if any(verdict is not Conformity.PASS for verdict in held):
+        raise typer.Exit(NOT_WITHIN_LIMITS)

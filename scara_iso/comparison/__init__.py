@@ -15,5 +15,9 @@ if TYPE_CHECKING:
         Ends as Ends,
         Pair as Pair,
     )
+    from scara_iso.comparison.robots import (
+        exchangeability as exchangeability,
+        refuse_limits as refuse_limits,
+    )
 else:
     __getattr__ = face(__name__)

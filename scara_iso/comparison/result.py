@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.display import Plotted
 from scara_iso.frames import frame_of, or_nan
-from scara_iso.iso9283 import Analysis, Finding
+from scara_iso.iso9283 import Analysis, Characteristic, Finding
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -103,6 +103,8 @@ class Comparison(Plotted):
     """Number of permutations."""
     seed: int
     """Seed of the permutations."""
+    characteristics: tuple[Characteristic, ...] = ()
+    """Exchangeability (7.7), where the runs are of several robots and it was asked for."""
 
     def __repr__(self) -> str:
         shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}

@@ -14,7 +14,7 @@ from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
-from scara_iso.iso9283 import UsedCycles, used_cycles
+from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
 from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict
 from scara_iso.run import Run
 
@@ -32,7 +32,13 @@ class CyclesWanted:
     allow_gaps: bool = False
 
     def used(self, run: Run) -> UsedCycles:
-        """Return the rows of every pose that count."""
+        """Return the rows of every pose that count; `DataError` for a drift test."""
+        if block_of_rows(run) is not None:
+            raise DataError(
+                "a drift test is not diagnosed: its course over the hours is its figure",
+                where=run.origin.source,
+                remedy="see it with scara-iso analyze; or call the column 'block' otherwise",
+            )
         return used_cycles(
             run,
             first_cycle_discarded=self.first_cycle_discarded,

@@ -10,7 +10,9 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze
+    from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.by_name import Poses as Poses
+    from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.conformity import Conformity as Conformity, DecisionRule as DecisionRule
     from scara_iso.iso9283.cycles import (
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
         PoseResult as PoseResult,
         RadialResult as RadialResult,
     )
-    from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES
+    from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES, check_limits as check_limits
     from scara_iso.iso9283.poses import (
         DiagonalPlane as DiagonalPlane,
         PosePlan as PosePlan,
@@ -44,8 +46,14 @@ if TYPE_CHECKING:
         Cycles as Cycles,
         Finding as Finding,
         LimitCheck as LimitCheck,
+        Measured as Measured,
         Severity as Severity,
         poses_in_cycles as poses_in_cycles,
+    )
+    from scara_iso.iso9283.scope import (
+        BEYOND_DIALS as BEYOND_DIALS,
+        NotMeasured as NotMeasured,
+        not_measured as not_measured,
     )
     from scara_iso.iso9283.statistics import (
         GAUSSIAN_ERROR as GAUSSIAN_ERROR,

@@ -49,6 +49,8 @@ class Measured:
     poses: Poses[PoseResult]
     block: IntArray | None = field(default=None, repr=False, compare=False)
     """Of a drift test (7.6): the block of each row, from 0, shape (rows,); None for another."""
+    robots: tuple[Measured, ...] = ()
+    """The same program on other robots."""
 
 
 @dataclass(frozen=True, slots=True)

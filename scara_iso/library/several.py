@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from scara_iso import comparison, iso9283
 from scara_iso.comparison import SEED, Comparison
@@ -21,14 +22,17 @@ def compare(
     cycles: int | None = None,
     all_count: bool = False,
     allow_gaps: bool = False,
+    exchangeability: bool = False,
+    limits: Mapping[str, float] | None = None,
     seed: int = SEED,
 ) -> Comparison:
     """Return every table against the first: means, RP and +/- 3 s of angles, with intervals.
 
     ``compare(before, after)`` or ``compare([before, after, later])``; an `Analysis` is taken as it
-    is. Options are those of `analyze`, for every table; ``seed`` is that of the permutations. The
-    method is that of docs/compare.md. Raises one error with the faults of all tables, and
-    `UsageError` for fewer than two.
+    is. Options are those of `analyze`, for every table; ``seed`` is that of the permutations. With
+    ``exchangeability`` the tables are of several robots (7.7), and ``limits`` may hold
+    ``exchangeability``, in mm. The method is that of docs/compare.md. Raises one error with the
+    faults of all tables, and `UsageError` for fewer than two.
     """
     reading = TableOptions(unit, resolution, decimal, sheet)
 
@@ -43,7 +47,13 @@ def compare(
             allow_gaps=allow_gaps,
         )
 
-    return comparison.compare(_every(_listed(tables), figures), seed=seed)
+    if not exchangeability:
+        comparison.refuse_limits(limits)
+    analyses = _every(_listed(tables), figures)
+    found = comparison.compare(analyses, seed=seed)
+    if not exchangeability:
+        return found
+    return replace(found, characteristics=comparison.exchangeability(analyses, limits or {}))
 
 
 def _listed(

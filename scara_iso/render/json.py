@@ -182,6 +182,7 @@ def plan_json(plan: PosePlan) -> Json:
 
 def comparison_json(comparison: Comparison) -> Json:
     """Return the JSON object of ``compare``, schema ``scara-iso/compare/1``."""
+    found = [characteristic_json(one) for one in comparison.characteristics]
     return {
         "schema": "scara-iso/compare/1",
         "unit": "mm",
@@ -200,6 +201,7 @@ def comparison_json(comparison: Comparison) -> Json:
             }
             for pair in comparison.pairs
         ],
+        **({"characteristics": found} if found else {}),
     }
 
 

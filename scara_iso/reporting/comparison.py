@@ -26,7 +26,9 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
+from scara_iso.reporting.characteristics import characteristics_table
 from scara_iso.reporting.digits import p_value, rounded
+from scara_iso.reporting.limits import table_of_limits
 
 _CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
 _SAID = {
@@ -44,6 +46,10 @@ def comparison_report(comparison: Comparison) -> Report:
     if len(comparison.pairs) > 1:
         head.append(Text(f"{len(comparison.pairs)} tables, each against this first one", "quiet"))
     sections = [Section("", tuple(head))]
+    if comparison.characteristics:
+        table = characteristics_table(comparison.characteristics)
+        sections.append(Section("characteristics", (table,)))
+    sections += table_of_limits([c.limit for c in comparison.characteristics if c.limit])
     for pair in comparison.pairs:
         name = _name(pair.after.run.origin.source)
         sections += [replace(section, one_of=name) for section in _pair(pair)]

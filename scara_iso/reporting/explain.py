@@ -13,7 +13,7 @@ from scara_iso import effects
 from scara_iso.comparison import PAGES
 from scara_iso.effects import Effect, GearEffect
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import characteristics, checks
+from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks
 from scara_iso.plugins import find_modules
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
@@ -39,9 +39,10 @@ def pages() -> dict[str, Page]:
     texts |= PAGES
     findings = [_finding(code, text) for code, text in sorted(texts.items())]
     figures = [
-        _characteristic(module.CODE, module.CLAUSE, module.__doc__ or "")
+        _characteristic(module.CODE, module.CLAUSE, module.NEEDS, module.__doc__ or "")
         for module in find_modules(characteristics, "scara_iso.characteristics")
     ]
+    figures.append(_beyond_dials())
     found = [
         _effect(module.EFFECT, module.__doc__ or "")
         for module in find_modules(effects, "scara_iso.effects")
@@ -96,10 +97,17 @@ def _finding(code: str, doc: str) -> Page:
     return Page(code, "finding", title, tuple(text))
 
 
-def _characteristic(code: str, clause: str, doc: str) -> Page:
+def _characteristic(code: str, clause: str, needs: str, doc: str) -> Page:
     title, *text = _paragraphs(doc)
     where = f"ISO 9283 {clause}" if clause[:1].isdigit() else clause
-    return Page(code, "characteristic", title, (*text, f"Defined in {where}."))
+    needed = f"Needs {_CODE.sub(_bare, needs)}."
+    return Page(code, "characteristic", title, (*text, needed, f"Defined in {where}."))
+
+
+def _beyond_dials() -> Page:
+    text = [f"{one.clause} {one.name}: {one.why}." for one in BEYOND_DIALS]
+    title = "What of ISO 9283 no dial measures, by clause"
+    return Page("beyond-dials", "characteristic", title, tuple(text))
 
 
 def _effect(effect: Effect | GearEffect, doc: str) -> Page:

@@ -55,9 +55,14 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
 
 def limits(analysis: Analysis) -> Iterator[Section]:
     """Yield the figures against their limits, where the user gave any."""
-    if analysis.limits:
-        simple = analysis.limits[0].decision is DecisionRule.SIMPLE
-        table = (_simple_table if simple else _interval_table)(analysis.limits)
+    yield from table_of_limits(analysis.limits)
+
+
+def table_of_limits(checks: Sequence[LimitCheck]) -> Iterator[Section]:
+    """Yield figures against their limits, where there are any."""
+    if checks:
+        simple = checks[0].decision is DecisionRule.SIMPLE
+        table = (_simple_table if simple else _interval_table)(checks)
         yield Section("limits", (table,))
 
 

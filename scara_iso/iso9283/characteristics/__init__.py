@@ -32,6 +32,12 @@ def needs() -> Mapping[str, str]:
 
 
 @cache
+def find_clauses() -> Mapping[str, str]:
+    """Return where each characteristic is defined, by its code."""
+    return {module.CODE: module.CLAUSE for module in _modules()}
+
+
+@cache
 def _modules() -> tuple[ModuleType, ...]:
     return find_modules(sys.modules[__name__], "scara_iso.characteristics")
 

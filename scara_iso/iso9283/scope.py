@@ -1,0 +1,47 @@
+"""What of ISO 9283 a test does not give: what no dial measures, and what this one lacks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scara_iso.iso9283.characteristics import find_clauses, needs
+from scara_iso.iso9283.results import Analysis
+
+
+@dataclass(frozen=True, slots=True)
+class NotMeasured:
+    """A characteristic that a test does not give, with its clause, and why."""
+
+    name: str
+    clause: str
+    why: str
+
+
+# Clauses as the contents of ISO 9283:1998 name them.
+BEYOND_DIALS = (
+    NotMeasured("distance accuracy AD beyond a dial's range", "7.3",
+                "a dial knows no length but its own travel: a laser tracker or a scale does"),
+    NotMeasured("path accuracy AT", "8.2", "a dial rests at one place and follows no path"),
+    NotMeasured("path repeatability RT", "8.3", "likewise: it takes an instrument that follows"),
+    NotMeasured("path accuracy on reorientation", "8.4", "likewise"),
+    NotMeasured("cornering deviations", "8.5", "likewise, between two paths"),
+    NotMeasured("path velocity characteristics", "8.6", "a dial tells no speed along a path"),
+    NotMeasured("minimum posing time", "9",
+                "it is told by when the robot left, which the dial at the other pose does not see"),
+    NotMeasured("weaving deviations", "11", "a dial follows no path"),
+)  # fmt: skip
+"""What dials at a pose cannot measure, by clause."""
+
+
+def not_measured(analysis: Analysis) -> tuple[NotMeasured, ...]:
+    """Return each characteristic that these readings do not give, with what it would need.
+
+    Those that dials can measure by name of their file, then `BEYOND_DIALS`.
+    """
+    there = {one.code for one in analysis.characteristics}
+    lacking = (
+        NotMeasured(code, find_clauses()[code], f"needs {needed}")
+        for code, needed in needs().items()
+        if code not in there
+    )
+    return (*lacking, *BEYOND_DIALS)
