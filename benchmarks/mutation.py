@@ -4,15 +4,22 @@
 
 Cosmic Ray makes the mutants. A place in the code is drawn first and a change of it second, so that
 one sum with eleven possible replacements does not count eleven times. What changes nothing but an
-annotation is no mutant. Tests that fail on the code as it is would notice anything: they are run
-first, and nothing is counted where they fail. The survivors are printed with their line.
+annotation is no mutant. Each module has its part of the mutants by its places, drawn by seed and
+its own name: the same ones, whatever else is asked for or edited. Tests that fail on the code as it
+is would notice anything: they are run first, and nothing is counted where they fail. The survivors
+are printed with their line and change.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import compileall
+import difflib
+import multiprocessing
+import os
 import random
+import resource
 import shutil
 import subprocess
 import sys
@@ -22,41 +29,42 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
+from math import ceil
 from pathlib import Path
+from py_compile import PycInvalidationMode
 from queue import Queue
 
+import pytest
 from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator, operator_names
 
 ROOT = Path(__file__).parents[1]
-_DIAGNOSIS = "tests/test_diagnosis_parts.py tests/test_diagnosis.py"
-_RECORDER = (
-    "tests/test_tampering.py tests/test_session.py tests/test_record_cli.py "
-    "tests/test_durability.py"
-)
+_TABLES = "tests/tables/test_numbers.py tests/tables/test_tables_locale.py"
+_PROCEDURE = "tests/test_iso9283.py tests/test_analysis.py tests/test_results.py"
+_WIRE = "tests/indicators/test_"
 TESTS = {
-    "scara_iso/robot/two_inertia.py": "tests/test_two_inertia.py",
-    "scara_iso/iso9283/analysis.py": "tests/test_analysis.py tests/test_checks.py "
-    "tests/test_cli.py",
-    "scara_iso/iso9283/cycles.py": "tests/test_iso9283.py tests/test_analysis.py",
-    "scara_iso/iso9283/statistics.py": "tests/test_repeatability.py tests/test_analysis.py",
-    "scara_iso/acquisition/recorder/recording.py": _RECORDER,
-    "scara_iso/acquisition/recorder/history.py": f"tests/test_history.py {_RECORDER}",
-    "scara_iso/diagnosis/evidence.py": f"tests/test_choice.py {_DIAGNOSIS}",
-    "scara_iso/diagnosis/fit.py": f"tests/test_fit.py {_DIAGNOSIS}",
-    "scara_iso/diagnosis/search.py": f"tests/test_search.py {_DIAGNOSIS}",
-    "scara_iso/diagnosis/choice.py": f"tests/test_choice.py {_DIAGNOSIS}",
-    "scara_iso/tables/locale.py": "tests/tables",
-    "scara_iso/tables/numbers.py": "tests/tables",
-    "scara_iso/acquisition/indicators/_decoder.py": "tests/indicators",
-    "scara_iso/acquisition/indicators/_dialect.py": "tests/indicators",
-    "scara_iso/acquisition/indicators/_grammar.py": "tests/indicators",
-    "scara_iso/acquisition/indicators/opto_rs232.py": "tests/indicators",
+    "scara_iso/robot/two_inertia.py": "tests/test_two_inertia.py tests/test_results.py",
+    "scara_iso/iso9283/analysis.py": _PROCEDURE,
+    "scara_iso/iso9283/cycles.py": _PROCEDURE,
+    "scara_iso/iso9283/statistics.py": f"tests/test_statistics.py {_PROCEDURE}",
+    "scara_iso/acquisition/recorder/recording.py": "tests/test_recording.py tests/test_session.py",
+    "scara_iso/acquisition/recorder/history.py": "tests/test_history.py",
+    "scara_iso/diagnosis/evidence.py": "tests/test_evidence.py tests/test_choice.py",
+    "scara_iso/diagnosis/fit.py": "tests/test_fit.py",
+    "scara_iso/diagnosis/search.py": "tests/test_search.py",
+    "scara_iso/diagnosis/choice.py": "tests/test_choice.py",
+    "scara_iso/tables/locale.py": _TABLES,
+    "scara_iso/tables/numbers.py": _TABLES,
+    "scara_iso/acquisition/indicators/_decoder.py": f"{_WIRE}decoder.py {_WIRE}streams.py",
+    "scara_iso/acquisition/indicators/_dialect.py": f"{_WIRE}dialect.py {_WIRE}decoder.py",
+    "scara_iso/acquisition/indicators/_grammar.py": f"{_WIRE}grammar.py {_WIRE}opto_rs232.py",
+    "scara_iso/acquisition/indicators/opto_rs232.py": f"{_WIRE}opto_rs232.py {_WIRE}faults.py",
 }
 """The core and its tests: the quick ones first, for the first failure ends the run."""
-LONGEST = 300.0
-"""Seconds after which tests that do not end have noticed the mutant."""
+LONGEST_CPU, LONGEST = 120, 1800.0
+"""Seconds of processor, and of waiting, after which tests that do not end have noticed the mutant;
+a busy machine is no reason."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +77,10 @@ class Mutant:
     source: str
 
     def __str__(self) -> str:
-        return f"{self.module}:{self.line} {self.operator.removeprefix('core/')}"
+        original = (ROOT / self.module).read_text(encoding="utf-8")
+        lines = difflib.unified_diff(original.splitlines(), self.source.splitlines(), n=0)
+        changed = "\n".join(f"    {line}" for line in list(lines)[3:])
+        return f"{self.module}:{self.line} {self.operator.removeprefix('core/')}\n{changed}"
 
 
 class _Bare(ast.NodeTransformer):
@@ -96,7 +107,10 @@ Change = tuple[str, int]
 """Name of an operator, and which of the places in a module that it can change."""
 
 
-def places_of(module: str) -> list[tuple[str, int, list[Change]]]:
+Place = tuple[str, int, list[Change]]
+
+
+def places_of(module: str) -> list[Place]:
     """Return each place of a module that can be changed: module, line and its possible changes."""
     places: dict[tuple[int, int], list[Change]] = {}
     nodes = list(ast_nodes(get_ast((ROOT / module).read_text(encoding="utf-8"))))
@@ -110,11 +124,19 @@ def places_of(module: str) -> list[tuple[str, int, list[Change]]]:
     return [(module, start[0], changes) for start, changes in sorted(places.items())]
 
 
-def drawn(modules: Sequence[str], rng: random.Random) -> Iterator[Mutant]:
-    """Yield one mutant for each place of the modules that can be changed, in random order."""
-    places = [place for module in modules for place in places_of(module)]
-    rng.shuffle(places)
-    for module, line, changes in places:
+def sample_of(modules: Sequence[str], mutants: int, seed: int) -> Iterator[Mutant]:
+    """Yield for each module its part of at least so many mutants of all modules."""
+    places = {module: places_of(module) for module in TESTS}
+    whole = sum(map(len, places.values()))
+    for module in modules:
+        part = ceil(mutants * len(places[module]) / whole)
+        rng = random.Random(f"{seed} {module}")  # noqa: S311 - a sample
+        yield from islice(drawn(places[module], rng), part)
+
+
+def drawn(places: Sequence[Place], rng: random.Random) -> Iterator[Mutant]:
+    """Yield one mutant for each place that can be changed, in random order."""
+    for module, line, changes in rng.sample(places, len(places)):
         source = (ROOT / module).read_text(encoding="utf-8")
         for name, occurrence in rng.sample(changes, len(changes)):
             mutated = mutate_code(source, get_operator(name)(), occurrence)
@@ -136,18 +158,42 @@ def survives(mutant: Mutant, tree: Path) -> bool:
     path = tree / mutant.module
     original = path.read_text(encoding="utf-8")
     path.write_text(mutant.source, encoding="utf-8")
-    try:
-        done = subprocess.run(
-            [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
-             "-p", "no:randomly", *TESTS[mutant.module].split()],
-            cwd=tree, capture_output=True, timeout=LONGEST, check=False,
-            env={"PYTHONPATH": str(tree), "PATH": "/usr/bin:/bin", "HOME": str(tree)},
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return False
-    finally:
-        path.write_text(original, encoding="utf-8")
-    return done.returncode == 0
+    process = _PROCESSES.Process(target=_run_tests, args=(tree, TESTS[mutant.module].split()))
+    process.start()
+    process.join(LONGEST)
+    process.kill()
+    process.join()
+    path.write_text(original, encoding="utf-8")
+    return process.exitcode == 0
+
+
+_PROCESSES = multiprocessing.get_context("forkserver")
+_PROCESSES.set_forkserver_preload(
+    ["__main__", "hypothesis.extra.numpy", "pandas", "scipy.optimize", "scipy.stats"]
+)
+
+
+def _run_tests(tree: Path, tests: Sequence[str]) -> None:
+    """Run tests in a process of its own, which has the libraries at hand and nothing of ours."""
+    resource.setrlimit(resource.RLIMIT_CPU, (LONGEST_CPU, LONGEST_CPU))
+    os.chdir(tree)
+    os.environ["PYTHONPATH"] = str(tree)
+    sys.path.insert(0, str(tree))
+    sys.dont_write_bytecode = True
+    silent = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(silent, 1)
+    os.dup2(silent, 2)
+    quietly = [
+        "-x",
+        "-q",
+        "--assert=plain",
+        "--hypothesis-seed=1",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:randomly",
+    ]
+    sys.exit(pytest.main([*quietly, *tests]))
 
 
 def _copy(to: Path) -> Path:
@@ -155,6 +201,9 @@ def _copy(to: Path) -> Path:
     for name in listed.stdout.decode().splitlines():
         (to / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / name, to / name)
+    compileall.compile_dir(
+        to / "scara_iso", quiet=1, invalidation_mode=PycInvalidationMode.CHECKED_HASH
+    )
     return to
 
 
@@ -166,9 +215,8 @@ def main() -> None:
     options.add_argument("--only", default="", help="modules whose path holds this")
     options.add_argument("--jobs", type=int, default=2)
     asked = options.parse_args()
-    rng = random.Random(asked.seed)  # noqa: S311 - a sample
     modules = [module for module in TESTS if asked.only in module]
-    sample = list(islice(drawn(modules, rng), asked.mutants))
+    sample = list(sample_of(modules, asked.mutants, asked.seed))
     print(f"{len(sample)} mutants, seed {asked.seed}", flush=True)
     with tempfile.TemporaryDirectory() as scratch:
         trees: Queue[Path] = Queue()

@@ -336,3 +336,33 @@ def test_a_pose_is_found_by_number_and_by_name(rng):
         _ = analysis.poses["P3"]
     assert repr(analysis).startswith("<Analysis of a run: 2 pose(s), 30 cycles")
     assert "array" not in repr(analysis.poses)
+
+
+def test_an_angle_is_never_farther_from_its_command_than_half_a_turn():
+    """Commanded 179.9 deg, read as -179.9: 0.2 deg off. A length of 300 mm is 300 mm off."""
+    wobble = np.tile([0.01, -0.01], 16)[:31]
+    wobble[0] = 0.0
+    turned = Axis("theta", -179.9 + wobble, Dimension.ANGLE, 0.001, command=179.9)
+    far = Axis("X", 300.0 + wobble, resolution=0.001, command=0.0)
+    axes = analyze(run_with([turned, far], metadata={"dial_zero": "command"})).poses[0].axes
+    assert axes["theta"].accuracy == pytest.approx(0.2)
+    assert axes["X"].accuracy == pytest.approx(300.0)
+
+
+def test_only_theta_becomes_an_angle_by_its_radius(rng):
+    axes = [scatter(rng, name) for name in ("X", "theta", "Z")]
+    found = analyze(run_with(axes, metadata={"theta_radius_mm": "100"})).poses[0].axes
+    assert (found["X"].angle, found["Z"].angle) == (None, None)
+    assert found["theta"].angle.radius_mm == 100.0
+
+
+def test_two_cycles_are_enough_for_scatter_and_one_is_not(rng):
+    axis = Axis("X", np.array([0.0, 0.01, 0.03]), resolution=0.001)
+    found = analyze(Run(np.array([1, 2, 3]), {"X": axis}), cycles=3).poses[0].axes["X"]
+    assert found.n == 2
+    assert found.RP == pytest.approx(0.01)  # both are 10 um from their mean
+    with pytest.raises(DataError, match="1 cycle counts"):
+        analyze(
+            Run(np.array([1, 2]), {"X": Axis("X", np.array([0.0, 0.1]), resolution=0.001)}),
+            cycles=2,
+        )

@@ -345,6 +345,33 @@ def test_lines_of_older_versions_name_none_and_a_crash_tears_only_before_a_sessi
     assert taken(session(), None, session(), stored(1), stored(2), chained=False).doubts == ()
 
 
+def test_a_changed_last_line_is_a_doubt_and_a_torn_one_is_none():
+    """No next line names the last one: a whole line that does not fit its checksum was changed."""
+    torn, changed = taken(session(), stored(1), None), taken(session(), stored(1))
+    changed.take(3, {})
+    assert (torn.doubts, torn.damaged) == ((), [3])
+    assert (changed.doubts, changed.damaged) == ((BROKEN + "4",), [3])
+    changed.take(4, None)
+    assert changed.doubts == ()
+
+
+def test_a_recording_that_has_no_gauge_has_no_cycle():
+    history = taken(session(gauges={}))
+    assert history.complete_rows().shape == (0,)
+    assert (history.cycle, history.readings()) == (1, {})
+
+
+def test_what_the_user_states_of_an_indicator_goes_to_its_axis():
+    """An uncertainty without an axis is a length: an axis in degrees has none of it."""
+    metadata = {"indicator_uncertainty": "0.002", "command_Theta": "45.5"}
+    run = taken(
+        session("X", "Theta", metadata=metadata, cycles=1),
+        stored(1), stored(1, "45.1", "Theta", "deg"),
+    ).run()  # fmt: skip
+    assert (run.axes["X"].uncertainty, run.axes["X"].command) == (0.002, None)
+    assert (run.axes["Theta"].uncertainty, run.axes["Theta"].command) == (None, 45.5)
+
+
 def test_a_file_that_is_no_recording_says_so_with_at_most_ten_lines():
     with pytest.raises(DataError) as nothing:
         History("x").run()

@@ -34,6 +34,8 @@ def run_of(numbers, *, pose=None, stated=None, lines=True):
         (range(2, 21), None, {"cycles": 20}, (), 19),
         (range(1, 20), "true", {"cycles": 20}, (), 19),
         (range(1, 21), "true", {"cycles": 20}, (), 20),
+        (range(20), "true", {"cycles": 20}, (), 20),
+        (range(2, 22), "true", {"cycles": 20}, (), 20),
         (range(1, 31), None, {"cycles": 30}, (1,), 29),
         (range(1, 101), None, {"cycles": 100}, (1,), 99),
     ],
@@ -138,3 +140,180 @@ def test_the_first_cycles_of_poses_numbered_apart():
 def test_a_number_of_cycles_that_is_none(cycles):
     with pytest.raises(UsageError, match=f"{cycles} cycles"):
         used_cycles(run_of(range(1, 32)), cycles=cycles)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "options", "discarded", "missing", "used"),
+    [
+        ([*range(1, 10), *range(11, 32)], {}, (1,), ((10, 10),), 29),
+        ([*range(1, 10), *range(13, 20), *range(21, 32)], {}, (1,), ((10, 12), (20, 20)), 26),
+        (range(3, 32), {}, (), ((2, 2),), 29),  # the first and one more are missing
+        (range(6, 32), {}, (), ((2, 5),), 26),
+        ([*range(4, 9), *range(10, 21)], {"cycles": 20}, (), ((2, 3), (9, 9)), 16),
+        ([*range(2, 10), *range(11, 32)], {}, (), ((10, 10),), 29),
+        ([*range(10), *range(11, 31)], {}, (0,), ((10, 10),), 29),
+    ],
+)
+def test_with_gaps_allowed_the_rest_counts_and_the_gap_is_listed(
+    numbers, options, discarded, missing, used
+):
+    chosen = used_cycles(run_of(numbers), allow_gaps=True, **options)
+    assert (chosen.discarded, chosen.missing, chosen.used) == (discarded, (missing,), used)
+    assert chosen.read == len(list(numbers))
+    assert not chosen.all_count
+
+
+@pytest.mark.parametrize(
+    ("numbers", "options"),
+    [(range(3, 31), {}), (range(3, 33), {}), (range(3, 20), {"cycles": 20}), (range(1, 30), {})],
+)
+def test_gaps_at_the_end_are_a_test_that_was_cut_short(numbers, options):
+    error = refused(numbers, options={"allow_gaps": True, **options})
+    assert "are needed" in error.faults[0].message
+
+
+def test_one_missing_cycle_is_named_alone_in_a_long_test_too():
+    error = refused([*range(1, 1000), *range(1001, 1501)], options={"cycles": 1500})
+    assert [fault.message for fault in error.faults] == ["cycle 1000 is missing"]
+
+
+def test_a_cycle_that_is_missing_is_a_fault_unless_gaps_are_allowed():
+    error = refused([*range(1, 10), *range(11, 15), *range(18, 32)])
+    assert [fault.message for fault in error.faults] == [
+        "cycle 10 is missing", "cycles 15 to 17 are missing"
+    ]  # fmt: skip
+    assert [fault.line for fault in error.faults] == [11, 15]
+    assert "`allow_gaps=True`" in error.remedy
+
+
+@pytest.mark.parametrize(
+    ("numbers", "message"),
+    [
+        ([*range(1, 11), *range(10, 31)], "cycle 10 is there twice"),
+        ([*range(1, 11), *range(9, 31)], "cycle 9 comes after cycle 10: the order goes back"),
+    ],
+)
+@pytest.mark.parametrize("allow_gaps", [False, True])
+def test_a_repeat_or_an_order_that_goes_back_is_never_allowed(numbers, message, allow_gaps):
+    error = refused(numbers, options={"allow_gaps": allow_gaps})
+    assert [fault.message for fault in error.faults] == [message]
+    twice = "twice" in message
+    assert ("take one row a visit" in error.remedy) == twice
+    assert ("`cycles=N`" in error.remedy) == (not twice)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "options"),
+    [
+        (range(1, 31), {}), (range(30), {}), (range(1, 32), {}), (range(31), {}),
+        (range(1, 21), {"cycles": 20}), (range(20), {"cycles": 20}),
+    ],
+)  # fmt: skip
+def test_where_every_cycle_counts_none_is_discarded(numbers, options):
+    chosen = used_cycles(run_of(numbers), all_count=True, **options)
+    assert (chosen.discarded, chosen.used, chosen.read) == ((), len(numbers), len(numbers))
+    assert chosen.all_count
+
+
+@pytest.mark.parametrize(
+    ("numbers", "options", "needed"),
+    [
+        (range(2, 32), {}, 30), (range(1, 33), {}, 30), (range(1, 30), {}, 30),
+        (range(1, 32), {"cycles": 30}, 30), (range(1, 31), {"cycles": 31}, 31),
+        (range(2, 22), {"cycles": 20}, 20),
+    ],
+)  # fmt: skip
+def test_another_number_where_every_cycle_counts_is_refused(numbers, options, needed):
+    error = refused(numbers, options={"all_count": True, **options})
+    assert f"where {needed} from 1 are needed, of which all count" in error.faults[0].message
+
+
+def stated(numbers, **metadata):
+    numbers = np.array(list(numbers))
+    axis = Axis("X", np.linspace(0, 1, len(numbers)))
+    return Run(cycle=numbers, axes={"X": axis}, metadata=metadata)
+
+
+def test_the_table_may_say_that_its_first_cycle_counts():
+    assert used_cycles(stated(range(1, 31), first_cycle=" Counts ")).used == 30
+    with pytest.raises(DataError, match="first_cycle is 'maybe'"):
+        used_cycles(stated(range(1, 31), first_cycle="maybe"))
+    with pytest.raises(DataError, match="said to count, and the first to be discarded"):
+        used_cycles(stated(range(1, 31), first_cycle="counts", first_cycle_discarded="true"))
+    with pytest.raises(DataError, match="first_cycle_discarded is 'maybe'"):
+        used_cycles(stated(range(1, 31), first_cycle_discarded="maybe"))
+    with pytest.raises(DataError, match="the option says that it is discarded"):
+        used_cycles(stated(range(1, 31), first_cycle_discarded="no"), first_cycle_discarded=True)
+    with pytest.raises(UsageError, match="every cycle counts, or the first is discarded"):
+        used_cycles(stated(range(1, 31)), all_count=True, first_cycle_discarded=True)
+
+
+def test_a_recording_that_was_cut_short_is_gone_on_with():
+    with pytest.raises(DataError) as short:
+        used_cycles(stated(range(1, 13), cycles_planned="31"))
+    assert "`resume=True`" in short.value.remedy
+    assert "`cycles=12`" in short.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("numbers", "options", "open_"),
+    [
+        (range(1, 31), {}, True), (range(30), {}, True), (range(2, 33), {}, False),
+        (range(1, 30), {}, False), (range(1, 20), {"cycles": 20}, True),
+        (range(3, 33), {}, False),
+    ],
+)  # fmt: skip
+def test_only_one_row_less_from_the_start_leaves_open_whether_the_first_is_there(
+    numbers, options, open_
+):
+    error = refused(numbers, options=options)
+    assert ("discarded before, and all" in error.faults[0].message) == open_
+    wanted = options.get("cycles", 31)
+    assert (f"`cycles={wanted - 1}` to discard" in error.remedy) == open_
+    assert (f"counts') if all {wanted - 1} count" in error.remedy) == open_
+
+
+def test_a_first_cycle_that_is_said_to_be_gone_leaves_one_row_less():
+    error = refused(range(1, 30), stated="true")
+    (fault,) = error.faults
+    assert fault.message == (
+        "29 cycles, numbered 1 to 29, where 30 are needed because the first is said to be discarded"
+    )
+
+
+def test_visits_that_are_written_several_times_are_no_readings_of_their_own():
+    numbers = np.arange(1, 32)
+    values = np.repeat(np.linspace(0, 1, 16) ** 2, 2)[:31]
+    axes = {name: Axis(name, values + k) for k, name in enumerate("XYZ")}
+    with pytest.raises(DataError) as twice:
+        used_cycles(Run(cycle=numbers, axes=axes))
+    assert "they are no readings of their own" in twice.value.faults[0].message
+    assert "take one row a visit" in twice.value.remedy
+
+
+def test_poses_of_unequal_length_are_computed_by_their_length():
+    numbers = [*range(1, 32), *range(1, 10), *range(11, 32), *range(1, 32)]
+    pose = ["A"] * 31 + ["B"] * 30 + ["C"] * 31
+    chosen = used_cycles(run_of(numbers, pose=pose), allow_gaps=True)
+    assert chosen.missing == ((), ((10, 10),), ())
+    assert (chosen.used, chosen.read) == (29, 30)
+    together = list(chosen.of_equal_length())
+    assert [rows.poses for rows in together] == [("A", "C"), ("B",)]
+    assert [rows.rows.shape for rows in together] == [(2, 30), (1, 29)]
+    np.testing.assert_array_equal(together[0].rows[1], np.arange(62, 92))
+
+
+@pytest.mark.parametrize(("repeats", "refused_"), [(10, False), (11, True)])
+def test_a_quarter_of_repeated_rows_is_let_pass_and_more_is_not(repeats, refused_):
+    """With 40 rows a repeat of every axis is no chance; a quarter of them still counts."""
+    values = np.random.default_rng(1).normal(size=(3, 40))
+    for k in range(repeats):
+        values[:, 3 * k + 3] = values[:, 3 * k + 2]
+    axes = {name: Axis(name, one) for name, one in zip("XYZ", values, strict=True)}
+    run = Run(cycle=np.arange(1, 41), axes=axes)
+    if not refused_:
+        assert used_cycles(run, cycles=40).used == 39
+        return
+    with pytest.raises(DataError) as written:
+        used_cycles(run, cycles=40)
+    assert "11 of 40 rows repeat" in written.value.faults[0].message

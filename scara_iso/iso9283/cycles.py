@@ -100,8 +100,7 @@ class _Rule:
 
     def gaps(self, numbers: IntArray) -> tuple[tuple[int, int], ...]:
         """Return first and last number of what is missing between the rows, and before them."""
-        before = [1] if int(numbers[0]) > 2 else []
-        padded = np.array([*before, *numbers])
+        padded = np.array([1, *numbers])
         holes = np.flatnonzero(np.diff(padded) > 1)
         return tuple((int(padded[k]) + 1, int(padded[k + 1]) - 1) for k in holes)
 

@@ -81,7 +81,7 @@ class History:
         """
         if "prev" in record or self._chained:
             return bool(record.get("prev") == self.previous)
-        return line - 1 not in self.damaged[-1:] or record["event"] == "session"
+        return self.damaged[-1:] != [line - 1] or record["event"] == "session"
 
     @property
     def doubts(self) -> tuple[str, ...]:
