@@ -60,7 +60,7 @@ def analysis_json(analysis: Analysis) -> Json:
         "limits": [_limit(check) for check in analysis.limits],
         "conformity": None if analysis.conformity is None else analysis.conformity.value,
         "deviations": [
-            {"rule": f.rule, "code": f.code, "message": f.message} for f in analysis.deviations
+            {"rule": f.rule, "code": f.code, "message": f.said} for f in analysis.deviations
         ],
         "findings": [finding_json(finding) for finding in analysis.findings],
     }
@@ -73,7 +73,7 @@ def finding_json(finding: Finding) -> Json:
         "severity": finding.severity,
         "axis": finding.axis,
         "pose": finding.pose,
-        "message": finding.message,
+        "message": finding.said,
     }
 
 

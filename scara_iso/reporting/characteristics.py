@@ -11,12 +11,12 @@ from scara_iso.reporting.digits import U_of_scatter, interval, rounded
 _OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")
 
 
-def characteristics(analysis: Analysis) -> Iterator[Section]:
-    """Yield one table of them, where there is one."""
+def characteristics(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
+    """Yield one table of them, where there is one; ``advice`` names the command that explains."""
     rows = [_row(one) for one in analysis.characteristics if one.code not in _OF_A_POSE]
     if rows:
         header = ("characteristic", "pose", "of", "figure", "95 % interval", "n", "in")
-        how = "scara-iso explain CODE says more of each"
+        how = "scara-iso explain CODE says more of each" if advice else ""
         yield Section("characteristics", (Table(header, tuple(rows), how),))
 
 

@@ -60,6 +60,7 @@ def _characteristic(
         reading_u=math.sqrt(2) * max(stated) if len(stated) == len(axes) else None,
         calibration=largest_calibration(axes),
         between=between,
+        half_width=True,
     )
 
 
