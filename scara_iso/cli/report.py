@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -27,6 +28,7 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import check_outputs, settings, write_json
 from scara_iso.disk import write_file
+from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.render import endings
 
@@ -41,6 +43,26 @@ Output = Annotated[
         "TABLE's name with .html, in this folder.",
     ),
 ]  # fmt: skip
+Meta = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="KEY=VALUE", help="State or override a field of the report. May be repeated."
+    ),
+]
+MetaFile = Annotated[
+    Path | None, typer.Option(metavar="FILE.toml", help="Lines key = value, stated likewise.")
+]
+Archive = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.zip", help="The evidence: table, raw file, model, report, versions, hashes."
+    ),
+]
+Supersedes = Annotated[
+    str | None,
+    typer.Option(metavar="NUMBER", help="Number of the report that this one stands in place of."),
+]
+Reason = Annotated[str | None, typer.Option(help="Why it does.")]
 Pose = Annotated[str | None, typer.Option(help="Only this pose, where the table has several.")]
 
 
@@ -61,6 +83,11 @@ def report_command(
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
     excel_locale: ExcelLocale = None,
+    meta: Meta = None,
+    meta_file: MetaFile = None,
+    supersedes: Supersedes = None,
+    reason: Reason = None,
+    archive: Archive = None,
     json: AsJson = False,
 ) -> None:
     """Write the test report: result, pictures, every intermediate value, diagnosis, raw data.
@@ -72,8 +99,8 @@ def report_command(
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else writer(path, excel_locale)
-    check_outputs([path], [table, model])
-    dossier = report(
+    check_outputs([path, archive], [table, model, None if meta_file is None else str(meta_file)])
+    made = report(
         table,
         model=model,
         pose=pose,
@@ -87,11 +114,22 @@ def report_command(
         cycles=cycles,
         all_count=all_count,
         allow_gaps=allow_gaps,
+        metadata=_metadata(meta or (), meta_file),
+        supersedes=supersedes,
+        reason=reason,
         command=shlex.join(("scara-iso", *settings.arguments)),
-    ).dossier
+    )
+    dossier = made.dossier
+    for one in dossier.provenance.restated:
+        if one.before is not None:
+            typer.echo(printable(f"scara-iso: overridden, {one}"), err=True)
     if path is not None and write is not None:
         write_file(path, write(dossier))
         typer.echo(printable(f"{path} is written"), err=json)
+    if archive is not None:
+        made.archive(archive, name="report.html" if path is None else path.name,
+                     excel_locale=excel_locale)  # fmt: skip
+        typer.echo(printable(f"{archive} is written"), err=json)
     if json:
         from scara_iso.render import report_json
 
@@ -102,6 +140,25 @@ def report_command(
         said = "; ".join(block.text for block in conformity(dossier.analysis))
         typer.echo(printable(f"scara-iso: {said}"), err=True)
         raise typer.Exit(NOT_WITHIN_LIMITS)
+
+
+def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
+    """Return what a file and options state; an option holds against the file."""
+    from scara_iso.files import read_toml
+
+    found = {} if file is None else read_toml(file)
+    nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
+    if nested:
+        raise DataError(
+            f"{', '.join(nested)}: not a single value", where=str(file),
+            remedy='write lines such as operator = "A. Muster"',
+        )  # fmt: skip
+    stated = {key: str(value) for key, value in found.items()}
+    wrong = [text for text in texts if "=" not in text]
+    if wrong:
+        raise UsageError(f"--meta {wrong[0]!r} is not KEY=VALUE", remedy="--meta operator=A.Muster")
+    pairs = (text.partition("=") for text in texts)
+    return stated | {key.strip(): value.strip() for key, _, value in pairs}
 
 
 def _stem(table: str) -> str:

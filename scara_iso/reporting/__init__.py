@@ -72,7 +72,11 @@ if TYPE_CHECKING:
         Provenance as Provenance,
         Restated as Restated,
     )
-    from scara_iso.reporting.stated import NOT_STATED as NOT_STATED, head as head
+    from scara_iso.reporting.stated import (
+        NOT_STATED as NOT_STATED,
+        head as head,
+        stated_field as stated_field,
+    )
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.words import printable as printable
 else:

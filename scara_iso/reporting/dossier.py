@@ -15,7 +15,7 @@ from scara_iso.reporting.figures import courses, planes, predictions
 from scara_iso.reporting.front import Amendment, front_page
 from scara_iso.reporting.interpretation import interpretation
 from scara_iso.reporting.provenance import Provenance, provenance
-from scara_iso.reporting.stated import conditions, field as stated_field, remarks
+from scara_iso.reporting.stated import conditions, remarks, stated_field
 from scara_iso.reporting.uncertainty import budget_blocks
 from scara_iso.robot import Gearbox
 

@@ -12,7 +12,7 @@ from scara_iso.reporting.blocks import Block, Signature, Text
 from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words
 from scara_iso.reporting.limits import RULES, conformity
 from scara_iso.reporting.result_table import Part, result_tables
-from scara_iso.reporting.stated import field, method, not_stated, parties
+from scara_iso.reporting.stated import method, not_stated, parties, stated_field
 from scara_iso.reporting.words import words
 
 SCOPE = (
@@ -61,15 +61,15 @@ def front_page(
     if missing:
         yield Text(f"Not stated: {', '.join(missing)}.", "quiet")
     yield Text(SCOPE, "quiet")
-    authorized = field(run, "authorized by")
+    authorized = stated_field(run, "authorized by")
     name = f"name, signature: {authorized}" if authorized else "name, signature"
     yield Signature(("place, date", name))
 
 
 def _subject(analysis: Analysis) -> str:
     run = analysis.run
-    serial = field(run, "serial number")
-    item = field(run, "item") or "a robot that is not named"
+    serial = stated_field(run, "serial number")
+    item = stated_field(run, "item") or "a robot that is not named"
     return f"Repeatability of {item}{f', serial {serial}' if serial else ''}, by ISO 9283:1998"
 
 

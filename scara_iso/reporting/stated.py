@@ -111,7 +111,7 @@ def method(run: Run) -> str:
     return _stated("method", _by_key(run), run)
 
 
-def field(run: Run, name: str) -> str:
+def stated_field(run: Run, name: str) -> str:
     """Return what is stated of a field of `FIELDS`; empty where nothing is."""
     said = _stated(name, _by_key(run), run)
     return "" if said == NOT_STATED else said
@@ -119,7 +119,7 @@ def field(run: Run, name: str) -> str:
 
 def not_stated(run: Run) -> list[str]:
     """Return the fields that nobody stated, but for those that matter only sometimes."""
-    return [name for name in FIELDS if name not in WHERE_IT_APPLIES and not field(run, name)]
+    return [name for name in FIELDS if name not in WHERE_IT_APPLIES and not stated_field(run, name)]
 
 
 def remarks(run: Run) -> tuple[tuple[str, str], ...]:
@@ -138,7 +138,9 @@ def _others(stated: Mapping[str, str]) -> list[tuple[str, str]]:
 
 
 def _facts(run: Run, names: Iterable[str], heading: str) -> Facts:
-    return Facts(tuple((name, said) for name in names if (said := field(run, name))), heading)
+    return Facts(
+        tuple((name, said) for name in names if (said := stated_field(run, name))), heading
+    )
 
 
 def _words(key: str) -> str:

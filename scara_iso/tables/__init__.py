@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         Source as Source,
         read_bytes as read_bytes,
     )
+    from scara_iso.tables.statements import is_of_axes as is_of_axes
     from scara_iso.tables.text import (
         Delimiter as Delimiter,
         decode_text as decode_text,
