@@ -38,6 +38,15 @@ STATED = {
     "temperature": "20.4 C",
     "payload": "2 kg",
 }
+WHERE_IT_APPLIES = {"item_condition", "date_received", "sampling", "external_provider"}
+WORDS = {
+    "robot": "item",
+    "location": "place of the test",
+    "date": "date of the test",
+    "date_issued": "date of issue",
+    "customer_contact": "customer's contact",
+    "temperature": "ambient temperature",
+}
 CLAUSES = {
     "7.8.2.1 a": "Test report",
     "7.8.2.1 b name": "Robot Laboratory",
@@ -96,29 +105,23 @@ def test_the_report_states_each_field_of_17025(stated, clause):
     assert CLAUSES[clause] in said.replace("&#64;", "@").replace("&lt;", "<")
 
 
-@pytest.mark.parametrize("key", sorted(set(STATED) - {"item_condition", "date_received",
-                                                      "sampling", "external_provider"}))  # fmt: skip
+@pytest.mark.parametrize("key", sorted(set(STATED) - WHERE_IT_APPLIES))
 def test_what_is_not_stated_is_named_in_one_line(key):
     given = {k: v for k, v in STATED.items() if k not in (key, "robot")}
     run = read_table(WARM_UP)
     run = type(run)(run.cycle, run.axes, metadata=given, origin=run.origin)
     page = document(Dossier(analyze(run), MADE)).sections[0]
     (line,) = [b.text for b in page.blocks if getattr(b, "text", "").startswith("Not stated:")]
-    words = {"robot": "item", "location": "place of the test", "date": "date of the test",
-             "date_issued": "date of issue", "authorized_by": "authorized by",
-             "customer_contact": "customer's contact", "temperature": "ambient temperature"}  # fmt: skip
-    assert words.get(key, key.replace("_", " ")) in line
+    assert WORDS.get(key, key.replace("_", " ")) in line
 
 
 def test_the_result_is_pose_by_characteristic_on_one_page(tmp_path):
     path = table_of(tmp_path, [f"P{k}" for k in range(1, 6)])
-    analysis = analyze(read_table(path), limits={"EVERY_LENGTH": 1.0} and {"XY": 0.02, "Z": 0.05})
+    analysis = analyze(read_table(path), limits={"XY": 0.02, "Z": 0.05})
     page = document(Dossier(analysis, MADE)).sections[0]
     matrix = next(b for b in page.blocks if getattr(b, "header", ("",))[0] == "pose")
     assert [row[0] for row in matrix.rows] == ["P1", "P2", "P3", "P4", "P5", "limit"]
-    at = {
-        name: row for name, row in zip(matrix.header, zip(*matrix.rows, strict=True), strict=True)
-    }
+    at = dict(zip(matrix.header, zip(*matrix.rows, strict=True), strict=True))
     for pose, cell in zip(analysis.poses, at["RP XY [mm]"], strict=False):
         assert (cell.value.value, cell.interval.low.value) == (pose.XY.RP, pose.XY.RP_interval[0])
         assert cell.verdict in ("pass", "not provable", "FAIL")
