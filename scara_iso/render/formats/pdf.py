@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import Any
 
 from scara_iso.errors import UsageError
@@ -20,25 +19,21 @@ _FACES = (("DejaVuSans.ttf", 400), ("DejaVuSans-Bold.ttf", 700))
 
 def render(document: Document) -> bytes:
     """Return a report as the bytes of a PDF; `UsageError` without the library for it."""
-    weasyprint = _library()
-    fonts = weasyprint.text.fonts.FontConfiguration()
-    faces = [font_file(name).as_uri() for name, _ in _FACES]
-    style = "".join(
-        f"@font-face {{ font-family: Paper; font-weight: {weight}; src: url({face}) }}"
-        for face, (_, weight) in zip(faces, _FACES, strict=True)
-    )
-    style += "@page { size: A4 } body, svg text { font-family: Paper; } "
-    page = weasyprint.HTML(string=html.render(document).decode(), url_fetcher=_refused)
-    sheet = weasyprint.CSS(string=style, font_config=fonts)
-    return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts))
-
-
-def _library() -> Any:  # it has no types
     try:
-        import_module("weasyprint.text.fonts")
-        return import_module("weasyprint")
+        from weasyprint import CSS, HTML  # noqa: PLC0415 - an extra
+        from weasyprint.text.fonts import FontConfiguration  # noqa: PLC0415 - likewise
     except (ImportError, OSError) as error:  # OSError: without Pango
         raise UsageError("a PDF needs WeasyPrint", remedy=_REMEDY) from error
+    fonts = FontConfiguration()
+    faces = "".join(
+        f"@font-face {{ font-family: Paper; font-weight: {weight}; "
+        f"src: url({font_file(name).as_uri()}) }}"
+        for name, weight in _FACES
+    )
+    style = f"{faces} @page {{ size: A4 }} body, svg text {{ font-family: Paper }}"
+    page = HTML(string=html.render(document).decode(), url_fetcher=_refused)
+    sheet = CSS(string=style, font_config=fonts)
+    return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts))
 
 
 def _refused(url: str) -> dict[str, Any]:
