@@ -267,7 +267,7 @@ def test_numbers_of_the_workbook_are_numbers_and_a_serial_number_is_none(
     assert len(body) == 31
     assert all(isinstance(value, int | float) for row in body for value in row[:6])
     cells = [cell.value for row in book["Report"] for cell in row]
-    assert "00123" in cells
+    assert "Test report 00123" in cells
 
 
 def test_a_cell_that_is_edited_becomes_no_formula_either(tmp_path, monkeypatch, hostile):

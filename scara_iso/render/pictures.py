@@ -104,7 +104,7 @@ def _drawn(figure: Figure) -> Drawing:
             top=1 - _ABOVE / height, wspace=0.08, hspace=0.3,
         )  # fmt: skip
     else:
-        drawing.subplots_adjust(left=0.18, right=0.98, bottom=0.46 / height, top=1 - 0.1 / height)
+        drawing.subplots_adjust(left=0.2, right=0.98, bottom=0.46 / height, top=1 - 0.1 / height)
     panels = grid.ravel().tolist()
     shown: tuple[Course | Plane | Prediction, ...] = figure.data.panels
     for axes in panels[len(shown) :]:
