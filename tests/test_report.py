@@ -21,8 +21,9 @@ from scara_iso.cli import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
-from scara_iso.reporting.blocks import Course, Figure, Plane, Prediction, Table, Text
-from scara_iso.reporting.dossier import Dossier, InputFile, Provenance, document
+from scara_iso.reporting.blocks import Courses, Figure, Planes, Predictions, Table, Text
+from scara_iso.reporting.dossier import Dossier, document
+from scara_iso.reporting.provenance import InputFile, Provenance
 from scara_iso.reporting.stated import FIELDS, NOT_STATED, head
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -80,7 +81,7 @@ def make(tmp_path, monkeypatch, table, *options):
     """Return the bytes of the report in each form, made from the same folder."""
     monkeypatch.chdir(tmp_path)
     found = {}
-    for kind in KINDS:
+    for kind in KINDS[:-1]:  # a .pdf is the .html on paper
         assert main(["report", str(table), *options, "-o", f"out.{kind}"]) == 0
         found[kind] = Path(f"out.{kind}").read_bytes()
     return found
@@ -174,11 +175,14 @@ def test_the_raw_data_are_the_lines_of_the_table():
 
 def test_pictures_hold_the_readings_that_count(tmp_path, monkeypatch):
     analysis = analyze(read_table(WARM_UP))
-    drawn = [b.data for b in section(document(Dossier(analysis, MADE)), "Readings").blocks
+    drawn = [b.data for b in section(document(Dossier(analysis, MADE)), "Figures").blocks
              if isinstance(b, Figure)]  # fmt: skip
-    assert [d.axis for d in drawn if isinstance(d, Course)] == ["X", "Y", "Z", "theta"]
-    assert all(len(d.readings) == 30 for d in drawn if isinstance(d, Course))
-    plane = next(d for d in drawn if isinstance(d, Plane))
+    courses = [d for d in drawn if isinstance(d, Courses)]
+    assert [d.axis for d in courses] == ["X", "Y", "Z", "theta"]
+    assert all(len(one.readings) == 30 for d in courses for one in d.panels)
+    left_out = [(one.discarded_cycle.tolist(), one.discarded.tolist()) for one in courses[0].panels]
+    assert left_out == [([1], [analysis.run.axes["X"].readings[0]])]
+    (plane,) = next(d for d in drawn if isinstance(d, Planes)).panels
     assert plane.barycentre.tolist() == pytest.approx(plane.positions.mean(axis=1).tolist())
     assert pytest.approx(analysis.poses[0].XY.RP) == plane.RP
 
@@ -187,8 +191,9 @@ def test_the_diagnosis_is_shown_before_and_after_where_it_changed_something():
     run = read_table(WARM_UP)
     found = close_the_loop(run, None, CyclesWanted(), seed=9283)
     report = document(Dossier(analyze(run), MADE, diagnoses={None: found}))
-    drawn = [b.data for b in section(report, "Diagnosis").blocks if isinstance(b, Figure)]
-    assert {d.axis for d in drawn if isinstance(d, Prediction)} == {"X", "Y"}
+    found = section(report, "Diagnosis: opinions and interpretations")
+    drawn = [b.data for b in found.blocks if isinstance(b, Figure)]
+    assert {d.axis for d in drawn if isinstance(d, Predictions)} == {"X", "Y"}
     assert section(report, "Diagnosis: warm up")
 
 
@@ -230,6 +235,7 @@ def test_every_hostile_text_is_shown_and_nothing_else():
     known = {
         "html", "head", "meta", "title", "style", "body", "main", "h1", "h2", "section", "p",
         "div", "table", "thead", "tbody", "tr", "th", "td", "b", "code", "figure", "figcaption",
+        "small", "span", "h3", "dl", "dt", "dd",
     }  # fmt: skip
     assert set(re.findall(r"<(\w+)", outside)) <= known
     assert not [c for c in page if ord(c) < 32 and c != "\n"]
@@ -238,7 +244,6 @@ def test_every_hostile_text_is_shown_and_nothing_else():
         c for row in csv.reader(io.StringIO(csv_format.render(report).decode())) for c in row
     ):
         assert cell.strip()[:1] not in ("=", "@")
-    assert pdf.render(report).startswith(b"%PDF")
     book = openpyxl.load_workbook(io.BytesIO(xlsx.render(report)))
     assert {c.data_type for sheet in book for row in sheet for c in row} <= {"s", "n", "inlineStr"}
 
@@ -262,7 +267,7 @@ def test_numbers_of_the_workbook_are_numbers_and_a_serial_number_is_none(
     assert len(body) == 31
     assert all(isinstance(value, int | float) for row in body for value in row[:6])
     cells = [cell.value for row in book["Report"] for cell in row]
-    assert "00123" in cells
+    assert "Test report 00123" in cells
 
 
 def test_a_cell_that_is_edited_becomes_no_formula_either(tmp_path, monkeypatch, hostile):
@@ -279,7 +284,7 @@ def test_several_poses_are_reported_each(five_poses, tmp_path, monkeypatch):
     page = found["html"].decode()
     for pose in range(1, 6):
         assert f"Repeatability at pose P{pose}" in page
-    assert page.count("<svg") >= 5 * 3
+    assert page.count("<svg") == 3  # all poses on one scale: X, Y and the plane
     names = re.findall(r' id="([^"]+)"', page)
     assert len(names) == len(set(names))
     document_ = json.loads(found["json"])
@@ -351,17 +356,18 @@ def test_another_ending_names_the_known_ones(tmp_path, capsys):
 
 
 def test_without_its_library_a_pdf_is_refused_with_what_to_do(tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "fpdf", None)
+    monkeypatch.setitem(sys.modules, "weasyprint", None)
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.pdf")]) == 2
     assert "scara-iso[pdf]" in capsys.readouterr().err
     assert not (tmp_path / "out.pdf").exists()
 
 
-def test_the_pdf_holds_the_text_of_the_report():
+def test_the_pdf_is_the_page_and_the_same_every_time():
+    pytest.importorskip("weasyprint", exc_type=(ImportError, OSError))
     report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
+    report = replace(report, sections=report.sections[:2])
     data = pdf.render(report)
     assert data.startswith(b"%PDF")
-    assert data.count(b"/Type /Page\n") >= 4
     assert pdf.render(report) == data
     assert pdf.render(replace(report, title="another")) != data
 
@@ -476,8 +482,9 @@ def test_a_format_is_a_file_of_its_folder():
     report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
     for ending in endings():
         render = find_format("report", ending.upper())
-        assert isinstance(render(report), bytes)
-        assert render(report) == render(report)
+        if ending != ".pdf":
+            assert isinstance(render(report), bytes)
+            assert render(report) == render(report)
 
 
 def test_the_help_names_every_ending(capsys):

@@ -5,6 +5,7 @@ import io
 import json
 import math
 import re
+import zipfile
 from contextlib import redirect_stdout
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from referencing import Registry, Resource
 
+import scara_iso
 from scara_iso.acquisition.ports.identity import Device
 from scara_iso.acquisition.recorder import events
 from scara_iso.cli import main
@@ -88,6 +90,13 @@ def referred(path):
     lines = [*(f"# {line}" for line in stated), "cycle,X", *rows, ""]
     path.write_text("\n".join(lines), encoding="utf-8")
     return path
+
+
+def evidence(table, packed):
+    """Return what the evidence of a report says of itself."""
+    scara_iso.report(table, cycles=4, first_cycle_discarded=True).archive(packed, name="out.json")
+    with zipfile.ZipFile(packed) as files:
+        return json.loads(files.read("evidence.json"))
 
 
 def one_apart(path):
@@ -187,6 +196,7 @@ def documents(tmp_path_factory):
             *written("diagnose", EXAMPLES / "scatter.csv", folder / "none.csv", code=66),
         ],
         "dialects": written("ports", "--dialects"),
+        "evidence": [evidence(short, folder / "evidence.zip")],
         "explain": [*written("explain"), *written("explain", "trend")],
         "plan": written("plan", MODEL),
         "ports": ports,
@@ -204,6 +214,10 @@ def documents(tmp_path_factory):
             *written("report", EXAMPLES / "scatter.csv", "--model", MODEL),
             *written("report", short, "--cycles", "4", "--first-cycle-discarded"),
             *written("report", folder / "sides.csv"),
+            *written(
+                "report", short, "--cycles", "4", "--first-cycle-discarded", "--meta", "robot=A",
+                "--meta", "report_number=2", "--supersedes", "1", "--reason", "a mistake",
+            ),
         ],
         "visits": written("visits", EXAMPLES / "stream.csv", "--poses", "P1,-"),
         "simulate": written("simulate", MODEL, "--temperature", "20:24"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -27,6 +28,7 @@ from scara_iso.cli.options import (
     parse_limits,
 )
 from scara_iso.cli.output import check_outputs, settings, write_json
+from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Conformity, DecisionRule
 
 ModelFile = Annotated[
@@ -40,6 +42,26 @@ Output = Annotated[
         "TABLE's name with .html, in this folder.",
     ),
 ]  # fmt: skip
+Meta = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="KEY=VALUE", help="State or override a field of the report. May be repeated."
+    ),
+]
+MetaFile = Annotated[
+    Path | None, typer.Option(metavar="FILE.toml", help="Lines key = value, stated likewise.")
+]
+Archive = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.zip", help="The evidence: table, raw file, model, report, versions, hashes."
+    ),
+]
+Supersedes = Annotated[
+    str | None,
+    typer.Option(metavar="NUMBER", help="Number of the report that this one stands in place of."),
+]
+Reason = Annotated[str | None, typer.Option(help="Why it does.")]
 Pose = Annotated[str | None, typer.Option(help="Only this pose, where the table has several.")]
 
 
@@ -60,6 +82,11 @@ def report_command(
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
     excel_locale: ExcelLocale = None,
+    meta: Meta = None,
+    meta_file: MetaFile = None,
+    supersedes: Supersedes = None,
+    reason: Reason = None,
+    archive: Archive = None,
     json: AsJson = False,
 ) -> None:
     """Write the test report: result, pictures, every intermediate value, diagnosis, raw data.
@@ -67,7 +94,7 @@ def report_command(
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    check_outputs([path], [table, model])
+    check_outputs([path, archive], [table, model, None if meta_file is None else str(meta_file)])
     found = library.report(
         table,
         model=model,
@@ -84,16 +111,45 @@ def report_command(
         all_count=all_count,
         allow_gaps=allow_gaps,
         excel_locale=excel_locale,
+        metadata=_metadata(meta or (), meta_file),
+        supersedes=supersedes,
+        reason=reason,
         command=shlex.join(("scara-iso", *settings.arguments)),
     )
+    for one in found.dossier.provenance.restated:
+        if one.before is not None:
+            typer.echo(reporting.printable(f"scara-iso: overridden, {one}"), err=True)
     if path is not None:
         typer.echo(reporting.printable(f"{path} is written"), err=json)
+    if archive is not None:
+        found.archive(archive, name="report.html" if path is None else path.name,
+                      excel_locale=excel_locale)  # fmt: skip
+        typer.echo(reporting.printable(f"{archive} is written"), err=json)
     if json:
         write_json(render.report_json(found.dossier))
     if found.analysis.conformity not in (None, Conformity.PASS):
         said = "; ".join(block.text for block in reporting.conformity(found.analysis))
         typer.echo(reporting.printable(f"scara-iso: {said}"), err=True)
         raise typer.Exit(NOT_WITHIN_LIMITS)
+
+
+def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
+    """Return what a file and options state; an option holds against the file."""
+    from scara_iso.files import read_toml
+
+    found = {} if file is None else read_toml(file)
+    nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
+    if nested:
+        raise DataError(
+            f"{', '.join(nested)}: not a single value", where=str(file),
+            remedy='write lines such as operator = "A. Muster"',
+        )  # fmt: skip
+    stated = {key: str(value) for key, value in found.items()}
+    wrong = [text for text in texts if "=" not in text]
+    if wrong:
+        raise UsageError(f"--meta {wrong[0]!r} is not KEY=VALUE", remedy="--meta operator=A.Muster")
+    pairs = (text.partition("=") for text in texts)
+    return stated | {key.strip(): value.strip() for key, _, value in pairs}
 
 
 def _stem(table: str) -> str:

@@ -133,7 +133,9 @@ def _figures(columns: Sequence[_Column]) -> list[tuple[str, FigureColumns]]:
 def _doubtful(analysis: Analysis, when: str) -> Iterator[Finding]:
     for f in analysis.findings:
         if f.code in _DOUBTS:
-            yield Finding(f.code, f.severity, f"{when}: {f.message}", f.axis, f.pose)
+            yield Finding(
+                f.code, f.severity, f"{when}: {f.message}", f.axis, f.pose, advice=f.advice
+            )
 
 
 def _mean(

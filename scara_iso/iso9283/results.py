@@ -70,6 +70,13 @@ class Finding:
     rule: str = ""
     voids_interval: bool = False
     """Whether the 95 % interval of its axis and pose, and of what is made of it, does not hold."""
+    advice: str = ""
+    """What to do about it, for who runs the program; a report to a customer leaves it out."""
+
+    @property
+    def said(self) -> str:
+        """The message with its advice."""
+        return f"{self.message}; {self.advice}" if self.advice else self.message
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +151,8 @@ class Characteristic:
     """What it makes of its limit; None where none was given."""
     of_means: bool = False
     """Whether its interval shrinks evenly with the root of the cycles, as that of a mean."""
+    half_width: bool = False
+    """Whether the figure is the half of a width: ``± 3 S``."""
 
     @property
     def name(self) -> str:

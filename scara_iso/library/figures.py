@@ -56,7 +56,7 @@ def compared_with_its_manifest(analysis: Analysis, table: Table) -> Analysis:
     from scara_iso.acquisition import check_manifest
     from scara_iso.iso9283 import Finding
 
-    said = {finding.message for finding in analysis.findings}
+    said = {finding.said for finding in analysis.findings}
     changed = [
         Finding("edited", "warning", e) for e in check_manifest(Path(table)) if e not in said
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -75,13 +76,14 @@ def simulate(
         covariates |= {"approach": arrived} if approach is not None else {}
     elif approach is not None:
         covariates["approach"] = sides(side, cycles, rng).astype(float)
-    return robot.simulate(
+    run = robot.simulate(
         known,
         Procedure(np.arange(1, cycles + 1), covariates),
         rng=rng,
         undeclared=[parse_effect(e, known) if isinstance(e, str) else e for e in effects],
         displacement=rests,
     )
+    return replace(run, metadata={**run.metadata, "simulated": " ".join(run.axes)})
 
 
 def _recorded(

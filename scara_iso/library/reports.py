@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import sha256
 from io import BytesIO
@@ -23,10 +23,20 @@ from scara_iso.display import Displayed
 from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.frames import is_frame
 from scara_iso.iso9283 import Analysis, DecisionRule, poses_in_cycles
+from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest
 from scara_iso.library.inputs import Table, TableOptions
+from scara_iso.library.statements import restate
 from scara_iso.render import find_format
-from scara_iso.reporting import Dossier, Failure, InputFile, Provenance, document
+from scara_iso.reporting import (
+    Amendment,
+    Dossier,
+    Failure,
+    InputFile,
+    Provenance,
+    document,
+    stated_field,
+)
 from scara_iso.robot import Gearbox, Model, read_model
 from scara_iso.run import Run
 from scara_iso.tables import find_locale, read_bytes, write_table
@@ -40,6 +50,10 @@ class TestReport(Displayed):
     """A test report: what it is made of in ``dossier``."""
 
     dossier: Dossier
+    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
+    """The bytes that it was made from, by name."""
+    table: Path | None = None
+    """Path of its table, where it was read from one."""
 
     def __repr__(self) -> str:
         return f"<TestReport of {self.dossier.provenance.files[0].name}>"
@@ -63,6 +77,24 @@ class TestReport(Displayed):
         write_file(path, _writer(path, excel_locale)(self.dossier))
         return path
 
+    def archive(
+        self, path: str | Path, *, name: str = "report.html", excel_locale: str | None = None
+    ) -> Path:
+        """Write the evidence as one ZIP file; return its path.
+
+        It holds table and model, raw file and manifest of a recording, the report as ``name``,
+        versions and SHA-256 of all; the same input gives the same bytes. Errors as in `write`.
+        """
+        data = dict(self.files)
+        if self.table is not None:
+            data |= with_recording(self.table)
+        made = self.dossier.provenance
+        document_ = document(self.dossier)
+        about = {"report": document_.title, "program": made.version, "command": made.command}
+        page = (name, _writer(Path(name), excel_locale)(self.dossier))
+        write_file(Path(path), pack(data, page, about))
+        return Path(path)
+
 
 def report(
     table: Table,
@@ -81,18 +113,24 @@ def report(
     all_count: bool = False,
     allow_gaps: bool = False,
     excel_locale: str | None = None,
+    metadata: Mapping[str, str] | None = None,
+    supersedes: str | None = None,
+    reason: str | None = None,
     command: str = "scara_iso.report",
 ) -> TestReport:
     """Return the report of a test: result, pictures, every intermediate value, diagnosis, raw data.
 
     ``model`` is a model file: diagnosis and backlash with it. ``to`` also writes the report, as
-    `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made;
-    the other options are those of `analyze`. Errors as in `analyze`, `diagnose` and
-    `TestReport.write`.
+    `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made.
+    ``metadata`` fills or overrides what the table states, and the report says which; ``supersedes``
+    is the number of the report in whose place this one stands, for ``reason``. The other options
+    are those of `analyze`. Errors as in `analyze`, `diagnose` and `TestReport.write`.
     """
     write = None if to is None else _writer(Path(to), excel_locale)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    run, file = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
+    run, file, data = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
+    run, restated = restate(run, metadata or {})
+    amendment = _amendment(run, supersedes, reason)
     described = None if model is None else read_model(model)
     analysis = iso9283.analyze(
         run,
@@ -103,22 +141,45 @@ def report(
         limits=limits,
         decision=decision,
     )
-    files = (file,) if model is None else (file, _hashed("model", model))
+    files, kept = [file], {Path(file.name).name or "table": data}
+    if model is not None:
+        described_by = Path(model).read_bytes()
+        files.append(InputFile("model", str(model), _hex(described_by)))
+        kept[Path(model).name] = described_by
     dossier = Dossier(
         analysis=compared_with_its_manifest(analysis, table),
-        provenance=_provenance(files, command),
+        provenance=Provenance(tuple(files), _version(), command, restated),
         diagnoses=_diagnoses(analysis, described, wanted),
         gearboxes={} if described is None else _gearboxes(described),
+        amendment=amendment,
     )
     if to is not None and write is not None:
         write_file(Path(to), write(dossier))
-    return TestReport(dossier)
+    path = Path(table) if isinstance(table, str | Path) and table != "-" else None
+    return TestReport(dossier, kept, path)
 
 
-def _provenance(files: tuple[InputFile, ...], command: str) -> Provenance:
+def _version() -> str:
     from scara_iso import __version__
 
-    return Provenance(files, __version__, command)
+    return __version__
+
+
+def _amendment(run: Run, supersedes: str | None, reason: str | None) -> Amendment | None:
+    """Return what the report stands in place of; `UsageError` where it cannot be told apart."""
+    if supersedes is None and reason is None:
+        return None
+    if not (supersedes and supersedes.strip()) or not (reason and reason.strip()):
+        raise UsageError(
+            "an amended report names the report that it supersedes, and why",
+            remedy="`supersedes=2026-017` with `reason=serial number corrected`",
+        )
+    number = stated_field(run, "report number")
+    if not number or number == supersedes.strip():
+        raise UsageError(
+            "an amended report needs a number of its own", remedy="`meta=report_number=2026-018`"
+        )
+    return Amendment(supersedes.strip(), reason.strip())
 
 
 def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
@@ -134,17 +195,21 @@ def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     return lambda dossier: spelled(document(dossier))
 
 
-def _read(table: Table, reading: TableOptions, pose: str | None) -> tuple[Run, InputFile]:
-    """Return the run of a table, and the hash of the very bytes that it was read from."""
+def _read(table: Table, reading: TableOptions, pose: str | None) -> tuple[Run, InputFile, bytes]:
+    """Return the run of a table, and the very bytes that it was read from with their hash."""
     if isinstance(table, Run) or is_frame(table):
         run = reading.read(table)
         data, name = write_table(run).encode(), run.origin.source
-        return _at(run, pose, name), InputFile("run, as write_table gives it", name, _hex(data))
+        return (
+            _at(run, pose, name),
+            InputFile("run, as write_table gives it", name, _hex(data)),
+            data,
+        )
     data, name = read_bytes(table)
     file = BytesIO(data)
     setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
     run = reading.read(file)
-    return _at(run, pose, name), InputFile("table", name, _hex(data))
+    return _at(run, pose, name), InputFile("table", name, _hex(data)), data
 
 
 def _at(run: Run, pose: str | None, name: str) -> Run:
@@ -162,10 +227,6 @@ def _at(run: Run, pose: str | None, name: str) -> Run:
 
 def _hex(data: bytes) -> str:
     return sha256(data).hexdigest()
-
-
-def _hashed(role: str, path: str | Path) -> InputFile:
-    return InputFile(role, str(path), _hex(Path(path).read_bytes()))
 
 
 def _diagnoses(

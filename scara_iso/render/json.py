@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 _HALF = re.compile("[\ud800-\udfff]")
 """Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
-FINDING = "code severity axis pose message"
+FINDING = "code severity axis pose message=said"
 LIMIT = (
     "figure pose RP interval limit verdict rule=decision interval_void cycles_wanted guard "
     "inside clear"
@@ -84,7 +84,7 @@ def analysis_json(analysis: Analysis) -> Json:
         **_drift(analysis),
         "limits": each(analysis.limits, LIMIT),
         "conformity": plain(analysis.conformity),
-        "deviations": each(analysis.deviations, "rule code message"),
+        "deviations": each(analysis.deviations, "rule code message=said"),
         "findings": each(analysis.findings, FINDING),
     }
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import re
-from contextlib import AbstractContextManager
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +14,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scara_iso.render.plots import AREA, ARM, EDGE, PLANE, SOLID
-from scara_iso.reporting import Course, DriftPicture, Figure, Plane, Prediction, printable
+from scara_iso.reporting import (
+    Course,
+    Courses,
+    DriftPicture,
+    Figure,
+    Plane,
+    Planes,
+    Prediction,
+    Predictions,
+    printable,
+)
+from scara_iso.run import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,6 +37,10 @@ _STYLE: dict[str, Any] = {
     "axes.axisbelow": True, "xtick.color": ARM, "ytick.color": ARM, "axes.labelcolor": ARM,
     "axes.formatter.useoffset": False, "svg.fonttype": "none", "path.simplify": False,
 }  # fmt: skip
+_PAGE, _LEFT, _ABOVE, _BELOW = 7.1, 0.62, 0.2, 0.36  # [inch]
+Panels = Courses | Planes | Predictions
+_BESIDE = 5  # panels of several poses
+_LABEL = 18  # characters of a pose's name above its panel
 _OWN_STYLE = re.compile(r"<metadata>.*?</metadata>|<defs>\s*<style.*?</defs>", re.DOTALL)
 _NAMES = re.compile(
     r' id="(?:figure|axes|patch|line2d|text|xtick|ytick|matplotlib|legend|Path)[^"]*"'
@@ -50,64 +67,138 @@ def picture_png(figure: Figure) -> bytes:
 
 
 def picture_size(figure: Figure) -> tuple[float, float]:
-    """Return width and height of a figure in inches."""
-    return (4.4, 4.0) if isinstance(figure.data, Plane) else (4.4, 2.3)
+    """Return width and height of a figure in inches: half a page, or a page for several poses."""
+    if isinstance(figure.data, DriftPicture):
+        return (4.4, 2.3)
+    columns, rows = _grid(figure.data)
+    if columns == 1:
+        return (4.4, 4.0) if isinstance(figure.data, Planes) else (4.4, 2.3)
+    width = (_PAGE - _LEFT) / columns
+    height = min(width, 2.2) if isinstance(figure.data, Planes) else min(width, 1.02)
+    return _PAGE, _ABOVE + _BELOW + rows * height
 
 
-def _style(number: int) -> AbstractContextManager[None]:
+def _grid(data: Panels) -> tuple[int, int]:
+    """Return how many panels stand beside and below each other."""
+    panels = len(data.panels)
+    columns = min(panels, _BESIDE)
+    return columns, -(-panels // columns)
+
+
+@contextmanager
+def _style(number: int) -> Iterator[None]:
     import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
 
     style: dict[Any, Any] = {**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}
-    return mpl.rc_context(style)
+    with mpl.rc_context(style), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a box stands for it
+        yield
 
 
 def _drawn(figure: Figure) -> Drawing:
     from matplotlib.figure import Figure as Drawing  # noqa: PLC0415 - half a second, likewise
 
-    drawing = Drawing(figsize=picture_size(figure))
-    match figure.data:
-        case Course() as data:
-            _draw_course(drawing.add_axes((0.18, 0.20, 0.80, 0.76)), data)
-        case Plane() as data:
-            _draw_plane(drawing.add_axes((0.18, 0.12, 0.80, 0.85)), data)
-        case Prediction() as data:
-            _draw_prediction(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), data)
-        case DriftPicture() as data:
-            _draw_drift(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), data)
+    if isinstance(figure.data, DriftPicture):
+        drawing = Drawing(figsize=picture_size(figure))
+        _draw_drift(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), figure.data)
+        return drawing
+    width, height = picture_size(figure)
+    drawing = Drawing(figsize=(width, height))
+    columns, rows = _grid(figure.data)
+    grid = drawing.subplots(rows, columns, sharex=True, sharey=columns > 1, squeeze=False)
+    if columns > 1:
+        drawing.subplots_adjust(
+            left=_LEFT / width, right=1 - 0.05 / width, bottom=_BELOW / height,
+            top=1 - _ABOVE / height, wspace=0.08, hspace=0.3,
+        )  # fmt: skip
+    else:
+        drawing.subplots_adjust(left=0.2, right=0.98, bottom=0.46 / height, top=1 - 0.1 / height)
+    panels = grid.ravel().tolist()
+    shown: tuple[Course | Plane | Prediction, ...] = figure.data.panels
+    for axes in panels[len(shown) :]:
+        axes.remove()
+    for k, panel in enumerate(shown):
+        _panel(panels[k], figure.data, panel)
+        if columns > 1:
+            panels[k].set_title(printable(panel.pose or "")[:_LABEL], parse_math=False, fontsize=8,
+                                pad=2)  # fmt: skip
+        panels[k].tick_params(labelsize=7 if columns > 1 else 8)
+    _name_axes(figure.data, grid, drawing)
     return drawing
 
 
-def _draw_course(axes: Axes, data: Course) -> None:
+def _panel(axes: Axes, data: Panels, panel: Course | Plane | Prediction) -> None:
+    several = len(data.panels) > 1
+    match panel:
+        case Course():
+            _draw_course(axes, panel, data.span, about=panel.mean if several else 0.0)
+        case Plane():
+            _draw_plane(axes, panel, data.span, about=panel.barycentre if several else np.zeros(2))
+        case Prediction():
+            _draw_prediction(axes, panel, about=float(panel.measured.mean()) if several else 0.0)
+
+
+def _name_axes(data: Panels, grid: Any, drawing: Drawing) -> None:
+    """Name the axes once for all panels: of several the readings stand about their mean."""
+    several = len(data.panels) > 1
+    minus = " - mean" if several else ""
+    match data:
+        case Planes():
+            x, y = f"X{minus} [mm]", f"Y{minus} [mm]"
+        case Courses() | Predictions():
+            x, y = "cycle", f"{data.axis}{minus} [{data.unit}]"
+    if several:
+        drawing.supxlabel(x, fontsize=8, y=0.01, va="bottom")
+        drawing.supylabel(y, fontsize=8, x=0.004, ha="left")
+    else:
+        grid[0][0].set(xlabel=x, ylabel=y)
+    if isinstance(data, Predictions) and not several:
+        grid[0][0].legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=3, frameon=False)
+        drawing.subplots_adjust(top=0.89)
+
+
+def _draw_course(axes: Axes, data: Course, span: float, *, about: float) -> None:
     if data.resolution is not None:
         half = data.resolution / 2
-        axes.axhspan(data.mean - half, data.mean + half, color=AREA, lw=0)
-    axes.axhline(data.mean, color=SOLID, lw=1.2, ls=(0, (5, 3)))
-    axes.plot(data.cycle, data.readings, "o-", color=ARM, lw=0.6, ms=3.2)
-    axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
+        axes.axhspan(data.mean - half - about, data.mean + half - about, color=AREA, lw=0)
+    axes.axhline(data.mean - about, color=SOLID, lw=1.2, ls=(0, (5, 3)))
+    axes.plot(data.cycle, data.readings - about, "o-", color=ARM, lw=0.6, ms=_small(about, 3.2))
+    reach = 1.15 * max(span, (data.resolution or 0) / 2, 1e-9)
+    axes.set_ylim(data.mean - about - reach, data.mean - about + reach)
+    for cycle, reading in zip(data.discarded_cycle, data.discarded, strict=True):
+        off = float(np.clip(reading - data.mean, -0.94 * reach, 0.94 * reach))
+        marker = "o" if off == reading - data.mean else "^" if off > 0 else "v"
+        place = data.mean - about + off
+        axes.plot(cycle, place, marker, mfc="none", mec=ARM, ms=_small(about, 4.2), clip_on=False)
 
 
-def _draw_plane(axes: Axes, data: Plane) -> None:
+def _small(about: float, size: float) -> float:
+    return size if about == 0 else 0.6 * size
+
+
+def _draw_plane(axes: Axes, data: Plane, span: float, *, about: FloatArray) -> None:
     turn = np.linspace(0, 2 * np.pi, 121)
     places, counts = np.unique(data.positions.round(9), axis=1, return_counts=True)
-    x, y = data.barycentre
+    places = places - about[:, np.newaxis]
+    x, y = data.barycentre - about
+    size = 22 if not about.any() else 7
     axes.plot(x + data.RP * np.cos(turn), y + data.RP * np.sin(turn), color=SOLID, lw=1.2)
     axes.scatter(
-        places[0], places[1], s=22 * counts, facecolor=PLANE, edgecolor=ARM, lw=0.7, alpha=0.75
+        places[0], places[1], s=size * counts, facecolor=PLANE, edgecolor=ARM, lw=0.5, alpha=0.75
     )
-    axes.plot(x, y, "+", color=SOLID, ms=11, mew=1.6)
-    reach = 1.1 * max(data.RP, float(np.abs(data.positions - data.barycentre[:, None]).max()))
-    if reach > 0:
-        axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
-    axes.set(xlabel="X [mm]", ylabel="Y [mm]", aspect="equal")
-    axes.locator_params(nbins=5)
+    axes.plot(x, y, "+", color=SOLID, ms=size / 2, mew=1.4)
+    reach = 1.1 * max(span, 1e-9)
+    axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach), aspect="equal")
+    axes.locator_params(nbins=4 if about.any() else 5, prune="both" if about.any() else None)
 
 
-def _draw_prediction(axes: Axes, data: Prediction) -> None:
-    axes.plot(data.cycle, data.measured, "o", color=ARM, ms=3.2, label="measured")
-    axes.plot(data.cycle, data.before, color=SOLID, lw=1.3, ls=(0, (5, 3)), label="before")
-    axes.plot(data.cycle, data.after, color=PLANE, lw=2, label="after")
-    axes.set(xlabel="cycle", ylabel=f"{data.axis} [{data.unit}]")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=3, frameon=False)
+def _draw_prediction(axes: Axes, data: Prediction, *, about: float) -> None:
+    axes.plot(
+        data.cycle, data.measured - about, "o", color=ARM, ms=_small(about, 3.2), label="measured"
+    )
+    before, after = data.before - about, data.after - about
+    axes.plot(data.cycle, before, color=SOLID, lw=1.3, ls=(0, (5, 3)), label="before")
+    axes.plot(data.cycle, after, color=PLANE, lw=2, label="after")
 
 
 def _draw_drift(axes: Axes, data: DriftPicture) -> None:

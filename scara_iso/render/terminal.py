@@ -21,10 +21,12 @@ from rich.text import Text as RichText
 from scara_iso.render.strips import LEVELS, sparkline
 from scara_iso.reporting import (
     Block,
+    Facts,
     Figure,
     Notice,
     Report,
     Section,
+    Signature,
     Strip,
     Table,
     Text,
@@ -111,6 +113,10 @@ def _show_block(block: Block, console: Console, label_width: int) -> None:
             _print_indented(_strip(block, console, label_width), console)
         case Notice():
             _print_indented(_notice(block), console)
+        case Facts():
+            _show_table(Table((block.heading, ""), block.rows), console)
+        case Signature():
+            _print_indented(RichText("; ".join(block.lines), "dim"), console)
         case Figure():
             _print_indented(RichText(printable(f"{block.title}: {block.caption}"), "dim"), console)
 

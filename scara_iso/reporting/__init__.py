@@ -18,15 +18,21 @@ if TYPE_CHECKING:
         Block as Block,
         Cell as Cell,
         Course as Course,
+        Courses as Courses,
         DriftPicture as DriftPicture,
+        Facts as Facts,
         Figure as Figure,
         Interval as Interval,
         Notice as Notice,
         Number as Number,
         Plane as Plane,
+        Planes as Planes,
         Prediction as Prediction,
+        Predictions as Predictions,
         Report as Report,
+        Result as Result,
         Section as Section,
+        Signature as Signature,
         Strip as Strip,
         Table as Table,
         Text as Text,
@@ -42,8 +48,6 @@ if TYPE_CHECKING:
     from scara_iso.reporting.dossier import (
         Document as Document,
         Dossier as Dossier,
-        InputFile as InputFile,
-        Provenance as Provenance,
         document as document,
     )
     from scara_iso.reporting.explain import (
@@ -53,6 +57,7 @@ if TYPE_CHECKING:
         page_report as page_report,
         pages as pages,
     )
+    from scara_iso.reporting.front import Amendment as Amendment
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.paper import paper_section as paper_section
     from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
@@ -63,9 +68,18 @@ if TYPE_CHECKING:
         probe_json as probe_json,
         probe_report as probe_report,
     )
+    from scara_iso.reporting.provenance import (
+        InputFile as InputFile,
+        Provenance as Provenance,
+        Restated as Restated,
+    )
     from scara_iso.reporting.push import push_report as push_report
     from scara_iso.reporting.raw_data import readings_report as readings_report
-    from scara_iso.reporting.stated import NOT_STATED as NOT_STATED, head as head
+    from scara_iso.reporting.stated import (
+        NOT_STATED as NOT_STATED,
+        head as head,
+        stated_field as stated_field,
+    )
     from scara_iso.reporting.streams import visits_report as visits_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.words import printable as printable

@@ -65,7 +65,7 @@ def verdict(analysis: Analysis) -> Iterator[Block]:
     else:
         yield Text(_largest(analysis.poses), "strong")
     yield from _warnings(analysis)
-    yield Text(_cycles(analysis))
+    yield Text(cycles_said(analysis))
     yield from conformity(analysis)
 
 
@@ -80,7 +80,8 @@ def _warnings(analysis: Analysis) -> Iterator[Block]:
         yield Text(f"{count} - {said}" if len(grave) <= _NAMED_FIRST else f"{count}, below", "warn")
 
 
-def _cycles(analysis: Analysis) -> str:
+def cycles_said(analysis: Analysis) -> str:
+    """Return how many cycles were read, which were discarded and how many count."""
     cycles = analysis.cycles
     if analysis.block is not None:
         return f"{cycles.read} visits in {analysis.block.max() + 1} blocks; every visit counts."
@@ -237,26 +238,28 @@ def _strips(pose: PoseResult) -> Iterator[Block]:
         yield Strip(axis.name, pose.cycle, axis.readings, caption)
 
 
-def findings(analysis: Analysis) -> Iterator[Section]:
-    """Yield the deviations from the standard, and what else was found."""
+def findings(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
+    """Yield the deviations from the standard, and what else was found.
+
+    ``advice`` is for who runs the program, and not for a customer.
+    """
     if analysis.deviations:
-        rows = sorted({(finding.rule, _said(finding)) for finding in analysis.deviations})
+        rows = sorted({(one.rule, _said(one, advice=advice)) for one in analysis.deviations})
         said = tuple(Text(f"{rule} - {what}") for rule, what in rows)
         yield Section("deviations from ISO 9283", said)
     others = [finding for finding in analysis.findings if not finding.rule]
     others.sort(key=lambda finding: _GRAVITY[finding.severity])
     if others:
+        notices = tuple(
+            Notice(f.severity, f.code, _subject(f), f.said if advice else f.message) for f in others
+        )
         how = Text("scara-iso explain CODE says more of each", "quiet")
-        yield Section("findings", (*map(_notice, others), how))
+        yield Section("findings", (*notices, how) if advice else notices)
 
 
-def _notice(finding: Finding) -> Notice:
-    return Notice(finding.severity, finding.code, _subject(finding), finding.message)
-
-
-def _said(finding: Finding) -> str:
-    subject = _subject(finding)
-    return f"{subject}: {finding.message}" if subject else finding.message
+def _said(finding: Finding, *, advice: bool) -> str:
+    subject, said = _subject(finding), finding.said if advice else finding.message
+    return f"{subject}: {said}" if subject else said
 
 
 def _subject(finding: Finding) -> str:

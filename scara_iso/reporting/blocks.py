@@ -9,13 +9,15 @@ from typing import Literal
 from scara_iso.iso9283 import Severity
 from scara_iso.run import FloatArray, IntArray
 
+Tone = Literal["plain", "quiet", "strong", "good", "warn", "bad"]
+
 
 @dataclass(frozen=True, slots=True)
 class Text:
     """A paragraph."""
 
     text: str
-    tone: Literal["plain", "quiet", "strong", "good", "warn", "bad"] = "plain"
+    tone: Tone = "plain"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,21 +57,39 @@ class Interval:
         return f"{self.low}..{self.high}"
 
 
-Cell = str | Number | Interval
+@dataclass(frozen=True, slots=True)
+class Result:
+    """A figure with its interval, and what a limit makes of it, in one cell."""
+
+    value: Number
+    interval: Interval | str = ""
+    verdict: str = ""
+    tone: Tone = "plain"
+
+    def __str__(self) -> str:
+        ends = f"[{self.interval}]" if self.interval else ""
+        return " ".join(part for part in (str(self.value), ends, self.verdict) if part)
+
+
+Cell = str | Number | Interval | Result
 """Text is text: a serial number 0123 is no number, and no format makes one of it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns of cells; the first is aligned to the left, the others to the right.
-
-    ``verbatim`` cells are what somebody stated, all aligned to the left.
-    """
+    """Columns of cells; the first is aligned to the left, the others to the right."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
-    verbatim: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What somebody stated: names and texts; groups of them may stand beside each other."""
+
+    rows: tuple[tuple[str, str], ...]
+    heading: str = ""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -94,14 +114,28 @@ class Notice:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Course:
-    """Readings of one axis over the cycles, in ``unit``, with their mean and the dial's step."""
+    """Readings of one axis over the cycles at one pose, with their mean and the dial's step.
 
-    axis: str
-    unit: str
+    ``discarded_cycle`` and ``discarded`` are of the rows that do not count.
+    """
+
+    pose: str | None
     cycle: IntArray
     readings: FloatArray
     mean: float
     resolution: float | None
+    discarded_cycle: IntArray
+    discarded: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Courses:
+    """The courses of one axis at some poses, in ``unit``, all within ``span`` of their means."""
+
+    axis: str
+    unit: str
+    panels: tuple[Course, ...]
+    span: float
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -111,17 +145,25 @@ class Plane:
     ``positions`` of shape (2, n), ``barycentre`` of shape (2,).
     """
 
+    pose: str | None
     positions: FloatArray
     barycentre: FloatArray
     RP: float
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Prediction:
-    """Readings of one axis and what the model says of them, before and after the diagnosis."""
+class Planes:
+    """The planes of some poses, all within ``span`` of their barycentres [mm]."""
 
-    axis: str
-    unit: str
+    panels: tuple[Plane, ...]
+    span: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prediction:
+    """Readings at one pose and what the model says of them, before and after the diagnosis."""
+
+    pose: str | None
     cycle: IntArray
     measured: FloatArray
     before: FloatArray
@@ -140,15 +182,32 @@ class DriftPicture:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Figure:
-    """The data of a picture, and in words what is to be seen in it."""
+class Predictions:
+    """The predictions of one axis at some poses, in ``unit``, all within ``span`` of the mean."""
 
-    data: Course | Plane | Prediction | DriftPicture
+    axis: str
+    unit: str
+    panels: tuple[Prediction, ...]
+    span: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Figure:
+    """The data of a picture, one panel for each pose, and in words what is to be seen in it."""
+
+    data: Courses | Planes | Predictions | DriftPicture
     title: str
     caption: str
 
 
-Block = Text | Table | Strip | Notice | Figure
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """Lines to be signed on, and what is to stand on each."""
+
+    lines: tuple[str, ...]
+
+
+Block = Text | Table | Facts | Strip | Notice | Figure | Signature
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +218,8 @@ class Section:
     blocks: tuple[Block, ...]
     one_of: str = ""
     """Which of several poses or tables it is about; the same for all sections of one of them."""
+    new_page: bool = False
+    """Whether it begins on a page of its own, where there are pages."""
 
 
 Report = tuple[Section, ...]

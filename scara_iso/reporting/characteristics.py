@@ -11,17 +11,17 @@ from scara_iso.reporting.digits import U_of_scatter, interval, rounded
 _OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")
 
 
-def characteristics(analysis: Analysis) -> Iterator[Section]:
-    """Yield one table of them, where there is one."""
+def characteristics(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
+    """Yield one table of them, where there is one; ``advice`` names the command that explains."""
     found = [one for one in analysis.characteristics if one.code not in _OF_A_POSE]
     if found:
-        yield Section("characteristics", (characteristics_table(found),))
+        yield Section("characteristics", (characteristics_table(found, advice=advice),))
 
 
-def characteristics_table(found: Sequence[Characteristic]) -> Table:
+def characteristics_table(found: Sequence[Characteristic], *, advice: bool = True) -> Table:
     """Return a table of characteristics."""
     header = ("characteristic", "pose", "of", "figure", "95 % interval", "n", "in")
-    how = "scara-iso explain CODE says more of each"
+    how = "scara-iso explain CODE says more of each" if advice else ""
     return Table(header, tuple(_row(one) for one in found), how)
 
 

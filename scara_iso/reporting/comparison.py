@@ -93,9 +93,7 @@ def _pair(pair: Pair) -> Iterator[Section]:
     yield Section("repeatability", tuple(_tables(pair.spreads)))
     yield Section("mean", tuple(_tables(pair.means)))
     yield Section("readings before and after", tuple(_strips(pair)))
-    notices = [
-        Notice(f.severity, f.code, _subject(f.pose, f.axis), f.message) for f in pair.findings
-    ]
+    notices = [Notice(f.severity, f.code, _subject(f.pose, f.axis), f.said) for f in pair.findings]
     if notices:
         yield Section("to be read with it", tuple(notices))
 

@@ -78,9 +78,16 @@ def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, str, str, Numbe
     )
 
 
-def diagnosis_verdict(diagnosis: Diagnosis) -> str:
-    """Return the verdict in one sentence."""
-    return next(block.text for block in _verdict(diagnosis))
+def diagnosis_in_words(found: Diagnosis | Failure) -> str:
+    """Return what was found as a clause of a sentence, for who knows no statistics."""
+    if isinstance(found, Failure):
+        return f"the readings could not be diagnosed ({found.message})"
+    match found.verdict:
+        case Verdict.EXPLAINED:
+            return f"the readings show {'; '.join(map(_sureness, found.effects))}"
+        case Verdict.UNEXPLAINED:
+            return "the readings show more than scatter, and no known effect accounts for it"
+    return "nothing besides scatter and the dial's division was found"
 
 
 def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
@@ -101,7 +108,7 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
                 "warn",
             )
             if diagnosis.candidates:
-                yield Text(f"nearest: {_rivals(diagnosis.candidates)}")
+                yield Text(f"nearest: {rivals_said(diagnosis.candidates)}")
 
 
 def _sureness(found: Found) -> str:
@@ -114,16 +121,17 @@ def _sureness(found: Found) -> str:
     return f"{names}{where}"
 
 
-def _rivals(rivals: Sequence[Rival]) -> str:
+def rivals_said(rivals: Sequence[Rival]) -> str:
+    """Return effects with their probabilities."""
     return ", ".join(f"{words(rival.effect)} ({rival.probability:.0%})" for rival in rivals)
 
 
 def _effect(found: Found) -> Iterator[Block]:
     yield Text(
         f"{p_equals(found)}, probability {found.probability:.0%}"
-        + (f"; not excluded: {_rivals(found.rivals)}" if found.rivals else "")
+        + (f"; not excluded: {rivals_said(found.rivals)}" if found.rivals else "")
     )
-    yield Text(", ".join(_parameter(k, v, found) for k, v in found.parameters.items()))
+    yield Text(parameters_said(found))
     if found.joint is not None:
         angle = found.angles[found.joint]
         yield Text(f"moves along {found.joint.removeprefix('along ')}, within {angle:.0f} degrees")
@@ -134,6 +142,11 @@ def _effect(found: Found) -> Iterator[Block]:
     yield Text(f"confirm: {found.confirm_by}")
     for line in found.unidentified:
         yield Text(f"not identifiable: {line}", "warn")
+
+
+def parameters_said(found: Found) -> str:
+    """Return the parameters of an effect with their units, and with standard errors."""
+    return ", ".join(_parameter(k, v, found) for k, v in found.parameters.items())
 
 
 def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
@@ -194,7 +207,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
     if diagnosis.effects and grown:
         yield Text(
             f"{', '.join(grown)}: RP grows though the readings scatter less, because distances to "
-            "a mean between two levels are nearly equal and hide in S_l (docs/repeatability.md)",
+            "a mean between two levels are nearly equal and hide in S_l",
             "quiet",
         )
 

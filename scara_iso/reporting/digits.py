@@ -14,6 +14,8 @@ from scara_iso.reporting.blocks import Interval, Number
 
 _SIGNIFICANT = 3
 _MOST_PLACES = 9
+_UNKNOWN = 4
+_MOST_TO_DECIDE = 15
 
 
 def decimals(figures: Sequence[float]) -> int:
@@ -54,7 +56,7 @@ def rounded(figure: float, U: float, *, sign: str = "", unit: str = "", mark: st
 
     A U of 0 stands for one that nobody knows: four digits then.
     """
-    spec = f"{sign}.{_places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
+    spec = f"{sign}.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
     return Number(figure, spec, unit, mark)
 
 
@@ -66,12 +68,28 @@ def interval(ends: tuple[float, float] | None) -> Interval | str:
     return Interval(rounded(ends[0], U), rounded(ends[1], U))
 
 
+def places_that_decide(limit: float, values: Sequence[float], fewest: int) -> int:
+    """Return the decimal places with which ``values`` stand to ``limit`` as the values themselves.
+
+    ``fewest`` at least: 0.01231 against 0.0123 needs one more than three digits.
+    """
+    found = fewest
+    while found < _MOST_TO_DECIDE and any(
+        (float(f"{value:.{found}f}") > limit) != (value > limit) for value in values
+    ):
+        found += 1
+    return found
+
+
 def U_of_scatter(figure: float, n: int) -> float:  # noqa: N802 - GUM's symbol
     """Return U of a figure of the scatter of n readings, such as S, 3 S or an rms (GUM E.4.3)."""
     return 2 * abs(figure) / math.sqrt(2 * (n - 1))
 
 
-def _places(U: float) -> int:
+def places(U: float) -> int:
+    """Return the decimal places of the second digit of an uncertainty, four digits of 0."""
+    if not (U > 0 and math.isfinite(U)):
+        return _UNKNOWN
     exponent = int(f"{U:.1e}".partition("e")[2])
     return min(max(1 - exponent, 0), _MOST_PLACES)
 

@@ -1,49 +1,24 @@
-"""What is said of a test on paper: everything, in the order in which a laboratory reports it."""
+"""What is said of a test on paper: page 1 decides, figures and diagnosis follow, then all else."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.iso9283 import Analysis, PoseResult, poses_in_cycles
-from scara_iso.reporting.analysis import findings, pose_figures, verdict
-from scara_iso.reporting.backlash import backlash_report
-from scara_iso.reporting.blocks import Block, Report, Section, Strip, Table, Text
-from scara_iso.reporting.characteristics import characteristics
-from scara_iso.reporting.diagnosis import Failure, diagnosis_report, diagnosis_verdict
+from scara_iso.iso9283 import Analysis
+from scara_iso.reporting.analysis import findings
+from scara_iso.reporting.appendix import appendix
+from scara_iso.reporting.blocks import Block, Report, Section, Text
+from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.drift import drift_pictures
-from scara_iso.reporting.figures import courses, plane, predictions
-from scara_iso.reporting.intermediates import by_cycle, intermediates
-from scara_iso.reporting.limits import limits
-from scara_iso.reporting.raw_data import raw_data
-from scara_iso.reporting.stated import head
+from scara_iso.reporting.figures import courses, planes, predictions
+from scara_iso.reporting.front import Amendment, front_page
+from scara_iso.reporting.interpretation import interpretation
+from scara_iso.reporting.provenance import Provenance, provenance
+from scara_iso.reporting.stated import conditions, remarks, stated_field
 from scara_iso.reporting.uncertainty import budget_blocks
 from scara_iso.robot import Gearbox
-
-
-@dataclass(frozen=True, slots=True)
-class InputFile:
-    """A file that the report was made of, and the SHA-256 of its bytes in hex."""
-
-    role: str
-    """What it is to the report: ``table`` or ``model``."""
-    name: str
-    """As the user named it."""
-    sha256: str
-    """64 hexadecimal digits."""
-
-
-@dataclass(frozen=True, slots=True)
-class Provenance:
-    """How a report came to be, so that it can be made again."""
-
-    files: tuple[InputFile, ...]
-    """What it was made of."""
-    version: str
-    """Of this program."""
-    command: str
-    """The call that made it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,123 +34,78 @@ class Dossier:
     provenance: Provenance
     """What the report was made of, and by which command."""
     diagnoses: Mapping[str | None, Diagnosis | Failure] = field(default_factory=dict)
+    """By pose."""
     gearboxes: Mapping[int, tuple[Gearbox, float | None]] = field(default_factory=dict)
-
-
-SCOPE = "The results relate only to the item tested (ISO/IEC 17025:2017, 7.8.2.1 l)."
+    """By the number of the joint, with the reach from it to the tool [m] where it is known."""
+    amendment: Amendment | None = None
+    """What the report stands in place of."""
 
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A report as a file holds it: title and sections, and what they are about, as data."""
+    """A report as a file holds it: title and sections, and what they are about, as data.
+
+    ``title`` identifies the report on every page; ``simulated`` is to be seen across each of them.
+    """
 
     title: str
     sections: Report
     source: Dossier | None = None
     """None where it is not about a whole test."""
+    simulated: bool = False
+    """Whether the readings are of no dial."""
 
 
 def document(dossier: Dossier) -> Document:
     """Return the whole report of a test."""
-    robot = dossier.analysis.run.metadata.get("robot", "").strip()
-    title = f"ISO 9283 repeatability of {robot or dossier.provenance.files[0].name}"
-    return Document(title, _sections(dossier), dossier)
+    run = dossier.analysis.run
+    title = _title(dossier)
+    sections = (*_sections(dossier), Section("", (Text(f"End of {title}", "quiet"),)))
+    return Document(title, sections, dossier, simulated=bool(run.metadata.get("simulated")))
 
 
-def _sections(dossier: Dossier) -> Report:
-    analysis = dossier.analysis
-    sections = [
-        Section("Result", (*verdict(analysis), *_diagnosed(dossier))),
-        Section(
-            "Test", (head(analysis.run, analysis.cycles), Text(SCOPE), *_reading_notes(analysis))
-        ),
+def _title(dossier: Dossier) -> str:
+    """Return the number of the report, or what identifies it in its place."""
+    number = stated_field(dossier.analysis.run, "report number")
+    readings = dossier.provenance.files[0].sha256[:8]
+    return f"Test report {number}" if number else f"Test report of the readings {readings}"
+
+
+def _sections(dossier: Dossier) -> Iterator[Section]:
+    analysis, found = dossier.analysis, dossier.diagnoses
+    yield Section("", tuple(front_page(analysis, found, dossier.amendment)))
+    if analysis.block is None:
+        yield Section("Figures", (*planes(analysis), *courses(analysis)), new_page=True)
+    yield from drift_pictures(analysis)
+    if found:
+        diagnosed = {pose: d for pose, d in found.items() if isinstance(d, Diagnosis)}
+        pictures = predictions(diagnosed, analysis.poses)
+        said = (*interpretation(found), *pictures)
+        yield Section("Diagnosis: opinions and interpretations", said)
+    held = tuple(facts for facts in conditions(analysis.run, analysis.cycles) if facts.rows)
+    yield Section("Conditions and instruments", (*held, *_struck(analysis)))
+    yield Section("Uncertainty budget", tuple(budget_blocks(analysis)))
+    every = [
+        *(_capital(section) for section in findings(analysis, advice=False)),
+        *appendix(analysis, found, dossier.gearboxes),
+        Section("Provenance", tuple(provenance(dossier.provenance, analysis.run.origin))),
     ]
-    separate = any(found.code == "separate-axes" for found in analysis.findings)
-    poses = poses_in_cycles(analysis)
-    sections += drift_pictures(analysis)
-    for pose in poses:
-        sections.append(Section(_of(pose, "Repeatability"), tuple(pose_figures(pose))))
-        pictures = (*courses(pose), *plane(pose, separate=separate))
-        sections.append(Section(_of(pose, "Readings"), pictures))
-    sections += [_capital(section) for section in (*characteristics(analysis), *limits(analysis))]
-    sections.append(Section("Uncertainty budget", tuple(budget_blocks(analysis))))
-    sections += [_capital(section) for section in findings(analysis)]
-    for pose in analysis.poses:
-        sections += _diagnosis(pose, dossier.diagnoses.get(pose.label))
-    for joint, (gearbox, arm) in dossier.gearboxes.items():
-        sections += _gear(joint, gearbox, arm, analysis.poses)
-    for pose in poses:
-        sections.append(Section(_of(pose, "Intermediate values"), tuple(intermediates(pose))))
-        sections.append(Section(_of(pose, "Deviations of each cycle"), tuple(by_cycle(pose))))
-    sections += [Section(_of(p, "Raw data"), tuple(raw_data(analysis, p))) for p in analysis.poses]
-    return (*sections, Section("Provenance", tuple(_provenance(dossier.provenance))))
-
-
-def _of(pose: PoseResult, heading: str) -> str:
-    return heading if pose.label is None else f"{heading} at pose {pose.label}"
+    first = replace(every[0], heading=f"Appendix: {every[0].heading}", new_page=True)
+    yield from (first, *every[1:])
 
 
 def _capital(section: Section) -> Section:
     return replace(section, heading=section.heading[:1].upper() + section.heading[1:])
 
 
-def _reading_notes(analysis: Analysis) -> Iterator[Block]:
-    origin = analysis.run.origin
-    if origin.understood:
-        yield Text(f"The table was read as {origin.understood}.", "quiet")
-    yield from (Text(note, "quiet") for note in origin.notes)
-
-
-def _diagnosed(dossier: Dossier) -> Iterator[Block]:
-    for pose, found in dossier.diagnoses.items():
-        where = "Diagnosis" if pose is None else f"Diagnosis at pose {pose}"
-        if isinstance(found, Failure):
-            yield Text(f"{where}: none, {found.message}", "warn")
-        else:
-            yield Text(f"{where}: {diagnosis_verdict(found)}")
-    if len(dossier.diagnoses) > 1:
-        yield Text(
-            "Each pose is diagnosed against a constant: a model file describes one pose.", "quiet"
-        )
-
-
-def _diagnosis(pose: PoseResult, found: Diagnosis | Failure | None) -> Iterator[Section]:
-    match found:
-        case None:
-            return
-        case Failure():
-            yield Section(_of(pose, "Diagnosis"), (Text(found.message, "warn"),))
-        case Diagnosis():
-            opening, *others = diagnosis_report(found, "")
-            blocks = (*opening.blocks[1:], *predictions(found, pose))
-            yield Section(_of(pose, "Diagnosis"), blocks)
-            for section in others:
-                if not all(isinstance(block, Strip) for block in section.blocks):
-                    name = f"Diagnosis: {section.heading}"
-                    yield Section(_of(pose, name), section.blocks)
-
-
-def _gear(
-    joint: int, gearbox: Gearbox, arm: float | None, poses: Sequence[PoseResult]
-) -> Iterator[Section]:
-    actual = poses[0] if len(poses) == 1 else None
-    opening, *others = backlash_report(gearbox.backlash(arm), actual)
-    blocks = list(opening.blocks[1:])
-    if arm is not None:
-        blocks.append(
-            Text(f"Joint to tool: {arm:g} m, the arm stretched, as in the paper.", "quiet")
-        )
-    yield Section(f"Backlash of joint {joint}", tuple(blocks))
-    for section in others:
-        name = section.heading and f"Backlash of joint {joint}: {section.heading}"
-        yield Section(name, section.blocks)
-
-
-def _provenance(made: Provenance) -> Iterator[Block]:
-    rows = [
-        row
-        for file in made.files
-        for row in ((file.role, file.name), (f"SHA-256 of the {file.role}", file.sha256))
-    ]
-    rows += [("program", f"scara-iso {made.version}"), ("command", made.command)]
-    yield Table(("made from", "by"), tuple(rows), verbatim=True)
+def _struck(analysis: Analysis) -> Iterator[Block]:
+    """Yield what the recording says was struck, with its reasons, and its other remarks."""
+    said = remarks(analysis.run)
+    struck = [text for kind, text in said if kind == "struck"]
+    if struck:
+        yield Text("Readings that were struck and taken again:", "strong")
+        yield from map(Text, struck)
+    others = [f"{kind}: {text}" for kind, text in said if kind != "struck"]
+    if others:
+        yield Text("Remarks of the recording:", "strong")
+        yield from map(Text, others)

@@ -6,9 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, LimitCheck
 from scara_iso.reporting.blocks import Interval, Number, Section, Table, Text
-from scara_iso.reporting.digits import decimals
+from scara_iso.reporting.digits import decimals, places_that_decide
 
-_MOST_PLACES = 15
 _FIGURES = "In mm; XY by the larger of its two figures; an angle in degrees, by ± 3 s. "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
@@ -21,7 +20,18 @@ _SIMPLE = (
     "Simple acceptance was chosen: pass where RP is at most the limit; what so few cycles leave "
     "open is not counted. Guard band: U = 2 u of the indicator (ISO 14253-1)."
 )
-_WORDS = {
+RULES = {
+    DecisionRule.INTERVAL: (
+        "Decision rule: pass where the whole 95 % interval of a figure is at most its limit, fail "
+        "where all of it is above, else not provable with these cycles."
+    ),
+    DecisionRule.SIMPLE: (
+        "Decision rule: simple acceptance, pass where a figure is at most its limit; what so few "
+        "cycles leave open is not counted."
+    ),
+}
+"""In one sentence."""
+VERDICTS = {
     Conformity.PASS: "pass",
     Conformity.FAIL: "FAIL",
     Conformity.NOT_PROVABLE: "not provable",
@@ -38,17 +48,16 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     failed = by_verdict.get(Conformity.FAIL, [])
     open_ = by_verdict.get(Conformity.NOT_PROVABLE, [])
     if failed:
-        yield Text(f"FAIL: OUTSIDE the limit {how}: {', '.join(_names(failed))}", "bad")
+        yield Text(f"FAIL: OUTSIDE the limit {how}: {_names(failed)}", "bad")
     if open_:
-        names = ", ".join(_names(open_))
-        yield Text(f"NOT PROVABLE with these cycles: {names}{_would_prove(open_)}", "warn")
+        yield Text(f"NOT PROVABLE with these cycles: {_names(open_)}{_would_prove(open_)}", "warn")
     if analysis.conformity is Conformity.PASS:
         yield Text(f"PASS: inside the limits {how}", "good")
     void = [check for check in analysis.limits if check.interval_void and not simple]
     if void:
         yield Text(
-            f"A drift voids the interval of {', '.join(_names(void))}: what is decided by it holds "
-            "only while the robot drifts alike; diagnose finds the cause",
+            f"A drift voids the interval of {_names(void)}: what is decided by it holds "
+            "only while the robot drifts alike",
             "warn",
         )
 
@@ -70,10 +79,10 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
     rows = []
     for check in checks:
         ends = check.interval or ()
-        places = deciding_places(check.limit, (check.RP, *ends))
+        places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
         RP, *said = (Number(value, f".{places}f") for value in (check.RP, *ends))
         interval = Interval(*said) if said else "none"
-        limit, verdict = Number(check.limit, ".15g"), _WORDS[check.verdict]
+        limit, verdict = Number(check.limit, ".15g"), VERDICTS[check.verdict]
         rows.append((_name(check), RP, interval, limit, verdict, _wanted(check)))
     header = ("limit of", _figure(checks), "95 % interval", "limit", "verdict", "cycles needed")
     return Table(header, tuple(rows), _FIGURES + _INTERVAL)
@@ -82,7 +91,7 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
 def _simple_table(checks: Sequence[LimitCheck]) -> Table:
     rows = []
     for check in checks:
-        places = deciding_places(check.limit, (check.RP,))
+        places = places_that_decide(check.limit, (check.RP,), decimals([check.RP]))
         guard = "not known" if check.guard is None else _guard_band(check.guard)
         near = ", in the guard band" if check.guard is not None and not check.clear else ""
         rows.append(
@@ -91,7 +100,7 @@ def _simple_table(checks: Sequence[LimitCheck]) -> Table:
                 Number(check.RP, f".{places}f"),
                 Number(check.limit, ".15g"),
                 guard,
-                _WORDS[check.verdict] + near,
+                VERDICTS[check.verdict] + near,
             )
         )
     return Table(
@@ -103,19 +112,6 @@ def _simple_table(checks: Sequence[LimitCheck]) -> Table:
 
 def _figure(checks: Sequence[LimitCheck]) -> str:
     return "RP" if all(check.code.startswith("RP") for check in checks) else "figure"
-
-
-def deciding_places(limit: float, values: Sequence[float]) -> int:
-    """Return the decimal places with which ``values`` stand to ``limit`` as the values themselves.
-
-    Three significant digits of the first at least: 0.01231 against 0.0123 needs one more.
-    """
-    places = decimals(values[:1])
-    while places < _MOST_PLACES and any(
-        (float(f"{value:.{places}f}") > limit) != (value > limit) for value in values
-    ):
-        places += 1
-    return places
 
 
 def _guard_band(half_width: float) -> Number:
@@ -143,5 +139,11 @@ def _name(check: LimitCheck) -> str:
     return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
 
 
-def _names(checks: Sequence[LimitCheck]) -> list[str]:
-    return [_name(check) for check in checks]
+def _names(checks: Sequence[LimitCheck]) -> str:
+    """Return each figure with the poses at which it is meant."""
+    poses: dict[str, list[str]] = {}
+    for check in checks:
+        poses.setdefault(check.figure, []).append(check.pose or "")
+    if not any(check.pose for check in checks):
+        return ", ".join(poses)
+    return "; ".join(f"{figure} at {', '.join(labels)}" for figure, labels in poses.items())

@@ -7,8 +7,7 @@ from typing import Literal
 
 from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck, PushResult
 from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Report, Section, Table, Text
-from scara_iso.reporting.digits import interval, rounded
-from scara_iso.reporting.limits import deciding_places
+from scara_iso.reporting.digits import decimals, interval, places_that_decide, rounded
 
 _MEANING = (
     "lost motion: between the flanks, spring and friction taken off; friction width: between the "
@@ -67,7 +66,7 @@ def _limits(checks: tuple[LimitCheck, ...]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for check in checks:
         ends = check.interval or ()
-        places = deciding_places(check.limit, (check.RP, *ends))
+        places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
         value, *said = (Number(x, f".{places}f") for x in (check.RP, *ends))
         between = Interval(*said) if said else "none"
         limit = Number(check.limit, ".15g")

@@ -1,16 +1,18 @@
 """The fields that a test report has to state, from the ``# key: value`` lines of the table.
 
 ISO/IEC 17025:2017, 7.8.2.1: laboratory, customer, item, method, dates, who is answerable; the
-conditions are those of ISO 9283 clause 6. What nobody stated is printed as such.
+conditions are those of ISO 9283 clause 6. What nobody stated is named in one line.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
 from scara_iso.iso9283 import Cycles
 from scara_iso.quantities import Dimension
-from scara_iso.reporting.blocks import Table
+from scara_iso.reporting.blocks import Facts
 from scara_iso.run import Run
 
 NOT_STATED = "not stated"
@@ -25,6 +27,7 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
     "address": ("laboratory_address", "address"),
     "place of the test": ("location", "place", "site"),
     "customer": ("customer", "client"),
+    "customer's contact": ("customer_contact", "customer_address", "contact"),
     "item": ("robot", "item"),
     "serial number": ("serial_number", "robot_serial_number"),
     "method": ("method",),
@@ -32,6 +35,8 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
     "item received": ("date_received", "received"),
     "date of the test": ("date", "test_date", "recorded", "started"),
     "date of issue": ("date_issued", "issued"),
+    "sampling": ("sampling", "sampling_plan"),
+    "external providers": ("external_provider", "external_providers", "subcontractor"),
     "operator": ("operator", "technician"),
     "authorized by": ("authorized_by", "approved_by"),
     "ambient temperature": ("temperature", "temperature_c", "ambient_temperature"),
@@ -55,15 +60,91 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
 """Each field and the keys that may state it, the first of them found taken."""
 
 
-def head(run: Run, cycles: Cycles) -> Table:
-    """Return the head of a report: every field, then what else the table states."""
-    stated = {key.lower(): text for key, text in run.metadata.items() if text.strip()}
+WHERE_IT_APPLIES = {
+    "condition of the item", "item received", "sampling", "external providers", "method",
+}  # fmt: skip
+"""Fields that 17025 asks for only where they matter: not missed where nobody stated them."""
+
+_PEOPLE = (
+    "laboratory", "address", "place of the test", "customer", "customer's contact",
+    "external providers",
+)  # fmt: skip
+_ITEM = (
+    "item", "serial number", "condition of the item", "item received", "sampling",
+    "date of the test", "date of issue", "operator", "authorized by",
+)  # fmt: skip
+_CONDITIONS = (
+    "ambient temperature", "humidity", "payload", "rated load", "velocity", "rated velocity",
+    "dwell",
+)  # fmt: skip
+_INSTRUMENT = (
+    "instrument", "instrument's serial number", "calibration date", "calibration due",
+    "calibration certificate",
+)  # fmt: skip
+_REMARK = re.compile(r"record_\d+_(struck|changed|note)")
+
+
+def head(run: Run, cycles: Cycles) -> Facts:
+    """Return all that is stated: every field, then what else the table states."""
+    stated = _by_key(run)
     rows = [(name, _stated(name, stated, run)) for name in FIELDS]
+    others = ((_words(key), text) for key, text in _others(stated))
+    return Facts((*rows, *_dials(run), ("cycles", _counted(cycles)), *others))
+
+
+def parties(run: Run) -> tuple[Facts, Facts]:
+    """Return who tested for whom, and what was tested, when and by whom; as far as it is stated."""
+    return _facts(run, _PEOPLE, "Laboratory and customer"), _facts(run, _ITEM, "Item and test")
+
+
+def conditions(run: Run, cycles: Cycles) -> tuple[Facts, Facts]:
+    """Return the conditions and the instruments, as far as they are stated."""
+    held = _facts(run, _CONDITIONS, "Conditions")
+    others = [row for row in _others(_by_key(run)) if not _REMARK.fullmatch(row[0])]
+    said = (*held.rows, ("cycles", _counted(cycles)), *((_words(k), v) for k, v in others))
+    used = _facts(run, _INSTRUMENT, "Instruments")
+    return replace(held, rows=said), replace(used, rows=(*used.rows, *_dials(run)))
+
+
+def method(run: Run) -> str:
+    """Return the method, and what the table adds to it."""
+    return _stated("method", _by_key(run), run)
+
+
+def stated_field(run: Run, name: str) -> str:
+    """Return what is stated of a field of `FIELDS`; empty where nothing is."""
+    said = _stated(name, _by_key(run), run)
+    return "" if said == NOT_STATED else said
+
+
+def not_stated(run: Run) -> list[str]:
+    """Return the fields that nobody stated, but for those that matter only sometimes."""
+    return [name for name in FIELDS if name not in WHERE_IT_APPLIES and not stated_field(run, name)]
+
+
+def remarks(run: Run) -> tuple[tuple[str, str], ...]:
+    """Return what the recording says was struck, changed or noted: kind and text, in order."""
+    found = ((_REMARK.fullmatch(key), text) for key, text in sorted(_by_key(run).items()))
+    return tuple((match[1], text) for match, text in found if match)
+
+
+def _by_key(run: Run) -> dict[str, str]:
+    return {key.lower(): text for key, text in run.metadata.items() if text.strip()}
+
+
+def _others(stated: Mapping[str, str]) -> list[tuple[str, str]]:
     used = {key for keys in FIELDS.values() for key in keys}
-    rows += [(axis, said) for axis, said in _dials(run)]
-    rows.append(("cycles", _counted(cycles)))
-    rows += [(key.replace("_", " "), text) for key, text in stated.items() if key not in used]
-    return Table(("field", "stated"), tuple(rows), verbatim=True)
+    return [(key, text) for key, text in stated.items() if key not in used]
+
+
+def _facts(run: Run, names: Iterable[str], heading: str) -> Facts:
+    return Facts(
+        tuple((name, said) for name in names if (said := stated_field(run, name))), heading
+    )
+
+
+def _words(key: str) -> str:
+    return key.replace("_", " ")
 
 
 def _counted(cycles: Cycles) -> str:

@@ -59,7 +59,7 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
          "expanded U = 2 u", "in"),
         tuple(map(_row, lines)),
         "rounding to a division is a rectangular distribution (GUM F.2.2.1); the calibration's is "
-        "the standard uncertainty in the line indicator_uncertainty; both combined as independent "
+        "the standard uncertainty that its certificate gives; both combined as independent "
         "(GUM 5.1.2)",
     )  # fmt: skip
     if any(line.u_calibration is None for line in lines):

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.tables.read import read_table as read_table
     from scara_iso.tables.source import Source as Source, read_bytes as read_bytes
+    from scara_iso.tables.statements import is_of_axes as is_of_axes
     from scara_iso.tables.write import write_table as write_table
 else:
     __getattr__ = face(__name__)

@@ -45,6 +45,7 @@ def compute(test: Measured) -> Iterator[Characteristic]:
             reading_u=math.sqrt(2) * max(stated) if len(stated) == len(found.axes) else None,
             calibration=largest_calibration(found.axes),
             between=found.between,
+            half_width=True,
         )
 
 

@@ -23,5 +23,5 @@ def compute(test: Measured) -> Iterator[Characteristic]:
             if axis.dimension is Dimension.ANGLE:
                 yield Characteristic(
                     CODE, pose.label, name, axis.three_S, (name,),
-                    axis.uncertainty, axis.calibration,
+                    axis.uncertainty, axis.calibration, half_width=True,
                 )  # fmt: skip

@@ -26,11 +26,15 @@ def check(measured: Measured) -> Iterator[Finding]:
         return
     for line in (done, due, test):
         if line is not None and line.day() is None:
-            yield Finding(CODE, "info", f"{line}: no date that can be compared; write 2026-05-12")
+            yield Finding(
+                CODE, "info", f"{line}: no date that can be compared", advice="write 2026-05-12"
+            )
     if test is not None:
         yield from _against(test, done, due)
     elif due is not None:
-        yield Finding(CODE, "info", f"{due} is compared with nothing: state '# date' of the test")
+        yield Finding(
+            CODE, "info", f"{due} is compared with nothing", advice="state '# date' of the test"
+        )
 
 
 def _against(test: Stated, done: Stated | None, due: Stated | None) -> Iterator[Finding]:

@@ -34,13 +34,14 @@ def check(measured: Measured) -> Iterator[Finding]:
         yield Finding(
             CODE,
             "warning",
-            f"{said}: write '# command_{name}[{lacking[0]}]: ...' for each pose",
+            said,
             name,
+            advice=f"write '# command_{name}[{lacking[0]}]: ...' for each pose",
         )
     if stated and not run.dial_zero_is_command:
         yield Finding(
             CODE,
             "info",
-            "no accuracy AP: the dials' zero is not said to be referred to the command pose; add "
-            "'# dial_zero: command' if it is",
+            "no accuracy AP: the dials' zero is not said to be referred to the command pose",
+            advice="add '# dial_zero: command' if it is",
         )

@@ -31,6 +31,7 @@ def check(measured: Measured) -> Iterator[Finding]:
         yield Finding(
             CODE,
             "info",
-            f"not stated: {', '.join(missing)}; add '# key: value' lines to the table's head",
+            f"not stated: {', '.join(missing)}",
             rule="ISO 9283 6.2, 6.3: conditions are stated",
+            advice="add '# key: value' lines to the table's head",
         )

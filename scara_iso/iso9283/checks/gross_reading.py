@@ -32,9 +32,10 @@ def check(measured: Measured) -> Iterator[Finding]:
                 yield Finding(
                     CODE,
                     "warning",
-                    f"far from all others: {named}; look at the raw record",
+                    f"far from all others: {named}",
                     axis.name,
                     pose.label,
+                    advice="look at the raw record",
                 )
 
 

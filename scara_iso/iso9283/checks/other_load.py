@@ -38,7 +38,9 @@ def check(measured: Measured) -> Iterator[Finding]:
             yield _other(f"{line} is {share:.3g} % of the rated load")
     yield from _columns(run, full)
     for line in unclear:
-        yield Finding(CODE, "info", f"{line}: no mass that can be compared; write 2 kg, or 100 %")
+        yield Finding(
+            CODE, "info", f"{line}: no mass that can be compared", advice="write 2 kg, or 100 %"
+        )
 
 
 def _share(line: Stated, full: float | None) -> float | None:

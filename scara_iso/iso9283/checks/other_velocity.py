@@ -44,7 +44,10 @@ def check(measured: Measured) -> Iterator[Finding]:
             yield Finding(CODE, "warning", said, rule=_HELD)
     for line in unclear:
         yield Finding(
-            CODE, "info", f"{line}: no velocity that can be compared; write 100 %, or 500 mm/s"
+            CODE,
+            "info",
+            f"{line}: no velocity that can be compared",
+            advice="write 100 %, or 500 mm/s",
         )
 
 

@@ -24,6 +24,7 @@ def check(measured: Measured) -> Iterator[Finding]:
                 CODE,
                 "warning",
                 f"{found.said} (by chance with p < {REPEATED_BY_CHANCE:g}): the interval is too "
-                "narrow; take one row a visit",
+                "narrow",
                 pose=pose.label,
+                advice="take one row a visit",
             )

@@ -24,7 +24,7 @@ def check(measured: Measured) -> Iterator[Finding]:
             yield Finding(
                 CODE,
                 "warning",
-                f"the resolution is not stated{taken if step else ''}; state it: interval and "
-                "verdict rest on it",
+                f"the resolution is not stated{taken if step else ''}",
                 axis.name,
+                advice="state it: interval and verdict rest on it",
             )

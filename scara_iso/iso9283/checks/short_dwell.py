@@ -25,7 +25,9 @@ def check(measured: Measured) -> Iterator[Finding]:
     dwell, needed = first(measured.run, _DWELL), first(measured.run, _NEEDED)
     for line in (dwell, needed):
         if line is not None and line.value(SECONDS) is None:
-            yield Finding(CODE, "info", f"{line}: no time that can be compared; write 0.8 s")
+            yield Finding(
+                CODE, "info", f"{line}: no time that can be compared", advice="write 0.8 s"
+            )
     if dwell is None or needed is None:
         return
     stood, least = dwell.value(SECONDS), needed.value(SECONDS)

@@ -39,5 +39,8 @@ def check(measured: Measured) -> Iterator[Finding]:
             yield Finding(CODE, "warning", said, rule=rule)
     for line in unclear:
         yield Finding(
-            CODE, "info", f"{line}: no temperature that can be compared; write 20 C, or 18 .. 22 C"
+            CODE,
+            "info",
+            f"{line}: no temperature that can be compared",
+            advice="write 20 C, or 18 .. 22 C",
         )

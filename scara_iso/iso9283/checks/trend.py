@@ -34,9 +34,10 @@ def check(measured: Measured) -> Iterator[Finding]:
                     CODE,
                     "warning",
                     f"the readings move during the test (Mann-Kendall p = {p_value:.1g}): RP "
-                    "counts a shift as scatter; run diagnose to find its cause",
+                    "counts a shift as scatter",
                     axis.name,
                     pose.label,
+                    advice="run diagnose to find its cause",
                     voids_interval=True,
                 )
 

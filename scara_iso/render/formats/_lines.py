@@ -10,11 +10,14 @@ from scara_iso.reporting import (
     Block,
     Cell,
     Document,
+    Facts,
     Figure,
     Interval,
     Notice,
     Number,
+    Result,
     Section,
+    Signature,
     Strip,
     Table,
     Text,
@@ -48,6 +51,11 @@ def _lines(block: Block) -> Iterator[Line]:
             yield Line((block.text,))
         case Table():
             yield from _table(block)
+        case Facts():
+            yield from [Line((block.heading,), heading=True)] if block.heading else []
+            yield from map(Line, block.rows)
+        case Signature():
+            yield Line(block.lines)
         case Notice():
             yield Line((block.severity, block.code, block.subject, block.text))
         case Strip():
@@ -71,6 +79,15 @@ def _table(table: Table) -> Iterator[Line]:
 
 
 def _columns(heading: str, cells: list[Cell]) -> Iterator[tuple[str | Number, ...]]:
+    if any(isinstance(cell, Result) for cell in cells):
+        results = [cell if isinstance(cell, Result) else None for cell in cells]
+        yield from _columns(heading, [c.value if isinstance(c, Result) else c for c in cells])
+        yield from _columns(
+            f"{heading} 95 % interval", [one.interval if one else "" for one in results]
+        )
+        if any(one and one.verdict for one in results):
+            yield (f"{heading} verdict", *(one.verdict if one else "" for one in results))
+        return
     if any(isinstance(cell, Interval) for cell in cells):
         ends = [(c.low, c.high) if isinstance(c, Interval) else (c, "") for c in cells]
         yield (f"{heading}, low", *(_plain(low) for low, _ in ends))

@@ -11,9 +11,16 @@ import hashlib
 from collections.abc import Iterator
 from importlib.resources import files
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 from scara_iso.render.pictures import picture
-from scara_iso.reporting import NOT_STATED, Block, Document, Figure, Interval, Number, printable
+from scara_iso.reporting import Block, Document, Facts, Figure, Interval, Number, Result, printable
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+_BESIDE = (Figure, Facts)
+"""Blocks of which several may stand beside each other."""
 
 
 def render(document: Document) -> bytes:
@@ -22,31 +29,27 @@ def render(document: Document) -> bytes:
     from markupsafe import Markup  # noqa: PLC0415 - likewise
 
     environment = Environment(
-        autoescape=True, trim_blocks=True, lstrip_blocks=True, finalize=_printable
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, finalize=_shown
     )
-    style = _resource("report.css")
+    style = _resource("report.css").replace("TITLE", css_string(document.title))
     numbers = iter(range(10**6))
-    sections = [
-        {
-            "heading": section.heading,
-            "blocks": [
-                (kind, [(f, Markup(picture(f, next(numbers)))) for f in block])  # noqa: S704
-                if isinstance(block, list)
-                else (kind, block)
-                for kind, block in _grouped(section.blocks)
-            ],
-        }
-        for section in document.sections
-    ]
+    environment.filters["picture"] = lambda figure: Markup(picture(figure, next(numbers)))  # noqa: S704
     page = environment.from_string(_resource("report.html")).render(
         title=document.title,
+        simulated=document.simulated,
         policy=_policy(style),
         style=Markup(style),  # noqa: S704 - our own
-        sections=sections,
-        not_stated=NOT_STATED,
-        missing=Markup(' class="missing"'),
+        sections=[
+            {"of": section, "groups": list(_grouped(section.blocks))}
+            for section in document.sections
+        ],
     )
     return page.encode()
+
+
+def css_string(text: str) -> str:
+    """Return a string of CSS in which no letter of ``text`` is anything but a letter."""
+    return "".join(c if c.isascii() and c.isalnum() else f"\\{ord(c):x} " for c in printable(text))
 
 
 def _policy(style: str) -> str:
@@ -57,19 +60,31 @@ def _policy(style: str) -> str:
     )
 
 
-def _grouped(blocks: tuple[Block, ...]) -> Iterator[tuple[str, Block | list[Figure]]]:
-    """Yield each block with its kind; figures that follow each other come together."""
-    for _, group in groupby(blocks, lambda block: isinstance(block, Figure)):
+def _grouped(blocks: tuple[Block, ...]) -> Iterator[tuple[str, list[Block]]]:
+    """Yield blocks by kind; those that may stand beside each other come together."""
+    for kind, group in groupby(blocks, type):
         together = list(group)
-        figures = [block for block in together if isinstance(block, Figure)]
-        if figures:
-            yield "Pictures", figures
+        if kind in _BESIDE:
+            yield kind.__name__, together
         else:
-            yield from ((type(block).__name__, block) for block in together)
+            yield from ((kind.__name__, [block]) for block in together)
 
 
-def _printable(value: object) -> object:
+def _shown(value: object) -> object:
+    if isinstance(value, Result):
+        return _result(value)
     return printable(str(value)) if type(value) in (str, Number, Interval) else value
+
+
+def _result(cell: Result) -> Markup:
+    from markupsafe import Markup  # noqa: PLC0415 - for pages only
+
+    parts = [Markup("<b>{}</b>").format(printable(str(cell.value)))]
+    if cell.verdict:
+        parts.append(Markup('<span class="{}">{}</span>').format(cell.tone, cell.verdict))
+    if cell.interval:
+        parts.append(Markup("<small>{}</small>").format(printable(str(cell.interval))))
+    return Markup(" ").join(parts)
 
 
 def _resource(name: str) -> str:

@@ -47,6 +47,8 @@ def report_json(dossier: Dossier) -> Json:
             "covariates": {name: values.tolist() for name, values in run.covariates.items()},
         },
         "files": [asdict(file) for file in made.files],
+        "restated": [asdict(one) for one in made.restated],
+        "amendment": None if dossier.amendment is None else asdict(dossier.amendment),
         "version": made.version,
         "command": made.command,
     }

@@ -8,17 +8,21 @@ from collections.abc import Iterator
 from scara_iso.render.strips import LEVELS, sparkline
 from scara_iso.reporting import (
     Block,
-    Course,
+    Courses,
     Document,
+    Facts,
     Figure,
     Notice,
+    Signature,
     Strip,
     Table,
     Text,
     printable,
 )
+from scara_iso.run import FloatArray
 
 _WIDTH = 60
+_LINE = r"\_" * 24
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#!])")
 _FIRST = re.compile(r"^(\s*\d*)([-+=.)])(?=\s|$|[-=])")
 """A bullet, a number of a list, or a rule."""
@@ -38,26 +42,36 @@ def render(document: Document) -> bytes:
 def _block(block: Block) -> Iterator[str]:
     match block:
         case Text():
-            yield _strong(block.text) if block.tone == "strong" else _text(block.text)
+            yield (_strong if block.tone == "strong" else _text)(block.text)
         case Table():
-            yield _table(block)
-            if block.note:
-                yield _text(block.note)
+            yield from filter(None, (_table(block), _text(block.note)))
         case Notice():
             subject = f"{_strong(block.subject)}: " if block.subject else ""
             yield f"{block.severity}: {subject}{_text(block.text)} ({_text(block.code)})"
         case Strip():
-            drawn = sparkline(block.readings, LEVELS, _WIDTH)
-            yield f"{_text(block.label)} `{drawn}` {_text(block.caption)}"
+            yield f"{_text(block.label)} {_drawn(block.readings)} {_text(block.caption)}"
+        case Facts():
+            heads = (block.heading or "stated", "")
+            yield _table(Table(heads, block.rows), left=True)
         case Figure():
-            drawn = ""
-            if isinstance(block.data, Course):
-                drawn = f" `{sparkline(block.data.readings, LEVELS, _WIDTH)}`"
-            yield f"{_strong(block.title)}{drawn} {_text(block.caption)}"
+            yield from _figure(block)
+        case Signature():
+            yield "\n\n".join(f"{_text(line)}: {_LINE}" for line in block.lines)
 
 
-def _table(table: Table) -> str:
-    rule = ["---", *["---" if table.verbatim else "--:"] * (len(table.header) - 1)]
+def _figure(figure: Figure) -> Iterator[str]:
+    yield f"{_strong(figure.title)} {_text(figure.caption)}"
+    if isinstance(figure.data, Courses):
+        for one in figure.data.panels:
+            yield f"{_text(one.pose or '')} {_drawn(one.readings)}".strip()
+
+
+def _drawn(readings: FloatArray) -> str:
+    return f"`{sparkline(readings, LEVELS, _WIDTH)}`"
+
+
+def _table(table: Table, *, left: bool = False) -> str:
+    rule = ["---", *["---" if left else "--:"] * (len(table.header) - 1)]
     rows = [[_text(str(cell)) for cell in row] for row in (table.header, *table.rows)]
     rows.insert(1, rule)
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)

@@ -9,10 +9,12 @@ from datetime import datetime
 from typing import TYPE_CHECKING
 
 from scara_iso.render.formats._lines import Line, section_lines, title_line
-from scara_iso.reporting import Document, Number, printable
+from scara_iso.render.pictures import picture_png, picture_size
+from scara_iso.reporting import Document, Figure, Number, printable
 from scara_iso.tables import FORMULA
 
 if TYPE_CHECKING:
+    from openpyxl import Workbook
     from openpyxl.cell.cell import Cell, MergedCell
     from openpyxl.worksheet.worksheet import Worksheet
 
@@ -24,6 +26,8 @@ _MODIFIED = re.compile(rb"(<dcterms:modified[^>]*>)[^<]*")
 _WIDTHS = (24, 16)
 _SHEET = "Report"
 _READINGS = "Raw data"
+_FIGURES = "Figures"
+_ROW_HEIGHT = 20  # [pixel], of a row that nobody changed
 
 
 def render(document: Document) -> bytes:
@@ -39,6 +43,7 @@ def render(document: Document) -> bytes:
         first, *lines = section_lines(section)
         for line in (first, *lines) if section.heading else lines:
             _append(sheet, line)
+    _draw(book, document)
     for sheet in sheets.values():
         for k in range(1, 13):
             sheet.column_dimensions[chr(64 + k)].width = _WIDTHS[min(k - 1, 1)]
@@ -47,6 +52,23 @@ def render(document: Document) -> bytes:
     file = io.BytesIO()
     book.save(file)
     return _without_times(file.getvalue())
+
+
+def _draw(book: Workbook, document: Document) -> None:
+    """Put the pictures below each other on a sheet of their own, where there are any."""
+    from openpyxl.drawing.image import Image  # noqa: PLC0415 - for workbooks only
+
+    blocks = [block for section in document.sections for block in section.blocks]
+    figures = [block for block in blocks if isinstance(block, Figure)]
+    if not figures:
+        return
+    sheet, row = book.create_sheet(_FIGURES, 1), 1
+    for figure in figures:
+        _write_text(sheet.cell(row, 1), printable(f"{figure.title}: {figure.caption}"))
+        image = Image(io.BytesIO(picture_png(figure)))
+        image.width, image.height = (round(96 * size) for size in picture_size(figure))
+        sheet.add_image(image, f"A{row + 1}")
+        row += 3 + image.height // _ROW_HEIGHT
 
 
 def _append(sheet: Worksheet, line: Line) -> None:

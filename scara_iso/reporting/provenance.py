@@ -1,0 +1,56 @@
+"""How a report came to be, so that it can be made again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from scara_iso.reporting.blocks import Block, Facts, Text
+from scara_iso.run import Origin
+
+
+@dataclass(frozen=True, slots=True)
+class InputFile:
+    """A file that the report was made of, and the SHA-256 of its bytes in hex."""
+
+    role: str
+    name: str
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class Restated:
+    """What was stated for the report and not in the table; ``before`` is what it overrides."""
+
+    key: str
+    text: str
+    before: str | None = None
+
+    def __str__(self) -> str:
+        instead = "" if self.before is None else f" (in place of {self.before})"
+        return f"{self.key}: {self.text}{instead}"
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """Files, program and command of a report, and what was stated for it alone."""
+
+    files: tuple[InputFile, ...]
+    version: str
+    command: str
+    restated: tuple[Restated, ...] = ()
+
+
+def provenance(made: Provenance, origin: Origin) -> Iterator[Block]:
+    """Yield what a report is made from, and how its table was understood."""
+    rows = [
+        row
+        for file in made.files
+        for row in ((file.role, file.name), (f"SHA-256 of the {file.role}", file.sha256))
+    ]
+    rows += [("program", f"scara-iso {made.version}"), ("command", made.command)]
+    rows += [("stated for the report", str(one)) for one in made.restated]
+    if origin.understood:
+        rows.append(("the table was read as", origin.understood))
+    yield Facts(tuple(rows))
+    yield from (Text(note, "quiet") for note in origin.notes)
