@@ -182,7 +182,9 @@ def documents(tmp_path_factory):
             *written(*JOINT, "--measured", reversals(folder / "sweep.csv")),
         ],
         "compare": [*written("compare", before, after), *written("compare", full, wider),
-                    *written("compare", few, few)],
+                    *written("compare", few, few),
+                    *written("compare", folder / "referred.csv", referred(folder / "other.csv"),
+                             "--exchangeability")],
         "demo": written("demo"),
         "design": written("diagnose", "--design", "--columns", "approach"),
         "diagnose": [
