@@ -38,6 +38,12 @@ EVENTS = [
     events.Voided(1, ("X",), "knocked"),
     events.Noted("door opened"),
     events.Paused(on=True),
+    events.Started({"X": "opto-rs232 on sim:"}, 1, 31, "data", "P1", ("P1", "P2")),
+    events.Waiting(1, ("X",), "P1"),
+    events.Stored(1, "X", 0.123, "0.123", "mm", "P1"),
+    events.Gross(9, "X", 5.8, 5.0, "X 5.800 mm of cycle 9 at P2 is 5 mm away", "P2"),
+    events.CycleDone(1, discarded=True, pose="P2"),
+    events.Voided(1, ("X",), "knocked", "P2"),
     events.Done(31, 31, "run.csv", "run.raw.jsonl"),
 ]
 
