@@ -18,7 +18,7 @@ from scara_iso.cli.options import (
     Limits,
     ResolutionOfTable,
     Sheet,
-    Table,
+    Tables,
     UnitOfTable,
     parse_limits,
 )
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def analyze_command(
-    table: Table,
+    table: Tables,
     *,
     limit: Limits = None,
     decision: LimitRule = DecisionRule.INTERVAL,

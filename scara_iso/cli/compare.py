@@ -18,7 +18,7 @@ from scara_iso.cli.options import (
     Sheet,
     UnitOfTable,
 )
-from scara_iso.cli.output import check_outputs, write_json, write_report
+from scara_iso.cli.output import check_outputs, named, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -28,7 +28,8 @@ Tables = Annotated[
     list[str],
     typer.Argument(
         metavar="BEFORE AFTER [MORE]...",
-        help="Tables of readings, the first against each other one; - is standard input.",
+        help="Tables of readings (a folder or workbook: of several poses), the first against "
+        "each other one; - is standard input.",
     ),
 ]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="The picture, as .svg or .png.")]
@@ -58,7 +59,7 @@ def compare_command(
 
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
-    check_outputs([plot], tables)
+    check_outputs([plot], named(tables))
     comparison = compare(
         *tables,
         unit=unit,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -21,11 +22,11 @@ from scara_iso.cli.options import (
     Limits,
     ResolutionOfTable,
     Sheet,
-    Table,
+    Tables,
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, settings, write_json
+from scara_iso.cli.output import check_outputs, named, settings, write_json
 from scara_iso.disk import write_file
 from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.render import endings
@@ -45,7 +46,7 @@ Pose = Annotated[str | None, typer.Option(help="Only this pose, where the table 
 
 
 def report_command(
-    table: Table,
+    table: Tables,
     *,
     model: ModelFile = None,
     output: Output = None,
@@ -72,7 +73,7 @@ def report_command(
 
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else writer(path, excel_locale)
-    check_outputs([path], [table, model])
+    check_outputs([path], [*named(table), model])
     dossier = report(
         table,
         model=model,
@@ -104,5 +105,5 @@ def report_command(
         raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
-def _stem(table: str) -> str:
-    return "report" if table == "-" else Path(table).stem
+def _stem(tables: Sequence[str]) -> str:
+    return "report" if len(tables) > 1 or tables[0] in ("-", ".") else Path(tables[0]).stem

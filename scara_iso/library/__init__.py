@@ -10,7 +10,12 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.library.figures import analyze as analyze
-    from scara_iso.library.inputs import Table as Table, TableOptions as TableOptions
+    from scara_iso.library.inputs import (
+        Table as Table,
+        TableOptions as TableOptions,
+        Tables as Tables,
+        tables_of as tables_of,
+    )
     from scara_iso.library.loop import (
         diagnose as diagnose,
         diagnose_each as diagnose_each,

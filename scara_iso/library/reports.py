@@ -22,7 +22,7 @@ from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.frames import is_frame
 from scara_iso.iso9283 import Analysis, DecisionRule
 from scara_iso.library.figures import compared_with_its_manifest
-from scara_iso.library.inputs import Table, TableOptions
+from scara_iso.library.inputs import Table, TableOptions, Tables, every, tables_of, together_as
 from scara_iso.library.notebook import framed
 from scara_iso.render import find_format
 from scara_iso.reporting import Dossier, Failure, InputFile, Provenance, document
@@ -57,7 +57,7 @@ class TestReport:
 
 
 def report(
-    table: Table,
+    table: Tables,
     *,
     model: str | Path | None = None,
     to: str | Path | None = None,
@@ -79,12 +79,12 @@ def report(
 
     ``model`` is a model file: diagnosis and backlash with it. ``to`` also writes the report, as
     `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made;
-    the other options are those of `analyze`. Errors as in `analyze`, `diagnose` and
-    `TestReport.write`.
+    the other options, and what ``table`` may be, are those of `analyze`. Errors as in `analyze`,
+    `diagnose` and `TestReport.write`.
     """
     write = None if to is None else writer(Path(to), excel_locale)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    run, file = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
+    run, files = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
     described = None if model is None else read_model(model)
     analysis = iso9283.analyze(
         run,
@@ -95,7 +95,7 @@ def report(
         limits=limits,
         decision=decision,
     )
-    files = (file,) if model is None else (file, _hashed("model", model))
+    files += () if model is None else (_hashed("model", model),)
     dossier = Dossier(
         analysis=compared_with_its_manifest(analysis, table),
         provenance=_provenance(files, command),
@@ -124,17 +124,28 @@ def writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     return lambda dossier: spelled(document(dossier))
 
 
-def _read(table: Table, reading: TableOptions, pose: str | None) -> tuple[Run, InputFile]:
-    """Return the run of a table, and the hash of the very bytes that it was read from."""
+def _read(
+    tables: Tables, reading: TableOptions, pose: str | None
+) -> tuple[Run, tuple[InputFile, ...]]:
+    """Return the run of tables, and the hashes of the very bytes that it was read from."""
+    found = tables_of(tables)
+    known = every(found, partial(_hold, reading=reading), f"of {len(found)} tables")
+    run = reading.read([table for table, _ in known])
+    if len(found) > 1 and (source := together_as(tables)):
+        run = replace(run, origin=replace(run.origin, source=source))
+    return _at(run, pose, run.origin.source), tuple(file for _, file in known)
+
+
+def _hold(table: Table, reading: TableOptions) -> tuple[Table, InputFile]:
+    """Return a table whose bytes cannot change any more, and their hash."""
     if isinstance(table, Run) or is_frame(table):
         run = reading.read(table)
         data, name = write_table(run).encode(), run.origin.source
-        return _at(run, pose, name), InputFile("run, as write_table gives it", name, _hex(data))
+        return table, InputFile("run, as write_table gives it", name, _hex(data))
     data, name = read_bytes(table)
     file = BytesIO(data)
     setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-    run = reading.read(file)
-    return _at(run, pose, name), InputFile("table", name, _hex(data))
+    return file, InputFile("table", name, _hex(data))
 
 
 def _at(run: Run, pose: str | None, name: str) -> Run:

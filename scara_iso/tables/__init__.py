@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         listed as listed,
         quoted as quoted,
         refuse as refuse,
+        together as together,
     )
     from scara_iso.tables.layout import is_comment as is_comment
     from scara_iso.tables.locale import (
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
         parse_cell as parse_cell,
         parse_clean as parse_clean,
     )
+    from scara_iso.tables.parts import Part as Part, merge as merge, pose_in as pose_in
     from scara_iso.tables.read import read_table as read_table
     from scara_iso.tables.source import (
         OLD_WORKBOOK as OLD_WORKBOOK,
