@@ -105,6 +105,16 @@ def one_apart(path):
     return path
 
 
+def two_poses(folder):
+    """Write two tables, a pose each; at the second one a step."""
+    rng, paths = np.random.default_rng(7), [folder / "P1.csv", folder / "P2.csv"]
+    for path, step in zip(paths, (0.0, 0.05), strict=True):
+        readings = rng.normal(0, 0.003, 31) + np.where(np.arange(31) < 15, 0, step)
+        rows = [f"{cycle},{reading:.3f}" for cycle, reading in enumerate(readings, start=1)]
+        path.write_text("\n".join(["# unit: mm", "cycle,X", *rows, ""]), encoding="utf-8")
+    return paths
+
+
 def reversals(path):
     """Write reversals of a gap smaller than stated; friction that holds the load makes the same."""
     rng = np.random.default_rng(1)
@@ -159,9 +169,9 @@ def documents(tmp_path_factory):
             *written("diagnose", EXAMPLES / "unexplained.csv"),
             *written("diagnose", both_ways, "--model", MODEL),
             *written("diagnose", both_ways, "--model", loaded),
+            *written("diagnose", *two_poses(folder)),
         ],
         "diagnose-many": [
-            *written("diagnose", full),
             *written("diagnose", EXAMPLES / "scatter.csv", folder / "none.csv", code=66),
         ],
         "dialects": written("ports", "--dialects"),

@@ -20,16 +20,20 @@ from scara_iso.cli.options import (
     Sheet,
     UnitOfTable,
 )
-from scara_iso.cli.output import check_outputs, write_json, write_report
+from scara_iso.cli.output import check_outputs, named as files_of, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import CyclesWanted, Diagnosis
+    from scara_iso.diagnosis import CyclesWanted, Diagnosis, DiagnosisOfPoses
     from scara_iso.library import TableOptions
+    from scara_iso.run import Run
 
 Tables = Annotated[
     list[str] | None,
-    typer.Argument(metavar="TABLE...", help="Tables of readings; several give a summary."),
+    typer.Argument(
+        metavar="TABLE...",
+        help="Tables of readings, or a folder: poses of one test, or unrelated ones.",
+    ),
 ]
 
 
@@ -90,7 +94,7 @@ def diagnose_command(
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
     from scara_iso.diagnosis import CyclesWanted
-    from scara_iso.library import TableOptions
+    from scara_iso.library import TableOptions, one_test
 
     reading = TableOptions(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
@@ -105,13 +109,14 @@ def diagnose_command(
         raise UsageError("--columns is for --design", remedy="a table names its own columns")
     files = _Files(model, hold_out, save_model, plot, sigma)
     files.check(named)
-    check_outputs([plot, save_model], [*named, model, hold_out])
-    if len(named) > 1:
+    check_outputs([plot, save_model], [*files_of(named), model, hold_out])
+    run = one_test(named, reading)
+    if run is None:
         from scara_iso.cli.diagnose_many import show_many
 
         show_many(named, model, reading, wanted, seed=seed, as_json=json)
     else:
-        _diagnose_table(named[0], files, reading, wanted, seed=seed, as_json=json)
+        _diagnose_run(run, files, reading, wanted, seed=seed, as_json=json)
 
 
 def _refuse_beside_design(
@@ -134,9 +139,13 @@ class _Files:
     sigma: float | None
 
     @property
-    def alone(self) -> bool:
-        """Whether nothing but a table is named."""
-        return not any((self.model, self.hold_out, self.save_model, self.plot, self.sigma))
+    def of_one_pose(self) -> str:
+        """The option, if any is given, that goes with the readings of one pose."""
+        given = {
+            "--model": self.model, "--hold-out": self.hold_out, "--plot": self.plot,
+            "--sigma": self.sigma,
+        }  # fmt: skip
+        return next((option for option, value in given.items() if value is not None), "")
 
     def check(self, tables: Sequence[str]) -> None:
         """Raise `UsageError` where this does not go with the tables that are named."""
@@ -155,8 +164,8 @@ class _Files:
             raise UsageError("--save-model needs --model", remedy="name the one to add to")
 
 
-def _diagnose_table(
-    table: str,
+def _diagnose_run(
+    run: Run,
     files: _Files,
     reading: TableOptions,
     wanted: CyclesWanted,
@@ -164,15 +173,15 @@ def _diagnose_table(
     seed: int,
     as_json: bool,
 ) -> None:
-    from scara_iso.diagnosis import save_model
+    from scara_iso.diagnosis import DiagnosisOfPoses, save_model
     from scara_iso.library import diagnose
 
-    run = reading.read(table)
-    if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
-        from scara_iso.cli.diagnose_many import diagnose_poses_of
-
-        diagnose_poses_of(run, wanted, seed=seed, as_json=as_json)
-        return
+    labels = [label for label, _ in run.rows_by_pose()]
+    if wanted.pose is None and len(labels) > 1 and files.of_one_pose:
+        raise UsageError(
+            f"{files.of_one_pose} is for one pose, and there are {len(labels)}",
+            remedy=f"name it: --pose {labels[0]}",
+        )
     diagnosis = diagnose(
         run,
         files.model,
@@ -181,6 +190,9 @@ def _diagnose_table(
         seed=seed,
         sigma=files.sigma,
     )
+    if isinstance(diagnosis, DiagnosisOfPoses):
+        _write_poses(diagnosis, run.origin.source, as_json=as_json)
+        return
     if files.plot is not None:
         from scara_iso.render import plot_diagnosis
 
@@ -189,6 +201,17 @@ def _diagnose_table(
         said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     _write(diagnosis, run.origin.source, as_json=as_json)
+
+
+def _write_poses(found: DiagnosisOfPoses, title: str, *, as_json: bool) -> None:
+    if as_json:
+        from scara_iso.render import poses_diagnosis_json
+
+        write_json(poses_diagnosis_json(found))
+    else:
+        from scara_iso.reporting import poses_report
+
+        write_report(poses_report(found, title))
 
 
 def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:

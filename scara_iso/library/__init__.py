@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         diagnose as diagnose,
         diagnose_each as diagnose_each,
         diagnose_many as diagnose_many,
+        one_test as one_test,
     )
     from scara_iso.library.models import plan as plan, simulate as simulate
     from scara_iso.library.recordings import Nobody as Nobody, record as record

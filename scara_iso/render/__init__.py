@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from scara_iso.render.json_diagnosis import (
         design_json as design_json,
         diagnosis_json as diagnosis_json,
+        poses_diagnosis_json as poses_diagnosis_json,
     )
     from scara_iso.render.live import (
         AxisView as AxisView,

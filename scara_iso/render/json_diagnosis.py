@@ -5,17 +5,45 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 
-from scara_iso.diagnosis import Design, Diagnosis, Found, PlannedRun, RunReversals, Series, Smallest
+from scara_iso.diagnosis import (
+    Design,
+    Diagnosis,
+    DiagnosisOfPoses,
+    Found,
+    PlannedRun,
+    RunReversals,
+    Series,
+    Smallest,
+)
 from scara_iso.render.json import Json, rivals_json
 from scara_iso.render.json_backlash import gear_json
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> Json:
     """Return the JSON object of ``diagnose``, schema ``scara-iso/diagnose/1``."""
+    return {"schema": "scara-iso/diagnose/1", "unit": "mm", **_of_one_pose(diagnosis)}
+
+
+def poses_diagnosis_json(found: DiagnosisOfPoses) -> Json:
+    """Return the JSON object of ``diagnose`` on several poses, schema ``scara-iso/diagnose/2``."""
+    poses = [{"pose": pose, **_of_one_pose(one)} for pose, one in found.poses.items()]
+    for pose in poses:
+        del pose["effects"]  # they stand together, each with its poses
+    return {
+        "schema": "scara-iso/diagnose/2",
+        "unit": "mm",
+        "verdict": found.verdict.value,
+        "p_value": found.p_value,
+        "p_value_at_floor": found.p_value_at_floor,
+        "effects": [{**_found(one), "poses": list(one.poses)} for one in found.effects],
+        "poses": poses,
+        "notes": list(found.notes),
+    }
+
+
+def _of_one_pose(diagnosis: Diagnosis) -> Json:
     RP = diagnosis.repeatability
     return {
-        "schema": "scara-iso/diagnose/1",
-        "unit": "mm",
         "verdict": diagnosis.verdict.value,
         "p_value": diagnosis.p_value,
         "p_value_at_floor": diagnosis.p_value_at_floor,
