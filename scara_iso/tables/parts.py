@@ -180,7 +180,7 @@ def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[Fault], 
         alike = len({_spelling(key, text) for _, text in stated}) == 1
         everywhere = len(stated) == len(parts)
         if _must_agree(key, [text for _, text in stated], everywhere=everywhere):
-            if not alike or (not everywhere and not key.startswith(_OF_THE_ROBOT)):
+            if not alike or (not everywhere and not _of_the_robot(key)):
                 faults.append(_unlike(key, parts))
             elif not everywhere:
                 notes.append(f"{key}: stated in {_names(part for part, _ in stated)} only")
@@ -195,7 +195,11 @@ def _must_agree(key: str, texts: Sequence[str], *, everywhere: bool) -> bool:
     if key == _TRUE_IS_STATED:  # false is as good as nothing
         truths = {_spelling(key, text) for text in texts}
         return len(truths) > 1 or (not everywhere and truths != {"false"})
-    return key in _OF_THE_FIGURES or key.startswith(_OF_THE_ROBOT)
+    return key in _OF_THE_FIGURES or _of_the_robot(key)
+
+
+def _of_the_robot(key: str) -> bool:
+    return key.startswith(_OF_THE_ROBOT) and key not in _OF_THE_FIGURES
 
 
 def _spelling(key: str, text: str) -> str:
