@@ -49,6 +49,10 @@ class Origin:
     """One line: how the reader understood the file."""
     notes: tuple[str, ...] = ()
     """What the reader met and did not use, such as footer rows, one line each."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """Unit that each axis was read in."""
+    files: Mapping[str, str] = field(default_factory=dict)
+    """The table of each pose, where the run was put together from several."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -12,6 +12,7 @@ from scara_iso.acquisition.recorder import (
     Job,
     RecordingPlan,
     Stored,
+    Tour,
     parse_gauges,
     parse_trigger,
     raw_path,
@@ -105,6 +106,7 @@ def run_session(
     metadata=None,
     tell=None,
     attended=False,
+    poses=(),
 ):
     """Record; return what was said. ``ports`` (axis to a function of the clock) replaces them."""
     clock = clock or StreamClock(paced=False)
@@ -119,7 +121,7 @@ def run_session(
     job = Job(
         folder / table,
         parse_gauges(gauges),
-        RecordingPlan(parse_trigger(trigger), cycles, stable, rearm_s),
+        RecordingPlan(parse_trigger(trigger), cycles, stable, rearm_s, Tour(tuple(poses))),
         metadata or {},
         resume,
     )

@@ -14,6 +14,7 @@ from scara_iso.acquisition.ports import StreamClock
 from scara_iso.acquisition.recorder import (
     Stored,
     SystemDisk,
+    Tour,
     Voided,
     check_manifest,
     raw_path,
@@ -26,16 +27,16 @@ X = "X=opto-rs232@sim:?pace=0"
 Y = "Y=mitutoyo-mux@sim:?pace=0"
 
 
-def announced(said):
-    """Return the readings that a listener knows to be stored."""
+def announced(said, tour=Tour()):  # noqa: B008 - frozen
+    """Return the readings that a listener knows to be stored, by visit."""
     found = {}
     for event in said:
         match event:
             case Stored():
-                found[event.axis, event.cycle] = event.value
+                found[event.axis, tour.visit(event.cycle, event.pose)] = event.value
             case Voided():
                 for axis in event.axes:
-                    del found[axis, event.cycle]
+                    del found[axis, tour.visit(event.cycle, event.pose)]
     return found
 
 
@@ -60,22 +61,31 @@ def put(files, source, target):
         (target / path.relative_to(source)).write_bytes(data)
 
 
-@pytest.fixture
-def logged(tmp_path):
-    """Return the folder and log of a session of two gauges that was resumed once."""
-    folder = tmp_path / "live"
+def logged_session(folder, *, poses=()):
+    """Return the log of a session of two gauges of four visits that was resumed once."""
     folder.mkdir()
     disk = LoggedDisk()
-    for cycles, resume in ((2, False), (4, True)):
-        run_session(folder, [X, Y], cycles=cycles, resume=resume, disk=disk, tell=disk.announce)
-    return folder, disk.log
+    for visits, resume in ((2, False), (4, True)):
+        cycles = visits // max(len(poses), 1)
+        run_session(
+            folder, [X, Y], cycles=cycles, resume=resume, disk=disk, tell=disk.announce, poses=poses
+        )
+    return disk.log
 
 
-def test_a_power_cut_after_any_operation_loses_no_announced_reading(tmp_path, logged):
-    folder, log = logged
+@pytest.fixture
+def logged(tmp_path):
+    folder = tmp_path / "live"
+    return folder, logged_session(folder)
+
+
+@pytest.mark.parametrize("poses", [(), ("P1", "P2")])
+def test_a_power_cut_after_any_operation_loses_no_announced_reading(tmp_path, poses):
+    folder, tour = tmp_path / "live", Tour(poses)
+    log = logged_session(folder, poses=poses)
     states, seen = 0, set()
     for end in range(len(log) + 1):
-        told = announced([what[1] for what in log[:end] if what[0] == "said"])
+        told = announced([what[1] for what in log[:end] if what[0] == "said"], tour)
         done = [what for what in log[:end] if what[0] != "said"]
         for name, files in crash_states(done):
             state = (frozenset(told.items()), frozenset(files.items()))
@@ -87,8 +97,9 @@ def test_a_power_cut_after_any_operation_loses_no_announced_reading(tmp_path, lo
             put(files, folder, after)
             assert not lost(told, after), (end, name)
             if raw_path(after / "run.csv").exists():
-                run_session(after, [X, Y], cycles=5, resume=True, disk=UnsyncedDisk())
-                assert read_table(after / "run.csv").cycle.tolist() == [1, 2, 3, 4, 5]
+                run_session(after, [X, Y], cycles=5, resume=True, disk=UnsyncedDisk(), poses=poses)
+                cycle = read_table(after / "run.csv").cycle.tolist()
+                assert cycle == sorted([1, 2, 3, 4, 5] * len(tour))
                 assert not lost(told, after), (end, name)
     assert states > 100
 

@@ -141,11 +141,11 @@ def test_only_the_last_hundred_readings_can_be_struck_out():
 
 
 def test_the_first_cycle_that_is_not_complete_is_the_next():
-    assert taken(session()).cycle == 1
-    assert taken(session(), stored(1), stored(2)).cycle == 3
-    assert taken(session(), stored(1), stored(3)).cycle == 2
+    assert taken(session()).visit == 1
+    assert taken(session(), stored(1), stored(2)).visit == 3
+    assert taken(session(), stored(1), stored(3)).visit == 2
     two = [session("X", "Y"), stored(1, axis="X"), stored(1, axis="Y"), stored(2, axis="Y")]
-    assert taken(*two).cycle == 2
+    assert taken(*two).visit == 2
     assert taken(*two).present(1) == {"X", "Y"}
     assert taken(*two).present(2) == {"Y"}
     assert taken(*two).present(3) == frozenset()

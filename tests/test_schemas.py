@@ -40,6 +40,12 @@ EVENTS = [
     events.Voided(1, ("X",), "knocked"),
     events.Noted("door opened"),
     events.Paused(on=True),
+    events.Started({"X": "opto-rs232 on sim:"}, 1, 31, "data", "P1", ("P1", "P2")),
+    events.Waiting(1, ("X",), "P1"),
+    events.Stored(1, "X", 0.123, "0.123", "mm", "P1"),
+    events.Gross(9, "X", 5.8, 5.0, "X 5.800 mm of cycle 9 at P2 is 5 mm away", "P2"),
+    events.CycleDone(1, discarded=True, pose="P2"),
+    events.Voided(1, ("X",), "knocked", "P2"),
     events.Done(31, 31, "run.csv", "run.raw.jsonl"),
 ]
 
@@ -134,6 +140,16 @@ def from_three_sides(path):
     return path
 
 
+def two_poses(folder):
+    """Write two tables, a pose each; at the second one a step."""
+    rng, paths = np.random.default_rng(7), [folder / "P1.csv", folder / "P2.csv"]
+    for path, step in zip(paths, (0.0, 0.05), strict=True):
+        readings = rng.normal(0, 0.003, 31) + np.where(np.arange(31) < 15, 0, step)
+        rows = [f"{cycle},{reading:.3f}" for cycle, reading in enumerate(readings, start=1)]
+        path.write_text("\n".join(["# unit: mm", "cycle,X", *rows, ""]), encoding="utf-8")
+    return paths
+
+
 def reversals(path):
     """Write reversals of a gap smaller than stated; friction that holds the load makes the same."""
     rng = np.random.default_rng(1)
@@ -192,9 +208,9 @@ def documents(tmp_path_factory):
             *written("diagnose", EXAMPLES / "unexplained.csv"),
             *written("diagnose", both_ways, "--model", MODEL),
             *written("diagnose", both_ways, "--model", loaded),
+            *written("diagnose", *two_poses(folder)),
         ],
         "diagnose-many": [
-            *written("diagnose", full),
             *written("diagnose", EXAMPLES / "scatter.csv", folder / "none.csv", code=66),
         ],
         "dialects": written("ports", "--dialects"),

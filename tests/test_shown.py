@@ -25,40 +25,40 @@ STEADY = ("0.812", "0.815", "0.811", "0.813", "0.814")
 
 @pytest.mark.parametrize("text", ["0.03197", "0.81", "81.2345"])
 def test_another_number_of_decimals_is_a_display_that_changed(text):
-    assert "decimals" in shown(*STEADY).changed(text)
+    assert "decimals" in shown(*STEADY).changed(text, 9)
 
 
 @pytest.mark.parametrize("text", ["0.032", "20.640", "0.033"])
 def test_a_step_by_25_4_is_a_unit_that_changed(text):
-    assert "25.4" in shown(*STEADY).changed(text)
+    assert "25.4" in shown(*STEADY).changed(text, 9)
 
 
 @pytest.mark.parametrize("before", [("8.000",), ("8.000", "8.001")])
 def test_a_step_by_25_4_is_seen_from_the_first_reading_on(before):
-    assert "25.4" in shown(*before).changed("0.315")
+    assert "25.4" in shown(*before).changed("0.315", 9)
 
 
 @pytest.mark.parametrize("text", ["0.812", "0.900", "0.100", "-0.812", "5.812", "0.000", "-0.032"])
 def test_other_values_are_no_change_of_display(text):
-    assert shown(*STEADY).changed(text) == ""
+    assert shown(*STEADY).changed(text, 9) == ""
 
 
 @pytest.mark.parametrize(
     "texts", [(), ("0.001", "-0.002", "0.001", "0.002"), ("0.1", "5.0", "0.2")]
 )
 def test_near_zero_or_without_a_level_no_step_is_a_unit(texts):
-    assert shown(*texts).changed("0.051" if len(texts) == 4 else "2.5") == ""
+    assert shown(*texts).changed("0.051" if len(texts) == 4 else "2.5", 9) == ""
 
 
 def test_a_pattern_of_the_user_may_drop_zeros():
-    assert shown("0.51", "0.512", fixed=False).changed("0.5") == ""
+    assert shown("0.51", "0.512", fixed=False).changed("0.5", 9) == ""
 
 
 @pytest.mark.parametrize(
     ("text", "away"), [("5.812", "5"), ("0.816", None), ("0.700", "0.1"), ("-0.813", "1.6")]
 )
 def test_how_far_a_gross_reading_is_from_the_others(text, away):
-    found = shown("9.999", *STEADY).far(text)
+    found = shown("9.999", *STEADY).far(text, 9)
     assert (found and f"{found:.1g}" if away in ("5", "0.1") else found and f"{found:.2g}") == away
 
 
@@ -66,7 +66,7 @@ def test_struck_readings_are_no_others():
     made = shown("0.8", *STEADY)
     for cycle in range(2, 7):
         made.void(cycle)
-    assert made.far("5.812") is None
+    assert made.far("5.812", 9) is None
 
 
 def frames(*values, key="opto"):

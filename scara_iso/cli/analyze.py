@@ -19,7 +19,7 @@ from scara_iso.cli.options import (
     Limits,
     ResolutionOfTable,
     Sheet,
-    Table,
+    Tables,
     UnitOfTable,
     parse_limits,
 )
@@ -28,7 +28,7 @@ from scara_iso.iso9283 import Conformity, DecisionRule
 
 
 def analyze_command(
-    table: Table,
+    table: Tables,
     *,
     limit: Limits = None,
     decision: LimitRule = DecisionRule.INTERVAL,

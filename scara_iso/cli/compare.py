@@ -21,7 +21,7 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, write_json, write_report
+from scara_iso.cli.output import check_outputs, named, write_json, write_report
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity
 
@@ -29,7 +29,8 @@ Tables = Annotated[
     list[str],
     typer.Argument(
         metavar="BEFORE AFTER [MORE]...",
-        help="Tables of readings, the first against each other one; - is standard input.",
+        help="Tables of readings (a folder or workbook: of several poses), the first against "
+        "each other one; - is standard input.",
     ),
 ]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="The picture, as .svg or .png.")]
@@ -64,7 +65,7 @@ def compare_command(
     """
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
-    check_outputs([plot], tables)
+    check_outputs([plot], named(tables))
     comparison = library.compare(
         *tables,
         unit=unit,

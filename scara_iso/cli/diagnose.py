@@ -21,16 +21,20 @@ from scara_iso.cli.options import (
     Sheet,
     UnitOfTable,
 )
-from scara_iso.cli.output import check_outputs, write_json, write_report
+from scara_iso.cli.output import check_outputs, named as files_of, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import CyclesWanted
     from scara_iso.library import TableOptions
+    from scara_iso.run import Run
 
 Tables = Annotated[
     list[str] | None,
-    typer.Argument(metavar="TABLE...", help="Tables of readings; several give a summary."),
+    typer.Argument(
+        metavar="TABLE...",
+        help="Tables of readings, or a folder: poses of one test, or unrelated ones.",
+    ),
 ]
 
 
@@ -91,7 +95,7 @@ def diagnose_command(
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
     from scara_iso.diagnosis import CyclesWanted
-    from scara_iso.library import TableOptions
+    from scara_iso.library import TableOptions, one_test
 
     reading = TableOptions(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
@@ -106,13 +110,14 @@ def diagnose_command(
         raise UsageError("--columns is for --design", remedy="a table names its own columns")
     files = _Files(model, hold_out, save_model, plot, sigma)
     files.check(named)
-    check_outputs([plot, save_model], [*named, model, hold_out])
-    if len(named) > 1:
+    check_outputs([plot, save_model], [*files_of(named), model, hold_out])
+    run = one_test(named, reading)
+    if run is None:
         from scara_iso.cli.diagnose_many import show_many
 
         show_many(named, model, reading, wanted, seed=seed, as_json=json)
     else:
-        _diagnose_table(named[0], files, reading, wanted, seed=seed, as_json=json)
+        _diagnose_run(run, files, reading, wanted, seed=seed, as_json=json)
 
 
 def _refuse_beside_design(
@@ -134,6 +139,15 @@ class _Files:
     plot: Path | None
     sigma: float | None
 
+    @property
+    def of_one_pose(self) -> str:
+        """The option, if any is given, that goes with the readings of one pose."""
+        given = {
+            "--model": self.model, "--hold-out": self.hold_out, "--plot": self.plot,
+            "--sigma": self.sigma,
+        }  # fmt: skip
+        return next((option for option, value in given.items() if value is not None), "")
+
     def check(self, tables: Sequence[str]) -> None:
         """Raise `UsageError` where this does not go with the tables that are named."""
         single = {
@@ -151,8 +165,8 @@ class _Files:
             raise UsageError("--save-model needs --model", remedy="name the one to add to")
 
 
-def _diagnose_table(
-    table: str,
+def _diagnose_run(
+    run: Run,
     files: _Files,
     reading: TableOptions,
     wanted: CyclesWanted,
@@ -160,11 +174,14 @@ def _diagnose_table(
     seed: int,
     as_json: bool,
 ) -> None:
-    from scara_iso.diagnosis import save_model
+    from scara_iso.diagnosis import DiagnosisOfPoses, save_model
 
-    run = reading.read(table)
-    if files.plot is not None:
-        wanted.take(run)  # refuses several poses before anything is computed
+    labels = [label for label, _ in run.rows_by_pose()]
+    if wanted.pose is None and len(labels) > 1 and files.of_one_pose:
+        raise UsageError(
+            f"{files.of_one_pose} is for one pose, and there are {len(labels)}",
+            remedy=f"name it: --pose {labels[0]}",
+        )
     diagnosis = library.diagnose(
         run,
         files.model,
@@ -173,10 +190,11 @@ def _diagnose_table(
         seed=seed,
         sigma=files.sigma,
     )
-    if isinstance(diagnosis, library.Diagnoses):
-        from scara_iso.cli.diagnose_many import show_poses
-
-        show_poses(diagnosis, as_json=as_json)
+    if isinstance(diagnosis, DiagnosisOfPoses):
+        if as_json:
+            write_json(render.poses_diagnosis_json(diagnosis))
+        else:
+            write_report(reporting.poses_report(diagnosis, run.origin.source))
         return
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)

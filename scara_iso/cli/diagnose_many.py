@@ -1,4 +1,4 @@
-"""``scara-iso diagnose`` of several tables: side by side, with a summary."""
+"""``scara-iso diagnose`` of several unrelated tables: side by side, with a summary."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 
 from scara_iso.cli.output import settings, write_json, write_report
 from scara_iso.diagnosis import CyclesWanted, Diagnosis
-from scara_iso.library import Diagnoses, TableOptions, diagnose_each
+from scara_iso.library import TableOptions, diagnose_each
 from scara_iso.render import diagnosis_json, open_console, track
 from scara_iso.reporting import Failure, summary_report
 
@@ -37,15 +37,6 @@ def show_many(
     codes = [one.exit_code for one in found if isinstance(one, Failure)]
     if codes:
         raise typer.Exit(codes[0])
-
-
-def show_poses(found: Diagnoses, *, as_json: bool) -> None:
-    """Write a summary of the diagnosis of each pose of a table of several."""
-    names, diagnoses = [f"pose {pose}" for pose in found.names], found.found
-    if as_json:
-        write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(names, diagnoses)})
-    else:
-        write_report(summary_report(names, diagnoses))
 
 
 def _as_json(

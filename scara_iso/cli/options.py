@@ -18,6 +18,13 @@ _LIMIT_REMEDY = "write --limit 0.02 for every length, or --limit XY=0.02"
 Table = Annotated[
     str, typer.Argument(metavar="TABLE", help="CSV or .xlsx of readings; - is standard input.")
 ]
+Tables = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="TABLE...",
+        help="CSV or .xlsx of readings; - is standard input. Several, or a folder: a pose each.",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
 UnitOfTable = Annotated[
     str | None, typer.Option("--unit", help="Unit of the readings where the table states none.")

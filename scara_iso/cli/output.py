@@ -91,6 +91,13 @@ def write_text(text: str, path: Path | None) -> None:
         write_file(path, text.encode("utf-8", "backslashreplace"))
 
 
+def named(tables: Sequence[str]) -> list[str]:
+    """Return the files of tables that are named, those of a folder one by one."""
+    from scara_iso.library import tables_of
+
+    return [str(one) for one in tables_of(tables)]
+
+
 def check_outputs(outputs: Sequence[Path | None], inputs: Sequence[str | None]) -> None:
     """Raise before anything is computed where writing would destroy what is not the user's wish.
 

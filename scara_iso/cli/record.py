@@ -29,6 +29,10 @@ _Trigger = Annotated[
 _Cycles = Annotated[
     int | None, typer.Option(metavar="N", help="Cycles to record, the first included: 31.", min=1)
 ]
+_Pose = Annotated[
+    str | None,
+    typer.Option(metavar="P1,P2,...", help="The poses that every cycle visits, in their order."),
+]
 _Stable = Annotated[
     int,
     typer.Option(metavar="K", help="Ask until K readings in a row are equal.", min=1, max=50),
@@ -67,6 +71,7 @@ def record_command(
     gauge: _Gauge = None,
     trigger: _Trigger = None,
     cycles: _Cycles = None,
+    pose: _Pose = None,
     stable: _Stable = 1,
     rearm: _Rearm = None,
     unit: _Unit = None,
@@ -92,7 +97,7 @@ def record_command(
     record_table(
         RecordOptions(
             table=table, gauges=tuple(gauge or ()), trigger=trigger, cycles=cycles,
-            stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()), meta_file=meta_file,
-            resume=resume, excel_locale=excel_locale, json=json,
+            pose=pose, stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()),
+            meta_file=meta_file, resume=resume, excel_locale=excel_locale, json=json,
         )
     )  # fmt: skip

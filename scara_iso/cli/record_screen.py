@@ -24,6 +24,7 @@ from scara_iso.acquisition import (
     Said,
     Started,
     Stored,
+    Tour,
     Voided,
     Waiting,
     as_json,
@@ -74,12 +75,13 @@ class Screen:
         self._operator = operator
         self._title = title
         self._trigger = ""
+        self._tour = Tour()
         self._cycles = 0
-        self._cycle = 1
+        self._visit = 1
         self._waiting: tuple[str, ...] = ()
         self._stored = 0
         self._readings: dict[str, dict[int, _Shown]] = {
-            axis: {cycle: (value, f"{value:g}", "") for cycle, value in readings.items()}
+            axis: {visit: (value, f"{value:g}", "") for visit, value in readings.items()}
             for axis, readings in earlier.items()
         }
         self._status = ("", "plain")
@@ -125,18 +127,21 @@ class Screen:
         match said:
             case Started():
                 self._trigger, self._cycles = said.trigger, said.cycles
-                self._stored = said.cycle - 1
+                self._tour = Tour(said.poses or ())
+                self._stored = self._tour.visit(said.cycle, said.pose) - 1
                 self._readings = {axis: self._readings.get(axis, {}) for axis in said.gauges}
             case Waiting():
-                self._cycle, self._waiting = said.cycle, said.missing
+                self._visit = self._tour.visit(said.cycle, said.pose)
+                self._waiting = said.missing
             case Stored():
-                self._readings[said.axis][said.cycle] = (said.value, said.text, said.unit)
-                self._status = (f"{said.axis} {said.text} {said.unit} of cycle {said.cycle} STORED",
-                                "good")  # fmt: skip
+                visit = self._tour.visit(said.cycle, said.pose)
+                self._readings[said.axis][visit] = (said.value, said.text, said.unit)
+                of = self._tour.name(visit)
+                self._status = (f"{said.axis} {said.text} {said.unit} of {of} STORED", "good")
             case CycleDone():
-                self._stored = said.cycle
+                self._stored = self._tour.visit(said.cycle, said.pose)
                 note = ": recorded; analyze discards it" if said.discarded else ""
-                self._status = (f"cycle {said.cycle} STORED{note}", "good")
+                self._status = (f"{self._tour.name(self._stored)} STORED{note}", "good")
             case Problem():
                 self._trouble(said.kind, f"{said.axis}: {said.message}")
             case Gross(message=message):
@@ -144,10 +149,11 @@ class Screen:
             case Refused():
                 self._trouble("refused", f"{said.axis} {said.text} not taken: {said.reason}")
             case Voided():
-                self._stored = said.cycle - 1
+                visit = self._tour.visit(said.cycle, said.pose)
+                self._stored = visit - 1
                 for axis in said.axes:
-                    self._readings[axis].pop(said.cycle, None)
-                self._status = (f"cycle {said.cycle} {' '.join(said.axes)} voided", "bad")
+                    self._readings[axis].pop(visit, None)
+                self._status = (f"{self._tour.name(visit)} {' '.join(said.axes)} voided", "bad")
             case Noted(text=text):
                 self._status = (f"note written: {text}", "quiet")
             case Noticed():
@@ -169,7 +175,8 @@ class Screen:
         return LiveView(
             title=self._title,
             stored=self._stored,
-            cycles=self._cycles,
+            planned=self._cycles * len(self._tour),
+            counted="visits" if self._tour.poses else "cycles",
             axes=[self._axis(name) for name in self._readings],
             status=self._status,
             troubles=", ".join(f"{n} {kind}" for kind, n in sorted(self._troubles.items())),
@@ -182,12 +189,16 @@ class Screen:
         return f"Enter take  {KEYS}" if self._trigger == "enter" else KEYS
 
     def _axis(self, name: str) -> AxisView:
-        readings = self._readings[name]
+        """Return what was shown last, and the readings at the pose of it."""
+        readings, poses = self._readings[name], len(self._tour)
         last = max(readings, default=0)
         _, text, unit = readings.get(last, (0.0, "", ""))
-        used = tuple(shown[0] for cycle, shown in readings.items() if cycle > 1)
+        here = {v: shown[0] for v, shown in readings.items() if (v - last) % poses == 0}
+        used = tuple(value for visit, value in here.items() if visit > poses)
         used = _on_one_turn(used) if unit in _ANGLES else used
-        return AxisView(name, text, unit, last, used, _figures(used))
+        cycle, pose = self._tour.place(last) if last else (0, None)
+        figures = "  ".join(part for part in (pose, _figures(used)) if part)
+        return AxisView(name, text, unit, cycle, used, figures)
 
     def _next_step(self) -> str:
         if self._last:
@@ -196,7 +207,10 @@ class Screen:
             return "Paused: press p to go on"
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
         how = _NEXT.get(self._trigger, f"read by the timer, every {self._trigger[6:]} s")
-        return f"Cycle {self._cycle}{missing}: {how}"
+        if pose := self._tour.place(self._visit)[1]:
+            how = how.replace("the pose", f"pose {pose}")
+        visit = self._tour.name(self._visit)
+        return f"{visit[0].upper()}{visit[1:]}{missing}: {how}"
 
 
 def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:

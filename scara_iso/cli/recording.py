@@ -22,12 +22,14 @@ from scara_iso.acquisition import (
     RecordingPlan,
     Said,
     SystemDisk,
+    Tour,
     Trigger,
     check_metadata,
     choose_clock,
     is_recorded,
     parse_gauges,
     parse_metadata,
+    parse_poses,
     parse_trigger,
     raw_path,
     read_history,
@@ -61,6 +63,7 @@ class RecordOptions:
     gauges: tuple[str, ...]
     trigger: str | None
     cycles: int | None
+    pose: str | None
     stable: int
     rearm: float | None
     unit: str | None
@@ -90,6 +93,7 @@ def record_table(options: RecordOptions) -> None:
         options.cycles or int(header.get("cycles", _CYCLES)),
         options.stable,
         _rearm(trigger, specs) if options.rearm is None else options.rearm,
+        Tour(tuple(header.get("poses", ())) if options.pose is None else parse_poses(options.pose)),
     )
     if plan.stable > 1 and plan.trigger == Listen():
         raise UsageError("--stable goes with readings that are asked for, not with --trigger data")
@@ -178,11 +182,11 @@ def rebuild_table(raw: Path, table: Path | None, *, excel_locale: str | None, js
     """Make the table of a raw file and say so."""
     written, history = rebuild(raw, table, disk=SystemDisk(), excel_locale=excel_locale)
     _tell_damage(history)
-    rows, planned = len(history.run()), int(history.header["cycles"])
+    cycles, planned = history.cycles, int(history.header["cycles"])
     if json or not sys.stdout.isatty():
-        write_line(Done(rows, planned, str(written), str(raw)))
+        write_line(Done(cycles, planned, str(written), str(raw)))
     else:
-        sys.stdout.write(printable(f"{written}: {rows} of {planned} cycles") + "\n")
+        sys.stdout.write(printable(f"{written}: {cycles} of {planned} cycles") + "\n")
 
 
 def _tell_damage(history: History) -> None:

@@ -23,11 +23,11 @@ from scara_iso.cli.options import (
     Limits,
     ResolutionOfTable,
     Sheet,
-    Table,
+    Tables,
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, settings, write_json
+from scara_iso.cli.output import check_outputs, named, settings, write_json
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Conformity, DecisionRule
 
@@ -66,7 +66,7 @@ Pose = Annotated[str | None, typer.Option(help="Only this pose, where the table 
 
 
 def report_command(
-    table: Table,
+    table: Tables,
     *,
     model: ModelFile = None,
     output: Output = None,
@@ -94,7 +94,8 @@ def report_command(
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    check_outputs([path, archive], [table, model, None if meta_file is None else str(meta_file)])
+    read = [*named(table), model, None if meta_file is None else str(meta_file)]
+    check_outputs([path, archive], read)
     found = library.report(
         table,
         model=model,
@@ -152,5 +153,5 @@ def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
     return stated | {key.strip(): value.strip() for key, _, value in pairs}
 
 
-def _stem(table: str) -> str:
-    return "report" if table == "-" else Path(table).stem
+def _stem(tables: Sequence[str]) -> str:
+    return "report" if len(tables) > 1 or tables[0] in ("-", ".") else Path(tables[0]).stem

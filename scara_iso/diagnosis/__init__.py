@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
         Diagnosis as Diagnosis,
+        DiagnosisOfPoses as DiagnosisOfPoses,
         Error as Error,
         Flag as Flag,
         Found as Found,

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
 
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.display import Plotted
@@ -52,6 +54,8 @@ class Found:
     """Parameters that the data do not determine, one line each."""
     left_open: Mapping[str, ByAxis] = field(default_factory=dict)
     """What a model must state beside ``parameters``: the scatter where a change of it begins."""
+    poses: tuple[str, ...] = ()
+    """The poses at which it acts, of a test of several."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,3 +168,56 @@ class Diagnosis(Plotted):
         kinds = ("measured", "predicted_before", "predicted_after")
         columns = {f"{a}_{k}": getattr(series, k)[a] for a in series.measured for k in kinds}
         return make_frame({"cycle": series.cycle, **columns}, {"verdict": self.verdict.value})
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DiagnosisOfPoses(Displayed):
+    """What was found at each pose of a test, against a constant, at one level for all."""
+
+    poses: Mapping[str, Diagnosis]
+    """By name."""
+    notes: tuple[str, ...] = ()
+    """How the tables were read, one line each."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Unexplained where any pose is, else explained where any is."""
+        found = {one.verdict for one in self.poses.values()}
+        ranked = (Verdict.UNEXPLAINED, Verdict.EXPLAINED, Verdict.NOTHING)
+        return next(verdict for verdict in ranked if verdict in found)
+
+    @property
+    def effects(self) -> tuple[Found, ...]:
+        """The effects of every pose, each with its pose."""
+        return tuple(
+            replace(one, poses=(pose,)) for pose, at in self.poses.items() for one in at.effects
+        )
+
+    @property
+    def p_value(self) -> float:
+        """Chance of structure as strong at any of the poses in scatter alone (Holm 1979)."""
+        return min(1.0, len(self.poses) * self._clearest.p_value)
+
+    @property
+    def p_value_at_floor(self) -> bool:
+        """Whether `p_value` is an upper bound, as of the pose that it is of."""
+        return self._clearest.p_value_at_floor
+
+    @property
+    def _clearest(self) -> Diagnosis:
+        return min(self.poses.values(), key=lambda one: one.p_value)
+
+    def __repr__(self) -> str:
+        said = ", ".join(f"{pose} {one.verdict.value}" for pose, one in self.poses.items())
+        return f"<DiagnosisOfPoses: {said}>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the series of every pose below each other, as `Diagnosis.to_frame`, by pose."""
+        frames = [one.to_frame() for one in self.poses.values()]
+        counts = [len(frame) for frame in frames]
+        columns = {
+            str(name): np.concatenate([frame[name].to_numpy() for frame in frames])
+            for name in frames[0]
+        }
+        poses = np.repeat(np.array(list(self.poses)), counts)
+        return make_frame({"pose": poses, **columns}, {"verdict": self.verdict.value})

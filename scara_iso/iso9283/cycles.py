@@ -133,7 +133,10 @@ def used_cycles(
     lengths = {len(pose.rows) for pose in found if not pose.missing}
     if len({pose.discarded is None for pose in found}) > 1 or len(lengths) > 1:
         what = "some poses hold their first cycle and others do not"
-        raise DataError(what, where=run.origin.source, remedy="give every pose the same cycles")
+        raise DataError(
+            what, where=run.origin.source, remedy="give every pose the same cycles",
+            faults=[Fault(_of_pose(run, pose.counted, pose.label)) for pose in found],
+        )  # fmt: skip
     discarded = {pose.discarded for pose in found if pose.discarded is not None}
     return UsedCycles(
         poses=tuple(pose.label for pose in found),
@@ -157,19 +160,23 @@ class _Pose:
     is_open: bool = False
     repeats: bool = False
 
+    @property
+    def counted(self) -> str:
+        return f"{len(self.rows)} of {len(self.rows) + (self.discarded is not None)} cycles count"
+
 
 def _of_one_pose(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> _Pose:
     numbers = run.cycle[rows]
     faults = tuple(_number_faults(run, rule, label, rows))
     repeats = repeats_in(run, rows)
     if repeats.p_value < REPEATED_BY_CHANCE and repeats.share > _MOST_REPEATED:
-        what = _of_pose(f"{repeats.said}: they are no readings of their own", label)
+        what = _of_pose(run, f"{repeats.said}: they are no readings of their own", label)
         return _Pose(label, rows, faults=(Fault(what), *faults), repeats=True)
     if faults:
         return _Pose(label, rows, faults=faults)
     drop = rule.drops_first(numbers)
     if drop is None:
-        fault = _count_fault(rule, label, numbers)
+        fault = _count_fault(run, rule, label, numbers)
         return _Pose(label, rows, faults=(fault,), is_open=rule.is_open(numbers))
     gaps = rule.gaps(numbers)
     if drop:
@@ -228,7 +235,7 @@ def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> 
             what = f"cycle {here} comes after cycle {before}: the order goes back"
         else:
             what = f"{name_gap(before + 1, here - 1)} missing"
-        yield Fault(_of_pose(what, label), line=_line(run, rows[k]))
+        yield Fault(_of_pose(run, what, label), line=_line(run, rows[k]))
 
 
 def name_gap(first: int, last: int) -> str:
@@ -236,7 +243,7 @@ def name_gap(first: int, last: int) -> str:
     return f"cycle {first} is" if first == last else f"cycles {first} to {last} are"
 
 
-def _count_fault(rule: _Rule, label: str | None, numbers: IntArray) -> Fault:
+def _count_fault(run: Run, rule: _Rule, label: str | None, numbers: IntArray) -> Fault:
     rows, first, last = len(numbers), int(numbers[0]), int(numbers[-1])
     what = f"{rows} cycles, numbered {first} to {last}"
     if rule.is_open(numbers):
@@ -250,7 +257,7 @@ def _count_fault(rule: _Rule, label: str | None, numbers: IntArray) -> Fault:
         what += f", where {rule.cycles - 1} are needed because the first is said to be discarded"
     else:
         what += f", where {rule.cycles} from 1 are needed (the first of them is discarded)"
-    return Fault(_of_pose(what, label))
+    return Fault(_of_pose(run, what, label))
 
 
 def _broken(run: Run, rule: _Rule, found: Sequence[_Pose]) -> DataError:
@@ -264,11 +271,10 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     if " twice" in said or any(pose.repeats for pose in found):
         return "take one row a visit, and number the cycles from 1"
     if "cycles_planned" in run.metadata:
-        return (
-            f"the recording of {run.origin.source} was cut short: record with `resume=True` goes "
-            f"on with it; or say `cycles={run.cycle.max()}`, with `allow_gaps=True` where some are "
-            "missing"
-        )
+        cut = f"the recording of {run.origin.source} was cut short"
+        last = {int(run.cycle[pose.rows[-1]]) for pose in found}
+        fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
+        return f"{cut}: record with `resume=True` goes on with it{fewer * (len(last) == 1)}"
     if any(pose.is_open for pose in found):
         return (
             "say `first_cycle_discarded=True` (or '# first_cycle_discarded: true' in the file) if "
@@ -283,8 +289,9 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     return "repeat the missing cycles, or say `cycles=N` for a test of another length"
 
 
-def _of_pose(what: str, label: str | None) -> str:
-    return what if label is None else f"pose {label}: {what}"
+def _of_pose(run: Run, what: str, label: str | None) -> str:
+    file = run.origin.files.get(label or "")
+    return what if label is None else f"pose {label}{f' ({file})' if file else ''}: {what}"
 
 
 def _line(run: Run, row: int) -> int | None:

@@ -186,7 +186,9 @@ def _jackknife(
     n = positions.shape[-1]
     groups = min(n, _JACKKNIFE_GROUPS)
     left_out = np.arange(n) % groups
-    without = np.stack([figure(positions[..., left_out != g]) for g in range(groups)], axis=-1)
+    # compress keeps the memory order, so that a pose's sums do not depend on the poses beside it
+    parts = (np.compress(left_out != g, positions, axis=-1) for g in range(groups))
+    without = np.stack([figure(part) for part in parts], axis=-1)
     tiny = np.finfo(np.float64).tiny
     logs = np.log(np.maximum(without, tiny))  # a single reading may hold all of the figure
     mean = logs.mean(axis=-1)

@@ -11,11 +11,17 @@ from scara_iso.faces import face
 if TYPE_CHECKING:
     from scara_iso.library.diagnoses import Diagnoses as Diagnoses
     from scara_iso.library.figures import analyze as analyze
-    from scara_iso.library.inputs import Table as Table, TableOptions as TableOptions
+    from scara_iso.library.inputs import (
+        Table as Table,
+        TableOptions as TableOptions,
+        Tables as Tables,
+        tables_of as tables_of,
+    )
     from scara_iso.library.loop import (
         diagnose as diagnose,
         diagnose_each as diagnose_each,
         diagnose_many as diagnose_many,
+        one_test as one_test,
     )
     from scara_iso.library.models import plan as plan, simulate as simulate
     from scara_iso.library.pushes import push as push

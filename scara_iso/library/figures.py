@@ -8,11 +8,11 @@ from pathlib import Path
 
 from scara_iso import iso9283
 from scara_iso.iso9283 import Analysis, DecisionRule
-from scara_iso.library.inputs import Table, TableOptions
+from scara_iso.library.inputs import TableOptions, Tables, tables_of
 
 
 def analyze(
-    table: Table,
+    table: Tables,
     *,
     unit: str | None = None,
     resolution: float | None = None,
@@ -28,6 +28,7 @@ def analyze(
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a table, with intervals and findings.
 
+    Several tables (a sequence, or the path of a folder) are poses of one test.
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``
     and ``sheet`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``, ``all_count`` and
     ``allow_gaps`` say which cycles count. ``limits`` are in mm (degrees for an angle) by figure
@@ -49,15 +50,15 @@ def analyze(
     return compared_with_its_manifest(analysis, table)
 
 
-def compared_with_its_manifest(analysis: Analysis, table: Table) -> Analysis:
+def compared_with_its_manifest(analysis: Analysis, table: Tables) -> Analysis:
     """Return the analysis with a finding for each file that changed since it was recorded."""
-    if not isinstance(table, str | Path) or table == "-":
+    paths = [Path(one) for one in tables_of(table) if isinstance(one, str | Path) and one != "-"]
+    if not paths:
         return analysis
     from scara_iso.acquisition import check_manifest
     from scara_iso.iso9283 import Finding
 
     said = {finding.said for finding in analysis.findings}
-    changed = [
-        Finding("edited", "warning", e) for e in check_manifest(Path(table)) if e not in said
-    ]
+    found = dict.fromkeys(line for path in paths for line in check_manifest(path))
+    changed = [Finding("edited", "warning", line) for line in found if line not in said]
     return replace(analysis, findings=(*analysis.findings, *changed))

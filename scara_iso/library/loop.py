@@ -11,19 +11,22 @@ from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
     Diagnosis,
+    DiagnosisOfPoses,
     close_the_loop,
     close_the_loop_at_poses,
 )
 from scara_iso.errors import ScaraIsoError
 from scara_iso.library.diagnoses import Diagnoses
-from scara_iso.library.inputs import Table, TableOptions
+from scara_iso.library.inputs import TableOptions, Tables
 from scara_iso.library.models import described
 from scara_iso.reporting import Failure
 from scara_iso.robot import Model, read_model
+from scara_iso.run import Run
+from scara_iso.tables import pose_in
 
 
 def diagnose(
-    table: Table,
+    table: Tables,
     model: Model | str | Path | None = None,
     *,
     pose: str | None = None,
@@ -35,26 +38,27 @@ def diagnose(
     cycles: int | None = None,
     all_count: bool = False,
     allow_gaps: bool = False,
-    hold_out: Table | None = None,
+    hold_out: Tables | None = None,
     sigma: float | None = None,
     seed: int = SEED,
-) -> Diagnosis | Diagnoses:
+) -> Diagnosis | DiagnosisOfPoses:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
-    A table of several poses gives the diagnosis of each by name, each against a constant, unless
-    ``pose`` names one; ``model``, ``hold_out`` (a second table, for the error on unseen cycles) and
-    ``sigma`` (the known scatter in mm) are for one pose. The other options are those of `analyze`,
-    for both tables. Same arguments, same result. Raises `DataError` for a table that cannot be
+    Several poses (a column, or several tables as in `analyze`) are each diagnosed against a
+    constant, at one level for all, and give a `DiagnosisOfPoses`; ``pose`` names one of them, which
+    a model, ``hold_out`` and ``sigma`` need. The other options are those of `analyze`, for both
+    tables: ``hold_out`` is a second one that measures the error on unseen cycles. ``sigma`` is the
+    known scatter in mm. Same arguments, same result. Raises `DataError` for a table that cannot be
     read, breaks the cycle rule, or is not of the model, and `UsageError` for a pose that is not
     there.
     """
     reading = TableOptions(unit, resolution, decimal, sheet)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     run = reading.read(table)
-    for_one_pose = (pose, model, hold_out, sigma)
-    if all(one is None for one in for_one_pose) and len(list(run.rows_by_pose())) > 1:
-        poses = close_the_loop_at_poses(run, wanted, seed=seed)
-        return Diagnoses(tuple(poses), tuple(poses.values()))
+    of_one = (pose, model, hold_out, sigma)
+    if len(list(run.rows_by_pose())) > 1 and all(option is None for option in of_one):
+        found = close_the_loop_at_poses(run, wanted, seed=seed)
+        return DiagnosisOfPoses(found, run.origin.notes if run.origin.files else ())
     return close_the_loop(
         run,
         None if model is None else described(model),
@@ -117,3 +121,23 @@ def _diagnose_one(
         return close_the_loop(run, known, wanted, seed=seed)
     except ScaraIsoError as error:
         return Failure(error.headline, error.exit_code)
+
+
+def one_test(tables: Sequence[str], reading: TableOptions) -> Run | None:
+    """Return the run of tables that name a pose each, None where one does not: they are unrelated.
+
+    Raises as `TableOptions.read`.
+    """
+    if len(tables) == 1 or all(_names_a_pose(table, reading) for table in tables):
+        return reading.read(tables)
+    return None
+
+
+def _names_a_pose(table: str, reading: TableOptions) -> bool:
+    if pose_in(Path(table).name):
+        return True
+    try:
+        run = reading.read(table)
+    except ScaraIsoError:
+        return False  # the summary of unrelated tables says why
+    return run.pose is not None or "pose" in run.metadata

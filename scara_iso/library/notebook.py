@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.comparison import Comparison
-from scara_iso.diagnosis import Diagnosis
+from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses
 from scara_iso.iso9283 import Analysis, PosePlan, PushResult
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.reports import TestReport
@@ -21,6 +21,7 @@ from scara_iso.reporting import (
     diagnosis_report,
     document,
     plan_report,
+    poses_report,
     push_report,
     readings_report,
     summary_report,
@@ -39,6 +40,7 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
     Comparison: ("Comparison", comparison_report),
     Diagnoses: ("Diagnoses", lambda found: summary_report(found.names, found.found)),
     Diagnosis: ("Diagnosis", lambda found: diagnosis_report(found, "")),
+    DiagnosisOfPoses: ("Diagnosis of several poses", lambda found: poses_report(found, "")),
     PosePlan: ("Plan of the test", plan_report),
     PushResult: ("Push test", push_report),
     Run: ("Readings", readings_report),

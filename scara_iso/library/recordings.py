@@ -13,10 +13,12 @@ from scara_iso.acquisition import (
     RecordingPlan,
     Said,
     SystemDisk,
+    Tour,
     check_metadata,
     choose_clock,
     is_recorded,
     parse_gauges,
+    parse_poses,
     parse_trigger,
 )
 from scara_iso.iso9283 import CYCLES_RUN
@@ -40,6 +42,7 @@ def record(
     *,
     trigger: str,
     cycles: int = CYCLES_RUN,
+    pose: str | Sequence[str] | None = None,
     stable: int = 1,
     rearm: float | None = None,
     unit: str | None = None,
@@ -54,17 +57,19 @@ def record(
     ``gauges`` are ``AXIS=DRIVER@PORT``, ``trigger`` is ``data``, ``timer:SECONDS``, or ``enter``
     with an ``operator`` whose ``poll()`` gives the commands. ``tell`` hears each event, a stored
     reading only once it is safe on the disk. ``stable`` readings in a row must agree; none counts
-    within ``rearm`` seconds of the last (0.5, for recorded streams 0). ``metadata`` goes into the
+    within ``rearm`` seconds of the last (0.5, for recorded streams 0). ``pose`` names the poses
+    of every cycle, in their order: ``"P1,P2"`` or a sequence. ``metadata`` goes into the
     table's head. Raises `UsageError` for invalid options, `InstrumentError` for a
     port, `CannotCreateError` and `WriteError` for the files.
     """
     specs = parse_gauges(gauges, unit=unit)
     recorded = all(is_recorded(spec.address) for spec in specs)
     pause = rearm if rearm is not None else 0.0 if recorded else _REARM_S
+    tour = Tour() if pose is None else Tour(parse_poses(pose))
     job = Job(
         Path(table),
         specs,
-        RecordingPlan(parse_trigger(trigger), cycles, stable, pause),
+        RecordingPlan(parse_trigger(trigger), cycles, stable, pause, tour),
         check_metadata(dict(metadata or {})),
         resume,
         excel_locale,

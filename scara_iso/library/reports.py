@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso import iso9283
 from scara_iso.diagnosis import (
@@ -25,7 +25,7 @@ from scara_iso.frames import is_frame
 from scara_iso.iso9283 import Analysis, DecisionRule, poses_in_cycles
 from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest
-from scara_iso.library.inputs import Table, TableOptions
+from scara_iso.library.inputs import Table, TableOptions, Tables, every, tables_of, together_as
 from scara_iso.library.statements import restate
 from scara_iso.render import find_format
 from scara_iso.reporting import (
@@ -45,6 +45,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+Held: TypeAlias = tuple[InputFile, bytes]
+"""A file that a report is made of, and the very bytes of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class TestReport(Displayed):
     """A test report: what it is made of in ``dossier``."""
@@ -52,8 +56,8 @@ class TestReport(Displayed):
     dossier: Dossier
     files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """The bytes that it was made from, by name."""
-    table: Path | None = None
-    """Path of its table, where it was read from one."""
+    tables: tuple[Path, ...] = ()
+    """Paths of its tables, where it was read from some."""
 
     def __repr__(self) -> str:
         return f"<TestReport of {self.dossier.provenance.files[0].name}>"
@@ -86,8 +90,8 @@ class TestReport(Displayed):
         versions and SHA-256 of all; the same input gives the same bytes. Errors as in `write`.
         """
         data = dict(self.files)
-        if self.table is not None:
-            data |= with_recording(self.table)
+        for table in self.tables:
+            data |= with_recording(table)
         made = self.dossier.provenance
         document_ = document(self.dossier)
         about = {"report": document_.title, "program": made.version, "command": made.command}
@@ -97,7 +101,7 @@ class TestReport(Displayed):
 
 
 def report(
-    table: Table,
+    table: Tables,
     *,
     model: str | Path | None = None,
     to: str | Path | None = None,
@@ -123,12 +127,13 @@ def report(
     ``model`` is a model file: diagnosis and backlash with it. ``to`` also writes the report, as
     `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made.
     ``metadata`` fills or overrides what the table states, and the report says which; ``supersedes``
-    is the number of the report in whose place this one stands, for ``reason``. The other options
-    are those of `analyze`. Errors as in `analyze`, `diagnose` and `TestReport.write`.
+    is the number of the report in whose place this one stands, for ``reason``. The other options,
+    and what ``table`` may be, are those of `analyze`. Errors as in `analyze`, `diagnose` and
+    `TestReport.write`.
     """
     write = None if to is None else _writer(Path(to), excel_locale)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    run, file, data = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
+    run, held = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
     run, restated = restate(run, metadata or {})
     amendment = _amendment(run, supersedes, reason)
     described = None if model is None else read_model(model)
@@ -141,22 +146,27 @@ def report(
         limits=limits,
         decision=decision,
     )
-    files, kept = [file], {Path(file.name).name or "table": data}
-    if model is not None:
-        described_by = Path(model).read_bytes()
-        files.append(InputFile("model", str(model), _hex(described_by)))
-        kept[Path(model).name] = described_by
+    held += () if model is None else (_held("model", str(model), Path(model).read_bytes()),)
     dossier = Dossier(
         analysis=compared_with_its_manifest(analysis, table),
-        provenance=Provenance(tuple(files), _version(), command, restated),
+        provenance=Provenance(tuple(file for file, _ in held), _version(), command, restated),
         diagnoses=_diagnoses(analysis, described, wanted),
         gearboxes={} if described is None else _gearboxes(described),
         amendment=amendment,
     )
     if to is not None and write is not None:
         write_file(Path(to), write(dossier))
-    path = Path(table) if isinstance(table, str | Path) and table != "-" else None
-    return TestReport(dossier, kept, path)
+    paths = (Path(one) for one in tables_of(table) if isinstance(one, str | Path) and one != "-")
+    return TestReport(dossier, _named(held), tuple(paths))
+
+
+def _named(held: Sequence[Held]) -> dict[str, bytes]:
+    """Return the bytes by file name; of two files with one name the second is numbered."""
+    found: dict[str, bytes] = {}
+    for k, (file, data) in enumerate(held, 1):
+        name = Path(file.name).name or "table"
+        found[f"{k}-{name}" if name in found else name] = data
+    return found
 
 
 def _version() -> str:
@@ -195,21 +205,30 @@ def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     return lambda dossier: spelled(document(dossier))
 
 
-def _read(table: Table, reading: TableOptions, pose: str | None) -> tuple[Run, InputFile, bytes]:
-    """Return the run of a table, and the very bytes that it was read from with their hash."""
+def _read(tables: Tables, reading: TableOptions, pose: str | None) -> tuple[Run, tuple[Held, ...]]:
+    """Return the run of tables, and the very bytes that it was read from."""
+    found = tables_of(tables)
+    known = every(found, partial(_hold, reading=reading), f"of {len(found)} tables")
+    run = reading.read([table for table, _ in known])
+    if len(found) > 1 and (source := together_as(tables)):
+        run = replace(run, origin=replace(run.origin, source=source))
+    return _at(run, pose, run.origin.source), tuple(held for _, held in known)
+
+
+def _hold(table: Table, reading: TableOptions) -> tuple[Table, Held]:
+    """Return a table whose bytes cannot change any more, and those."""
     if isinstance(table, Run) or is_frame(table):
         run = reading.read(table)
-        data, name = write_table(run).encode(), run.origin.source
-        return (
-            _at(run, pose, name),
-            InputFile("run, as write_table gives it", name, _hex(data)),
-            data,
-        )
+        data = write_table(run).encode()
+        return table, _held("run, as write_table gives it", run.origin.source, data)
     data, name = read_bytes(table)
     file = BytesIO(data)
     setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-    run = reading.read(file)
-    return _at(run, pose, name), InputFile("table", name, _hex(data)), data
+    return file, _held("table", name, data)
+
+
+def _held(role: str, name: str, data: bytes) -> Held:
+    return InputFile(role, name, sha256(data).hexdigest()), data
 
 
 def _at(run: Run, pose: str | None, name: str) -> Run:
@@ -223,10 +242,6 @@ def _at(run: Run, pose: str | None, name: str) -> Run:
         )
     run = run.take(rows[pose])
     return replace(run, metadata={**run.metadata, "pose": pose})
-
-
-def _hex(data: bytes) -> str:
-    return sha256(data).hexdigest()
 
 
 def _diagnoses(

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         backlash_json as backlash_json,
         design_json as design_json,
         diagnosis_json as diagnosis_json,
+        poses_diagnosis_json as poses_diagnosis_json,
     )
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json

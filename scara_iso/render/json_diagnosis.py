@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import (
         Design,
         Diagnosis,
+        DiagnosisOfPoses,
         Found,
         GearDiagnosis,
         GearFound,
@@ -30,9 +31,26 @@ _CROSSING = "load_deviation_rad inertia_ratio deviation_mm"
 
 def diagnosis_json(diagnosis: Diagnosis) -> Json:
     """Return the JSON object of ``diagnose``, schema ``scara-iso/diagnose/1``."""
+    return {"schema": "scara-iso/diagnose/1", "unit": "mm", **_of_one_pose(diagnosis)}
+
+
+def poses_diagnosis_json(found: DiagnosisOfPoses) -> Json:
+    """Return the JSON object of ``diagnose`` on several poses, schema ``scara-iso/diagnose/2``."""
+    poses = [{"pose": pose, **_of_one_pose(one)} for pose, one in found.poses.items()]
+    for pose in poses:
+        del pose["effects"]  # they stand together, each with its poses
     return {
-        "schema": "scara-iso/diagnose/1",
+        "schema": "scara-iso/diagnose/2",
         "unit": "mm",
+        **picked(found, f"verdict {_CHANCE}"),
+        "effects": [{**_found(one), "poses": list(one.poses)} for one in found.effects],
+        "poses": poses,
+        "notes": list(found.notes),
+    }
+
+
+def _of_one_pose(diagnosis: Diagnosis) -> Json:
+    return {
         **picked(diagnosis, f"verdict {_CHANCE}"),
         "effects": [_found(found) for found in diagnosis.effects],
         "candidates": each(diagnosis.candidates, _RIVAL),

@@ -42,7 +42,7 @@ class LiveView:
 
     title: str
     stored: int
-    cycles: int
+    planned: int
     axes: Sequence[AxisView]
     status: tuple[str, str] = ("", "plain")
     """The last thing that happened, and its tone: good, bad, quiet or plain."""
@@ -51,6 +51,8 @@ class LiveView:
     keys: str = ""
     prompt: str = ""
     """A question and what was typed so far, in the place of the keys."""
+    counted: str = "cycles"
+    """What ``stored`` and ``planned`` count."""
 
 
 class LiveScreen:
@@ -99,20 +101,20 @@ def _foot(view: LiveView, *, blocks: bool) -> list[RenderableType]:
 
 
 def _head(view: LiveView, width: int) -> Text:
-    words = "cycles stored" if width >= _WIDE else "stored"
-    count = f"{view.stored} of {view.cycles} {words}"
+    words = f"{view.counted} stored" if width >= _WIDE else "stored"
+    count = f"{view.stored} of {view.planned} {words}"
     title = printable(view.title)
     room = width - len(count) - 2 * len(_INDENT) - 1
     if len(title) > room:
         title = "…" + title[len(title) - room + 1 :] if room > 4 else ""
     line = Text(f"{_INDENT}{title:<{room}} ", "bold")
-    line.append(f"{count}", "bold" if view.stored < view.cycles else "bold green")
+    line.append(f"{count}", "bold" if view.stored < view.planned else "bold green")
     return line
 
 
 def _progress(view: LiveView, width: int, *, blocks: bool) -> Text:
     room = width - 2 * len(_INDENT)
-    done = min(room, room * view.stored // max(view.cycles, 1))
+    done = min(room, room * view.stored // max(view.planned, 1))
     full, empty = ("━", "─") if blocks else ("#", ".")
     return Text.assemble(_INDENT, (full * done, "green"), (empty * (room - done), "dim"))
 

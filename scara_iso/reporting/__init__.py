@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from scara_iso.reporting.diagnosis import (
         Failure as Failure,
         diagnosis_report as diagnosis_report,
+        poses_report as poses_report,
         summary_report as summary_report,
     )
     from scara_iso.reporting.digits import U_of_scatter as U_of_scatter, rounded as rounded

@@ -28,6 +28,7 @@ from scara_iso.reporting.characteristics import characteristics
 from scara_iso.reporting.digits import U_of_scatter, interval, rounded
 from scara_iso.reporting.drift import drift_sections, drift_verdict
 from scara_iso.reporting.limits import conformity, limits
+from scara_iso.reporting.poses import poses_table
 from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
 
 _NAMED_FIRST = 5
@@ -64,6 +65,7 @@ def verdict(analysis: Analysis) -> Iterator[Block]:
         yield Text(_headline(analysis.poses[0]), "strong")
     else:
         yield Text(_largest(analysis.poses), "strong")
+        yield poses_table(analysis.poses)
     yield from _warnings(analysis)
     yield Text(cycles_said(analysis))
     yield from conformity(analysis)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from scara_iso.diagnosis import Diagnosis, Found, Rival, Verdict
+from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, Found, Rival, Verdict
 from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import (
     Block,
@@ -40,6 +40,34 @@ def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
     sections.append(Section("measured minus predicted", tuple(_strips(diagnosis))))
     notices = tuple(_notices(diagnosis))
     return (*sections, *((Section("notes", notices),) if notices else ()))
+
+
+def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
+    """Return what is said of several poses: a row for each, and the effects behind."""
+    rows = tuple(_summary(pose, one) for pose, one in found.poses.items())
+    head: tuple[Block, ...] = (
+        Text(f"diagnosis of {title}", "strong"),
+        *(Text(note, "quiet") for note in found.notes),
+        Text(_of_all(found), "strong"),
+        Table(("pose", "verdict", "effects", "p"), rows, "each pose against a constant"),
+    )
+    behind = (part for pose, one in found.poses.items() for part in _of_pose(f"pose {pose}", one))
+    return (Section("", head), *behind)
+
+
+def _of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
+    for found in one.effects:
+        yield Section(f"{name}: {words(found.effect)}", tuple(_effect(found)))
+    if one.effects:
+        yield Section(f"{name}: error and repeatability", tuple(_figures(one)))
+    if notices := tuple(_notices(one)):
+        yield Section(f"{name}: notes", notices)
+
+
+def _of_all(found: DiagnosisOfPoses) -> str:
+    verdicts = [one.verdict.value for one in found.poses.values()]
+    counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
+    return f"{len(verdicts)} poses: {counts}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,7 +60,8 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         part for part in (how, _said_columns(run, scales, lines), run.origin.understood) if part
     )
     notes[:0] = _said_numbers(columns, run)
-    return replace(run, origin=Origin(faults.where, understood, tuple(notes)))
+    units = {name: scales[name].unit.name for name in run.axes}
+    return replace(run, origin=Origin(faults.where, understood, tuple(notes), units))
 
 
 def _check_layout(layout: Layout, faults: Faults) -> None:

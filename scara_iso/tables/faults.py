@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
-from scara_iso.errors import DataError, Fault
+from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError
 
 KEPT = 1000
 """Faults that a `DataError` lists; more are counted."""
@@ -56,6 +56,25 @@ class Faults:
 def refuse(where: str, message: str, *, remedy: str) -> DataError:
     """Return the `DataError` of a file that is refused as a whole."""
     return DataError(message, where=where, remedy=remedy, faults=(Fault(message),))
+
+
+def together(errors: Sequence[ScaraIsoError], where: str, what: str = "") -> ScaraIsoError:
+    """Return one error with the faults of several files, each named; the only one as it is."""
+    if len(errors) == 1:
+        return errors[0]
+    what = what or f"{len(errors)} tables cannot be read"
+    remedy = "; ".join(dict.fromkeys(error.remedy for error in errors if error.remedy))
+    if all(isinstance(error, NoInputError) for error in errors):
+        said = "; ".join(error.headline for error in errors)
+        return NoInputError(f"{what}: {said}", where=where, remedy=remedy)
+    faults = [fault for error in errors for fault in _named(error)]
+    return DataError(what, where=where, remedy=remedy, faults=faults)
+
+
+def _named(error: ScaraIsoError) -> list[Fault]:
+    of_it = error.faults if isinstance(error, DataError) else ()
+    below = (Fault(f"{error.where}: {fault}") for fault in of_it if fault.message != error.what)
+    return [Fault(error.headline), *below]
 
 
 def quoted(text: str) -> str:

@@ -10,15 +10,17 @@ from statistics import median_low
 
 import numpy as np
 
-from scara_iso.errors import DataError, UsageError
+from scara_iso.errors import UsageError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
+from scara_iso.tables.blocks import Line, find_blocks, has_blocks
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
-from scara_iso.tables.faults import Faults, listed, quoted, refuse
+from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark, count_decimals
+from scara_iso.tables.sheets import NO_HEADER, read_blocks, read_workbook
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     LINE_LIMIT,
@@ -33,7 +35,6 @@ from scara_iso.tables.text import (
 )
 
 _ABOVE = 200
-_NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 
 
 def read_table(
@@ -66,9 +67,9 @@ def read_table(
     options = ReadOptions(unit, resolution, decimal, sheet)
     data, name = read_bytes(source)
     if not data.strip():
-        raise refuse(name, "the file is empty", remedy=_NO_HEADER)
+        raise refuse(name, "the file is empty", remedy=NO_HEADER)
     if data.startswith(WORKBOOK):
-        return _read_workbook(data, name, options)
+        return read_workbook(data, name, options)
     if data.startswith(OLD_WORKBOOK):
         raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
     if sheet is not None:
@@ -85,6 +86,8 @@ def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
     _check_length(1, head, faults)
     faults.check()
     delimiter, rows, layout = _understand(head, name)
+    if has_blocks(rows) and (blocks := find_blocks(_split_all(text, delimiter, name))):
+        return read_blocks(blocks, name, options, f"{delimiter.value}, {encoding}")
     columns = Columns(layout, options.decimal, faults)
     body = Body(layout, faults)
     for first, lines in chunks(text):
@@ -100,6 +103,16 @@ def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
     if delimiter is Delimiter.COMMA and not columns.marks and options.decimal is None:
         _check_split(run, layout, name)
     return run
+
+
+def _split_all(text: str, delimiter: Delimiter, name: str) -> list[Line]:
+    faults = Faults(name)
+    lines = text.split("\n")
+    _check_length(1, lines, faults)
+    faults.check()
+    rows: list[Line] = [(line, cells) for line, cells in _split_each(1, lines, delimiter, faults)]
+    faults.check()
+    return rows
 
 
 def _check_split(run: Run, layout: Layout, name: str) -> None:
@@ -165,7 +178,7 @@ def _understand(head: list[str], name: str) -> tuple[Delimiter, list[Row], Layou
         raise refuse(
             name,
             f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines",
-            remedy=_NO_HEADER,
+            remedy=NO_HEADER,
         )
     return best[1:]
 
@@ -198,56 +211,3 @@ def _said(columns: Columns, decimal: str | None) -> str:
     if decimal is not None:
         return "decimal comma as asked" if decimal == "," else "decimal point as asked"
     return "decimal comma" if columns.marks.keys() & {Mark.COMMA} else "decimal point"
-
-
-def _read_workbook(data: bytes, name: str, options: ReadOptions) -> Run:
-    from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - zip and XML for few
-
-    found: dict[str, tuple[list[Row], Layout, list[list[Cell]]]] = {}
-    names: list[str] = []
-    for title, cells in read_sheets(data, name):
-        names.append(title)
-        if options.sheet not in (None, title):
-            continue
-        rows = [
-            Row(k, texts, _joined(texts), k)
-            for k, texts in enumerate(([_as_text(c) for c in row] for row in cells[:HEAD]), 1)
-        ]
-        layout = find_layout(rows)
-        if layout:
-            found[title] = rows, layout, cells
-    if len(found) != 1:
-        raise _which_sheet(name, names, list(found), options.sheet)
-    ((title, (rows, layout, cells)),) = found.items()
-    faults = Faults(name)
-    columns = Columns(layout, options.decimal, faults)
-    body = Body(layout, faults)
-    numbered = enumerate(cells[layout.data_line - 1 :], layout.data_line)
-    columns.add(list(body.sort(numbered)))
-    return assemble(rows, columns, body, options, f"workbook, sheet {quoted(title)}")
-
-
-def _as_text(cell: Cell) -> str:
-    return cell if isinstance(cell, str) else f"{cell:.15g}"
-
-
-def _joined(cells: list[str]) -> str:
-    return ", ".join(cell.strip() for cell in cells if cell.strip())
-
-
-def _which_sheet(name: str, names: list[str], found: list[str], asked: str | None) -> DataError:
-    if asked is not None and asked not in names:
-        return refuse(
-            name,
-            f"no sheet {quoted(asked)}; there are {listed(map(quoted, names))}",
-            remedy="name one of them with `sheet=`",
-        )
-    if not found:
-        return refuse(
-            name, "no sheet with a header that names an axis X, Y, Z or theta", remedy=_NO_HEADER
-        )
-    return refuse(
-        name,
-        f"sheets {listed(map(quoted, found))} hold a table each",
-        remedy=f"say which, for example `sheet={quoted(found[0])}`",
-    )

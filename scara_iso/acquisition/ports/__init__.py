@@ -10,7 +10,12 @@ from scara_iso.acquisition.ports.clock import Clock, StreamClock, SystemClock
 from scara_iso.acquisition.ports.device import DevicePort
 from scara_iso.acquisition.ports.identity import Device, list_devices, refuse_same_device
 from scara_iso.acquisition.ports.port import Port, split_options
-from scara_iso.acquisition.ports.replay import PULSE, ReplayPort, replay_is_paced
+from scara_iso.acquisition.ports.replay import (
+    PULSE,
+    ReplayPort,
+    replay_is_paced,
+    replayed_poses,
+)
 from scara_iso.acquisition.ports.simulated import Signal, SimulatedPort, simulation_is_paced
 
 __all__ = [
@@ -31,6 +36,7 @@ __all__ = [
     "list_devices",
     "open_port",
     "refuse_same_device",
+    "replayed_poses",
     "split_options",
 ]
 

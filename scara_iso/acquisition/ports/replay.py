@@ -13,7 +13,7 @@ import heapq
 import math
 import re
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -111,6 +111,19 @@ def replay_is_paced(address: str) -> bool:
     return split_options(address.removeprefix("replay:"), OPTIONS)[1].get("pace", "0") != "0"
 
 
+def replayed_poses(address: str) -> tuple[str, ...]:
+    """Return the poses of a raw file that is to be replayed; none where it names none."""
+    if not address.startswith("replay:"):
+        return ()
+    path = Path(split_options(address.removeprefix("replay:"), OPTIONS)[0])
+    with open_file(path) as file:
+        if not is_tape(file.read(16)):
+            return ()
+    records = (record for _, record in read_tape(path) if record)
+    first = next((one for one in records if one["event"] == "session"), {})
+    return tuple(map(str, first.get("poses", ())))
+
+
 def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
     with open_file(path) as file:
         tape = is_tape(file.read(16))
@@ -148,11 +161,12 @@ def _from_tape(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Strea
 
 
 def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
-    """Return the frames that became readings of the table, by cycle, with their times [s].
+    """Return the frames that became readings of the table, by visit, with their times [s].
 
     A reading is stored behind the bytes that brought it: its frame is the last with its text.
     """
-    found: dict[int, tuple[float, bytes]] = {}
+    found: dict[tuple[int, int], tuple[float, bytes]] = {}
+    poses: list[str] = []
     frames: dict[str, bytes] = {}
     for time, record in _of_axis(path, axis):
         match record:
@@ -160,6 +174,7 @@ def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
                 if gauges[axis].get("dialect") != dialect.key:
                     return []
                 decoder, frames = Decoder(dialect), {}
+                poses = poses or record.get("poses", [])
             case {"event": "in", "hex": str(text)}:
                 heard = decoder.feed(bytes.fromhex(text))
                 frames |= {e.text: e.raw for e in heard if isinstance(e, Reading)}
@@ -169,11 +184,16 @@ def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
                         f"the bytes of cycle {cycle}, axis {axis}, are missing",
                         where=str(path), remedy="`rebuild=True` makes the table of what was stored",
                     )  # fmt: skip
-                found[cycle] = (time - float(record["t"]) + at, frames[text] + dialect.terminator)
+                stored = time - float(record["t"]) + at, frames[text] + dialect.terminator
+                found[_place(record, poses)] = stored
                 frames.clear()
-            case {"event": "void", "cycle": int(cycle), "axes": [*axes]} if axis in axes:
-                found.pop(cycle, None)
-    return [found[cycle] for cycle in sorted(found)]
+            case {"event": "void", "cycle": int(), "axes": [*axes]} if axis in axes:
+                found.pop(_place(record, poses), None)
+    return [found[place] for place in sorted(found)]
+
+
+def _place(record: Record, poses: Sequence[str]) -> tuple[int, int]:
+    return int(record["cycle"]), poses.index(record["pose"]) if "pose" in record else 0
 
 
 def _received(path: Path, axis: str, *, asked: bool) -> Stream:

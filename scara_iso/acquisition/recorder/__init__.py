@@ -44,6 +44,7 @@ from scara_iso.acquisition.recorder.spec import (
     read_metadata,
 )
 from scara_iso.acquisition.recorder.table import rebuild
+from scara_iso.acquisition.recorder.tour import Tour, parse_poses
 from scara_iso.disk import Disk, SystemDisk
 
 __all__ = [
@@ -73,6 +74,7 @@ __all__ = [
     "SystemDisk",
     "Take",
     "Timer",
+    "Tour",
     "Trigger",
     "Void",
     "Voided",
@@ -83,6 +85,7 @@ __all__ = [
     "manifest_path",
     "parse_gauges",
     "parse_metadata",
+    "parse_poses",
     "parse_trigger",
     "raw_path",
     "read_history",

@@ -14,7 +14,7 @@ VOIDABLE = 100
 
 
 class AxisReadings:
-    """Readings of one axis by cycle [mm or deg], in the memory of one number each."""
+    """Readings of one axis by visit [mm or deg], in the memory of one number each."""
 
     def __init__(self) -> None:
         self.values = array("d")
@@ -25,7 +25,7 @@ class AxisReadings:
         self.resolution = 0.0
         """The coarsest that was sent: never states more than every reading holds."""
 
-    def put(self, cycle: int, text: str, unit: str) -> None:
+    def put(self, visit: int, text: str, unit: str) -> None:
         """Take a reading; `ValueError` says what is wrong with it."""
         size = find_unit(unit)
         if size is None:
@@ -34,27 +34,27 @@ class AxisReadings:
             raise ValueError(f"{unit} after {self.dimension.value}")
         if parse_number(text) is None:
             raise ValueError(f"{text[:40]!r} is no reading")
-        grow(self.values, cycle)
-        if not math.isnan(self.values[cycle - 1]):
+        grow(self.values, visit)
+        if not math.isnan(self.values[visit - 1]):
             raise ValueError("stored twice")
-        self.values[cycle - 1] = size.read(text)
+        self.values[visit - 1] = size.read(text)
         count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
         self.resolution = max(self.resolution, size.to_base(count))
         self.dimension, self.unit = size.dimension, unit
-        self.shown.append((cycle, text))
+        self.shown.append((visit, text))
 
-    def void(self, cycle: int) -> None:
-        """Strike out the reading of a cycle."""
-        if cycle <= len(self.values):
-            self.values[cycle - 1] = math.nan
-            self.shown = deque((one for one in self.shown if one[0] != cycle), maxlen=VOIDABLE)
+    def void(self, visit: int) -> None:
+        """Strike out the reading of a visit."""
+        if visit <= len(self.values):
+            self.values[visit - 1] = math.nan
+            self.shown = deque((one for one in self.shown if one[0] != visit), maxlen=VOIDABLE)
 
-    def text(self, cycle: int) -> str:
+    def text(self, visit: int) -> str:
         """Return the latest readings' text, and nothing for one that is too old to be struck."""
-        return dict(self.shown).get(cycle, "")
+        return dict(self.shown).get(visit, "")
 
-    def __contains__(self, cycle: int) -> bool:
-        return cycle <= len(self.values) and not math.isnan(self.values[cycle - 1])
+    def __contains__(self, visit: int) -> bool:
+        return visit <= len(self.values) and not math.isnan(self.values[visit - 1])
 
 
 def grow(values: array[float], size: int) -> None:

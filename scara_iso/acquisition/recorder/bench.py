@@ -140,20 +140,25 @@ class Bench:
             if gauge.quiet_after(QUIET) <= self._clock.now() and (dropped := gauge.forgive()):
                 self.problem(gauge, "garbage", dropped.reason)
 
-    def doubt(self, readings: Iterable[Taken]) -> bool:
+    def doubt(self, readings: Iterable[Taken], visit: int) -> bool:
         """Say whether a display seems changed; `DisplayChangedError` at the second such answer.
 
         One of them may be a damaged frame, and is told.
         """
         for taken in readings:
             gauge = taken.gauge
-            reason = gauge.shown.changed(taken.reading.text)
+            reason = gauge.shown.changed(taken.reading.text, visit)
             gauge.odd = gauge.odd + 1 if reason else 0
             if gauge.odd > 1:
                 raise _changed(gauge, reason)
             if reason:
                 self.problem(gauge, "changed", f"{reason}: asked again")
         return any(taken.gauge.odd for taken in readings)
+
+    def trust(self) -> None:
+        """Take no display for changed: somebody has put it right."""
+        for gauge in self.gauges:
+            gauge.odd = 0
 
     def take_damaged(self) -> list[str]:
         """Return the axes whose line could not be read, or was a fault, since the last call."""

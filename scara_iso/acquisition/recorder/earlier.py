@@ -36,6 +36,7 @@ def read_earlier(job: Job) -> History:
     if history.header or history.faults:
         history.check()
         _refuse_other_gauges(job, history)
+        _refuse_other_poses(job, history)
     _refuse_changed_table(job.table, history)
     history.inherit(doubts_beside(raw, history))
     _refuse_gaps(history)
@@ -44,10 +45,11 @@ def read_earlier(job: Job) -> History:
 
 def strike_cut_short(earlier: History, journal: Journal) -> None:
     """Strike out what a crash left of a cycle whose gauges are asked together."""
-    cycle = earlier.cycle
+    visit = earlier.visit
     if cut := earlier.cut_short():
-        journal.append("void", cycle=cycle, axes=cut, reason="the cycle was cut short")
-        earlier.strike(cycle, cut)
+        stated = earlier.tour.state(visit)
+        journal.append("void", **stated, axes=cut, reason="the cycle was cut short")
+        earlier.strike(visit, cut)
 
 
 def _refuse_other_gauges(job: Job, history: History) -> None:
@@ -58,6 +60,16 @@ def _refuse_other_gauges(job: Job, history: History) -> None:
             f"recorded with {_listed(recorded)}, and now {_listed(given)}",
             where=history.source,
             remedy="give the same `gauge=` options, or none",
+        )
+
+
+def _refuse_other_poses(job: Job, history: History) -> None:
+    recorded, given = (",".join(tour.poses) for tour in (history.tour, job.plan.tour))
+    if recorded != given:
+        raise UsageError(
+            f"recorded at {recorded or 'one pose without a name'}, and now at {given or 'one'}",
+            where=history.source,
+            remedy=f"give `pose={recorded}`" if recorded else "leave `pose=` out",
         )
 
 
@@ -81,10 +93,10 @@ def _is_made_of(history: History, table: Path) -> bool:
 
 
 def _refuse_gaps(history: History) -> None:
-    cycle = history.cycle
-    if any(history.present(later) for later in range(cycle + 1, len(history.times) + 1)):
+    visit = history.visit
+    if any(history.present(later) for later in range(visit + 1, len(history.times) + 1)):
         raise DataError(
-            f"cycle {cycle} is missing and later ones are there",
+            f"{history.tour.name(visit)} is missing and later ones are there",
             where=history.source,
             remedy="make the table of what is there with `rebuild=True`, and repeat the test",
         )

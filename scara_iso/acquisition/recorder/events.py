@@ -12,12 +12,17 @@ ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "ch
 
 @dataclass(frozen=True, slots=True)
 class Started:
-    """The session begins, or goes on, with ``cycle``; ``gauges`` says what is on each axis."""
+    """The session begins, or goes on, with ``cycle``; ``gauges`` says what is on each axis.
+
+    Here and below, ``pose`` is None where the poses have no names.
+    """
 
     gauges: Mapping[str, str]
     cycle: int
     cycles: int
     trigger: str
+    pose: str | None = None
+    poses: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +31,7 @@ class Waiting:
 
     cycle: int
     missing: tuple[str, ...]
+    pose: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +46,19 @@ class Stored:
     value: float
     text: str
     unit: str
+    pose: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class CycleDone:
-    """Every axis of the cycle is stored; ``discarded`` for the one that `analyze` leaves out."""
+    """Every axis of the cycle (at ``pose``) is stored.
+
+    ``discarded`` for the one that `analyze` leaves out.
+    """
 
     cycle: int
     discarded: bool
+    pose: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +70,7 @@ class Gross:
     value: float
     distance: float
     message: str
+    pose: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +106,7 @@ class Voided:
     cycle: int
     axes: tuple[str, ...]
     reason: str
+    pose: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,12 +144,15 @@ _NAMES = {CycleDone: "cycle", Noticed: "notice", Noted: "note"}
 def as_json(said: Said) -> dict[str, object]:
     """Return the JSON object of one line."""
     match said:
-        case Stored(cycle=cycle, axis=axis, value=value):
-            return {"event": "stored", "cycle": cycle, "axis": axis, "value": value}
+        case Stored(cycle=cycle, axis=axis, value=value, pose=pose):
+            found = {"event": "stored", "cycle": cycle, "pose": pose, "axis": axis, "value": value}
         case Problem(axis=axis, kind=kind, message=message):
-            return {"event": kind, "axis": axis, "message": message}
-    event = _NAMES.get(type(said), type(said).__name__.lower())
-    return {"event": event, **{f.name: _plain(getattr(said, f.name)) for f in fields(said)}}
+            found = {"event": kind, "axis": axis, "message": message}
+        case _:
+            event = _NAMES.get(type(said), type(said).__name__.lower())
+            stated = {f.name: _plain(getattr(said, f.name)) for f in fields(said)}
+            found = {"event": event, **stated}
+    return {key: value for key, value in found.items() if value is not None}
 
 
 def _plain(value: object) -> object:

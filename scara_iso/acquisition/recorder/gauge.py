@@ -52,6 +52,7 @@ class Gauge:
         *,
         unit: str | None,
         unit_from: str = "the option",
+        poses: int = 1,
     ) -> None:
         self.axis = axis
         self.dialect = dialect
@@ -61,7 +62,7 @@ class Gauge:
         self.outstanding = 0
         self.unit_asked = self.doubtful = False
         self.slowest = 0.0
-        self.shown = Shown(fixed_decimals=dialect.fixed_decimals)
+        self.shown = Shown(fixed_decimals=dialect.fixed_decimals, poses=poses)
         self.odd = 0
         self._active = -math.inf
         self._channel: str | None = None

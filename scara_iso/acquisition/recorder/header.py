@@ -17,10 +17,10 @@ from scara_iso.errors import UsageError
 def make_gauges(job: Job, ports: Sequence[Port], earlier: History) -> list[Gauge]:
     """Return the gauges of a job; `UsageError` where one states another unit than before."""
     specs = zip(job.gauges, ports, strict=True)
-    return [_gauge(spec, port, earlier) for spec, port in specs]
+    return [_gauge(spec, port, earlier, poses=len(job.plan.tour)) for spec, port in specs]
 
 
-def _gauge(spec: GaugeSpec, port: Port, earlier: History) -> Gauge:
+def _gauge(spec: GaugeSpec, port: Port, earlier: History, *, poses: int) -> Gauge:
     """Return the gauge; its unit is that of the readings there are, where there are some."""
     column = earlier.columns.get(spec.axis)
     recorded = column.unit if column else None
@@ -31,8 +31,10 @@ def _gauge(spec: GaugeSpec, port: Port, earlier: History) -> Gauge:
             remedy="give the option as before, or none",
         )
     if spec.unit or not recorded:
-        return Gauge(spec.axis, spec.dialect, port, unit=spec.unit)
-    return Gauge(spec.axis, spec.dialect, port, unit=recorded, unit_from="the session before")
+        return Gauge(spec.axis, spec.dialect, port, unit=spec.unit, poses=poses)
+    return Gauge(
+        spec.axis, spec.dialect, port, unit=recorded, unit_from="the session before", poses=poses
+    )
 
 
 def write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: Journal) -> None:
@@ -53,5 +55,6 @@ def write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: J
         "session", schema=SCHEMA, cycles=job.plan.cycles, trigger=str(job.plan.trigger),
         gauges=stated, metadata=dict(job.metadata), excel_locale=job.excel_locale,
         doubts=list(earlier.doubts),
+        **({"poses": list(job.plan.tour.poses)} if job.plan.tour.poses else {}),
     )  # fmt: skip
     journal.sync()

@@ -19,6 +19,7 @@ from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings,
 from scara_iso.acquisition.recorder.plan import Listen
 from scara_iso.acquisition.recorder.remarks import Remarks
 from scara_iso.acquisition.recorder.sizes import sizes_of_axis
+from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
 from scara_iso.quantities import Dimension
@@ -38,6 +39,7 @@ class History:
     def __init__(self, source: str) -> None:
         self.source = source
         self.header: Record = {}
+        self.tour = Tour()
         self.columns: dict[str, AxisReadings] = {}
         self.times = array("d")
         self.troubles: Counter[str] = Counter()
@@ -101,16 +103,18 @@ class History:
             case {"event": "session"}:
                 self._begin(record)
             case {"event": "stored", "cycle": int(cycle), "axis": str(axis)}:
-                if not 0 < cycle <= _MAX_CYCLES:
+                if not 0 < cycle <= _MAX_CYCLES // len(self.tour):
                     raise ValueError(f"cycle {cycle}")
-                self.columns[axis].put(cycle, record["text"], record["unit"])
-                grow(self.times, cycle)
-                self.times[cycle - 1] = self.timeline.start + record["at"]
-                self.latest.append((cycle, axis))
+                visit = self.tour.visit(cycle, record.get("pose"))
+                self.columns[axis].put(visit, record["text"], record["unit"])
+                grow(self.times, visit)
+                self.times[visit - 1] = self.timeline.start + record["at"]
+                self.latest.append((visit, axis))
                 (self._asked.discard if self._trigger == str(Listen()) else self._asked.add)(axis)
             case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
-                self.remarks.take(record, {axis: self.columns[axis].text(cycle) for axis in axes})
-                self.strike(cycle, axes)
+                visit = self.tour.visit(cycle, record.get("pose"))
+                self.remarks.take(record, {axis: self.columns[axis].text(visit) for axis in axes})
+                self.strike(visit, axes)
             case {"event": "note" | "changed"}:
                 self.remarks.take(record, {})
             case {"event": "end"}:
@@ -118,20 +122,20 @@ class History:
             case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
                 self.troubles[event] += 1
 
-    def strike(self, cycle: int, axes: Iterable[str]) -> None:
-        """Take readings of a cycle out of the table."""
+    def strike(self, visit: int, axes: Iterable[str]) -> None:
+        """Take readings of a visit out of the table."""
         for axis in axes:
-            self.columns[axis].void(cycle)
-            self.latest.remove((cycle, axis))
+            self.columns[axis].void(visit)
+            self.latest.remove((visit, axis))
             self.troubles["voided"] += 1
         self._asked.clear()
 
     def cut_short(self) -> list[str]:
-        """Return the axes of the unfinished cycle that were asked together with missing ones.
+        """Return the axes of the unfinished visit that were asked together with missing ones.
 
-        A crash between two lines of one cycle leaves them; they were never announced.
+        A crash between two lines of one visit leaves them; they were never announced.
         """
-        return sorted(self.present(self.cycle) & self._asked)
+        return sorted(self.present(self.visit) & self._asked)
 
     def _begin(self, record: Record) -> None:
         if record["schema"] != SCHEMA:
@@ -140,22 +144,23 @@ class History:
         self._inherited += map(str, record.get("doubts", ()))
         if not self.header:
             self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
+            self.tour = Tour(tuple(map(str, record.get("poses", ()))))
         self.header = _merged(self.header, record) if self.header else record
         self._trigger = str(record["trigger"])
 
     @property
-    def cycle(self) -> int:
-        """The first cycle that is not complete, from 1."""
+    def visit(self) -> int:
+        """The first visit that is not complete, from 1."""
         ends = [len(column.values) for column in self.columns.values()]
         done = self.complete_rows()
         return next((k + 1 for k in range(max(ends, default=0)) if not done[k]), len(done) + 1)
 
-    def present(self, cycle: int) -> frozenset[str]:
-        """Return the axes that have a reading in the cycle."""
-        return frozenset(axis for axis, column in self.columns.items() if cycle in column)
+    def present(self, visit: int) -> frozenset[str]:
+        """Return the axes that have a reading of the visit."""
+        return frozenset(axis for axis, column in self.columns.items() if visit in column)
 
     def complete_rows(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Return for each cycle from 1 whether every axis has a reading."""
+        """Return for each visit from 1 whether every axis has a reading."""
         size = max((len(column.values) for column in self.columns.values()), default=0)
         complete = np.ones(size, dtype=np.bool_)
         for column in self.columns.values():
@@ -167,10 +172,15 @@ class History:
     @property
     def is_complete(self) -> bool:
         """Whether as many cycles are complete as the last session planned."""
-        return int(self.complete_rows().sum()) == int(self.header["cycles"])
+        return int(self.complete_rows().sum()) == int(self.header["cycles"]) * len(self.tour)
+
+    @property
+    def cycles(self) -> int:
+        """How many cycles are complete at every pose."""
+        return int(self.complete_rows().sum()) // len(self.tour)
 
     def readings(self) -> dict[str, dict[int, float]]:
-        """Return the readings by axis and cycle [mm or deg]."""
+        """Return the readings by axis and visit [mm or deg]."""
         return {
             axis: {k + 1: v for k, v in enumerate(column.values) if not math.isnan(v)}
             for axis, column in self.columns.items()
@@ -189,14 +199,17 @@ class History:
             )
 
     def run(self) -> Run:
-        """Return the complete cycles; raises as `check` does."""
+        """Return the complete visits; raises as `check` does."""
         self.check()
         rows = np.flatnonzero(self.complete_rows())
         if not len(rows):
             raise DataError("no cycle is complete", where=self.source)
         times = np.array(self.times)[rows]
+        counted = "visits" if self.tour.poses else "cycles"
+        turn, place = np.divmod(rows, len(self.tour))
         return Run(
-            cycle=rows + 1,
+            cycle=turn + 1,
+            pose=np.array(self.tour.poses)[place] if self.tour.poses else None,
             axes={
                 name: Axis(
                     name,
@@ -210,11 +223,11 @@ class History:
                 for name, column in self.columns.items()
             },
             covariates={"time_s": np.round(times, 3)},
-            metadata=dict(self._metadata(len(rows))),
-            origin=Origin(source=self.source, understood=f"{len(rows)} cycles recorded"),
+            metadata=dict(self._metadata()),
+            origin=Origin(source=self.source, understood=f"{len(rows)} {counted} recorded"),
         )
 
-    def _metadata(self, rows: int) -> Iterator[tuple[str, str]]:
+    def _metadata(self) -> Iterator[tuple[str, str]]:
         if self.doubts:
             yield "doubts", SEPARATOR.join(self.doubts)
         if self.header.get("wall"):
@@ -228,7 +241,7 @@ class History:
         simulated = [axis for axis, gauge in gauges.items() if gauge["simulated"]]
         if simulated:
             yield "simulated", " ".join(simulated)
-        if rows != self.header["cycles"]:
+        if not self.is_complete:
             yield "cycles_planned", str(self.header["cycles"])
         if jumps := self.timeline.jumps:
             yield "record_clock", "; ".join(jumps)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from scara_iso.acquisition.recorder.spec import GaugeSpec
+from scara_iso.acquisition.recorder.tour import ONE_POSE, Tour
 from scara_iso.errors import UsageError
 
 
@@ -45,13 +46,20 @@ class RecordingPlan:
     """``stable`` equal readings in a row make a reading that was asked for.
 
     A reading that comes by itself, or a key pressed, within ``rearm_s`` [s] of the one before is
-    not taken: a key that bounced or was held down, or an instrument that sent twice.
+    not taken: a key that bounced or was held down, or an instrument that sent twice. Every one of
+    ``cycles`` goes to the poses of ``tour``.
     """
 
     trigger: Trigger
     cycles: int = 31
     stable: int = 1
     rearm_s: float = 0.5
+    tour: Tour = ONE_POSE
+
+    @property
+    def visits(self) -> int:
+        """How many visits of a pose the whole test has."""
+        return self.cycles * len(self.tour)
 
 
 @dataclass(frozen=True, slots=True)

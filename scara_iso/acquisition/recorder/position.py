@@ -1,4 +1,4 @@
-"""Where a session begins: at its first cycle, or behind what was recorded before."""
+"""Where a session begins: at its first visit, or behind what was recorded before."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from scara_iso.acquisition.recorder.history import History
 
 @dataclass(frozen=True, slots=True)
 class Position:
-    """Where a session begins: the cycle, the axes that have it, and what may be voided."""
+    """Where a session begins: the visit, the axes that have it, and what may be voided."""
 
-    cycle: int = 1
+    visit: int = 1
     present: frozenset[str] = frozenset()
     latest: tuple[tuple[int, str], ...] = ()
     shown: Mapping[str, Sequence[tuple[int, str]]] = field(default_factory=dict)
-    """The latest readings of each axis, by cycle, as they were shown."""
+    """The latest readings of each axis, by visit, as they were shown."""
 
     @classmethod
     def after(cls, history: History) -> Position:
         """Return where a recording goes on."""
         shown = {axis: tuple(column.shown) for axis, column in history.columns.items()}
-        return cls(history.cycle, history.present(history.cycle), tuple(history.latest), shown)
+        return cls(history.visit, history.present(history.visit), tuple(history.latest), shown)

@@ -13,6 +13,7 @@ from scara_iso.acquisition.ports import (
     is_recorded,
     open_port,
     refuse_same_device,
+    replayed_poses,
 )
 from scara_iso.acquisition.recorder.earlier import read_earlier, refuse_existing, strike_cut_short
 from scara_iso.acquisition.recorder.events import Done, Noticed, Operator, Said
@@ -22,7 +23,9 @@ from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.plan import Job, Listen
 from scara_iso.acquisition.recorder.position import Position
 from scara_iso.acquisition.recorder.session import Session
+from scara_iso.acquisition.recorder.spec import GaugeSpec
 from scara_iso.acquisition.recorder.table import remove, table_of, write_table_of
+from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.disk import Disk
 from scara_iso.errors import CannotCreateError, InstrumentError, UsageError, WriteError
 
@@ -70,6 +73,7 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
     for spec in job.gauges:
         if job.resume and is_recorded(spec.address):
             raise UsageError("a recorded stream cannot be resumed: record it into a new file")
+        _refuse_other_poses(spec, job.plan.tour)
         if job.plan.stable > 1 and spec.address.startswith("replay:"):
             raise UsageError(
                 "a recorded stream cannot be asked again for a settled reading",
@@ -80,6 +84,14 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
         stack.callback(port.close)
         ports.append(port)
     return ports
+
+
+def _refuse_other_poses(spec: GaugeSpec, tour: Tour) -> None:
+    """Raise `UsageError` for a recorded stream of several poses that is taken for other ones."""
+    poses = replayed_poses(spec.address)
+    if poses and poses != tour.poses:
+        stated = ",".join(poses)
+        raise UsageError(f"{spec.address} was recorded at {stated}", remedy=f"give `pose={stated}`")
 
 
 @contextmanager
@@ -125,5 +137,5 @@ def _end(
             remedy=f"record with `rebuild=True`, {journal.path} and another name makes the table",
         )  # fmt: skip
     write_table_of(history, job.table, table_of(history), disk=disk)
-    tell(Done(rows, job.plan.cycles, str(job.table), str(journal.path)))
+    tell(Done(history.cycles, job.plan.cycles, str(job.table), str(journal.path)))
     return None

@@ -20,7 +20,8 @@ class Remarks:
         match record:
             case {"event": "void", "cycle": int(cycle), "reason": str(reason)}:
                 values = ", ".join(f"{axis} {text}" for axis, text in sorted(shown.items()))
-                self._said.append(("struck", f"cycle {cycle}, {values}: {reason}"))
+                at = f" at {record['pose']}" if "pose" in record else ""
+                self._said.append(("struck", f"cycle {cycle}{at}, {values}: {reason}"))
             case {"event": "note", "text": str(text)}:
                 self._said.append(("note", text))
             case {"event": "changed", "axis": str(axis), "message": str(message)}:

@@ -1,4 +1,4 @@
-"""The session: from bytes on the ports to readings on the disk, cycle by cycle.
+"""The session: from bytes on the ports to readings on the disk, visit by visit.
 
 One loop looks at every port and at the operator in turn; nothing waits for one of them, so a
 lost cable or a key is met within milliseconds.
@@ -48,7 +48,7 @@ RETRY_S = 0.2
 
 
 class Session:
-    """Records cycles until the plan is full, the operator quits, or a recorded stream ends.
+    """Records visits until the plan is full, the operator quits, or a recorded stream ends.
 
     `run` raises `InstrumentError` where a port is lost, a gauge stays silent or a unit changes,
     `UsageError` where a unit is unknown, and `WriteError` where the disk fails. ``tell`` hears of
@@ -70,17 +70,18 @@ class Session:
     ) -> None:
         self._gauges = {gauge.axis: gauge for gauge in gauges}
         for axis, gauge in self._gauges.items():
-            for cycle, text in position.shown.get(axis, ()):
-                gauge.shown.put(cycle, text)
+            for visit, text in position.shown.get(axis, ()):
+                gauge.shown.put(visit, text)
         self._attended = attended
         self._visits = Visits(self._gauges, present=position.present, timed=plan.rearm_s > 0)
         self._bench = Bench(gauges, journal=journal, clock=clock, tell=tell)
         self._plan = plan
+        self._tour = plan.tour
         self._journal = journal
         self._clock = clock
         self._operator = operator
         self._tell = tell
-        self._cycle = self._first = position.cycle
+        self._visit = self._first_visit = position.visit
         self._present = set(position.present)
         self._latest = deque(position.latest, maxlen=VOIDABLE)
         self._stored_at: dict[str, float] = {}
@@ -91,12 +92,14 @@ class Session:
     def run(self) -> None:
         """Record."""
         gauges = {a: f"{g.dialect.key} at {g.port.identity}" for a, g in self._gauges.items()}
-        self._tell(Started(gauges, self._cycle, self._plan.cycles, str(self._plan.trigger)))
+        cycle, pose = self._tour.place(self._visit)
+        trigger, poses = str(self._plan.trigger), self._tour.poses or None
+        self._tell(Started(gauges, cycle, self._plan.cycles, trigger, pose, poses))
         self._bench.open()
         self._due = self._clock.now()
         self._say_waiting()
         step = self._listen if isinstance(self._plan.trigger, Listen) else self._attend
-        while self._cycle <= self._plan.cycles and not self._stopped:
+        while self._visit <= self._plan.visits and not self._stopped:
             try:
                 step()
             except DisplayChangedError as change:
@@ -114,8 +117,7 @@ class Session:
         self._paused = True
         self._tell(Paused(True))
         self._tell(Problem(axis, "changed", question))
-        for gauge in self._gauges.values():
-            gauge.odd = 0
+        self._bench.trust()
 
     def _listen(self) -> None:
         """Take what comes by itself."""
@@ -125,7 +127,7 @@ class Session:
         for taken in arrivals:
             if reason := self._why_not(taken) or self._hear(taken.gauge.axis, taken.time):
                 self._bench.refuse([taken], reason)
-            elif not self._bench.doubt([taken]):
+            elif not self._bench.doubt([taken], self._visit):
                 self._store([taken])
         self._obey(self._operator.poll())
         if not arrivals:
@@ -138,7 +140,7 @@ class Session:
         gauge, axis, channel = taken.gauge, taken.gauge.axis, taken.reading.channel
         elapsed = taken.time - self._stored_at.get(axis, -math.inf)
         reasons = {
-            "every cycle is recorded": self._cycle > self._plan.cycles,
+            "every cycle is recorded": self._visit > self._plan.visits,
             "paused": self._paused,
             "began before the session": taken.stale,
             f"of channel {channel}: give ?channel=": gauge.of_other_channel(taken.reading),
@@ -148,13 +150,13 @@ class Session:
 
     def _hear(self, axis: str, time: float, *, whole: bool = True) -> str:
         """Strike what is of another visit than a frame; return why it is not to be taken itself."""
-        heard = self._visits.hear(axis, time, whole=whole)
-        first = max(self._first, self._cycle - heard.mixed)
+        heard = self._visits.hear(axis, time, whole=whole, pose=self._visit % len(self._tour))
+        first = max(self._first_visit, self._visit - heard.mixed)
         broken = heard.broken or ("an earlier visit was of two" if heard.mixed else "")
         if broken and self._present:
-            self._strike(self._cycle, sorted(self._present), f"{broken}: cycle asked again")
-        for cycle in range(self._cycle - 1, first - 1, -1):
-            self._strike(cycle, list(self._gauges), "mixed two visits, perhaps: cycle asked again")
+            self._strike(self._visit, sorted(self._present), f"{broken}: cycle asked again")
+        for visit in range(self._visit - 1, first - 1, -1):
+            self._strike(visit, list(self._gauges), "mixed two visits, perhaps: cycle asked again")
         return heard.refused
 
     def _attend(self) -> None:
@@ -166,7 +168,7 @@ class Session:
                 self._bench.drain(RETRY_S, "late, or not asked for")
                 self._bench.learn_units(self._bench.suspects())
             taken = self._bench.measure(self._plan.stable)
-            if taken is not None and not self._bench.doubt(taken):
+            if taken is not None and not self._bench.doubt(taken, self._visit):
                 self._pressed = self._clock.now()
                 self._store([one for one in taken if one.gauge.axis not in self._present])
                 return
@@ -175,7 +177,7 @@ class Session:
                 return
         if isinstance(self._plan.trigger, Timer):
             raise InstrumentError(
-                f"no reading of cycle {self._cycle} after {ATTEMPTS} requests; "
+                f"no reading of {self._tour.name(self._visit)} after {ATTEMPTS} requests; "
                 f"at last {self._bench.last_problem}",
                 remedy="check cable, settings and that the indicator is on, then use `resume=True`",
             )
@@ -200,49 +202,48 @@ class Session:
 
     def _set_next(self) -> None:
         """Keep to the timer's grid, and where that is missed begin a new one: no catching up."""
-        match self._plan.trigger:
-            case Timer(seconds=seconds):
-                now = self._clock.now()
-                on_grid = self._due + seconds
-                self._due = on_grid if on_grid > now else now + seconds
+        if isinstance(self._plan.trigger, Timer):
+            now, seconds = self._clock.now(), self._plan.trigger.seconds
+            self._due = (self._due if self._due + seconds > now else now) + seconds
 
     def _store(self, readings: Sequence[Taken]) -> None:
-        """Write readings of the cycle, make them safe, and only then say so."""
+        """Write readings of the visit, make them safe, and only then say so."""
         stored, gross = [], []
+        cycle, pose = self._tour.place(self._visit)
         for taken in readings:
             gauge, text = taken.gauge, taken.reading.text
             unit = taken.reading.unit or gauge.unit or ""
             value = parse_unit(unit).read(text)
-            stored.append(Stored(self._cycle, gauge.axis, value, text, unit))
-            if distance := gauge.shown.far(text):
+            stored.append(Stored(cycle, gauge.axis, value, text, unit, pose))
+            if distance := gauge.shown.far(text, self._visit):
                 gross.append(gross_reading(stored[-1], distance))
             self._journal.append(
-                "stored", cycle=self._cycle, axis=gauge.axis, text=text, unit=unit,
+                "stored", **self._tour.state(self._visit), axis=gauge.axis, text=text, unit=unit,
                 at=round(taken.time, 6),
             )  # fmt: skip
             self._stored_at[gauge.axis] = taken.time
         self._journal.sync()
         for said in stored:
             self._present.add(said.axis)
-            self._gauges[said.axis].shown.put(said.cycle, said.text)
-            self._latest.append((said.cycle, said.axis))
+            self._gauges[said.axis].shown.put(self._visit, said.text)
+            self._latest.append((self._visit, said.axis))
             self._tell(said)
         if len(self._present) == len(self._gauges):
-            self._tell(CycleDone(self._cycle, discarded=self._cycle == 1))
-            self._cycle += 1
+            self._tell(CycleDone(cycle, discarded=cycle == 1, pose=pose))
+            self._visit += 1
             self._present.clear()
         for found in gross:
             self._tell(found)
         self._say_waiting()
 
     def _ended(self) -> bool:
-        gauges = self._gauges.items()
-        return any(g.port.ended and axis not in self._present for axis, g in gauges)
+        return any(g.port.ended for axis, g in self._gauges.items() if axis not in self._present)
 
     def _say_waiting(self) -> None:
-        if self._cycle <= self._plan.cycles:
+        if self._visit <= self._plan.visits:
             missing = tuple(axis for axis in self._gauges if axis not in self._present)
-            self._tell(Waiting(self._cycle, missing))
+            cycle, pose = self._tour.place(self._visit)
+            self._tell(Waiting(cycle, missing, pose))
 
     def _obey(self, command: Command | None) -> bool:
         """Do as the operator says; return True where a reading is to be taken."""
@@ -266,34 +267,34 @@ class Session:
     def _bounced(self) -> bool:
         """Say whether a key was held down, or pressed again before the reading was seen."""
         since, self._pressed = self._clock.now() - self._pressed, self._clock.now()
-        if since < self._plan.rearm_s:
-            self._tell(
-                Noticed("", f"Enter not taken: within {self._plan.rearm_s:g} s of the one before")
-            )
-        return since < self._plan.rearm_s
+        rearm = self._plan.rearm_s
+        if since < rearm:
+            self._tell(Noticed("", f"Enter not taken: within {rearm:g} s of the one before"))
+        return since < rearm
 
     def _void(self, reason: str) -> None:
-        """Strike out the last reading, or all of its cycle where they were asked for together."""
+        """Strike out the last reading, or all of its visit where they were asked for together."""
         if not self._latest:
             return
         self._visits.judged()
-        cycle, axis = self._latest.pop()
+        visit, axis = self._latest.pop()
         axes = [axis]
         together = not isinstance(self._plan.trigger, Listen)
-        while together and self._latest and self._latest[-1][0] == cycle:
+        while together and self._latest and self._latest[-1][0] == visit:
             axes.append(self._latest.pop()[1])
-        self._strike(cycle, axes, reason)
+        self._strike(visit, axes, reason)
 
-    def _strike(self, cycle: int, axes: Sequence[str], reason: str) -> None:
+    def _strike(self, visit: int, axes: Sequence[str], reason: str) -> None:
         for axis in axes:
             with suppress(ValueError):
-                self._latest.remove((cycle, axis))
-        self._journal.append("void", cycle=cycle, axes=axes, reason=reason)
+                self._latest.remove((visit, axis))
+        self._journal.append("void", **self._tour.state(visit), axes=axes, reason=reason)
         self._journal.sync()
-        if cycle != self._cycle:
-            self._cycle, self._present = cycle, set(self._gauges)
+        if visit != self._visit:
+            self._visit, self._present = visit, set(self._gauges)
         self._present -= set(axes)
         for axis in axes:
-            self._gauges[axis].shown.void(cycle)
-        self._tell(Voided(cycle, tuple(axes), reason))
+            self._gauges[axis].shown.void(visit)
+        cycle, pose = self._tour.place(visit)
+        self._tell(Voided(cycle, tuple(axes), reason, pose))
         self._say_waiting()

@@ -1,7 +1,8 @@
 """What an indicator showed until now: a display that changed, a reading far from the others.
 
 Values are compared as they were shown, in the unit of the display; no statement about the unit is
-needed. Cycle 1 is no measure for the others: `analyze` discards it.
+needed. Cycle 1 is no measure for the others: `analyze` discards it. Each pose has a level of its
+own.
 """
 
 from __future__ import annotations
@@ -30,32 +31,38 @@ class DisplayChangedError(InstrumentError):
 
 
 class Shown:
-    """The latest readings of one gauge by cycle, as text."""
+    """The latest readings of one gauge by visit, as text; every cycle visits all ``poses``."""
 
-    def __init__(self, *, fixed_decimals: bool) -> None:
+    def __init__(self, *, fixed_decimals: bool, poses: int = 1) -> None:
         self._fixed = fixed_decimals
-        self._texts: deque[tuple[int, str]] = deque(maxlen=_LOOK_BACK)
+        self._poses = poses
+        self._texts: deque[tuple[int, str]] = deque(maxlen=_LOOK_BACK * poses)
 
     def __bool__(self) -> bool:
         return bool(self._texts)
 
-    def put(self, cycle: int, text: str) -> None:
-        """Take the reading of a cycle."""
-        self._texts.append((cycle, text))
+    def put(self, visit: int, text: str) -> None:
+        """Take the reading of a visit."""
+        self._texts.append((visit, text))
 
-    def void(self, cycle: int) -> None:
-        """Forget a cycle."""
-        left = [one for one in self._texts if one[0] != cycle]
-        self._texts = deque(left, maxlen=_LOOK_BACK)
+    def void(self, visit: int) -> None:
+        """Forget a visit."""
+        left = [one for one in self._texts if one[0] != visit]
+        self._texts = deque(left, maxlen=self._texts.maxlen)
 
-    def changed(self, text: str) -> str:
-        """Return why unit or resolution of the display seem changed, or nothing."""
+    def _at_the_pose_of(self, visit: int) -> list[tuple[int, str]]:
+        return [one for one in self._texts if (one[0] - visit) % self._poses == 0]
+
+    def changed(self, text: str, visit: int) -> str:
+        """Return why unit or resolution of the display seem changed at a visit, or nothing."""
         if not self._texts:
             return ""
         before, now = _decimals(self._texts[-1][1]), _decimals(text)
         if self._fixed and before != now:
             return f"{text} has {now} decimals, the reading before had {before}"
-        values = [Decimal(shown) for _, shown in self._texts]
+        values = [Decimal(shown) for _, shown in self._at_the_pose_of(visit)]
+        if not values:
+            return ""
         level, value = median(values), Decimal(text)
         steady = max(values) - min(values) <= abs(level) * 3 * _LIKE
         if not steady:
@@ -66,9 +73,10 @@ class Shown:
                 return f"{text} is {name} of the readings before, as of mm and inch"
         return ""
 
-    def far(self, text: str) -> Decimal | None:
+    def far(self, text: str, visit: int) -> Decimal | None:
         """Return how far a gross reading is from the median of the others, None where it is not."""
-        others = [Decimal(shown) for cycle, shown in self._texts if cycle > 1]
+        here = self._at_the_pose_of(visit)
+        others = [Decimal(shown) for one, shown in here if one > self._poses]
         if len(others) < _FEWEST:
             return None
         count = Decimal(1).scaleb(-_decimals(text))
@@ -84,9 +92,10 @@ def _decimals(text: str) -> int:
 def gross_reading(stored: Stored, distance: Decimal) -> Gross:
     """Return what is said of a stored reading so far from the others, in the display's unit."""
     unit = parse_unit(stored.unit)
+    at = "" if stored.pose is None else f" at {stored.pose}"
     message = (
-        f"{stored.axis} {stored.text} {stored.unit} of cycle {stored.cycle} is "
+        f"{stored.axis} {stored.text} {stored.unit} of cycle {stored.cycle}{at} is "
         f"{distance:.1g} {stored.unit} from the others; v strikes it"
     )
     away = unit.read(str(distance))
-    return Gross(stored.cycle, stored.axis, stored.value, away, message)
+    return Gross(stored.cycle, stored.axis, stored.value, away, message, stored.pose)

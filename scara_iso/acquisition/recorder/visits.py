@@ -40,19 +40,23 @@ class Visits:
         self._spoilt = ""
         self._last: dict[str, tuple[float, list[str]]] = {}
         self._done = False
-        self._gaps: deque[float] = deque(maxlen=_GAPS)
+        self._gaps: dict[int, deque[float]] = {}
+        """Time from one visit to the next [s], by the pose of the next."""
         self._untimed: list[float] = []
         """How long the visits took before the time between them was known [s]."""
 
-    def hear(self, axis: str, time: float, *, whole: bool) -> Heard:
-        """Take a frame of a gauge, ``whole`` or damaged, at ``time`` [s]."""
-        half = self._half()
+    def hear(self, axis: str, time: float, *, whole: bool, pose: int = 0) -> Heard:
+        """Take a frame of a gauge, ``whole`` or damaged, at ``time`` [s].
+
+        ``pose`` is the number of the one that is awaited: the ways between poses differ.
+        """
+        half = self._half(pose)
         if self._done and axis in self._last and time - self._last[axis][0] < half:
             return Heard(
                 "", f"{axis} sent twice, or not in turn: visits are {2 * half:.1f} s apart"
             )
-        self._measure(axis, time)
-        half = half or self._half()
+        self._measure(axis, time, pose)
+        half = half or self._half(pose)
         mixed = self._take_mixed(half)
         broken = self._next_visit(axis, time, half)
         if broken:
@@ -75,8 +79,9 @@ class Visits:
         """Leave the visits so far as they are: the operator has looked at them."""
         self._untimed.clear()
 
-    def _half(self) -> float:
-        return median(self._gaps) / 2 if self._timed and self._gaps else 0.0
+    def _half(self, pose: int) -> float:
+        gaps = self._gaps.get(pose)
+        return median(gaps) / 2 if self._timed and gaps else 0.0
 
     def _take_mixed(self, half: float) -> int:
         """Return how many visits were untimed, once, if one of them took too long to be one."""
@@ -93,11 +98,12 @@ class Visits:
             return f"{axis} came {time - self._began:.1f} s later, as of the next visit"
         return ""
 
-    def _measure(self, axis: str, time: float) -> None:
+    def _measure(self, axis: str, time: float, pose: int) -> None:
         """Take the time of a visit since the gauge spoke last, if every other one spoke between."""
         before, others = self._last.get(axis, (0.0, []))
         if others and set(others) == self._axes - {axis}:
-            self._gaps.append((time - before) / max(map(others.count, others)))
+            gaps = self._gaps.setdefault(pose, deque(maxlen=_GAPS))
+            gaps.append((time - before) / max(map(others.count, others)))
         for name, (_, spoke) in self._last.items():
             if name != axis:
                 spoke.append(axis)

@@ -1,0 +1,95 @@
+"""Tables of several poses on one sheet: below or beside each other, each under its pose's name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from scara_iso.tables.columns import Cell
+from scara_iso.tables.layout import names_an_axis, read_statement
+from scara_iso.tables.numbers import BLANKS, parse_cell
+from scara_iso.tables.parts import pose_alone
+from scara_iso.tables.text import Row
+
+Line = tuple[int, Sequence[Cell]]
+"""A row's number and its cells."""
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """The rows of one pose: those above all blocks, and its own with other blocks' cells empty.
+
+    So lines and columns of a fault are those of the file.
+    """
+
+    pose: str
+    rows: list[Line]
+
+
+@dataclass(frozen=True, slots=True)
+class _Titles:
+    """A row of poses' names: its place among the rows, and each name with its column."""
+
+    at: int
+    poses: tuple[tuple[int, str], ...]
+
+
+def has_blocks(rows: Sequence[Row]) -> bool:
+    """Say whether a pose's name stands above the first header among the rows of a file's head."""
+    return next(_titles([(row.line, row.cells) for row in rows]), None) is not None
+
+
+def find_blocks(rows: Sequence[Line]) -> list[Block]:
+    """Return the blocks of a sheet; none where fewer than two poses stand above a header."""
+    titles = list(_titles(rows))
+    if sum(len(one.poses) for one in titles) < 2:
+        return []
+    above = list(rows[: titles[0].at])
+    ends = [*(one.at for one in titles[1:]), len(rows)]
+    return [
+        Block(pose, [*above, *_columns(rows[one.at + 1 : end], one.poses, k)])
+        for one, end in zip(titles, ends, strict=True)
+        for k, (_, pose) in enumerate(one.poses)
+    ]
+
+
+def _titles(rows: Sequence[Line]) -> Iterator[_Titles]:
+    """Yield the rows of names that a header follows, if the first header has one."""
+    waiting: _Titles | None = None
+    found = False
+    for k, (_, cells) in enumerate(rows):
+        texts = [cell if isinstance(cell, str) else repr(cell) for cell in cells]
+        if poses := _poses(texts):
+            waiting = _Titles(k, poses)
+        elif names_an_axis(texts):
+            if waiting is None and not found:
+                return
+            if waiting is not None:
+                yield waiting
+                found = True
+            waiting = None
+        elif sum(parse_cell(text) is not None for text in texts) > 1:
+            waiting = None
+
+
+def _poses(texts: Sequence[str]) -> tuple[tuple[int, str], ...]:
+    filled = [(k, text) for k, text in enumerate(texts) if text.strip(BLANKS)]
+    if len(filled) == 2 and (stated := read_statement(Row(0, list(texts), "", 0))):
+        key, value = stated
+        if key == "pose":
+            return ((filled[0][0], value),)
+    named = [(k, pose_alone(text)) for k, text in filled]
+    return tuple((k, pose) for k, pose in named if pose) if all(p for _, p in named) else ()
+
+
+def _columns(rows: Sequence[Line], poses: Sequence[tuple[int, str]], k: int) -> Iterator[Line]:
+    """Yield the rows with the columns of the k-th pose, and those before the first one's."""
+    if len(poses) == 1:
+        yield from rows
+        return
+    shared, start = poses[0][0], poses[k][0]
+    end = poses[k + 1][0] if k + 1 < len(poses) else None
+    for line, cells in rows:
+        mine = slice(start, len(cells) if end is None else end)
+        kept = range(len(cells))[mine]
+        yield line, [cell if j < shared or j in kept else "" for j, cell in enumerate(cells)]
