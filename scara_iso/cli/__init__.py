@@ -29,7 +29,7 @@ COMMANDS = {
     name: f"scara_iso.cli.{name}"
     for name in (
         "record", "analyze", "report", "compare", "backlash", "diagnose", "simulate", "plan",
-        "ports", "demo", "explain",
+        "test", "ports", "demo", "explain",
     )
 }  # fmt: skip
 
@@ -53,7 +53,10 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
     called = _command(arguments)
     for name in [called] if called else COMMANDS:
         module = import_module(COMMANDS[name])
-        app.command(name)(getattr(module, f"{name}_command"))
+        if hasattr(module, f"{name}_app"):
+            app.add_typer(getattr(module, f"{name}_app"), name=name)
+        else:
+            app.command(name)(getattr(module, f"{name}_command"))
     return app
 
 

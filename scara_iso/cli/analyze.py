@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from scara_iso.cli.folders import is_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
+    ConditionName,
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
@@ -45,28 +48,31 @@ def analyze_command(
     cycles: CyclesRun = None,
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
+    condition: ConditionName = None,
     json: AsJson = False,
 ) -> None:
     """Repeatability of each pose, axis and plane, with intervals and findings.
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
-    from scara_iso.library import analyze
+    from scara_iso.library import TableOptions, analyze
 
-    analysis = analyze(
-        table,
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
-        sheet=sheet,
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
-        limits=parse_limits(limit or ()),
-        decision=decision.value,
-        other_definitions=definitions,
-    )
+    reading = TableOptions(unit, resolution, decimal, sheet)
+    options: dict[str, Any] = {
+        "first_cycle_discarded": first_cycle_discarded,
+        "cycles": cycles,
+        "all_count": all_count,
+        "allow_gaps": allow_gaps,
+        "limits": parse_limits(limit or ()),
+        "decision": decision.value,
+        "other_definitions": definitions,
+    }
+    if is_folder(table, condition, reading):
+        from scara_iso.cli.conditions import analyze_folder
+
+        analyze_folder(table, condition, options, as_json=json)
+        return
+    analysis = analyze(table, **asdict(reading), **options)
     _write(analysis, as_json=json)
     if analysis.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)

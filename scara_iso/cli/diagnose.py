@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from scara_iso.cli.folders import is_folder
 from scara_iso.cli.options import (
     AllCount,
     AllowGaps,
     AsJson,
+    ConditionName,
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
@@ -24,8 +26,10 @@ from scara_iso.cli.output import check_outputs, write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
+    from scara_iso.cli.conditions import Write
     from scara_iso.diagnosis import CyclesWanted, Diagnosis
-    from scara_iso.library import TableOptions
+    from scara_iso.library import ConditionRun, TableOptions
+    from scara_iso.run import Run
 
 Tables = Annotated[
     list[str] | None,
@@ -83,6 +87,7 @@ def diagnose_command(
     cycles: CyclesRun = None,
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
+    condition: ConditionName = None,
     json: AsJson = False,
 ) -> None:
     """Close the loop: residual, the effect that explains it, error before and after.
@@ -106,7 +111,15 @@ def diagnose_command(
     files = _Files(model, hold_out, save_model, plot, sigma)
     files.check(named)
     check_outputs([plot, save_model], [*named, model, hold_out])
-    if len(named) > 1:
+    if len(named) == 1 and is_folder(named[0], condition, reading):
+        from scara_iso.cli.conditions import diagnose_folder
+
+        def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
+            counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
+            _diagnose_table(run, files, reading, counting, seed=seed, as_json=json, write=write)
+
+        diagnose_folder(named[0], condition, diagnose)
+    elif len(named) > 1:
         from scara_iso.cli.diagnose_many import show_many
 
         show_many(named, model, reading, wanted, seed=seed, as_json=json)
@@ -156,13 +169,14 @@ class _Files:
 
 
 def _diagnose_table(
-    table: str,
+    table: str | Run,
     files: _Files,
     reading: TableOptions,
     wanted: CyclesWanted,
     *,
     seed: int,
     as_json: bool,
+    write: Write = write_json,
 ) -> None:
     from scara_iso.diagnosis import save_model
     from scara_iso.library import diagnose
@@ -171,7 +185,7 @@ def _diagnose_table(
     if files.alone and wanted.pose is None and len(list(run.rows_by_pose())) > 1:
         from scara_iso.cli.diagnose_many import diagnose_poses_of
 
-        diagnose_poses_of(run, wanted, seed=seed, as_json=as_json)
+        diagnose_poses_of(run, wanted, seed=seed, as_json=as_json, write=write)
         return
     diagnosis = diagnose(
         run,
@@ -188,14 +202,14 @@ def _diagnose_table(
     if files.save_model is not None and files.model is not None:
         said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
-    _write(diagnosis, run.origin.source, as_json=as_json)
+    _write(diagnosis, run.origin.source, as_json=as_json, write=write)
 
 
-def _write(diagnosis: Diagnosis, title: str, *, as_json: bool) -> None:
+def _write(diagnosis: Diagnosis, title: str, *, as_json: bool, write: Write) -> None:
     if as_json:
         from scara_iso.render import diagnosis_json
 
-        write_json(diagnosis_json(diagnosis))
+        write(diagnosis_json(diagnosis))
     else:
         from scara_iso.reporting import diagnosis_report
 

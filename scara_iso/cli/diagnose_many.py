@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import typer
 
@@ -40,12 +41,19 @@ def show_many(
         raise typer.Exit(codes[0])
 
 
-def diagnose_poses_of(run: Run, wanted: CyclesWanted, *, seed: int, as_json: bool) -> None:
+def diagnose_poses_of(
+    run: Run,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    as_json: bool,
+    write: Callable[[Mapping[str, Any]], None] = write_json,
+) -> None:
     """Write a summary of the diagnosis of each pose of a table of several."""
     found = close_the_loop_at_poses(run, wanted, seed=seed)
     names, diagnoses = [f"pose {pose}" for pose in found], list(found.values())
     if as_json:
-        write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(names, diagnoses)})
+        write({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(names, diagnoses)})
     else:
         write_report(summary_report(names, diagnoses))
 

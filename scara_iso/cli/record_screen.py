@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import TracebackType
 from typing import TypeAlias
@@ -69,10 +69,15 @@ class Screen:
         *,
         title: str,
         earlier: Mapping[str, Mapping[int, float]],
+        place: Callable[[int], str] | None = None,
+        following: str | None = None,
     ) -> None:
+        """``place`` says where a test is, from the cycles stored; ``following`` what comes then."""
         self._live = live
         self._operator = operator
         self._title = title
+        self._place = place
+        self._following = following
         self._trigger = ""
         self._cycles = 0
         self._cycle = 1
@@ -159,7 +164,8 @@ class Screen:
             case Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
                 short = said.cycles < said.planned
-                self._last = f"record --resume {said.table}" if short else _analyze(said)
+                then = f"record --resume {said.table}" if short else _analyze(said)
+                self._last = self._following or then
 
     def _trouble(self, kind: str, message: str) -> None:
         self._troubles[kind] += 1
@@ -168,6 +174,7 @@ class Screen:
     def _view(self, *, over: bool = False) -> LiveView:
         return LiveView(
             title=self._title,
+            place=self._place(self._stored) if self._place else "",
             stored=self._stored,
             cycles=self._cycles,
             axes=[self._axis(name) for name in self._readings],

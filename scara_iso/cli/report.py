@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from scara_iso.cli.folders import is_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
+    ConditionName,
     CyclesRun,
     DecimalMark,
     ExcelLocale,
@@ -60,6 +63,7 @@ def report_command(
     cycles: CyclesRun = None,
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
+    condition: ConditionName = None,
     excel_locale: ExcelLocale = None,
     json: AsJson = False,
 ) -> None:
@@ -67,28 +71,30 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    from scara_iso.library import report, writer
+    from scara_iso.library import TableOptions, report, writer
     from scara_iso.reporting import printable
 
+    reading = TableOptions(unit, resolution, decimal, sheet)
+    options: dict[str, Any] = {
+        "model": model,
+        "pose": pose,
+        "limits": parse_limits(limit or ()),
+        "decision": decision.value,
+        "first_cycle_discarded": first_cycle_discarded,
+        "cycles": cycles,
+        "all_count": all_count,
+        "allow_gaps": allow_gaps,
+    }
+    if is_folder(table, condition, reading):
+        from scara_iso.cli.conditions import report_folder
+
+        report_folder(table, condition, output, options, excel_locale=excel_locale, as_json=json)
+        return
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     write = None if path is None else writer(path, excel_locale)
     check_outputs([path], [table, model])
-    dossier = report(
-        table,
-        model=model,
-        pose=pose,
-        limits=parse_limits(limit or ()),
-        decision=decision.value,
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
-        sheet=sheet,
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
-        command=shlex.join(("scara-iso", *settings.arguments)),
-    ).dossier
+    command = shlex.join(("scara-iso", *settings.arguments))
+    dossier = report(table, **asdict(reading), **options, command=command).dossier
     if path is not None and write is not None:
         write_file(path, write(dossier))
         typer.echo(printable(f"{path} is written"), err=json)

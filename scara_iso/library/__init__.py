@@ -10,6 +10,12 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.library.figures import analyze as analyze
+    from scara_iso.library.folders import (
+        ConditionRun as ConditionRun,
+        folder_provenance as folder_provenance,
+        new_test as new_test,
+        read_conditions as read_conditions,
+    )
     from scara_iso.library.inputs import Table as Table, TableOptions as TableOptions
     from scara_iso.library.loop import (
         diagnose as diagnose,

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
         design_json as design_json,
         diagnosis_json as diagnosis_json,
     )
+    from scara_iso.render.json_whole_test import (
+        conditions_json as conditions_json,
+        status_json as status_json,
+    )
     from scara_iso.render.live import (
         AxisView as AxisView,
         LiveScreen as LiveScreen,

@@ -13,9 +13,9 @@ from scara_iso.files import read_file, read_toml
 from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.model.declared import declared_effects
-from scara_iso.robot.model.keys import KeyFaults, number_at, only, pair, section
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model
 from scara_iso.run import AXES
+from scara_iso.toml_keys import KeyFaults, number_at, only, pair, section
 
 if TYPE_CHECKING:
     from tomlkit.items import InlineTable
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _LARGEST = 1_000_000  # bytes
 _ARM = ("link_1_mm", "link_2_mm", "joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg")
 _PAIRS = {"joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg"}
+_RATED = ("rated_payload_kg", "rated_velocity_mm_s")
 _SECTIONS = {"robot", "gearbox", "pose", "indicator", "effect"}
 
 
@@ -46,6 +47,8 @@ def read_model(path: str | Path) -> Model:
         joints_deg=_pose(section(document, "pose", faults), arm, faults),
         gearboxes=gears,
         effects=tuple(declared_effects(document.get("effect", []), indicators, gears, faults)),
+        serial_number=str(robot.get("serial_number", "")),
+        **_rated(robot, faults),
     )
     if faults:
         raise DataError(
@@ -102,8 +105,16 @@ def _checked(build: Callable[[], Any], where: str, faults: KeyFaults) -> Any:
         return None
 
 
+def _rated(robot: Mapping[str, Any], faults: KeyFaults) -> dict[str, float | None]:
+    found = {key: number_at(robot, key, "robot", faults) for key in _RATED}
+    for key, value in found.items():
+        if value is not None and value <= 0:
+            faults.add(f"robot.{key}", "must be positive")
+    return found
+
+
 def _arm(robot: Mapping[str, Any], faults: KeyFaults) -> Arm | None:
-    only(robot, {"name", *_ARM}, "robot", faults)
+    only(robot, {"name", "serial_number", *_RATED, *_ARM}, "robot", faults)
     if not any(key in robot for key in _ARM):
         return None
     missing = [key for key in ("link_1_mm", "link_2_mm") if key not in robot]

@@ -85,3 +85,7 @@ class Model:
     gearboxes: Mapping[int, Gearbox] = field(default_factory=dict)
     """By the number of the joint."""
     effects: tuple[DeclaredEffect, ...] = ()
+    serial_number: str = ""
+    rated_payload_kg: float | None = None
+    rated_velocity_mm_s: float | None = None
+    """Of the tool, in the units of their names; None where the file states none."""
