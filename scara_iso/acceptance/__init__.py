@@ -18,10 +18,10 @@ if TYPE_CHECKING:
         FAULTY as FAULTY,
         Folder as Folder,
         PartState as PartState,
-        is_test_folder as is_test_folder,
         read_folder as read_folder,
     )
     from scara_iso.acceptance.merging import lacking as lacking, merge as merge
+    from scara_iso.acceptance.place import FILE as FILE, is_test_folder as is_test_folder
     from scara_iso.acceptance.planning import plan_test as plan_test
     from scara_iso.acceptance.progress import (
         about as about,
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
         seconds_left as seconds_left,
     )
     from scara_iso.acceptance.reading import (
-        FILE as FILE,
         parse_test as parse_test,
         read_test as read_test,
     )

@@ -9,12 +9,12 @@ from functools import cached_property
 from pathlib import Path
 
 from scara_iso.acceptance.complete import completed
-from scara_iso.acceptance.reading import FILE, read_test
+from scara_iso.acceptance.reading import read_test
 from scara_iso.acceptance.stated import why_not_of
 from scara_iso.acceptance.whole_test import Part, Struck, WholeTest
 from scara_iso.acquisition import check_manifest, raw_path, read_history
 from scara_iso.errors import ScaraIsoError
-from scara_iso.iso9283 import Finding, analyze
+from scara_iso.iso9283 import Finding
 from scara_iso.run import Run
 from scara_iso.tables import read_table
 
@@ -23,11 +23,6 @@ STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
 PLANNED = ("other-load", "other-velocity")
 """Deviations that the name of a part says already."""
 _RAW = ".raw.jsonl"
-
-
-def is_test_folder(path: object) -> bool:
-    """Say whether a path names the folder of a test."""
-    return isinstance(path, str | Path) and (Path(path) / FILE).is_file()
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +147,8 @@ def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartStat
 
 
 def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest) -> PartState:
+    from scara_iso.iso9283 import analyze  # noqa: PLC0415 - scipy, for parts that are recorded
+
     part = recording.part
     try:
         if not recording.is_whole:

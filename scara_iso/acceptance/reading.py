@@ -9,6 +9,7 @@ from datetime import date, datetime
 from pathlib import Path
 from typing import Any, TypeVar
 
+from scara_iso.acceptance.place import FILE
 from scara_iso.acceptance.whole_test import (
     BOTH_SIDES,
     COUNTS,
@@ -31,7 +32,6 @@ from scara_iso.iso9283 import DecisionRule
 from scara_iso.run import AXES
 from scara_iso.toml_keys import KeyFaults, is_number, section
 
-FILE = "test.toml"
 EVERY_LENGTH = "every_length"
 _Section = TypeVar("_Section")
 _LONGEST = 1000

@@ -8,7 +8,8 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from scara_iso.acceptance.reading import EVERY_LENGTH, FILE
+from scara_iso.acceptance.place import FILE
+from scara_iso.acceptance.reading import EVERY_LENGTH
 from scara_iso.acceptance.whole_test import Struck, WholeTest
 from scara_iso.disk import Disk, write_file
 from scara_iso.files import read_file

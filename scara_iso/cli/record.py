@@ -26,7 +26,9 @@ _Gauge = Annotated[
 _Trigger = Annotated[
     str | None,
     typer.Option(
-        metavar="WHEN", help="enter (key or foot switch), data (DATA key), timer:SECONDS."
+        metavar="WHEN",
+        help="enter (key or foot switch), data (DATA key), timer:SECONDS, "
+        "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT.",
     ),
 ]
 _Cycles = Annotated[

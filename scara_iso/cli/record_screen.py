@@ -202,8 +202,18 @@ class Screen:
         if self._paused:
             return "Paused: press p to go on"
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
-        how = _NEXT.get(self._trigger, f"read by the timer, every {self._trigger[6:]} s")
+        how = _NEXT.get(self._trigger) or _how(self._trigger)
         return f"Cycle {self._cycle}{missing}: {how}"
+
+
+def _how(trigger: str) -> str:
+    """Return what takes a reading, where it is none of `_NEXT`."""
+    kind, _, seconds = trigger.partition(":")
+    if kind == "timer":
+        return f"read by the timer, every {seconds} s"
+    if trigger.startswith("settled"):
+        return f"read when the dial has come back to rest ({trigger})"
+    return f"read when the robot says AT and the pose, on {trigger}"
 
 
 def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:

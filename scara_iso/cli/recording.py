@@ -10,15 +10,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from scara_iso.acceptance import (
-    Assignment,
-    Folder,
-    assign,
-    is_test_folder,
-    read_folder,
-    told_of_part,
-)
+from scara_iso.acceptance import is_test_folder
 from scara_iso.acquisition import (
     Done,
     Enter,
@@ -29,6 +23,7 @@ from scara_iso.acquisition import (
     Noticed,
     Operator,
     RecordingPlan,
+    RobotLine,
     Said,
     SystemDisk,
     Trigger,
@@ -52,6 +47,9 @@ from scara_iso.errors import UsageError
 from scara_iso.library import Nobody
 from scara_iso.render import LiveScreen, open_console
 from scara_iso.reporting import printable
+
+if TYPE_CHECKING:
+    from scara_iso.acceptance import Assignment, Folder
 
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""
@@ -99,6 +97,8 @@ def record_as_asked(options: RecordOptions) -> None:
 
 def _record_part(options: RecordOptions, path: Path) -> None:
     """Record one part of a test; what test.toml states is neither asked nor to be given."""
+    from scara_iso.acceptance import assign, read_folder
+
     if options.cycles is not None:
         raise UsageError("test.toml says how many cycles", remedy="leave --cycles out")
     axes = [spec.axis for spec in parse_gauges(options.gauges, unit=options.unit)]
@@ -171,6 +171,8 @@ def _run(
             operator = stack.enter_context(screen)
             tell = screen.tell
         if assignment is not None:
+            from scara_iso.acceptance import told_of_part
+
             tell = told_of_part(assignment, job.table.parent, tell)
         record(
             job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell,
@@ -201,6 +203,8 @@ def _rearm(trigger: Trigger, specs: Sequence[GaugeSpec]) -> float:
     """Return the time; recorded streams and lines of a script say what they mean."""
     if trigger == Enter():
         return _REARM_KEY_S if sys.stdin.isatty() else 0.0
+    if isinstance(trigger, RobotLine):
+        return 0.0
     recorded = all(is_recorded(spec.address) for spec in specs)
     return 0.0 if recorded else _REARM_S
 
@@ -212,7 +216,8 @@ def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:
         return Enter()
     raise UsageError(
         "no terminal to press Enter on",
-        remedy="give --trigger data, timer:SECONDS, or enter for lines of standard input",
+        remedy="give --trigger data, timer:SECONDS, settled, the robot's line (socket://HOST:PORT, "
+        "line:PORT), or enter for lines of standard input",
     )
 
 

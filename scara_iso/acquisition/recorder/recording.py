@@ -5,22 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
+from scara_iso.acquisition.indicators import LineSettings
 from scara_iso.acquisition.manifest import manifest_path, raw_path
 from scara_iso.acquisition.ports import (
     Clock,
+    DevicePort,
     Port,
     is_device,
     is_recorded,
+    number_option,
     open_port,
     refuse_same_device,
+    split_options,
 )
 from scara_iso.acquisition.recorder.earlier import read_earlier, refuse_existing, strike_cut_short
 from scara_iso.acquisition.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.acquisition.recorder.header import make_gauges, write_header
 from scara_iso.acquisition.recorder.history import read_history
 from scara_iso.acquisition.recorder.journal import Journal
-from scara_iso.acquisition.recorder.plan import Job, Listen
+from scara_iso.acquisition.recorder.plan import Job, Listen, RobotLine, Settled
 from scara_iso.acquisition.recorder.position import Position
+from scara_iso.acquisition.recorder.robot_line import RobotSays
 from scara_iso.acquisition.recorder.session import Session
 from scara_iso.acquisition.recorder.table import remove, table_of, write_table_of
 from scara_iso.disk import Disk
@@ -58,10 +63,31 @@ def record(
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
             for jump in earlier.timeline.jumps:
                 tell(Noticed("", jump))
+            if isinstance(job.plan.trigger, RobotLine):
+                operator = robot = _robot(job, job.plan.trigger, operator, journal, tell, stack)
+                tell = robot.told
             Session(
                 gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
                 position=Position.after(earlier), attended=attended,
             ).run()  # fmt: skip
+
+
+def _robot(
+    job: Job,
+    trigger: RobotLine,
+    operator: Operator,
+    journal: Journal,
+    tell: Callable[[Said], None],
+    stack: ExitStack,
+) -> RobotSays:
+    """Open the robot's line, as an operator that says when."""
+    address, options = split_options(trigger.address, {"baud": "9600"})
+    port = DevicePort(address, LineSettings(baud=int(number_option(options, "baud", 9600))))
+    stack.callback(port.close)
+    return RobotSays(
+        port, operator, journal=journal, tell=tell, pose=job.metadata.get("pose"),
+        in_order=not any(is_device(gauge.address) for gauge in job.gauges),
+    )  # fmt: skip
 
 
 def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
@@ -73,7 +99,10 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
         if job.plan.stable > 1 and spec.address.startswith("replay:"):
             raise UsageError("a recorded stream is not asked twice", remedy="leave `stable=` out")
         asked = not isinstance(job.plan.trigger, Listen)
-        port = open_port(spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked)
+        port = open_port(
+            spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked,
+            watched=isinstance(job.plan.trigger, Settled),
+        )  # fmt: skip
         stack.callback(port.close)
         ports.append(port)
     return ports
