@@ -14,7 +14,7 @@ from scara_iso.acceptance.stated import why_not_of
 from scara_iso.acceptance.whole_test import Part, Struck, WholeTest
 from scara_iso.acquisition import check_manifest, raw_path, read_history
 from scara_iso.errors import ScaraIsoError
-from scara_iso.iso9283 import Finding
+from scara_iso.iso9283 import CYCLES_RUN, Finding
 from scara_iso.run import Run
 from scara_iso.tables import read_table
 
@@ -43,6 +43,8 @@ class Recording:
         if not raw_path(self.table).exists():
             return len(self.run), len(self.run)
         history = read_history(raw_path(self.table))
+        if not history.header and not history.faults:  # begun this moment, or cut short there
+            return 0, CYCLES_RUN
         history.check()
         return int(history.complete_rows().sum()), int(history.header["cycles"])
 

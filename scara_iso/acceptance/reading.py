@@ -16,7 +16,6 @@ from scara_iso.acceptance.whole_test import (
     DISCARDED,
     ONE_SIDE,
     CommandPose,
-    Correction,
     Cube,
     Instrument,
     People,
@@ -94,25 +93,11 @@ def _build(
         if key not in known:
             faults.add(f"{where}.{key}", f"no such key; known are {', '.join(known)}")
             continue
-        if key == "correction":
-            values[key] = _correction(value, f"{where}.{key}", faults)
-            continue
         try:
             values[key] = _KINDS[key](value)
         except ValueError as error:
             faults.add(f"{where}.{key}", f"{repr(value)[:40]} is {error}")
     return kind(**values)
-
-
-def _correction(value: object, where: str, faults: KeyFaults) -> Correction | None:
-    if not isinstance(value, dict):
-        faults.add(where, "write nominal = [..] and error = [..]")
-        return None
-    found = _build(Correction, value, where, faults)
-    rising = all(a < b for a, b in zip(found.nominal, found.nominal[1:], strict=False))
-    if len(found.nominal) != len(found.error) or len(found.nominal) < 2 or not rising:
-        faults.add(where, "give as many errors as nominal values, two or more, which rise")
-    return found
 
 
 def _named(
@@ -263,7 +248,6 @@ _KINDS: Mapping[str, Callable[[Any], Any]] = {
     **dict.fromkeys(("dwell_s", "stabilisation_time_s", "warm_up_min"), _not_negative),
     **dict.fromkeys(("x_mm", "y_mm", "z_mm", "theta_deg", "temperature_C"), _number),
     **dict.fromkeys(("calibration_date", "calibration_due", "date"), _day),
-    **dict.fromkeys(("nominal", "error"), _several(_number)),
     "size_mm": _several(_positive),
     "characteristics": _several(_text),
     "velocities": _several(_percent),

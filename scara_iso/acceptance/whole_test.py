@@ -118,18 +118,6 @@ class Surroundings:
 
 
 @dataclass(frozen=True, slots=True)
-class Correction:
-    """A certificate's curve: the error of the indicator at nominal values [mm or deg].
-
-    ``uncertainty`` is the standard uncertainty of the errors.
-    """
-
-    nominal: tuple[float, ...] = ()
-    error: tuple[float, ...] = ()
-    uncertainty: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class Instrument:
     """The indicator of an axis and its certificate; ``uncertainty`` is standard [mm or deg]."""
 
@@ -139,7 +127,6 @@ class Instrument:
     calibration_date: date | None = None
     calibration_due: date | None = None
     uncertainty: float | None = None
-    correction: Correction | None = None
 
 
 @dataclass(frozen=True, slots=True)

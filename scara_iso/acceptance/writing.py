@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,6 @@ _OPEN: Mapping[str, tuple[str, ...]] = {
         "[instrument.X]", 'name = "dial indicator"', 'serial_number = "4711"',
         'certificate = "K-2026-17"', "calibration_date = 2026-01-10",
         "calibration_due = 2027-01-10", "uncertainty = 0.0005",
-        "correction = { nominal = [0.0, 0.5, 1.0], error = [0.0, 0.001, -0.001] }",
     ),
     "environment": ("temperature_C = 20.5", "temperature_limits_C = [18, 22]"),
     "people": ('operator = "A. Name"', 'laboratory = "Name, town"', 'customer = "Name, town"'),
@@ -116,7 +115,7 @@ def _section(values: Mapping[str, Any]) -> Any:
         isinstance(value, dict) for value in values.values()
     ))  # fmt: skip
     for key, value in values.items():
-        inner = key in ("command", "correction")
+        inner = key == "command"
         if isinstance(value, dict) and not inner:
             table.add(key, _section(value))
         elif inner:
@@ -133,8 +132,6 @@ def _plain(one: Any) -> dict[str, Any]:
     found = {}
     for name in (item.name for item in fields(one)):
         value = getattr(one, name)
-        if is_dataclass(value):
-            value = _plain(value)
         if isinstance(value, Mapping):
             value = {key: _number(each) for key, each in value.items()}
         if isinstance(value, tuple):

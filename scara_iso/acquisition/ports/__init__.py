@@ -9,6 +9,7 @@ from scara_iso.acquisition.ports.address import is_device, is_recorded, is_simul
 from scara_iso.acquisition.ports.clock import Clock, StreamClock, SystemClock
 from scara_iso.acquisition.ports.device import DevicePort
 from scara_iso.acquisition.ports.identity import Device, list_devices, refuse_same_device
+from scara_iso.acquisition.ports.line import SocketLine, open_line
 from scara_iso.acquisition.ports.port import Port, number_option, split_options
 from scara_iso.acquisition.ports.replay import PULSE, ReplayPort, replay_is_paced
 from scara_iso.acquisition.ports.simulated import Signal, SimulatedPort, simulation_is_paced
@@ -22,6 +23,7 @@ __all__ = [
     "ReplayPort",
     "Signal",
     "SimulatedPort",
+    "SocketLine",
     "StreamClock",
     "SystemClock",
     "choose_clock",
@@ -30,6 +32,7 @@ __all__ = [
     "is_simulated",
     "list_devices",
     "number_option",
+    "open_line",
     "open_port",
     "refuse_same_device",
     "split_options",

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
-from scara_iso.acquisition.indicators import LineSettings
 from scara_iso.acquisition.manifest import manifest_path, raw_path
 from scara_iso.acquisition.ports import (
     Clock,
-    DevicePort,
     Port,
     is_device,
     is_recorded,
-    number_option,
+    open_line,
     open_port,
     refuse_same_device,
-    split_options,
 )
 from scara_iso.acquisition.recorder.earlier import read_earlier, refuse_existing, strike_cut_short
 from scara_iso.acquisition.recorder.events import Done, Noticed, Operator, Said
@@ -81,8 +78,7 @@ def _robot(
     stack: ExitStack,
 ) -> RobotSays:
     """Open the robot's line, as an operator that says when."""
-    address, options = split_options(trigger.address, {"baud": "9600"})
-    port = DevicePort(address, LineSettings(baud=int(number_option(options, "baud", 9600))))
+    port = open_line(trigger.address)
     stack.callback(port.close)
     return RobotSays(
         port, operator, journal=journal, tell=tell, pose=job.metadata.get("pose"),

@@ -10,8 +10,9 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 
-from scara_iso.acquisition.ports import Port
+from scara_iso.acquisition.ports import DevicePort, SocketLine
 from scara_iso.acquisition.recorder.events import (
     Command,
     CycleDone,
@@ -21,6 +22,7 @@ from scara_iso.acquisition.recorder.events import (
     Take,
 )
 from scara_iso.acquisition.recorder.journal import Journal
+from scara_iso.errors import InstrumentError
 
 _LINE = re.compile(rb"([^\r\n]*)[\r\n]+")
 _AT = re.compile(r"AT\s+([A-Za-z][A-Za-z0-9_]{0,20})", re.IGNORECASE)
@@ -36,7 +38,7 @@ class RobotSays:
 
     def __init__(
         self,
-        port: Port,
+        port: DevicePort | SocketLine,
         operator: Operator,
         *,
         journal: Journal,
@@ -53,6 +55,7 @@ class RobotSays:
         self._begun = b""
         self._waiting: deque[str] = deque()
         self._taking = False
+        self._lost: InstrumentError | None = None
 
     def poll(self) -> Command | None:
         """Return the operator's command, or a `Take` for a line that says the pose awaited."""
@@ -70,16 +73,26 @@ class RobotSays:
             if self._is_awaited(self._waiting.popleft()):
                 self._taking = True
                 return Take()
+        if self._lost is not None:
+            raise self._lost
         return None
 
     def told(self, said: Said) -> None:
         """Tell the robot that a cycle is on the disk, and the listener everything."""
         self._tell(said)
         if isinstance(said, CycleDone):
-            self._port.write(f"OK {said.cycle}\r\n".encode("ascii"))
+            self._answer(f"OK {said.cycle}")
+
+    def _answer(self, text: str) -> None:
+        with suppress(InstrumentError):  # a robot that left needs none; reading will say so
+            self._port.write(f"{text}\r\n".encode("ascii", "replace"))
 
     def _receive(self) -> list[str]:
-        data = self._port.read()
+        try:
+            data = b"" if self._lost else self._port.read()
+        except InstrumentError as error:  # what was said before still counts
+            self._lost = error
+            return []
         if not data:
             return []
         self._journal.append("robot", port=self._port.address, hex=data.hex())
@@ -106,4 +119,4 @@ class RobotSays:
         self._journal.append("notice", axis="", message=f"robot: {shown!r} not taken: {reason}")
         self._journal.sync()
         self._tell(Noticed("", f"the robot says {shown!r}, not taken: {reason}"))
-        self._port.write(f"NO {reason}\r\n".encode("ascii", "replace"))
+        self._answer(f"NO {reason}")
