@@ -127,7 +127,7 @@ def _write_dossiers(found: Sequence[ConditionRun], dossiers: Sequence[Dossier]) 
 def _of_condition(one: ConditionRun, document: Mapping[str, Any]) -> dict[str, Any]:
     condition = one.condition
     named = {"velocity": condition.velocity, "load": condition.load, "missing": list(one.missing)}
-    return {**named, **document}
+    return {**named, "result": dict(document)}
 
 
 def _write_conditions(documents: Sequence[Mapping[str, Any]]) -> None:
