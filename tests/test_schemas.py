@@ -182,6 +182,17 @@ def documents(tmp_path_factory):
         known = Device("COM4", "USB serial", "0403:6001", "A1", "1-1")
         patch.setattr("scara_iso.acquisition.ports.list_devices", lambda: (known,))
         ports = written("ports")
+    one, two = folder / "one", folder / "two"
+    status = written("test", "new", one, "--model", MODEL)
+    status += written("test", "new", two, "--model", MODEL, "--velocities", "100,50")
+    gauge = ("--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:1")
+    for _ in range(2):
+        written("record", one, *gauge)
+    for pose in ("P1", "P2"):
+        written("record", two, *gauge, "--part", f"{pose}-v50-l100")
+    written("record", one, *gauge, "--part", "P1-v100-l100", "--repeat", "knocked")
+    written("record", one, *gauge, "--part", "P3-v100-l100", "--meta", "temperature=35 C")
+    status += written("test", "status", one)
     return {
         "analyze": [
             *written("analyze", table_1),
@@ -191,6 +202,8 @@ def documents(tmp_path_factory):
             *written("analyze", referred(folder / "referred.csv")),
             *written("analyze", drifting(folder / "drift.csv")),
             *written("analyze", from_three_sides(folder / "sides.csv"), "--limit", "vAP=1"),
+            *written("analyze", one),
+            *written("analyze", two),
         ],
         "backlash": [
             *written(*JOINT),
@@ -238,6 +251,8 @@ def documents(tmp_path_factory):
             ),
         ],
         "visits": written("visits", EXAMPLES / "stream.csv", "--poses", "P1,-"),
+        "test-conditions": written("diagnose", two),
+        "test-status": status,
         "simulate": written("simulate", MODEL, "--temperature", "20:24"),
     }  # fmt: skip
 

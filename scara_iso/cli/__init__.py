@@ -29,7 +29,7 @@ CANNOT_WRITE = 74
 _ANYWHERE = ("--debug", "--no-color")
 
 GROUPS = {
-    "Measure": ("plan", "ports", "record", "visits"),
+    "Measure": ("test", "plan", "ports", "record", "visits"),
     "Understand": ("analyze", "diagnose", "compare", "push", "backlash"),
     "Report": ("report",),
     "Learn": ("demo", "explain", "simulate"),
@@ -83,7 +83,10 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
     called = _command(arguments)
     for name in [called] if called else COMMANDS:
         module = import_module(COMMANDS[name])
-        app.command(name)(getattr(module, f"{name}_command"))
+        if hasattr(module, f"{name}_app"):
+            app.add_typer(getattr(module, f"{name}_app"), name=name)
+        else:
+            app.command(name)(getattr(module, f"{name}_command"))
     return app
 
 

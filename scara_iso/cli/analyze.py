@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import asdict
+from typing import Annotated, Any
 
 import typer
 
 from scara_iso import library, render, reporting
+from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
+    ConditionName,
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
@@ -43,26 +46,29 @@ def analyze_command(
     cycles: CyclesRun = None,
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
+    condition: ConditionName = None,
     json: AsJson = False,
 ) -> None:
     """Repeatability of each pose, axis and plane, with intervals and findings.
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
-    analysis = library.analyze(
-        table,
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
-        sheet=sheet,
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
-        limits=parse_limits(limit or ()),
-        decision=decision.value,
-        other_definitions=definitions,
-    )
+    reading = library.TableOptions(unit, resolution, decimal, sheet)
+    options: dict[str, Any] = {
+        "first_cycle_discarded": first_cycle_discarded,
+        "cycles": cycles,
+        "all_count": all_count,
+        "allow_gaps": allow_gaps,
+        "limits": parse_limits(limit or ()),
+        "decision": decision.value,
+        "other_definitions": definitions,
+    }
+    if (folder := test_folder(table, condition, reading)) is not None:
+        from scara_iso.cli.conditions import analyze_folder
+
+        analyze_folder(folder, condition, options, as_json=json)
+        return
+    analysis = library.analyze(table, **asdict(reading), **options)
     if json:
         write_json(render.analysis_json(analysis))
     else:

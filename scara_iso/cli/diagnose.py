@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso import library, render, reporting
+from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
     AllCount,
     AllowGaps,
     AsJson,
+    ConditionName,
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
@@ -25,8 +27,9 @@ from scara_iso.cli.output import check_outputs, named as files_of, write_json, w
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
+    from scara_iso.cli.conditions import Write
     from scara_iso.diagnosis import CyclesWanted
-    from scara_iso.library import TableOptions
+    from scara_iso.library import ConditionRun, TableOptions
     from scara_iso.run import Run
 
 Tables = Annotated[
@@ -88,6 +91,7 @@ def diagnose_command(
     cycles: CyclesRun = None,
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
+    condition: ConditionName = None,
     json: AsJson = False,
 ) -> None:
     """Close the loop: residual, the effect that explains it, error before and after.
@@ -111,6 +115,15 @@ def diagnose_command(
     files = _Files(model, hold_out, save_model, plot, sigma)
     files.check(named)
     check_outputs([plot, save_model], [*files_of(named), model, hold_out])
+    if (folder := test_folder(named, condition, reading)) is not None:
+        from scara_iso.cli.conditions import diagnose_folder
+
+        def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
+            counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
+            _diagnose_run(run, files, reading, counting, seed=seed, as_json=json, write=write)
+
+        diagnose_folder(folder, condition, diagnose)
+        return
     run = one_test(named, reading)
     if run is None:
         from scara_iso.cli.diagnose_many import show_many
@@ -173,6 +186,7 @@ def _diagnose_run(
     *,
     seed: int,
     as_json: bool,
+    write: Write = write_json,
 ) -> None:
     from scara_iso.diagnosis import DiagnosisOfPoses, save_model
 
@@ -192,7 +206,7 @@ def _diagnose_run(
     )
     if isinstance(diagnosis, DiagnosisOfPoses):
         if as_json:
-            write_json(render.poses_diagnosis_json(diagnosis))
+            write(render.poses_diagnosis_json(diagnosis))
         else:
             write_report(reporting.poses_report(diagnosis, run.origin.source))
         return
@@ -202,6 +216,6 @@ def _diagnose_run(
         said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     if as_json:
-        write_json(render.diagnosis_json(diagnosis))
+        write(render.diagnosis_json(diagnosis))
     else:
         write_report(reporting.diagnosis_report(diagnosis, run.origin.source))

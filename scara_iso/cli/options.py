@@ -16,7 +16,11 @@ NOT_WITHIN_LIMITS = 1
 _LIMIT_REMEDY = "write --limit 0.02 for every length, or --limit XY=0.02"
 
 Table = Annotated[
-    str, typer.Argument(metavar="TABLE", help="CSV or .xlsx of readings; - is standard input.")
+    str,
+    typer.Argument(
+        metavar="TABLE",
+        help="CSV or .xlsx of readings, - is standard input; or a test's folder.",
+    ),
 ]
 Tables = Annotated[
     list[str],
@@ -64,6 +68,10 @@ LimitRule = Annotated[
         help="How --limit decides: interval (all of the 95 % interval inside, or outside), or "
         "simple (RP alone).",
     ),
+]
+ConditionName = Annotated[
+    str | None,
+    typer.Option("--condition", metavar="V-L", help="Of a test's folder: v50-l100; else all."),
 ]
 ModelFile = Annotated[str, typer.Argument(metavar="MODEL", help="A model file, .toml.")]
 

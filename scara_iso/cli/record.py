@@ -10,7 +10,10 @@ import typer
 from scara_iso.cli.options import ExcelLocale
 
 _Table = Annotated[
-    Path | None, typer.Argument(metavar="OUT.csv", help="Table to write.", show_default=False)
+    Path | None,
+    typer.Argument(
+        metavar="OUT.csv|DIR", help="Table to write, or a test's folder.", show_default=False
+    ),
 ]
 _Gauge = Annotated[
     list[str] | None,
@@ -23,7 +26,9 @@ _Gauge = Annotated[
 _Trigger = Annotated[
     str | None,
     typer.Option(
-        metavar="WHEN", help="enter (key or foot switch), data (DATA key), timer:SECONDS."
+        metavar="WHEN",
+        help="enter (key or foot switch), data (DATA key), timer:SECONDS, "
+        "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT.",
     ),
 ]
 _Cycles = Annotated[
@@ -57,6 +62,14 @@ _MetaFile = Annotated[
     Path | None, typer.Option(metavar="FILE.toml", help="Lines key = value for the table's head.")
 ]
 _Resume = Annotated[bool, typer.Option("--resume", help="Go on with the recording of OUT.csv.")]
+_Part = Annotated[
+    str | None,
+    typer.Option(metavar="PART", help="In a test's folder: P3-v50-l100; else the next one."),
+]
+_Repeat = Annotated[
+    str | None,
+    typer.Option(metavar="REASON", help="Record --part anew; what is there is struck, and stays."),
+]
 _Rebuild = Annotated[
     Path | None, typer.Option(metavar="OUT.raw.jsonl", help="Only make the table of a raw file.")
 ]
@@ -78,6 +91,8 @@ def record_command(
     meta: _Meta = None,
     meta_file: _MetaFile = None,
     resume: _Resume = False,
+    part: _Part = None,
+    repeat: _Repeat = None,
     rebuild: _Rebuild = None,
     excel_locale: ExcelLocale = None,
     json: _Json = False,
@@ -89,15 +104,16 @@ def record_command(
     Options of an indicator stand behind its driver: X=mitutoyo-mux?unit=mm&channel=1@COM3.
     They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
     """
-    from scara_iso.cli.recording import RecordOptions, rebuild_table, record_table
+    from scara_iso.cli.recording import RecordOptions, rebuild_table, record_as_asked
 
     if rebuild is not None:
         rebuild_table(rebuild, table, excel_locale=excel_locale, json=json)
         return
-    record_table(
+    record_as_asked(
         RecordOptions(
             table=table, gauges=tuple(gauge or ()), trigger=trigger, cycles=cycles,
             pose=pose, stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()),
-            meta_file=meta_file, resume=resume, excel_locale=excel_locale, json=json,
+            meta_file=meta_file, resume=resume, part=part, repeat=repeat,
+            excel_locale=excel_locale, json=json,
         )
     )  # fmt: skip

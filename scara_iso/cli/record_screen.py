@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import TracebackType
 from typing import TypeAlias
@@ -70,10 +70,15 @@ class Screen:
         *,
         title: str,
         earlier: Mapping[str, Mapping[int, float]],
+        place: Callable[[int], str] | None = None,
+        following: str | None = None,
     ) -> None:
+        """``place`` says where a test is, from the cycles stored; ``following`` what comes then."""
         self._live = live
         self._operator = operator
         self._title = title
+        self._place = place
+        self._following = following
         self._trigger = ""
         self._tour = Tour()
         self._cycles = 0
@@ -165,7 +170,8 @@ class Screen:
             case Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
                 short = said.cycles < said.planned
-                self._last = f"record --resume {said.table}" if short else _analyze(said)
+                then = f"record --resume {said.table}" if short else _analyze(said)
+                self._last = self._following or then
 
     def _trouble(self, kind: str, message: str) -> None:
         self._troubles[kind] += 1
@@ -174,6 +180,7 @@ class Screen:
     def _view(self, *, over: bool = False) -> LiveView:
         return LiveView(
             title=self._title,
+            place=self._place(self._stored) if self._place else "",
             stored=self._stored,
             planned=self._cycles * len(self._tour),
             counted="visits" if self._tour.poses else "cycles",
@@ -206,11 +213,21 @@ class Screen:
         if self._paused:
             return "Paused: press p to go on"
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
-        how = _NEXT.get(self._trigger, f"read by the timer, every {self._trigger[6:]} s")
+        how = _NEXT.get(self._trigger) or _how(self._trigger)
         if pose := self._tour.place(self._visit)[1]:
             how = how.replace("the pose", f"pose {pose}")
         visit = self._tour.name(self._visit)
         return f"{visit[0].upper()}{visit[1:]}{missing}: {how}"
+
+
+def _how(trigger: str) -> str:
+    """Return what takes a reading, where it is none of `_NEXT`."""
+    kind, _, seconds = trigger.partition(":")
+    if kind == "timer":
+        return f"read by the timer, every {seconds} s"
+    if trigger.startswith("settled"):
+        return f"read when the dial has come back to rest ({trigger})"
+    return f"read when the robot says AT and the pose, on {trigger}"
 
 
 def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:

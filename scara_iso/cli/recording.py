@@ -8,9 +8,11 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from scara_iso.acceptance import is_test_folder
 from scara_iso.acquisition import (
     Done,
     Enter,
@@ -18,8 +20,10 @@ from scara_iso.acquisition import (
     History,
     Job,
     Listen,
+    Noticed,
     Operator,
     RecordingPlan,
+    RobotLine,
     Said,
     SystemDisk,
     Tour,
@@ -46,6 +50,9 @@ from scara_iso.library import Nobody
 from scara_iso.render import LiveScreen, open_console
 from scara_iso.reporting import printable
 
+if TYPE_CHECKING:
+    from scara_iso.acceptance import Assignment, Folder
+
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""
 _CYCLES = 31
@@ -70,16 +77,62 @@ class RecordOptions:
     meta: tuple[str, ...]
     meta_file: Path | None
     resume: bool
+    part: str | None
+    repeat: str | None
     excel_locale: str | None
     json: bool
 
 
-def record_table(options: RecordOptions) -> None:
-    """Record a table, new or resumed; raises as `record` and for options that are missing."""
+def record_as_asked(options: RecordOptions) -> None:
+    """Record a table, or a part of the test in a folder; raises as `record_table`."""
     if options.table is None:
         raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
+    if is_test_folder(options.table):
+        _record_part(options, options.table)
+        return
+    if options.part is not None or options.repeat is not None:
+        raise UsageError(
+            "--part and --repeat are for the folder of a test", where=str(options.table),
+            remedy="make one: scara-iso test new DIR --model MODEL.toml",
+        )  # fmt: skip
+    record_table(options, options.table)
+
+
+def _record_part(options: RecordOptions, path: Path) -> None:
+    """Record one part of a test; what test.toml states is neither asked nor to be given."""
+    from scara_iso.acceptance import assign, read_folder
+
+    if options.cycles is not None:
+        raise UsageError("test.toml says how many cycles", remedy="leave --cycles out")
+    axes = [spec.axis for spec in parse_gauges(options.gauges, unit=options.unit)]
+    folder = read_folder(path)
+    found = assign(folder, axes, part=options.part, repeat=options.repeat)
+    if found is None:
+        _say_nothing_missing(folder, as_json=options.json or not sys.stdout.isatty())
+        return
+    record_table(
+        replace(options, cycles=found.cycles, resume=found.resume), found.table, assignment=found
+    )
+
+
+def _say_nothing_missing(folder: Folder, *, as_json: bool) -> None:
+    faulty = [state.part.name for state in folder.parts if state.why]
+    said = "every part is recorded" if not faulty else f"faulty: {', '.join(faulty)}"
+    if as_json:
+        write_line(Noticed("", f"nothing is missing: {said}"))
+    else:
+        sys.stdout.write(printable(f"{folder.path}: nothing is missing, {said}") + "\n")
+
+
+def record_table(
+    options: RecordOptions, table: Path, *, assignment: Assignment | None = None
+) -> None:
+    """Record a table, new or resumed; raises as `record` and for options that are missing.
+
+    An ``assignment`` says of which part of a test it is.
+    """
     on_terminal = not options.json and sys.stdout.isatty()
-    earlier = read_history(raw_path(options.table)) if options.resume else None
+    earlier = read_history(raw_path(table)) if options.resume else None
     if earlier is not None:
         _tell_damage(earlier)
     header = earlier.header if earlier else {}
@@ -99,33 +152,49 @@ def record_table(options: RecordOptions) -> None:
         raise UsageError("--stable goes with readings that are asked for, not with --trigger data")
     metadata = {} if options.meta_file is None else read_metadata(options.meta_file)
     metadata |= parse_metadata(options.meta)
+    if assignment is not None:
+        metadata = check_metadata(dict(assignment.metadata)) | metadata
     if not options.resume:
-        refuse_existing(options.table)
+        refuse_existing(table)
         if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
             metadata = metadata or _ask_metadata()
-    job = Job(options.table, specs, plan, metadata, options.resume, options.excel_locale)
-    _run(job, earlier, on_terminal=on_terminal)
+    job = Job(table, specs, plan, metadata, options.resume, options.excel_locale)
+    _run(job, earlier, on_terminal=on_terminal, assignment=assignment)
 
 
-def _run(job: Job, earlier: History | None, *, on_terminal: bool) -> None:
+def _run(
+    job: Job, earlier: History | None, *, on_terminal: bool, assignment: Assignment | None
+) -> None:
     clock = choose_clock(spec.address for spec in job.gauges)
     with ExitStack() as stack:
         stack.enter_context(_ended_by_signals())
         operator = _operator(job.plan, stack, on_terminal=on_terminal)
         tell: Callable[[Said], None] = write_line
         if on_terminal:
-            operator = screen = stack.enter_context(_screen(job, earlier, operator))
+            screen = _screen(job, earlier, operator, assignment)
+            operator = stack.enter_context(screen)
             tell = screen.tell
+        if assignment is not None:
+            from scara_iso.acceptance import told_of_part
+
+            tell = told_of_part(assignment, job.table.parent, tell)
         record(
             job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell,
             attended=on_terminal and sys.stdin.isatty(),
         )  # fmt: skip
 
 
-def _screen(job: Job, earlier: History | None, operator: Operator) -> Screen:
+def _screen(
+    job: Job, earlier: History | None, operator: Operator, assignment: Assignment | None
+) -> Screen:
     live = LiveScreen(open_console(sys.stdout, no_color=settings.no_color))
     stored = earlier.readings() if earlier else {}
-    return Screen(live, operator, title=f"scara-iso record {job.table.name}", earlier=stored)
+    where = job.table.name if assignment is None else job.table.parent
+    place = None if assignment is None else assignment.said
+    return Screen(
+        live, operator, title=f"scara-iso record {where}", earlier=stored, place=place,
+        following=None if assignment is None else f"test status {job.table.parent}",
+    )  # fmt: skip
 
 
 def _operator(plan: RecordingPlan, stack: ExitStack, *, on_terminal: bool) -> Operator:
@@ -138,6 +207,8 @@ def _rearm(trigger: Trigger, specs: Sequence[GaugeSpec]) -> float:
     """Return the time; recorded streams and lines of a script say what they mean."""
     if trigger == Enter():
         return _REARM_KEY_S if sys.stdin.isatty() else 0.0
+    if isinstance(trigger, RobotLine):
+        return 0.0
     recorded = all(is_recorded(spec.address) for spec in specs)
     return 0.0 if recorded else _REARM_S
 
@@ -149,7 +220,8 @@ def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:
         return Enter()
     raise UsageError(
         "no terminal to press Enter on",
-        remedy="give --trigger data, timer:SECONDS, or enter for lines of standard input",
+        remedy="give --trigger data, timer:SECONDS, settled, the robot's line (socket://HOST:PORT, "
+        "line:PORT), or enter for lines of standard input",
     )
 
 

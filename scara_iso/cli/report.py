@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from scara_iso import library, render, reporting
+from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
+    ConditionName,
     CyclesRun,
     DecimalMark,
     ExcelLocale,
@@ -81,6 +84,7 @@ def report_command(
     cycles: CyclesRun = None,
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
+    condition: ConditionName = None,
     excel_locale: ExcelLocale = None,
     meta: Meta = None,
     meta_file: MetaFile = None,
@@ -93,30 +97,31 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
+    reading = library.TableOptions(unit, resolution, decimal, sheet)
+    options: dict[str, Any] = {
+        "model": model,
+        "pose": pose,
+        "limits": parse_limits(limit or ()),
+        "decision": decision.value,
+        "first_cycle_discarded": first_cycle_discarded,
+        "cycles": cycles,
+        "all_count": all_count,
+        "allow_gaps": allow_gaps,
+        "excel_locale": excel_locale,
+        "metadata": _metadata(meta or (), meta_file),
+        "supersedes": supersedes,
+        "reason": reason,
+        "command": shlex.join(("scara-iso", *settings.arguments)),
+    }
+    if (folder := test_folder(table, condition, reading)) is not None:
+        from scara_iso.cli.conditions import report_folder
+
+        report_folder(folder, condition, output, archive, options, as_json=json)
+        return
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     read = [*named(table), model, None if meta_file is None else str(meta_file)]
     check_outputs([path, archive], read)
-    found = library.report(
-        table,
-        model=model,
-        to=path,
-        pose=pose,
-        limits=parse_limits(limit or ()),
-        decision=decision.value,
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
-        sheet=sheet,
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
-        excel_locale=excel_locale,
-        metadata=_metadata(meta or (), meta_file),
-        supersedes=supersedes,
-        reason=reason,
-        command=shlex.join(("scara-iso", *settings.arguments)),
-    )
+    found = library.report(table, to=path, **asdict(reading), **options)
     for one in found.dossier.provenance.restated:
         if one.before is not None:
             typer.echo(reporting.printable(f"scara-iso: overridden, {one}"), err=True)

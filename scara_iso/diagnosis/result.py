@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.display import Plotted
+from scara_iso.display import Displayed, Plotted
 from scara_iso.frames import make_frame
 from scara_iso.run import FloatArray, IntArray
 

@@ -11,6 +11,12 @@ from scara_iso.faces import face
 if TYPE_CHECKING:
     from scara_iso.library.diagnoses import Diagnoses as Diagnoses
     from scara_iso.library.figures import analyze as analyze
+    from scara_iso.library.folders import (
+        ConditionRun as ConditionRun,
+        new_test as new_test,
+        read_conditions as read_conditions,
+        report_condition as report_condition,
+    )
     from scara_iso.library.inputs import (
         Table as Table,
         TableOptions as TableOptions,
@@ -28,6 +34,7 @@ if TYPE_CHECKING:
     from scara_iso.library.recordings import Nobody as Nobody, record as record
     from scara_iso.library.reports import (
         TestReport as TestReport,
+        check_format as check_format,
         report as report,
     )
     from scara_iso.library.several import compare as compare

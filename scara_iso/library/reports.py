@@ -192,6 +192,11 @@ def _amendment(run: Run, supersedes: str | None, reason: str | None) -> Amendmen
     return Amendment(supersedes.strip(), reason.strip())
 
 
+def check_format(path: Path, excel_locale: str | None) -> None:
+    """Raise `UsageError` where no report can have that name, before anything is computed."""
+    _writer(path, excel_locale)
+
+
 def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     render = find_format(path.name, path.suffix)

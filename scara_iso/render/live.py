@@ -44,6 +44,8 @@ class LiveView:
     stored: int
     planned: int
     axes: Sequence[AxisView]
+    place: str = ""
+    """Where in a whole test this recording is."""
     status: tuple[str, str] = ("", "plain")
     """The last thing that happened, and its tone: good, bad, quiet or plain."""
     troubles: str = ""
@@ -81,6 +83,7 @@ def draw(view: LiveView, console: Console) -> RenderableType:
     lines: list[RenderableType] = [
         _head(view, width),
         _progress(view, width, blocks=blocks),
+        *([Text(f"{_INDENT}{printable(view.place)}")] if view.place else []),
         Text(),
     ]
     for axis in view.axes:

@@ -83,6 +83,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.streams import visits_report as visits_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
+    from scara_iso.reporting.whole_test import (
+        missing_report as missing_report,
+        status_report as status_report,
+    )
     from scara_iso.reporting.words import printable as printable
 else:
     __getattr__ = face(__name__)

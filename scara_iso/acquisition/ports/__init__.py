@@ -9,7 +9,8 @@ from scara_iso.acquisition.ports.address import is_device, is_recorded, is_simul
 from scara_iso.acquisition.ports.clock import Clock, StreamClock, SystemClock
 from scara_iso.acquisition.ports.device import DevicePort
 from scara_iso.acquisition.ports.identity import Device, list_devices, refuse_same_device
-from scara_iso.acquisition.ports.port import Port, split_options
+from scara_iso.acquisition.ports.line import SocketLine, open_line
+from scara_iso.acquisition.ports.port import Port, number_option, split_options
 from scara_iso.acquisition.ports.replay import (
     PULSE,
     ReplayPort,
@@ -27,6 +28,7 @@ __all__ = [
     "ReplayPort",
     "Signal",
     "SimulatedPort",
+    "SocketLine",
     "StreamClock",
     "SystemClock",
     "choose_clock",
@@ -34,6 +36,8 @@ __all__ = [
     "is_recorded",
     "is_simulated",
     "list_devices",
+    "number_option",
+    "open_line",
     "open_port",
     "refuse_same_device",
     "replayed_poses",
@@ -58,15 +62,18 @@ def open_port(
     clock: Clock,
     asked: bool,
     source: Signal | None = None,
+    watched: bool = False,
 ) -> Port:
     """Open the port that ``address`` names, with the dialect's line settings.
 
     ``asked`` says that readings will be asked for; otherwise they come by themselves. ``source``
-    feeds a simulated indicator. Raises `UsageError`, `NoInputError`, `DataError` or
-    `InstrumentError`.
+    feeds a simulated indicator, whose arm comes and goes by itself where it is ``watched``. Raises
+    `UsageError`, `NoInputError`, `DataError` or `InstrumentError`.
     """
     if is_simulated(address):
-        return SimulatedPort(address, dialect, axis=axis, clock=clock, asked=asked, source=source)
+        return SimulatedPort(
+            address, dialect, axis=axis, clock=clock, asked=asked, source=source, watched=watched
+        )
     if is_recorded(address):
         return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
     return DevicePort(address, dialect.line)

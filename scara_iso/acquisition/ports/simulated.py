@@ -29,6 +29,11 @@ MODEL_CYCLES = 10_000
 """As many cycles are computed of a model; the last one is shown ever after."""
 AT_REST_S = 0.05
 """Asked again within this time after an answer, the arm has not moved: the same value [s]."""
+VISIT_S = 4.0
+"""Where the dial's rest is watched, the arm leaves, comes back and stands in this time [s]."""
+_AWAY, _COMING = 0.4, 0.45
+AWAY = 2.0
+"""How far from the pose the dial then shows the arm to be [mm or deg]."""
 
 Signal: TypeAlias = Callable[[int], float]
 """The value that the indicator shows at the k-th pose attained, k from 0 [mm or deg]."""
@@ -54,6 +59,7 @@ class SimulatedPort:
         clock: Clock,
         asked: bool,
         source: Signal | None = None,
+        watched: bool = False,
     ) -> None:
         key, options = split_options(address.removeprefix("sim:"), OPTIONS)
         self._dialect = find_dialect(key) if key else dialect
@@ -70,7 +76,9 @@ class SimulatedPort:
             )
         self._source = source or _source(axis, options, self._size)
         self._clock = clock
+        self._watched = watched
         self._poses = 0
+        self._position = 0.0
         self._text = ""
         self._answered = -math.inf
         self._answer_at = math.inf
@@ -89,7 +97,9 @@ class SimulatedPort:
             self._push_at += self._every
         else:
             return b""
-        if now - self._answered > AT_REST_S:
+        if self._watched:
+            self._text = self._on_the_way(now)
+        elif now - self._answered > AT_REST_S:
             self._text = self._attain()
         self._answered = now
         frame_unit = self.unit if self.unit in self._dialect.units else None
@@ -112,8 +122,20 @@ class SimulatedPort:
 
     def _attain(self) -> str:
         """Return the display at the next pose, in its own unit and number of decimals."""
-        value = self._source(self._poses) * self._size.denominator / self._size.numerator
         self._poses += 1
+        return self._shown(self._source(self._poses - 1))
+
+    def _on_the_way(self, now: float) -> str:
+        """Return the display of an arm that is away, comes, and stands at the pose, by turns."""
+        visit, phase = divmod(now / VISIT_S, 1.0)
+        if visit >= self._poses:
+            self._poses = int(visit) + 1
+            self._position = self._source(int(visit))
+        away = min(1.0, max(0.0, (_COMING - phase) / (_COMING - _AWAY)))
+        return self._shown(self._position + away * AWAY)
+
+    def _shown(self, position: float) -> str:
+        value = position * self._size.denominator / self._size.numerator
         shown = round(Decimal(value), self._dialect.decimals[0])
         return f"{shown if shown else abs(shown):f}"
 

@@ -209,7 +209,7 @@ class Bench:
         asked = self._clock.now()
         deadline = max(gauge.ask(self._journal, self._clock) for gauge in self.gauges)
         taken: dict[str, Taken] = {}
-        while self._clock.now() < (until := self._listening(taken, asked, deadline)):
+        while self._clock.now() < self._listening(taken, asked, deadline):
             for one in self.receive():
                 first = taken.setdefault(one.gauge.axis, one) if _answers(one) else one
                 if first is not one or not _answers(one):
@@ -218,7 +218,7 @@ class Bench:
             if self._faulted:
                 self.refuse(taken.values(), "a gauge of the same cycle is at fault")
                 return None
-            self._clock.idle(until)
+            self._clock.idle(self._listening(taken, asked, deadline))
         return self._judge(taken, asked, ambiguous=ambiguous)
 
     def _listening(self, taken: Mapping[str, Taken], asked: float, deadline: float) -> float:

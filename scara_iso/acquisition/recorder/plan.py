@@ -7,9 +7,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
+from scara_iso.acquisition.ports import number_option, split_options
 from scara_iso.acquisition.recorder.spec import GaugeSpec
 from scara_iso.acquisition.recorder.tour import ONE_POSE, Tour
 from scara_iso.errors import UsageError
+
+_SETTLED = {
+    "rest": "seconds that the dial stands, default 1",
+    "within": "divisions that it may then show by turns, default 1",
+    "away": "mm or degrees that it must have been away before, default 0.5",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +45,33 @@ class Timer:
         return f"timer:{self.seconds:g}"
 
 
-Trigger: TypeAlias = Enter | Listen | Timer
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """The dial itself came to rest; the rule is that of `at_rest.AtRest`.
+
+    ``rest`` [s] within ``within`` divisions, after it was more than ``away`` [mm or deg] from the
+    visit before.
+    """
+
+    rest: float = 1.0
+    within: float = 1.0
+    away: float = 0.5
+
+    def __str__(self) -> str:
+        return f"settled?rest={self.rest:g}&within={self.within:g}&away={self.away:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotLine:
+    """The robot says when, on a line of its own: ``AT P3``."""
+
+    address: str
+
+    def __str__(self) -> str:
+        return self.address if self.address.startswith("socket://") else f"line:{self.address}"
+
+
+Trigger: TypeAlias = Enter | Listen | Timer | Settled | RobotLine
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +111,15 @@ class Job:
 
 
 def parse_trigger(text: str) -> Trigger:
-    """Return the trigger that ``text`` spells: ``enter``, ``data`` or ``timer:SECONDS``."""
+    """Return the trigger that ``text`` spells.
+
+    ``enter``, ``data``, ``timer:SECONDS``, ``settled`` with its options, ``socket://HOST:PORT`` or
+    ``line:PORT``.
+    """
+    if text.startswith("socket://") or (text.startswith("line:") and text != "line:"):
+        return RobotLine(text.removeprefix("line:"))
+    if text.partition("?")[0] == "settled":
+        return _settled(text)
     match text.split(":"):
         case ["enter"]:
             return Enter()
@@ -93,5 +134,15 @@ def parse_trigger(text: str) -> Trigger:
                 return Timer(value)
     raise UsageError(
         f"unknown trigger {text!r}",
-        remedy="use `trigger=enter`, `trigger=data` or `trigger=timer:SECONDS`",
+        remedy="use `trigger=enter`, `trigger=data`, `trigger=timer:SECONDS`, `trigger=settled`, "
+        "or the robot's line: `trigger=socket://HOST:PORT`, `trigger=line:PORT`",
     )
+
+
+def _settled(text: str) -> Settled:
+    _, options = split_options(text, _SETTLED)
+    values = {key: number_option(options, key, 0.0) for key in options}
+    wrong = [key for key, value in values.items() if value <= 0]
+    if wrong:
+        raise UsageError(f"{text!r}: {wrong[0]} is not above zero")
+    return Settled(**values)

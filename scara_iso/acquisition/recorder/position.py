@@ -17,9 +17,15 @@ class Position:
     latest: tuple[tuple[int, str], ...] = ()
     shown: Mapping[str, Sequence[tuple[int, str]]] = field(default_factory=dict)
     """The latest readings of each axis, by visit, as they were shown."""
+    values: Mapping[str, float] = field(default_factory=dict)
+    """The last reading of each axis [mm or deg]."""
 
     @classmethod
     def after(cls, history: History) -> Position:
         """Return where a recording goes on."""
         shown = {axis: tuple(column.shown) for axis, column in history.columns.items()}
-        return cls(history.visit, history.present(history.visit), tuple(history.latest), shown)
+        last = {axis: readings[max(readings)] for axis, readings in history.readings().items()
+                if readings}  # fmt: skip
+        return cls(
+            history.visit, history.present(history.visit), tuple(history.latest), shown, last
+        )

@@ -11,6 +11,7 @@ from scara_iso.acquisition.ports import (
     Port,
     is_device,
     is_recorded,
+    open_line,
     open_port,
     refuse_same_device,
     replayed_poses,
@@ -20,8 +21,9 @@ from scara_iso.acquisition.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.acquisition.recorder.header import make_gauges, write_header
 from scara_iso.acquisition.recorder.history import read_history
 from scara_iso.acquisition.recorder.journal import Journal
-from scara_iso.acquisition.recorder.plan import Job, Listen
+from scara_iso.acquisition.recorder.plan import Job, Listen, RobotLine, Settled
 from scara_iso.acquisition.recorder.position import Position
+from scara_iso.acquisition.recorder.robot_line import RobotSays
 from scara_iso.acquisition.recorder.session import Session
 from scara_iso.acquisition.recorder.spec import GaugeSpec
 from scara_iso.acquisition.recorder.table import remove, table_of, write_table_of
@@ -61,10 +63,30 @@ def record(
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
             for jump in earlier.timeline.jumps:
                 tell(Noticed("", jump))
+            if isinstance(job.plan.trigger, RobotLine):
+                operator = robot = _robot(job, job.plan.trigger, operator, journal, tell, stack)
+                tell = robot.told
             Session(
                 gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
                 position=Position.after(earlier), attended=attended,
             ).run()  # fmt: skip
+
+
+def _robot(
+    job: Job,
+    trigger: RobotLine,
+    operator: Operator,
+    journal: Journal,
+    tell: Callable[[Said], None],
+    stack: ExitStack,
+) -> RobotSays:
+    """Open the robot's line, as an operator that says when."""
+    port = open_line(trigger.address)
+    stack.callback(port.close)
+    return RobotSays(
+        port, operator, journal=journal, tell=tell, pose=job.metadata.get("pose"),
+        in_order=not any(is_device(gauge.address) for gauge in job.gauges),
+    )  # fmt: skip
 
 
 def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
@@ -80,7 +102,10 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
                 remedy="leave `stable=` out",
             )
         asked = not isinstance(job.plan.trigger, Listen)
-        port = open_port(spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked)
+        port = open_port(
+            spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked,
+            watched=isinstance(job.plan.trigger, Settled),
+        )  # fmt: skip
         stack.callback(port.close)
         ports.append(port)
     return ports

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from scara_iso.acquisition.ports import Clock
+from scara_iso.acquisition.recorder.at_rest import AtRest
 from scara_iso.acquisition.recorder.axis_readings import VOIDABLE
 from scara_iso.acquisition.recorder.bench import Bench, Taken
 from scara_iso.acquisition.recorder.events import (
@@ -35,7 +36,14 @@ from scara_iso.acquisition.recorder.events import (
 )
 from scara_iso.acquisition.recorder.gauge import Gauge
 from scara_iso.acquisition.recorder.journal import Journal
-from scara_iso.acquisition.recorder.plan import Enter, Listen, RecordingPlan, Timer
+from scara_iso.acquisition.recorder.plan import (
+    Enter,
+    Listen,
+    RecordingPlan,
+    RobotLine,
+    Settled,
+    Timer,
+)
 from scara_iso.acquisition.recorder.position import Position
 from scara_iso.acquisition.recorder.shown import DisplayChangedError, gross_reading
 from scara_iso.acquisition.recorder.visits import Visits
@@ -45,6 +53,8 @@ from scara_iso.quantities import parse_unit
 ATTEMPTS = 3
 """How often a gauge is asked for one cycle before the session gives up."""
 RETRY_S = 0.2
+WATCH_S = 0.1
+"""Time between two looks at a dial that is to come to rest."""
 
 
 class Session:
@@ -88,6 +98,9 @@ class Session:
         self._due = 0.0
         self._pressed = -math.inf
         self._paused = self._stopped = False
+        self._unread = 0
+        rule = plan.trigger if isinstance(plan.trigger, Settled) else Settled()
+        self._at_rest = AtRest(rule, position.values)
 
     def run(self) -> None:
         """Record."""
@@ -98,7 +111,9 @@ class Session:
         self._bench.open()
         self._due = self._clock.now()
         self._say_waiting()
-        step = self._listen if isinstance(self._plan.trigger, Listen) else self._attend
+        step = {Listen: self._listen, Settled: self._watch}.get(
+            type(self._plan.trigger), self._attend
+        )
         while self._visit <= self._plan.visits and not self._stopped:
             try:
                 step()
@@ -176,12 +191,45 @@ class Session:
             if self._stopped:
                 return
         if isinstance(self._plan.trigger, Timer):
-            raise InstrumentError(
-                f"no reading of {self._tour.name(self._visit)} after {ATTEMPTS} requests; "
-                f"at last {self._bench.last_problem}",
-                remedy="check cable, settings and that the indicator is on, then use `resume=True`",
-            )
+            raise self._silent(ATTEMPTS)
         self._say_waiting()
+
+    def _watch(self) -> None:
+        """Look at every gauge again and again, and take the readings of a dial at rest."""
+        taken = None if self._paused else self._bench.measure(1)
+        if taken is not None:
+            self._unread = 0
+            self._take_at_rest(taken)
+        elif not self._paused:
+            self._unread += 1
+        if self._unread >= ATTEMPTS:
+            raise self._silent(ATTEMPTS)
+        until = self._clock.now() + WATCH_S
+        while self._clock.now() < until and not self._stopped:
+            self._bench.refuse(self._bench.receive(), "not asked for")
+            self._obey(self._operator.poll())
+            self._stopped |= self._ended()
+            self._clock.idle(until)
+
+    def _take_at_rest(self, taken: Sequence[Taken]) -> None:
+        sizes = {one.gauge.axis: parse_unit(one.reading.unit or one.gauge.unit or "mm")
+                 for one in taken}  # fmt: skip
+        texts = {one.gauge.axis: one.reading.text for one in taken}
+        values = {axis: size.read(texts[axis]) for axis, size in sizes.items()}
+        counts = {axis: 10.0 ** -len(text.partition(".")[2]) for axis, text in texts.items()}
+        divisions = {axis: size.to_base(counts[axis]) for axis, size in sizes.items()}
+        if not self._at_rest.arrived(taken[0].time, values, divisions):
+            return
+        if not self._bench.doubt(taken, self._visit):
+            self._store([one for one in taken if one.gauge.axis not in self._present])
+            self._at_rest.stored(values)
+
+    def _silent(self, attempts: int) -> InstrumentError:
+        return InstrumentError(
+            f"no reading of {self._tour.name(self._visit)} after {attempts} requests; "
+            f"at last {self._bench.last_problem}",
+            remedy="check cable, settings and that the indicator is on, then use `resume=True`",
+        )
 
     def _await_trigger(self) -> bool:
         """Return True when the cycle is to be taken, False when the session ends instead."""
@@ -250,6 +298,8 @@ class Session:
         match command:
             case Take() if isinstance(self._plan.trigger, Enter):
                 return not self._bounced()
+            case Take() if isinstance(self._plan.trigger, RobotLine):
+                return True
             case Void(reason=reason):
                 self._void(reason)
             case Note(text=text):

@@ -25,6 +25,7 @@ _ABOUT = re.compile(rf"({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*(\D*)")
 _BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
 _DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})")
 _SHOWN = 30
+NOT_STATED = "not stated"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,16 +76,25 @@ class Stated:
     def _size(self, unit: str, units: Units) -> float | None:
         spelled = unit.strip()
         if not spelled:
-            of_key = (name for name in units if self.key.lower().endswith(_of_key(name)))
+            key = self.key.lower().partition("[")[0]
+            of_key = (name for name in units if key.endswith(_of_key(name)))
             spelled = next(of_key, "")
         return units.get(spelled)
 
 
 def stated(run: Run, keys: Collection[str]) -> Iterator[Stated]:
-    """Yield the lines of a run's head that have one of the keys and say something."""
+    """Yield the lines of a run's head that have one of the keys and say something.
+
+    A key may be that of one pose, ``temperature[P3]``.
+    """
     for key, text in run.metadata.items():
-        if key.strip().lower() in keys and text.strip():
+        if key.strip().lower().partition("[")[0] in keys and is_said(text):
             yield Stated(key, text.strip())
+
+
+def is_said(text: str) -> bool:
+    """Return whether a line says something: neither nothing nor that it is not stated."""
+    return text.strip().lower() not in ("", NOT_STATED)
 
 
 def first(run: Run, keys: Collection[str]) -> Stated | None:

@@ -2,14 +2,16 @@
 
 ISO 9283 has load, velocity and ambient conditions stated in the report and held constant during
 a test; a figure without its instrument and its calibration cannot be traced. Add them as
-``# key: value`` lines at the head of the table. What is stated is compared with rated values and
-limits by `other-load`, `other-velocity`, `temperature-limits`, `short-dwell`, `calibration-date`.
+``# key: value`` lines at the head of the table, or in the test.toml of a test's folder. What is
+stated is compared with rated values and limits by `other-load`, `other-velocity`,
+`temperature-limits`, `short-dwell`, `calibration-date`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.iso9283.checks._stated import is_said
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "not-stated"
@@ -24,9 +26,13 @@ _CONDITIONS = {
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield one note that lists what is not stated."""
     run = measured.run
-    stated = {key.lower() for key, text in run.metadata.items() if text.strip()}
+    lines = {key.lower().partition("[")[0]: text for key, text in run.metadata.items()}
+    stated = {key for key, text in lines.items() if is_said(text)}
     stated |= {name.lower() for name in run.covariates}
     missing = [condition for condition, keys in _CONDITIONS.items() if not keys & stated]
+    missing += [
+        k.replace("_", " ") for k, text in lines.items() if text.strip() and k not in stated
+    ]
     if missing:
         yield Finding(
             CODE,

@@ -1,8 +1,9 @@
 """The pose was approached from both sides.
 
-With arrivals from both sides the gap and the wind-up of the drive enter the figure; a
-unidirectional figure of a catalogue is not comparable. ``definitions=True`` gives ISO 230-2's
-figures for each direction and the reversal.
+The column `approach` says it, or the line ``# approached_from: both sides``. With arrivals from
+both sides the gap and the wind-up of the drive enter the figure; a unidirectional figure of a
+catalogue is not comparable. ``definitions=True`` gives ISO 230-2's figures for each direction and
+the reversal.
 """
 
 from __future__ import annotations
@@ -11,13 +12,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from scara_iso.iso9283.checks._stated import stated
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "mixed-approach"
+_SAID = {"approached_from"}
+_ONE_SIDE = "one side"
+_RULE = "good practice (no clause verified): every visit comes from the same side"
 
 
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning for each pose approached from both sides, and for an unknown coding."""
+    for line in stated(measured.run, _SAID):
+        if line.text.lower() != _ONE_SIDE:
+            yield Finding(CODE, "warning", f"{line}, which RP includes", rule=_RULE)
     approach = measured.run.covariates.get("approach")
     if approach is None:
         return
@@ -37,5 +45,5 @@ def check(measured: Measured) -> Iterator[Finding]:
                 "the pose is approached from both sides: RP includes the reversal; "
                 "the definitions of ISO 230-2 give each direction",
                 pose=pose.label,
-                rule="good practice (no clause verified): every visit comes from the same side",
+                rule=_RULE,
             )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from scara_iso.effects import Effect, GearEffect, Parameter, find_effects, find_gear_effects
-from scara_iso.robot.model.keys import KeyFaults, is_number, only
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator
+from scara_iso.toml_keys import KeyFaults, is_number, only
 
 
 def declared_effects(

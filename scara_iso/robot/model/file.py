@@ -13,9 +13,9 @@ from scara_iso.files import read_file, read_toml
 from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.model.declared import declared_effects
-from scara_iso.robot.model.keys import KeyFaults, number_at, only, pair, section
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model, Rated
 from scara_iso.run import AXES
+from scara_iso.toml_keys import KeyFaults, number_at, only, pair, section
 
 if TYPE_CHECKING:
     from tomlkit.items import InlineTable
@@ -48,6 +48,7 @@ def read_model(path: str | Path) -> Model:
         gearboxes=gears,
         effects=tuple(declared_effects(document.get("effect", []), indicators, gears, faults)),
         rated=_rated(section(document, "rated", faults), faults),
+        serial_number=str(robot.get("serial_number", "")),
     )
     if faults:
         raise DataError(
@@ -114,7 +115,7 @@ def _rated(table: Mapping[str, Any], faults: KeyFaults) -> Rated:
 
 
 def _arm(robot: Mapping[str, Any], faults: KeyFaults) -> Arm | None:
-    only(robot, {"name", *_ARM}, "robot", faults)
+    only(robot, {"name", "serial_number", *_RATED, *_ARM}, "robot", faults)
     if not any(key in robot for key in _ARM):
         return None
     missing = [key for key in ("link_1_mm", "link_2_mm") if key not in robot]

@@ -99,3 +99,6 @@ class Model:
     """By the number of the joint."""
     effects: tuple[DeclaredEffect, ...] = ()
     rated: Rated = Rated()
+    """What percentages of load and velocity are of."""
+    serial_number: str = ""
+    """As the file states it."""

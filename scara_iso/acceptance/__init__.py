@@ -1,0 +1,38 @@
+"""The whole test as a folder: test.toml says what is measured, its recordings are the parts.
+
+`read_folder` says how far each part is, `assign` which comes next, `merge` makes one `Run` of the
+parts of a condition.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.acceptance.assigning import (
+        Assignment as Assignment,
+        assign as assign,
+        told_of_part as told_of_part,
+    )
+    from scara_iso.acceptance.folder import (
+        FAULTY as FAULTY,
+        Folder as Folder,
+        PartState as PartState,
+        read_folder as read_folder,
+    )
+    from scara_iso.acceptance.merging import lacking as lacking, merge as merge
+    from scara_iso.acceptance.place import FILE as FILE, is_test_folder as is_test_folder
+    from scara_iso.acceptance.planning import plan_test as plan_test
+    from scara_iso.acceptance.progress import (
+        about as about,
+        seconds_a_cycle as seconds_a_cycle,
+        seconds_left as seconds_left,
+    )
+    from scara_iso.acceptance.reading import (
+        parse_test as parse_test,
+        read_test as read_test,
+    )
+    from scara_iso.acceptance.whole_test import Condition as Condition, WholeTest as WholeTest
+    from scara_iso.acceptance.writing import strike as strike, toml_of as toml_of
+else:
+    __getattr__ = face(__name__)

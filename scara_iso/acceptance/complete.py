@@ -1,0 +1,28 @@
+"""A part's table with what test.toml states beside it; what the table says itself holds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from scara_iso.acceptance.stated import NOT_STATED, command_of, metadata_of
+from scara_iso.acceptance.whole_test import Part, WholeTest
+from scara_iso.run import Axis, Run
+
+
+def completed(run: Run, part: Part, test: WholeTest) -> Run:
+    """Return the run of a part, with the lines and sizes of the test that its table lacks."""
+    of_test = metadata_of(part, test, run.axes)
+    own = {key: text for key, text in run.metadata.items() if text.strip() != NOT_STATED}
+    lines = {k: v for k, v in of_test.items() if not k.startswith(("command_", "indicator_unc"))}
+    axes = {name: _axis(axis, part, test) for name, axis in run.axes.items()}
+    return replace(run, metadata={**lines, **own}, axes=axes)
+
+
+def _axis(axis: Axis, part: Part, test: WholeTest) -> Axis:
+    instrument = test.instruments.get(axis.name)
+    command, uncertainty = axis.command, axis.uncertainty
+    if command is None:
+        command = command_of(part, test, axis.name)
+    if uncertainty is None and instrument is not None:
+        uncertainty = instrument.uncertainty
+    return replace(axis, command=command, uncertainty=uncertainty)

@@ -1,0 +1,168 @@
+"""The folder of a test: which recordings are there, and how far each part is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from scara_iso.acceptance.complete import completed
+from scara_iso.acceptance.reading import read_test
+from scara_iso.acceptance.stated import why_not_of
+from scara_iso.acceptance.whole_test import Part, Struck, WholeTest
+from scara_iso.acquisition import check_manifest, raw_path, read_history
+from scara_iso.errors import ScaraIsoError
+from scara_iso.iso9283 import CYCLES_RUN, Finding
+from scara_iso.run import Run
+from scara_iso.tables import read_table
+
+DONE, MISSING, UNFINISHED = "done", "missing", "unfinished"
+STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
+PLANNED = ("other-load", "other-velocity")
+"""Deviations that the name of a part says already."""
+_RAW = ".raw.jsonl"
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What was recorded for a part, once: a table, a raw file, or both."""
+
+    part: Part
+    table: Path
+
+    @property
+    def name(self) -> str:
+        """Its files' name without ending."""
+        return self.table.name.removesuffix(".csv")
+
+    @cached_property
+    def cycles(self) -> tuple[int, int]:
+        """How many cycles are complete, and how many were to be; raises as reading does."""
+        if not raw_path(self.table).exists():
+            return len(self.run), len(self.run)
+        history = read_history(raw_path(self.table))
+        if not history.header and not history.faults:  # begun this moment, or cut short there
+            return 0, CYCLES_RUN
+        history.check()
+        return int(history.complete_rows().sum()), int(history.header["cycles"])
+
+    @cached_property
+    def run(self) -> Run:
+        """The readings; raises as `read_table` does."""
+        return read_table(self.table)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every cycle is there, and the table is made."""
+        done, wanted = self.cycles
+        return done >= wanted and self.table.exists()
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is not as the recording left it."""
+        return check_manifest(self.table)
+
+
+@dataclass(frozen=True, eq=False)
+class PartState:
+    """How far a part is; ``why`` says what is wrong with one that is faulty."""
+
+    part: Part
+    state: str
+    recording: Recording | None = None
+    struck: tuple[Struck, ...] = ()
+    deviations: tuple[Finding, ...] = ()
+    why: str = ""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether its recording can be analysed."""
+        return self.state in (DONE, OUT)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is still to be recorded, or to be gone on with."""
+        return self.state in (MISSING, STRUCK, UNFINISHED)
+
+
+@dataclass(frozen=True, eq=False)
+class Folder:
+    """A test and the states of its parts, in the order of recording."""
+
+    path: Path
+    test: WholeTest
+    parts: tuple[PartState, ...]
+    foreign: tuple[str, ...]
+    """Recordings that are of no part of the test, by their names."""
+
+    @property
+    def next(self) -> PartState | None:
+        """What comes next: a part that was begun, else the first that lacks."""
+        begun = (part for part in self.parts if part.state == UNFINISHED)
+        return next(begun, next((part for part in self.parts if part.is_open), None))
+
+
+def read_folder(path: Path) -> Folder:
+    """Return what a folder holds now; raises as `read_test`.
+
+    A recording that cannot be read is a faulty part, never an error: status can always be asked.
+    """
+    test = read_test(path)
+    found = dict(_recordings(path, test))
+    parts = tuple(_state(part, found.get(part.name, []), test) for part in test.parts())
+    known = {recording.name for recordings in found.values() for recording in recordings}
+    return Folder(path, test, parts, tuple(sorted(_names(path) - known)))
+
+
+def _names(path: Path) -> set[str]:
+    """Return the recordings of a folder by their names without ending."""
+    files = [one.name for one in path.iterdir() if one.is_file()]
+    return {name.removesuffix(ending) for name in files for ending in (".csv", _RAW)
+            if name.endswith(ending)}  # fmt: skip
+
+
+def _recordings(path: Path, test: WholeTest) -> Iterator[tuple[str, list[Recording]]]:
+    names = _names(path)
+    for part in test.parts():
+        repeats = re.compile(rf"{re.escape(part.name)}(?:-r\d+)?")
+        yield (
+            part.name,
+            [
+                Recording(part, path / f"{name}.csv")
+                for name in sorted(filter(repeats.fullmatch, names), key=lambda n: (len(n), n))
+            ],
+        )
+
+
+def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartState:
+    reasons: Mapping[str, Struck] = {one.recording: one for one in test.struck}
+    struck = tuple(reasons[one.name] for one in recordings if one.name in reasons)
+    counting = [one for one in recordings if one.name not in reasons]
+    if not counting:
+        return PartState(part, STRUCK if struck else MISSING, struck=struck)
+    if len(counting) > 1:
+        why = f"recorded twice: {', '.join(one.name for one in counting)}; strike one of them"
+        return PartState(part, FAULTY, counting[-1], struck, why=why)
+    return _state_of(counting[0], struck, test)
+
+
+def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest) -> PartState:
+    from scara_iso.iso9283 import analyze  # noqa: PLC0415 - scipy, for parts that are recorded
+
+    part = recording.part
+    try:
+        if not recording.is_whole:
+            return PartState(part, UNFINISHED, recording, struck)
+        if faults := why_not_of(recording.run, part, test):
+            return PartState(part, FAULTY, recording, struck, why="; ".join(faults))
+        run = completed(recording.run, part, test)
+        findings = analyze(run, cycles=test.schedule.cycles_run).findings
+    except ScaraIsoError as error:
+        return PartState(part, FAULTY, recording, struck, why=error.headline)
+    edited = tuple(Finding("edited", "warning", line) for line in recording.doubts)
+    off = tuple(f for f in (*findings, *edited)
+                if f.severity != "info" and f.code not in PLANNED
+                and (f.rule or f.code == "edited"))  # fmt: skip
+    return PartState(part, OUT if off else DONE, recording, struck, off)

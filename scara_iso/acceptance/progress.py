@@ -1,0 +1,54 @@
+"""How far a test is, and how long is left, from the pace of the parts recorded."""
+
+from __future__ import annotations
+
+import math
+from statistics import median
+
+from scara_iso.acceptance.folder import UNFINISHED, Folder, PartState
+
+TIME = "time_s"
+_MINUTE_S, _HOUR_S = 60.0, 3600.0
+
+
+def seconds_a_cycle(folder: Folder) -> float | None:
+    """Return the pace: the median over the parts that have times, None where none has."""
+    paces = [pace for state in folder.parts if (pace := _pace(state)) is not None]
+    return median(paces) if paces else None
+
+
+def _pace(state: PartState) -> float | None:
+    if not state.is_whole or state.recording is None:
+        return None
+    times = state.recording.run.covariates.get(TIME)
+    if times is None or len(times) < 2:
+        return None
+    return float(times[-1] - times[0]) / (len(times) - 1)
+
+
+def cycles_left(folder: Folder) -> int:
+    """Return how many cycles are still to be recorded."""
+    return sum(_cycles_of(state, folder) for state in folder.parts if state.is_open)
+
+
+def _cycles_of(state: PartState, folder: Folder) -> int:
+    if state.state != UNFINISHED or state.recording is None:
+        return folder.test.schedule.cycles
+    done, wanted = state.recording.cycles
+    return max(0, wanted - done)
+
+
+def seconds_left(folder: Folder) -> float | None:
+    """Return how long the parts that lack will take, None where no pace is known."""
+    pace = seconds_a_cycle(folder)
+    return None if pace is None else pace * cycles_left(folder)
+
+
+def about(seconds: float) -> str:
+    """Return a time as it is said: ``about 40 minutes``."""
+    if seconds < _MINUTE_S:
+        return "less than a minute"
+    if seconds < 2 * _HOUR_S:
+        minutes = math.ceil(seconds / _MINUTE_S)
+        return f"about {minutes} minute{'s' if minutes > 1 else ''}"
+    return f"about {seconds / _HOUR_S:.1f} hours"

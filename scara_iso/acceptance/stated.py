@@ -1,0 +1,115 @@
+"""What test.toml states of a part, as the head of its table says it, and whether a table agrees."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from datetime import date
+
+from scara_iso.acceptance.whole_test import COUNTS, Condition, Instrument, Part, WholeTest
+from scara_iso.run import Run
+
+NOT_STATED = "not stated"
+
+
+def metadata_of(part: Part, test: WholeTest, axes: Collection[str]) -> dict[str, str]:
+    """Return the ``key: value`` lines of a part recorded on these axes."""
+    found = dict(_lines(part, test))
+    found |= dict(_instruments({a: test.instruments[a] for a in axes if a in test.instruments}))
+    commands = {axis: command_of(part, test, axis) for axis in axes}
+    found |= {f"command_{axis}": _plain(v) for axis, v in commands.items() if v is not None}
+    return {key: text for key, text in found.items() if text}
+
+
+def command_of(part: Part, test: WholeTest, axis: str) -> float | None:
+    """Return what a dial would read at the command pose: 0 where it was zeroed there."""
+    zeroed = 0.0 if test.schedule.dial_zero else None
+    return test.poses[part.pose].command.get(axis, zeroed)
+
+
+def why_not_of(run: Run, part: Part, test: WholeTest) -> list[str]:
+    """Return what a table's head states otherwise than the test: it is of another part or robot."""
+    wanted = {
+        "part": part.name, "pose": part.pose, "robot": test.robot.name,
+        "serial_number": test.robot.serial_number,
+    }  # fmt: skip
+    labels = [label for label, _ in run.rows_by_pose() if label is not None]
+    faults = [
+        f"{key} is {run.metadata[key]!r}, and the test says {text!r}"
+        for key, text in wanted.items()
+        if text and run.metadata.get(key, text).strip() != text
+    ]
+    if labels and labels != [part.pose]:
+        faults.append(f"its poses are {', '.join(labels[:5])}, and it is of {part.pose}")
+    return faults
+
+
+def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
+    robot, schedule, around = test.robot, test.schedule, test.surroundings
+    yield "robot", robot.name
+    yield "serial_number", robot.serial_number
+    yield "part", part.name
+    yield "pose", part.pose
+    yield "commanded_pose", test.poses[part.pose].coordinates
+    yield from _rated(part.condition, test)
+    yield "dwell", _said(schedule.dwell_s, "s")
+    yield "stabilisation_time", _said(schedule.stabilisation_time_s, "s")
+    yield "approached_from", schedule.approach or NOT_STATED
+    yield "warm_up", _said(schedule.warm_up_min, "min") or NOT_STATED
+    yield "dial_zero", schedule.dial_zero
+    yield "date", _day(schedule.date)
+    if schedule.first_cycle == COUNTS:
+        yield "first_cycle", COUNTS
+    yield "temperature", _said(around.temperature_C, "C")
+    if limits := around.temperature_limits_C:
+        yield "temperature_limits", f"{limits[0]:g} .. {limits[1]:g} C"
+    yield "humidity", _said(around.humidity_percent, "%")
+    people = test.people
+    for key in ("operator", "laboratory", "address", "location", "customer", "authorized_by",
+                "report_number"):  # fmt: skip
+        yield key, getattr(people, key)
+
+
+def _rated(condition: Condition, test: WholeTest) -> Iterator[tuple[str, str]]:
+    """Yield velocity and load, in their units where the rated ones are stated."""
+    velocity, load = test.robot.rated_velocity_mm_s, test.robot.rated_payload_kg
+    yield "velocity", _of_rated(condition.velocity, velocity, "mm/s")
+    yield "rated_velocity", _said(velocity, "mm/s") or NOT_STATED
+    yield "payload", _of_rated(condition.load, load, "kg")
+    yield "rated_payload", _said(load, "kg") or NOT_STATED
+
+
+def _of_rated(percent: float, rated: float | None, unit: str) -> str:
+    share = f"{percent:g} % of rated"
+    return share if rated is None else f"{_plain(percent * rated / 100)} {unit} ({share})"
+
+
+def _instruments(used: dict[str, Instrument]) -> Iterator[tuple[str, str]]:
+    """Yield what the certificates state: the earliest due, the latest calibration."""
+
+    def each(key: str) -> str:
+        said = {axis: getattr(one, key) for axis, one in used.items() if getattr(one, key)}
+        return ", ".join(f"{axis} {text}" for axis, text in said.items())
+
+    yield "instrument", each("name")
+    yield "indicator_serial_number", each("serial_number")
+    yield "calibration_certificate", each("certificate")
+    done = [one.calibration_date for one in used.values() if one.calibration_date]
+    due = [one.calibration_due for one in used.values() if one.calibration_due]
+    yield "calibration_date", _day(max(done, default=None))
+    yield "calibration_due", _day(min(due, default=None))
+    for axis, one in used.items():
+        if one.uncertainty is not None:
+            yield f"indicator_uncertainty_{axis}", _plain(one.uncertainty)
+
+
+def _said(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{_plain(value)} {unit}"
+
+
+def _plain(value: float) -> str:
+    """Return a number without exponent, of at most 12 decimals."""
+    return f"{value:.12f}".rstrip("0").rstrip(".")
+
+
+def _day(day: date | None) -> str:
+    return "" if day is None else day.isoformat()

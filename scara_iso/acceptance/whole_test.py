@@ -1,0 +1,178 @@
+"""What a test is: robot, poses, velocities and loads, limits, instruments, people. Frozen.
+
+One class for each section of a test.toml; the fields have the names of its keys.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import date
+from itertools import product
+
+from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule
+
+DISCARDED, COUNTS = "discarded", "counts"
+ONE_SIDE, BOTH_SIDES = "one side", "both sides"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Condition:
+    """A velocity and a load, in per cent of the rated ones."""
+
+    velocity: float
+    load: float
+
+    @property
+    def name(self) -> str:
+        """``v50-l100``."""
+        return f"v{self.velocity:g}-l{self.load:g}"
+
+    def __str__(self) -> str:
+        return f"{self.velocity:g} % velocity, {self.load:g} % load"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One pose under one condition: what one recording holds."""
+
+    pose: str
+    condition: Condition
+
+    @property
+    def name(self) -> str:
+        """``P3-v50-l100``, which its files are named by."""
+        return f"{self.pose}-{self.condition.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotTested:
+    """What is tested; ``model`` is the path of its model file, from the folder."""
+
+    name: str = ""
+    serial_number: str = ""
+    model: str = ""
+    rated_payload_kg: float | None = None
+    rated_velocity_mm_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """What is measured, and how; velocities and loads in per cent of the rated ones."""
+
+    characteristics: tuple[str, ...] = ()
+    velocities: tuple[float, ...] = (100.0,)
+    loads: tuple[float, ...] = (100.0,)
+    cycles: int = CYCLES_RUN
+    first_cycle: str = DISCARDED
+    dwell_s: float | None = None
+    stabilisation_time_s: float | None = None
+    approach: str = ""
+    warm_up_min: float | None = None
+    dial_zero: str = ""
+    date: date | None = None
+
+    @property
+    def cycles_run(self) -> int | None:
+        """The number for `iso9283.used_cycles`; None where the cycle rule knows it."""
+        usual = CYCLES_USED if self.first_cycle == COUNTS else CYCLES_RUN
+        return None if self.cycles == usual else self.cycles
+
+
+@dataclass(frozen=True, slots=True)
+class Cube:
+    """Where the poses come from: the cube or box, its diagonal plane, the side of the elbow."""
+
+    solid: str = ""
+    size_mm: tuple[float, ...] = ()
+    plane: str = ""
+    elbow: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandPose:
+    """One pose in the robot's base frame, and what the dials would read there, by axis."""
+
+    x_mm: float | None = None
+    y_mm: float | None = None
+    z_mm: float | None = None
+    theta_deg: float | None = None
+    command: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def coordinates(self) -> str:
+        """The pose in words, empty where it is not stated."""
+        named = (("x", self.x_mm, "mm"), ("y", self.y_mm, "mm"), ("z", self.z_mm, "mm"),
+                 ("theta", self.theta_deg, "deg"))  # fmt: skip
+        return ", ".join(f"{name} {value:g} {unit}" for name, value, unit in named
+                         if value is not None)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """Temperature during the test, and within what it has to be."""
+
+    temperature_C: float | None = None  # noqa: N815 - the unit as the columns have it
+    temperature_limits_C: tuple[float, ...] = ()  # noqa: N815
+    humidity_percent: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Instrument:
+    """The indicator of an axis and its certificate; ``uncertainty`` is standard [mm or deg]."""
+
+    name: str = ""
+    serial_number: str = ""
+    certificate: str = ""
+    calibration_date: date | None = None
+    calibration_due: date | None = None
+    uncertainty: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class People:
+    """Who tests, where, for whom."""
+
+    operator: str = ""
+    laboratory: str = ""
+    address: str = ""
+    location: str = ""
+    customer: str = ""
+    authorized_by: str = ""
+    report_number: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Struck:
+    """A recording that does not count, by its name without ending, and why."""
+
+    recording: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class WholeTest:
+    """A whole test.toml."""
+
+    robot: RobotTested = RobotTested()
+    schedule: Schedule = Schedule()
+    cube: Cube = Cube()
+    poses: Mapping[str, CommandPose] = field(default_factory=dict)
+    decision: str = DecisionRule.INTERVAL.value
+    limits: Mapping[str, float] = field(default_factory=dict)
+    """By figure, in mm or degrees; the empty name holds for every length."""
+    instruments: Mapping[str, Instrument] = field(default_factory=dict)
+    """By axis."""
+    people: People = People()
+    surroundings: Surroundings = Surroundings()
+    struck: tuple[Struck, ...] = ()
+
+    def conditions(self) -> list[Condition]:
+        """Return velocities and loads in the order given, the velocities first."""
+        pairs = product(self.schedule.loads, self.schedule.velocities)
+        return [Condition(velocity, load) for load, velocity in pairs]
+
+    def parts(self) -> Iterator[Part]:
+        """Yield what is to be recorded, in order: all poses of a condition, then the next one."""
+        for condition in self.conditions():
+            yield from (Part(pose, condition) for pose in self.poses)

@@ -1,0 +1,147 @@
+"""A `WholeTest` to test.toml, with a word on each section; a strike into the file that is there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from scara_iso.acceptance.place import FILE
+from scara_iso.acceptance.reading import EVERY_LENGTH
+from scara_iso.acceptance.whole_test import Struck, WholeTest
+from scara_iso.disk import Disk, write_file
+from scara_iso.files import read_file
+
+_LARGEST = 1_000_000
+_HEAD = (
+    "A test of ISO 9283: the recordings in this folder are its parts.",
+    "Edit it freely; a line that begins with # says nothing. Every key: docs/test-folder.md",
+)
+_SAID = {
+    "robot": "what is tested; what is not stated is a deviation in the report",
+    "test": "velocities and loads in per cent of the rated ones, in the order of recording",
+    "cube": "where the poses come from, as plan computed it",
+    "pose": "command coordinates in the robot's base frame; command = { X = 0.0 }: on the dials",
+    "limits": "RP has to be at most this, in mm; the rule that decides: interval or simple",
+    "instrument": "the indicator of each axis and its certificate; uncertainty is standard, in mm",
+    "environment": "where no limits are stated, (20 ± 2) °C are taken",
+    "people": "for the report",
+}
+_NAMED = ("pose", "instrument")
+"""Sections that hold sections."""
+_OPEN: Mapping[str, tuple[str, ...]] = {
+    "robot": ('serial_number = "0123"', "rated_payload_kg = 5", "rated_velocity_mm_s = 2000"),
+    "test": (
+        "stabilisation_time_s = 0.8", 'approach = "one side"', "warm_up_min = 30",
+        'dial_zero = "command"   # the dials were zeroed at the command pose: gives AP',
+        "date = 2026-05-12",
+    ),
+    "limits": ("XY = 0.02", f"{EVERY_LENGTH} = 0.02"),
+    "instrument": (
+        "[instrument.X]", 'name = "dial indicator"', 'serial_number = "4711"',
+        'certificate = "K-2026-17"', "calibration_date = 2026-01-10",
+        "calibration_due = 2027-01-10", "uncertainty = 0.0005",
+    ),
+    "environment": ("temperature_C = 20.5", "temperature_limits_C = [18, 22]"),
+    "people": ('operator = "A. Name"', 'laboratory = "Name, town"', 'customer = "Name, town"'),
+}  # fmt: skip
+"""What may be stated beside what is, as comments; a key that is stated is left out."""
+
+
+def toml_of(test: WholeTest) -> str:
+    """Return the file of a test; `parse_test` reads it back to the same test."""
+    import tomlkit  # noqa: PLC0415 - only where a test is written
+
+    document = tomlkit.document()
+    for line in _HEAD:
+        document.add(tomlkit.comment(line))
+    limits = {name or EVERY_LENGTH: limit for name, limit in test.limits.items()}
+    sections = {
+        "robot": _plain(test.robot), "test": _plain(test.schedule), "cube": _plain(test.cube),
+        "pose": {name: _plain(pose) for name, pose in test.poses.items()},
+        "limits": {"decision": test.decision, **limits},
+        "instrument": {axis: _plain(one) for axis, one in test.instruments.items()},
+        "environment": _plain(test.surroundings), "people": _plain(test.people),
+    }  # fmt: skip
+    for name, values in sections.items():
+        document.add(tomlkit.nl())
+        if name in _NAMED:
+            document.add(tomlkit.comment(_SAID[name]))
+        if values or name not in _NAMED:
+            table = _section(values)
+            if name not in _NAMED:
+                table.comment(_SAID[name])
+            document.add(name, table)
+        for line in _still_open(name, values):
+            document.add(tomlkit.comment(line))
+    for struck in test.struck:
+        _add(document, struck)
+    return tomlkit.dumps(document)
+
+
+def _still_open(name: str, values: Mapping[str, Any]) -> list[str]:
+    """Return the lines of what may be stated and is not."""
+    if name in _NAMED and values:
+        return []
+    return [line for line in _OPEN.get(name, ()) if line.partition(" =")[0] not in values]
+
+
+def strike(folder: Path, struck: Struck, *, disk: Disk | None = None) -> None:
+    """Add a strike to the test.toml of a folder, all else kept as it is; raises as `write_file`."""
+    import tomlkit  # noqa: PLC0415 - only where a test is written
+
+    path = folder / FILE
+    document = tomlkit.parse(read_file(path, _LARGEST).decode("utf-8-sig"))
+    _add(document, struck)
+    write_file(path, tomlkit.dumps(document).encode(), disk)
+
+
+def _add(document: Any, struck: Struck) -> None:
+    import tomlkit  # noqa: PLC0415 - only where a test is written
+
+    tables = document.setdefault("struck", tomlkit.aot())
+    listed = isinstance(tables, tomlkit.items.Array)  # struck = [...] in place of [[struck]]
+    table = tomlkit.inline_table() if listed else tomlkit.table()
+    table["recording"], table["reason"] = struck.recording, struck.reason
+    tables.append(table)
+
+
+def _section(values: Mapping[str, Any]) -> Any:
+    import tomlkit  # noqa: PLC0415 - only where a test is written
+
+    table = tomlkit.table(is_super_table=bool(values) and all(
+        isinstance(value, dict) for value in values.values()
+    ))  # fmt: skip
+    for key, value in values.items():
+        inner = key == "command"
+        if isinstance(value, dict) and not inner:
+            table.add(key, _section(value))
+        elif inner:
+            inline = tomlkit.inline_table()
+            inline.update(value)
+            table.add(key, inline)
+        else:
+            table.add(key, value)
+    return table
+
+
+def _plain(one: Any) -> dict[str, Any]:
+    """Return what a section states: what is empty is not stated."""
+    found = {}
+    for name in (item.name for item in fields(one)):
+        value = getattr(one, name)
+        if isinstance(value, Mapping):
+            value = {key: _number(each) for key, each in value.items()}
+        if isinstance(value, tuple):
+            value = [_number(each) for each in value]
+        if value not in (None, "", [], {}):
+            found[name] = value if isinstance(value, dict | list | str | date) else _number(value)
+    return found
+
+
+def _number(value: Any) -> Any:
+    """Return a whole number without its decimal point, for the reader's eye."""
+    whole = isinstance(value, float) and value.is_integer() and abs(value) < _LARGEST
+    return int(value) if whole else value

@@ -1,0 +1,152 @@
+"""A test's folder in place of a table: each of its conditions is an analysis of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from scara_iso import reporting
+from scara_iso.cli.options import NOT_WITHIN_LIMITS
+from scara_iso.cli.output import check_outputs, write_json, write_report
+from scara_iso.iso9283 import Conformity
+from scara_iso.library import ConditionRun, check_format, read_conditions, report_condition
+
+if TYPE_CHECKING:
+    from scara_iso.iso9283 import Analysis
+    from scara_iso.library import TestReport
+    from scara_iso.reporting import Dossier
+    from scara_iso.run import Run
+
+Write = Callable[[Mapping[str, Any]], None]
+
+
+def analyze_folder(
+    folder: str, condition: str | None, options: Mapping[str, Any], *, as_json: bool
+) -> None:
+    """Write the analysis of each condition of a test; exit with 1 where a limit is not kept."""
+    found = read_conditions(folder, condition)
+    analyses = [one.analysis(**options) for one in found]
+    if as_json:
+        from scara_iso.render import conditions_json
+
+        write_json(conditions_json(folder, found, analyses))
+    else:
+        from scara_iso.reporting import analysis_report, missing_report
+
+        for one, analysis in zip(found, analyses, strict=True):
+            if analysis is None:
+                write_report(missing_report(str(one.condition), one.missing))
+            else:
+                write_report(analysis_report(analysis))
+    _exit_by(analyses)
+
+
+def diagnose_folder(
+    folder: str,
+    condition: str | None,
+    diagnose: Callable[[ConditionRun, Run, Write], None],
+) -> None:
+    """Diagnose each condition of a test that has readings; say of the others what is missing.
+
+    The JSON objects of several conditions go into one.
+    """
+    found = read_conditions(folder, condition)
+    documents: list[dict[str, Any]] = []
+    for one in found:
+        if one.run is None:
+            _say_missing(one)
+            continue
+
+        def write(document: Mapping[str, Any], one: ConditionRun = one) -> None:
+            documents.append(_of_condition(one, document))
+
+        diagnose(one, one.run, write if len(found) > 1 else write_json)
+    if documents:
+        _write_conditions(documents)
+
+
+def report_folder(
+    folder: str,
+    condition: str | None,
+    output: Path | None,
+    archive: Path | None,
+    options: Mapping[str, Any],
+    *,
+    as_json: bool,
+) -> None:
+    """Write the report of each condition of a test: with several, a file each, named by it."""
+    given = dict(options)
+    excel_locale = given.pop("excel_locale")
+    found = read_conditions(folder, condition)
+    path = output or (None if as_json else Path(f"{Path(folder).resolve().name}.html"))
+    paths = [_path(path, one, several=len(found) > 1) for one in found]
+    archives = [_path(archive, one, several=len(found) > 1) for one in found]
+    for place in paths:
+        if place is not None:
+            check_format(place, excel_locale)
+    check_outputs([*paths, *archives], [])
+    reports = []
+    for one, place, packed in zip(found, paths, archives, strict=True):
+        if one.run is None:
+            _say_missing(one)
+            continue
+        reports.append(made := report_condition(folder, one, one.run, given))
+        written = _write_report(made, place, packed, excel_locale)
+        missing = [f"missing: {', '.join(one.missing)}"] if one.missing and place else []
+        for line in (*written, *missing):
+            typer.echo(reporting.printable(line), err=as_json)
+    dossiers = [one.dossier for one in reports]
+    if as_json:
+        _write_dossiers(found, dossiers)
+    _exit_by([dossier.analysis for dossier in dossiers])
+
+
+def _write_report(
+    made: TestReport, place: Path | None, packed: Path | None, excel_locale: str | None
+) -> Iterator[str]:
+    """Write a report, and its evidence, where wanted; yield what is written."""
+    if place is not None:
+        yield f"{made.write(place, excel_locale=excel_locale)} is written"
+    if packed is not None:
+        name = "report.html" if place is None else place.name
+        yield f"{made.archive(packed, name=name, excel_locale=excel_locale)} is written"
+
+
+def _write_dossiers(found: Sequence[ConditionRun], dossiers: Sequence[Dossier]) -> None:
+    from scara_iso.render import report_json
+
+    documents = [report_json(dossier) for dossier in dossiers]
+    if len(found) == 1 and documents:
+        write_json(documents[0])
+        return
+    measured = [one for one in found if one.run is not None]
+    _write_conditions(list(map(_of_condition, measured, documents)))
+
+
+def _of_condition(one: ConditionRun, document: Mapping[str, Any]) -> dict[str, Any]:
+    condition = one.condition
+    named = {"velocity": condition.velocity, "load": condition.load, "missing": list(one.missing)}
+    return {**named, "result": dict(document)}
+
+
+def _write_conditions(documents: Sequence[Mapping[str, Any]]) -> None:
+    write_json({"schema": "scara-iso/test-conditions/1", "conditions": list(documents)})
+
+
+def _path(path: Path | None, one: ConditionRun, *, several: bool) -> Path | None:
+    if path is None or not several:
+        return path
+    return path.with_name(f"{path.stem}-{one.condition.name}{path.suffix}")
+
+
+def _say_missing(one: ConditionRun) -> None:
+    typer.echo(f"{one.condition}: nothing is recorded; missing: {', '.join(one.missing)}", err=True)
+
+
+def _exit_by(analyses: Sequence[Analysis | None]) -> None:
+    verdicts = {None if analysis is None else analysis.conformity for analysis in analyses}
+    if verdicts - {None, Conformity.PASS}:
+        raise typer.Exit(NOT_WITHIN_LIMITS)

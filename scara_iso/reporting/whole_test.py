@@ -1,0 +1,74 @@
+"""How far a test is: the matrix of its parts, what is wrong with them, what comes next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.acceptance import Folder, PartState, about, lacking, seconds_left
+from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+
+
+def status_report(folder: Folder) -> Report:
+    """Return the states of a test's parts as a table of poses and conditions, and what is next."""
+    title = f"Test of {folder.test.robot.name or folder.path.name}"
+    return (
+        Section(title, (_matrix(folder), *_said(folder))),
+        *_listed("Struck", _struck(folder)),
+        *_listed("Out of its conditions", _deviations(folder)),
+        *_listed("Faulty", [f"{one.part.name}: {one.why}" for one in folder.parts if one.why]),
+        *_listed("Of no part of the test", list(folder.foreign)),
+    )
+
+
+def missing_report(what: str, missing: tuple[str, ...]) -> Report:
+    """Return what is said of a condition of which no part is recorded."""
+    return (Section(what, (Text(f"nothing to analyse yet; missing: {', '.join(missing)}"),)),)
+
+
+def _matrix(folder: Folder) -> Table:
+    conditions = folder.test.conditions()
+    states = {(one.part.pose, one.part.condition): one for one in folder.parts}
+    rows = tuple(
+        (pose, *(_cell(states[pose, condition]) for condition in conditions))
+        for pose in folder.test.poses
+    )
+    return Table(("pose", *(condition.name for condition in conditions)), rows)
+
+
+def _cell(state: PartState) -> str:
+    if state.recording is None or state.is_whole or state.why:
+        return state.state
+    done, wanted = state.recording.cycles
+    return f"{done} of {wanted} cycles"
+
+
+def _said(folder: Folder) -> Iterator[Block]:
+    whole = sum(state.is_whole for state in folder.parts)
+    yield Text(f"{whole} of {len(folder.parts)} parts are recorded")
+    following = folder.next
+    if following is None:
+        faulty = any(state.why for state in folder.parts)
+        yield Text("Nothing is missing" + (", but parts are faulty" if faulty else ""), "strong")
+        yield Text(f"Now: scara-iso report {folder.path}")
+        return
+    left = seconds_left(folder)
+    pace = f", {about(left)} left at the pace so far" if left is not None else ""
+    yield Text(f"Next: {lacking(following)}{pace}", "strong")
+    yield Text(f"Now: scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
+
+
+def _struck(folder: Folder) -> list[str]:
+    return [f"{s.recording}: {s.reason}" for state in folder.parts for s in state.struck]
+
+
+def _deviations(folder: Folder) -> list[str]:
+    return [
+        f"{state.part.name}: {finding.message} [{finding.code}]"
+        for state in folder.parts
+        for finding in state.deviations
+    ]
+
+
+def _listed(heading: str, lines: list[str]) -> Iterator[Section]:
+    if lines:
+        yield Section(heading, tuple(Text(line) for line in lines))
