@@ -65,7 +65,7 @@ class Recording:
         return check_manifest(self.table)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class PartState:
     """How far a part is; ``why`` says what is wrong with one that is faulty."""
 
@@ -87,7 +87,7 @@ class PartState:
         return self.state in (MISSING, STRUCK, UNFINISHED)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Folder:
     """A test and the states of its parts, in the order of recording."""
 
