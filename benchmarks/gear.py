@@ -141,6 +141,6 @@ if __name__ == "__main__":
     parser.add_argument("--runs", type=int, default=200)
     args = parser.parse_args()
     began = time.process_time()
-    print_hits(args.runs // 4)
+    print_hits(max(1, args.runs // 4))
     print_false_alarms(args.runs)
     print(f"\n{time.process_time() - began:.0f} s of one core")

@@ -72,10 +72,22 @@ def _pages(found: Iterable[Page]) -> Iterator[str]:
 
 
 def _dialects() -> Iterator[str]:
-    yield "How to connect each of them: [indicators.md](../indicators.md)."
+    yield (
+        'How to connect an indicator: [indicators.md](../indicators.md). "Type" is what to write '
+        'for axis X, with your port for PORT; "line" is baud, data bits, parity and stop bits; '
+        '"asked by" is what is sent for one reading; "unit sent" says whether every frame states '
+        "its unit. Where it does not, and the instrument does not answer when asked for it, you "
+        "state it: nobody can tell 0.123 mm from 0.123 inch."
+    )
+    header = ("key", "instruments", "cable", "type", "line", "asked by", "unit sent", "source")
+    yield _table(header, map(_row, find_dialects().values()))
+    yield (
+        "The last column rates the source: *high* is a maker's own document or two independent "
+        "sources that agree, *medium* one good source, *low* one weak source."
+    )
     for key, dialect in find_dialects().items():
         yield f"## `{key}`"
-        yield f"{dialect.instruments}. Confidence: {dialect.confidence}."
+        yield f"{dialect.instruments}."
         yield _table(("on the wire", ""), _wire(dialect))
         yield f"Source: {dialect.source}.".replace("\\", r"\\").replace("<", r"\<")
         if dialect.unverified:
@@ -83,9 +95,27 @@ def _dialects() -> Iterator[str]:
             yield "\n".join(f"* {one}" for one in dialect.unverified)
 
 
-def _wire(dialect: Dialect) -> Iterator[tuple[str, str]]:
+def _row(dialect: Dialect) -> tuple[str, ...]:
+    told = dialect.sends_unit or dialect.unit_request
+    return (
+        f"[`{dialect.key}`](#{dialect.key})",
+        dialect.instruments,
+        dialect.cable,
+        f"`X={dialect.key}{'' if told else '?unit=mm'}@PORT`",
+        str(dialect.line),
+        _bytes(dialect.request) if dialect.request else _sent(dialect),
+        "yes" if dialect.sends_unit else "no",
+        dialect.confidence,
+    )
+
+
+def _sent(dialect: Dialect) -> str:
     pulse = dialect.request_line
-    sent = f"pulse on {pulse.line.upper()}" if pulse else "sends by itself"
+    return f"pulse on {pulse.line.upper()}" if pulse else "sends by itself"
+
+
+def _wire(dialect: Dialect) -> Iterator[tuple[str, str]]:
+    sent = _sent(dialect)
     names = dialect.channels
     ends = f"`{names[0]}` to `{names[-1]}`, {len(names)}" if names else "none"
     yield "line", str(dialect.line)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
+from scara_iso.quantities import Unit, unwrap
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -93,6 +94,35 @@ def rows_by_label(labels: Labels | None, rows: int) -> Iterator[tuple[str | None
     found = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
     for k in np.argsort(first, kind="stable"):
         yield str(names[k]), found[k]
+
+
+def unwrap_by_pose(
+    name: str,
+    readings: npt.NDArray[np.float64],
+    poses: Iterable[tuple[str | None, IntArray]],
+    *,
+    where: str,
+) -> npt.NDArray[np.float64]:
+    """Return an axis' angles [deg], shape (rows,), those of each pose on one turn.
+
+    Raises `DataError` where a pose's scatter over more than half a turn.
+    """
+    found = readings.copy()
+    for label, rows in poses:
+        try:
+            found[rows] = unwrap(readings[rows])
+        except DataError as error:
+            what = f"{name}{f' at pose {label}' if label else ''}: {error.what}"
+            remedy = "check its unit and its far readings"
+            raise DataError(what, where=where, remedy=remedy) from error
+    return found
+
+
+def in_base(command: Commanded, unit: Unit) -> Commanded:
+    """Return a coordinate, or those by pose, in mm or degrees."""
+    if isinstance(command, Mapping):
+        return {label: unit.to_base(number) for label, number in command.items()}
+    return None if command is None else unit.to_base(command)
 
 
 def number_cycles(

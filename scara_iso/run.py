@@ -19,12 +19,14 @@ from scara_iso.pose_columns import (
     arrival_labels,
     by_pose,
     check_clusters,
+    in_base,
     number_cycles,
     pop_direction,
     pose_column,
     rows_by_label,
+    unwrap_by_pose,
 )
-from scara_iso.quantities import TURN, Dimension, parse_unit, unwrap
+from scara_iso.quantities import TURN, Dimension, parse_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,8 +79,8 @@ class Axis:
         object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
         if isinstance(self.command, Mapping):
             object.__setattr__(self, "command", MappingProxyType(dict(self.command)))
-        stated = {"resolution": self.resolution, "uncertainty": self.uncertainty}
-        for name, value in stated.items():
+        for name in ("resolution", "uncertainty"):
+            value = getattr(self, name)
             if value is not None and not 0 < value < FARTHEST:
                 raise DataError(f"axis {self.name}: a {name} of {value:g} {self.unit}")
 
@@ -183,14 +185,8 @@ class Run(Displayed):
         moved = {}
         for name, axis in self.axes.items():
             if axis.dimension is Dimension.ANGLE and np.ptp(axis.readings) > TURN / 2:
-                readings = axis.readings.copy()
-                for label, rows in self.rows_by_pose():
-                    try:
-                        readings[rows] = unwrap(axis.readings[rows])
-                    except DataError as error:
-                        what = f"{name}{f' at pose {label}' if label else ''}: {error.what}"
-                        where, remedy = self.origin.source, "check its unit and its far readings"
-                        raise DataError(what, where=where, remedy=remedy) from error
+                poses = self.rows_by_pose()
+                readings = unwrap_by_pose(name, axis.readings, poses, where=self.origin.source)
                 if not np.array_equal(readings, axis.readings):
                     moved[name] = replace(axis, readings=readings)
         if not moved:
@@ -289,14 +285,8 @@ class Run(Displayed):
 
 def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Commanded) -> Axis:
     size = parse_unit(stated["unit"])
-
-    def convert(value: Commanded) -> Commanded:
-        if isinstance(value, Mapping):
-            return {label: size.to_base(number) for label, number in value.items()}
-        return None if value is None else size.to_base(value)
-
-    sizes: dict[str, Any] = {k: convert(value) for k, value in stated.items() if k != "unit"}
-    sizes |= {} if command is None else {"command": convert(command)}
+    known = {**stated, **({} if command is None else {"command": command})}
+    sizes: dict[str, Any] = {k: in_base(known[k], size) for k in known if k != "unit"}
     return Axis(name, size.to_base(values), size.dimension, **sizes)
 
 

@@ -10,6 +10,7 @@ import pytest
 import scara_iso
 
 ROOT = Path(scara_iso.__file__).parent
+PATHS = sorted(ROOT.rglob("*.py"))
 FACES = sorted(path.parent.name for path in ROOT.glob("*/__init__.py"))
 BEHIND = {
     ("reporting.explain", "iso9283.checks"),  # reads the docstrings of the folder
@@ -148,3 +149,31 @@ def test_the_way_in_names_what_is_there_and_every_room():
     assert {span for span in spans - OTHER if not stands(span)} == set()
     rooms = {path.stem for path in ROOT.iterdir() if not path.name.startswith("_")} - {"py"}
     assert {room for room in rooms if f"`{room}`" not in text} == set()
+
+
+LONGEST_MODULE, LONGEST_FUNCTION = 300, 40
+LONG = {"acquisition.recorder.session"}
+"""Modules that are longer for now; none may join them."""
+
+
+def functions_of(path):
+    """Yield each function, and the lines of its body below the docstring."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            first = node.body[min(len(node.body) - 1, ast.get_docstring(node) is not None)]
+            yield node.name, node.body[-1].end_lineno - first.lineno + 1
+
+
+def test_no_module_is_longer_than_its_limit():
+    lines = {module_of(path): len(path.read_text("utf-8").splitlines()) for path in PATHS}
+    assert {name for name, count in lines.items() if count > LONGEST_MODULE} <= LONG
+
+
+def test_no_function_is_longer_than_its_limit():
+    long = [
+        (module_of(path), name, lines)
+        for path in PATHS
+        for name, lines in functions_of(path)
+        if lines > LONGEST_FUNCTION
+    ]
+    assert long == []

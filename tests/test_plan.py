@@ -10,7 +10,8 @@ import pytest
 
 from scara_iso.cli import main
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, make_plan
+from scara_iso.iso9283.pose_plan import DiagonalPlane, PoseTestConditions, Solid
+from scara_iso.iso9283.poses import make_plan
 from scara_iso.robot import Rated
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.workspace import Workspace

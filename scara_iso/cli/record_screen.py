@@ -128,7 +128,7 @@ class Screen:
         self._stale = True
         self._redraw()
 
-    def _take(self, said: Said) -> None:  # noqa: C901, PLR0912 - one case for each thing said
+    def _take(self, said: Said) -> None:  # noqa: C901 - one case for each thing said
         match said:
             case Started():
                 self._trigger, self._cycles = said.trigger, said.cycles
@@ -147,12 +147,8 @@ class Screen:
                 self._stored = self._tour.visit(said.cycle, said.pose)
                 note = ": recorded; analyze discards it" if said.discarded else ""
                 self._status = (f"{self._tour.name(self._stored)} STORED{note}", "good")
-            case Problem():
-                self._trouble(said.kind, f"{said.axis}: {said.message}")
-            case Gross(message=message):
-                self._trouble("gross", message)
-            case Refused():
-                self._trouble("refused", f"{said.axis} {said.text} not taken: {said.reason}")
+            case Problem() | Gross() | Refused():
+                self._trouble(said)
             case Voided():
                 visit = self._tour.visit(said.cycle, said.pose)
                 self._stored = visit - 1
@@ -173,9 +169,17 @@ class Screen:
                 then = f"record --resume {said.table}" if short else _analyze(said)
                 self._last = self._following or then
 
-    def _trouble(self, kind: str, message: str) -> None:
-        self._troubles[kind] += 1
-        self._status = (message, "bad")
+    def _trouble(self, said: Problem | Gross | Refused) -> None:
+        found: tuple[str, str]
+        match said:
+            case Problem():
+                found = (said.kind, f"{said.axis}: {said.message}")
+            case Gross():
+                found = ("gross", said.message)
+            case Refused():
+                found = ("refused", f"{said.axis} {said.text} not taken: {said.reason}")
+        self._troubles[found[0]] += 1
+        self._status = (found[1], "bad")
 
     def _view(self, *, over: bool = False) -> LiveView:
         return LiveView(

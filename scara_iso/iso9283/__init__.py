@@ -32,13 +32,13 @@ if TYPE_CHECKING:
         RadialResult as RadialResult,
     )
     from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES, check_limits as check_limits
-    from scara_iso.iso9283.poses import (
+    from scara_iso.iso9283.pose_plan import (
         DiagonalPlane as DiagonalPlane,
         PosePlan as PosePlan,
         PoseTestConditions as PoseTestConditions,
         Solid as Solid,
-        make_plan as make_plan,
     )
+    from scara_iso.iso9283.poses import make_plan as make_plan
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,

@@ -15,10 +15,12 @@ from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.names import Column, Kind, names_a_footer, read_timestamp, read_unit
-from scara_iso.tables.numbers import BLANKS, CellNumber, Mark, parse_cell, parse_clean
+from scara_iso.tables.numbers import BLANKS, CellNumber, Mark, cut_unit, parse_cell, parse_clean
 
 Cell = str | float
 """A cell of a text file is text; a numeric cell of a workbook is its number."""
+_Part = tuple[npt.NDArray[np.generic], Mark, str]
+"""Values, how their decimal mark was written, and the unit behind each of them."""
 _LABEL = 64
 _REMARK = 24  # enough to tell the remarks of two poses apart
 _LARGEST = 2**53
@@ -47,38 +49,46 @@ class Columns:
                 return False
             parts.append(part)
         lines = range(first_line, first_line + len(columns[0]))
-        for column, cells, (values, mark) in zip(self.layout.columns, columns, parts, strict=True):
-            self._parts[column].append(values)
-            self._note(column, mark, cells, lines)
+        for column, cells, part in zip(self.layout.columns, columns, parts, strict=True):
+            self._keep(column, part, cells, lines)
         self._add_lines(np.array(lines))
         return True
 
-    def _note(self, column: Column, mark: Mark, cells: Sequence[str], lines: Sequence[int]) -> None:
-        self._note_unit(column, "", lines[0])
+    def _keep(
+        self, column: Column, part: _Part, cells: Sequence[str], lines: Sequence[int]
+    ) -> None:
+        values, mark, unit = part
+        self._parts[column].append(values)
+        self._note_unit(column, unit, lines[0])
         if mark is not Mark.NONE and mark not in self.marks:
             character = "." if mark is Mark.POINT else ","
             k = next(k for k, cell in enumerate(cells) if character in cell)
             self.marks[mark] = (lines[k], column.position + 1, cells[k].strip(BLANKS))
 
-    def _clean_part(
-        self, column: Column, cells: Sequence[str]
-    ) -> tuple[npt.NDArray[np.generic], Mark] | None:
+    def _clean_part(self, column: Column, cells: Sequence[str]) -> _Part | None:
         match column.kind:
             case Kind.AXIS | Kind.COMMAND | Kind.COVARIATE:
-                return parse_clean(cells, self.decimal)
+                return self._clean_numbers(column, cells)
             case Kind.CYCLE:
                 part = parse_clean(cells, self.decimal)
-                return part if part is not None and _are_counts(part[0]) else None
+                return (*part, "") if part is not None and _are_counts(part[0]) else None
             case Kind.POSE | Kind.COMMENT | Kind.DIRECTION:
                 labels = _clean_labels(column.kind, cells)
-                return None if labels is None else (labels, Mark.NONE)
+                return None if labels is None else (labels, Mark.NONE, "")
             case Kind.TIMESTAMP:
                 stamps = [read_timestamp(cell) for cell in cells]
-                return None if None in stamps else (np.array(stamps, dtype=object), Mark.NONE)
+                return None if None in stamps else (np.array(stamps, dtype=object), Mark.NONE, "")
             case Kind.NAMELESS if any(cell.strip(BLANKS) for cell in cells):
                 return None
             case _:
-                return np.empty(0), Mark.NONE
+                return np.empty(0), Mark.NONE, ""
+
+    def _clean_numbers(self, column: Column, cells: Sequence[str]) -> _Part | None:
+        numbers, unit = cut_unit(cells)
+        if unit and _is_sized(column) and not read_unit(unit):
+            return None
+        part = parse_clean(numbers, self.decimal)
+        return None if part is None else (*part, unit)
 
     def add(self, rows: Sequence[tuple[int, Sequence[Cell]]]) -> None:
         """Take rows of the header's width, each with its line, cell by cell."""
@@ -87,22 +97,21 @@ class Columns:
         lines = [line for line, _ in rows]
         for column in self.layout.columns:
             cells = [cells[column.position] for _, cells in rows]
-            self._parts[column].append(self._part(column, cells, lines))
+            self._add_part(column, cells, lines)
         self._add_lines(np.array(lines))
 
     def _add_lines(self, lines: IntArray) -> None:
         self.lines.append(lines.astype(np.int64))
 
-    def _part(
-        self, column: Column, cells: Sequence[Cell], lines: Sequence[int]
-    ) -> npt.NDArray[np.generic]:
+    def _add_part(self, column: Column, cells: Sequence[Cell], lines: Sequence[int]) -> None:
         remark = column.kind is Kind.COMMENT
         texts = [str(cell) for cell in cells if remark or isinstance(cell, str)]
         clean = self._clean_part(column, texts) if len(texts) == len(cells) else None
         if clean is not None:
-            self._note(column, clean[1], texts, lines)
-            return clean[0]
-        return self._part_by_cell(column, zip(cells, lines, strict=True))
+            self._keep(column, clean, texts, lines)
+        else:
+            part = self._part_by_cell(column, zip(cells, lines, strict=True))
+            self._parts[column].append(part)
 
     def _part_by_cell(
         self, column: Column, pairs: Iterable[tuple[Cell, int]]
@@ -128,8 +137,7 @@ class Columns:
             self._note_unit(column, "", line)
             return cell
         number = parse_cell(cell, self.decimal)
-        sized = column.kind in (Kind.AXIS, Kind.COMMAND)
-        strange = sized and number and number.unit and not read_unit(number.unit)
+        strange = _is_sized(column) and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
             self._fault(column, _not_a_number(cell), line)
             return 0.0
@@ -226,6 +234,10 @@ def _label_fault(label: str) -> str:
     if label[0] in "=@" or (label[0] in "+-" and parse_cell(label) is None):
         return "is a formula, not a pose"
     return ""
+
+
+def _is_sized(column: Column) -> bool:
+    return column.kind in (Kind.AXIS, Kind.COMMAND)
 
 
 def _are_counts(values: FloatArray) -> bool:

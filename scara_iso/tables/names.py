@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
+from functools import lru_cache
 
 from scara_iso.pose_columns import POSE_NAMES, read_direction
 from scara_iso.quantities import Unit, find_unit
@@ -85,6 +86,7 @@ def clean(text: str) -> str:
 _PLAIN_BLANKS = str.maketrans(dict.fromkeys(BLANKS, " "))
 
 
+@lru_cache(maxsize=256)
 def read_unit(text: str) -> Unit | None:
     """Return the unit that a file spells, also ``0,01 mm`` and ``mm x 10^-2``, or None."""
     if len(text) > _LONGEST_UNIT:

@@ -103,6 +103,18 @@ def _with_stated_mark(digits: str, decimal: str) -> str:
     return digits.replace(decimal, ".")
 
 
+def cut_unit(cells: Sequence[str]) -> tuple[Sequence[str], str]:
+    """Return cells without the unit that stands behind each of them, and that unit.
+
+    The cells as they are and "" where they do not all end in the unit of the first.
+    """
+    first = parse_cell(cells[0]) if cells else None
+    unit = first.unit if first else ""
+    if not unit or set(unit) & set(".,") or not all(cell.endswith(unit) for cell in cells):
+        return cells, ""
+    return [cell.removesuffix(unit).rstrip(BLANKS) for cell in cells], unit
+
+
 def parse_clean(cells: Sequence[str], decimal: str | None) -> tuple[FloatArray, Mark] | None:
     """Return the values, shape (cells,), of a column of plain finite numbers, or None.
 

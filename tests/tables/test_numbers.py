@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 
 from scara_iso.tables.locale import (
     EXCEL,
@@ -15,7 +16,14 @@ from scara_iso.tables.locale import (
     text_cell,
     write_rows,
 )
-from scara_iso.tables.numbers import CellNumber, Mark, count_decimals, parse_cell, parse_clean
+from scara_iso.tables.numbers import (
+    CellNumber,
+    Mark,
+    count_decimals,
+    cut_unit,
+    parse_cell,
+    parse_clean,
+)
 
 NBSP, FIGURE, THIN, NARROW = "\u00a0", "\u2007", "\u2009", "\u202f"
 
@@ -192,3 +200,19 @@ def test_numbers_and_locales_never_change():
         assert "__slots__" in vars(kind)
     assert not vars(Digits).get("__dict__")
     assert not hasattr(Digits("1"), "__dict__")
+
+
+pieces = st.sampled_from([*"0123456789", "-", "+", ".", ",", "e", " ", NBSP, "mm", "m", "in", "°C"])
+spellings = st.lists(pieces, max_size=6).map("".join)
+
+
+@given(st.lists(spellings, min_size=1, max_size=4), st.sampled_from(["", " mm", "m", "e", " °C"]))
+def test_a_column_with_a_unit_behind_each_value_is_as_its_cells_are(numbers, behind):
+    cells = [number + behind for number in numbers]
+    cut, unit = cut_unit(cells)
+    found = parse_clean(cut, None)
+    if unit and found is not None:
+        one_by_one = [parse_cell(cell) for cell in cells]
+        assert [one and (one.value, one.unit) for one in one_by_one] == [
+            (value, unit) for value in found[0].tolist()
+        ]

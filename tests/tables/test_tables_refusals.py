@@ -301,6 +301,71 @@ def test_a_cell_far_away_and_a_bomb_are_refused_before_they_fill_the_memory():
     assert "48 MB" in faults(bomb.getvalue()).what
 
 
+MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+SHEET = f'<worksheet xmlns="{MAIN}"><sheetData>%s</sheetData></worksheet>'
+HEADER = '<row r="1"><c r="A1" t="inlineStr"><is><t>X [mm]</t></is></c></row>'
+
+
+def packed(**parts):
+    """Return a workbook with other parts in it, by the beginning of their names."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        whole = zipfile.ZipFile(io.BytesIO(book(ROWS, [["notes"]])))
+        texts = {name: whole.read(name).decode() for name in whole.namelist()}
+        texts["xl/sharedStrings.xml"] = texts.get("xl/sharedStrings.xml", "")
+        for name, text in texts.items():
+            key = name.rpartition("/")[2].partition(".")[0]
+            archive.writestr(name, parts.get(key, text))
+    return file.getvalue()
+
+
+def shared(*texts):
+    return f'<sst xmlns="{MAIN}">{"".join(f"<si><t>{text}</t></si>" for text in texts)}</sst>'
+
+
+def test_a_workbook_whose_directory_lies_about_a_size_is_refused():
+    rows = HEADER + '<row r="2"><c r="A2"><v>1</v></c></row>'
+    honest = packed(sheet1=SHEET % rows, sharedStrings=shared("a" * 1_000_000))
+    assert len(read_table(honest)) == 1
+    size = (1_000_000 + len(shared(""))).to_bytes(4, "little")
+    at = honest.index(b"PK\x01\x02")
+    lying = honest[:at] + honest[at:].replace(size, (9).to_bytes(4, "little"))
+    assert lying != honest
+    assert "no sound" in faults(lying).what
+
+
+def test_a_shared_text_counts_in_each_of_its_cells():
+    cells = "".join(f'<row r="{k}"><c r="A{k}" t="s"><v>0</v></c></row>' for k in range(2, 1003))
+    few = packed(sheet1=SHEET % (HEADER + cells), sharedStrings=shared("1"))
+    assert len(read_table(few)) == 1001
+    many = packed(sheet1=SHEET % (HEADER + cells), sharedStrings=shared("1" * 30_000))
+    assert len(many) < 20_000
+    assert "characters in its cells" in faults(many).what
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"sharedStrings": f'<sst xmlns="{MAIN}">{"<si/>" * 1_000_001}</sst>'},
+        {"sheet1": SHEET % '<row r="1"><c r="A1" t="s"><v>7</v></c></row>',
+         "sharedStrings": shared("X [mm]")},
+        {"sharedStrings": '<!DOCTYPE sst [<!ENTITY a "b">]><sst/>'},
+    ],
+)  # fmt: skip
+def test_shared_texts_without_measure_or_sense_are_refused(parts):
+    assert "no sound" in faults(packed(**parts)).what
+
+
+def test_two_sheets_of_one_part_are_refused():
+    whole = zipfile.ZipFile(io.BytesIO(book(ROWS, ROWS)))
+    links = whole.read("xl/_rels/workbook.xml.rels").decode().replace("sheet2.xml", "sheet1.xml")
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in whole.namelist():
+            archive.writestr(name, links if "workbook.xml.rels" in name else whole.read(name))
+    assert "no sound" in faults(file.getvalue()).what
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [

@@ -149,6 +149,8 @@ class Dialect:
     """Units that a frame may state, the usual one first; None for a frame without one."""
     source: str
     confidence: Literal["high", "medium", "low"]
+    cable: str = ""
+    """What connects it to the computer, and where its power comes from."""
     terminator: bytes = b"\r"
     """What the instrument sends after a line; the decoder takes CR, LF or both."""
     request_template: bytes | None = None

@@ -44,6 +44,10 @@ def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="cdi-starrett-iq",
     instruments="Chicago Dial Indicator Logic, Starrett IQ (USB, RS232 or UART)",
+    cable=(
+        "USB (appears as a COM port), RS232 or UART cable of the maker; the gauge needs "
+        "outside power"
+    ),
     line=LineSettings(9600, 8, "N", 1),
     parse=parse,
     compose=compose,

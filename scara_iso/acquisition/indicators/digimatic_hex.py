@@ -70,6 +70,10 @@ def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="digimatic-hex",
     instruments="Mitutoyo Digimatic gauges behind an Arduino or Pico bridge that sends the nibbles",
+    cable=(
+        "Arduino or Pico bridge on the Digimatic connector that prints the 13 nibbles as "
+        "hexadecimal"
+    ),
     line=LineSettings(9600, 8, "N", 1),
     parse=parse,
     compose=compose,

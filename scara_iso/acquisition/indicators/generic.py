@@ -37,6 +37,7 @@ def make_generic(
     return Dialect(
         key="generic",
         instruments="any instrument that sends lines, with a pattern given by the user",
+        cable="any",
         line=line or LineSettings(),
         parse=parse,
         compose=_composer(parse, terminator),

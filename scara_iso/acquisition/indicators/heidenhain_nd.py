@@ -49,6 +49,7 @@ def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="heidenhain-nd",
     instruments="Heidenhain ND 2xx B display units with a length gauge",
+    cable="RS-232-C socket of the display",
     line=LineSettings(9600, 7, "E", 2),
     parse=parse,
     compose=compose,

@@ -71,6 +71,7 @@ def _composer(decimals: int) -> Callable[[str, str | None, str | None], bytes]:
 _GT2 = Dialect(
     key="keyence-dlrs1a",
     instruments="Keyence GT2 through DL-RS1A",
+    cable="DL-RS1A communication unit, RS-232",
     line=LineSettings(9600, 8, "N", 1),
     parse=_parser(rb"\d{3}\.\d{4}"),
     compose=_composer(4),
@@ -91,6 +92,7 @@ _GT70A = replace(
     _GT2,
     key="keyence-dlrs1a-gt70a",
     instruments="Keyence GT-70A through DL-RS1A",
+    cable="DL-RS1A communication unit, RS-232",
     parse=_parser(rb"\d{3}\.\d{3}"),
     compose=_composer(3),
     longest_frame=2 + 15 * 9,

@@ -68,6 +68,7 @@ def _composer(*, digits: int, header: str) -> Callable[[str, str | None, str | N
 _LT10A = Dialect(
     key="magnescale",
     instruments="Magnescale LT10A and LT11A counters with RS-232C (-C models)",
+    cable="RS-232C socket of the counter",
     line=LineSettings(9600, 8, "N", 1),
     parse=_parser(rb"[AB]", width=6, values=2),
     compose=_composer(digits=5, header="A"),
@@ -88,6 +89,7 @@ _LT20A = replace(
     _LT10A,
     key="magnescale-lt20a",
     instruments="Magnescale LT20A and LT30 counters with RS-232C",
+    cable="RS-232C socket of the counter",
     parse=_parser(rb"[AB]", width=7, values=2),
     compose=_composer(digits=6, header="A"),
     longest_frame=2 * 13 + 1,
@@ -101,6 +103,7 @@ _MG80 = replace(
     _LT10A,
     key="magnescale-mg80",
     instruments="Magnescale MG80-SC1 modules",
+    cable="RS-232C of the main module; CR or CR LF by switch 2",
     parse=_parser(rb"[0-9A-F]{2}", width=7, values=16),
     compose=_composer(digits=6, header="00"),
     longest_frame=16 * 14 + 15,

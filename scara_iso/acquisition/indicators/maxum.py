@@ -47,6 +47,7 @@ def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="maxum",
     instruments="Mahr Federal Maxum III with cable 2239036 or 2239038",
+    cable="output cable 2239036 or 2239038",
     line=LineSettings(9600, 8, "N", 1),
     parse=parse,
     compose=compose,

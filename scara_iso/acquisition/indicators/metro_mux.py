@@ -48,6 +48,7 @@ def compose(text: str, unit: str | None, channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="metro-mux",
     instruments="Metro Mux4 and Mux8 multiplexers",
+    cable="USB of the multiplexer (COM port)",
     line=LineSettings(9600, 8, "N", 1),
     parse=parse,
     compose=compose,

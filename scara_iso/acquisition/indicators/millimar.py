@@ -79,6 +79,7 @@ def compose_single(text: str, unit: str | None, _channel: str | None) -> bytes:
 _C1202 = Dialect(
     key="millimar",
     instruments="Mahr Millimar C1202",
+    cable="duplex cable of the maker",
     line=LineSettings(9600, 7, "E", 2),
     parse=parse_features,
     compose=compose_feature,
@@ -98,6 +99,7 @@ _C1240 = replace(
     _C1202,
     key="millimar-c1240",
     instruments="Mahr Millimar C1208, C1216, C1240 with protocol OPTORSS or OPTORSD",
+    cable="RS 232 socket; choose protocol OPTORSS or OPTORSD in the menu",
     line=LineSettings(4800, 7, "E", 2),
     parse=parse_single,
     compose=compose_single,

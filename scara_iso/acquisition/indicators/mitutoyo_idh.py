@@ -46,6 +46,7 @@ def compose(text: str, unit: str | None, channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="mitutoyo-idh",
     instruments="Mitutoyo ID-H0530 and ID-H0560, RS-232C output",
+    cable="RS-232C cable of the gauge",
     line=LineSettings(9600, 8, "N", 1),
     parse=parse,
     compose=compose,

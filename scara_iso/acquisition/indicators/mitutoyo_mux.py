@@ -43,6 +43,10 @@ def compose(text: str, unit: str | None, channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="mitutoyo-mux",
     instruments="Mitutoyo MUX-10F, USB-ITN (virtual COM port), QM-Height USB, GageMux",
+    cable=(
+        "USB or RS-232 of the interface. USB-ITN: install the maker's virtual COM port "
+        "(Windows); on Linux it is a keyboard and shows no port"
+    ),
     line=LineSettings(9600, 8, "N", 1),
     parse=parse,
     compose=compose,

@@ -55,6 +55,7 @@ def compose(text: str, unit: str | None, channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="mitutoyo-uwave",
     instruments="Mitutoyo U-WAVE-R receiver (virtual COM port), readings sent by the DATA key",
+    cable="USB of the receiver; the transmitter's DATA key sends",
     line=LineSettings(57600, 8, "N", 1),
     parse=parse,
     compose=compose,

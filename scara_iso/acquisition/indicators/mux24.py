@@ -44,6 +44,7 @@ def compose(text: str, unit: str | None, channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="mux24",
     instruments="MUX 2 and MUX 4 multiplexers (powered by the DTR line)",
+    cable="RS-232, powered by the port's DTR line",
     line=LineSettings(9600, 8, "N", 1, dtr=True),
     parse=parse,
     compose=compose,

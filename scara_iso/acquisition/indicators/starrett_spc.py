@@ -32,6 +32,7 @@ def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="starrett-spc",
     instruments="old Starrett gauges with SPC output (TTL level: needs a level converter)",
+    cable="SPC connector through a level converter (TTL, not RS-232)",
     line=LineSettings(1200, 8, "N", 2),
     parse=parse,
     compose=compose,

@@ -31,6 +31,7 @@ def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
 DIALECT = Dialect(
     key="stream-4800",
     instruments="INSPEC 711-201B and similar USB cables that send all the time",
+    cable="the USB cable of the gauge",
     line=LineSettings(4800, 8, "N", 1),
     parse=parse,
     compose=compose,
