@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import textwrap
 import traceback
 import warnings
 from collections.abc import Sequence
@@ -228,10 +229,27 @@ def _tell(error: Exception) -> int:
 def _say(lines: Sequence[str]) -> None:
     """Write to standard error; where that is closed, the exit code still says it."""
     with suppress(OSError, ValueError, AttributeError):
-        sys.stderr.write("".join(f"{line}\n" for line in lines))
+        sys.stderr.write("".join(f"{line}\n" for line in _wrapped(lines)))
         sys.stderr.flush()
         return
     _lead_nowhere()
+
+
+def _wrapped(lines: Sequence[str]) -> list[str]:
+    """Return the lines broken between words where a person reads them, whole for a program."""
+    if not (sys.stderr.isatty() or "COLUMNS" in os.environ):
+        return list(lines)
+    width = max(get_terminal_size().columns - 1, 20)
+    return [part for line in lines for part in _broken(line, width)]
+
+
+def _broken(line: str, width: int) -> list[str]:
+    """Return a line in parts, each as far in as the first; a path or a command word stays whole."""
+    inset = " " * (len(line) - len(line.lstrip()) + 2)
+    return textwrap.wrap(
+        line, width, subsequent_indent=inset, break_long_words=False, break_on_hyphens=False,
+        replace_whitespace=False, drop_whitespace=True,
+    ) or [""]  # fmt: skip
 
 
 def _explain(error: Exception) -> tuple[list[str], int]:

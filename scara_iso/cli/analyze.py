@@ -18,6 +18,7 @@ from scara_iso.cli.options import (
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
+    Full,
     LimitRule,
     Limits,
     ResolutionOfTable,
@@ -26,7 +27,7 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import write_json, write_report
+from scara_iso.cli.output import command_line, write_json, write_report
 from scara_iso.iso9283 import Conformity, DecisionRule
 
 
@@ -47,6 +48,7 @@ def analyze_command(
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
     condition: ConditionName = None,
+    full: Full = False,
     json: AsJson = False,
 ) -> None:
     """Repeatability of each pose, axis and plane, with intervals and findings.
@@ -66,12 +68,21 @@ def analyze_command(
     if (folder := test_folder(table, condition, reading)) is not None:
         from scara_iso.cli.conditions import analyze_folder
 
-        analyze_folder(folder, condition, options, as_json=json)
+        analyze_folder(folder, condition, options, as_json=json, full=full)
         return
     analysis = library.analyze(table, **asdict(reading), **options)
     if json:
         write_json(render.analysis_json(analysis))
-    else:
+    elif full:
         write_report(reporting.analysis_report(analysis))
+    else:
+        read = asdict(reading) | {
+            "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
+            "all_count": all_count, "allow_gaps": allow_gaps,
+        }  # fmt: skip
+        held = {"limit": limit, "decision": decision.value if limit else None}
+        again = command_line(table, read)
+        following = reporting.after_analysis(analysis, command_line(table, held | read), again)
+        write_report(reporting.analysis_brief(analysis, following))
     if analysis.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)

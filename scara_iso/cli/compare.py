@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -16,12 +16,13 @@ from scara_iso.cli.options import (
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
+    Full,
     ResolutionOfTable,
     Sheet,
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, named, write_json, write_report
+from scara_iso.cli.output import check_outputs, command_line, named, write_json, write_report
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity
 
@@ -57,6 +58,7 @@ def compare_command(
         typer.Option(metavar="NAME=LIMIT", help="exchangeability=0.05, in mm; decided as analyze."),
     ] = None,
     seed: Seed = 9283,
+    full: Full = False,
     json: AsJson = False,
 ) -> None:
     """Compare runs with the first: means and RP, with intervals, a test, and its power.
@@ -66,16 +68,14 @@ def compare_command(
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     check_outputs([plot], named(tables))
+    read: dict[str, Any] = {
+        "unit": unit, "resolution": resolution, "decimal": decimal, "sheet": sheet,
+        "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
+        "all_count": all_count, "allow_gaps": allow_gaps,
+    }  # fmt: skip
     comparison = library.compare(
         *tables,
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
-        sheet=sheet,
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
+        **read,
         exchangeability=exchangeability,
         limits=parse_limits(limit or ()),
         seed=seed,
@@ -84,8 +84,11 @@ def compare_command(
         render.save_figure(comparison.plot(), plot)
     if json:
         write_json(render.comparison_json(comparison))
-    else:
+    elif full:
         write_report(reporting.comparison_report(comparison))
+    else:
+        again = [command_line([table], read) for table in tables]
+        write_report(reporting.comparison_brief(comparison, again))
     held = [one.limit.verdict for one in comparison.characteristics if one.limit is not None]
     if any(verdict is not Conformity.PASS for verdict in held):
         raise typer.Exit(NOT_WITHIN_LIMITS)

@@ -10,7 +10,7 @@ import typer
 
 from scara_iso import reporting
 from scara_iso.cli.options import NOT_WITHIN_LIMITS
-from scara_iso.cli.output import check_outputs, write_json, write_report
+from scara_iso.cli.output import check_outputs, command_line, write_json, write_report
 from scara_iso.iso9283 import Conformity
 from scara_iso.library import ConditionRun, check_format, read_conditions, report_condition
 
@@ -24,7 +24,12 @@ Write = Callable[[Mapping[str, Any]], None]
 
 
 def analyze_folder(
-    folder: str, condition: str | None, options: Mapping[str, Any], *, as_json: bool
+    folder: str,
+    condition: str | None,
+    options: Mapping[str, Any],
+    *,
+    as_json: bool,
+    full: bool,
 ) -> None:
     """Write the analysis of each condition of a test; exit with 1 where a limit is not kept."""
     found = read_conditions(folder, condition)
@@ -34,13 +39,21 @@ def analyze_folder(
 
         write_json(conditions_json(folder, found, analyses))
     else:
-        from scara_iso.reporting import analysis_report, missing_report
+        from scara_iso.reporting import (
+            after_analysis,
+            analysis_brief,
+            analysis_report,
+            missing_report,
+        )
 
         for one, analysis in zip(found, analyses, strict=True):
             if analysis is None:
                 write_report(missing_report(str(one.condition), one.missing))
-            else:
+            elif full:
                 write_report(analysis_report(analysis))
+            else:
+                again = command_line([folder], {"condition": one.condition.name})
+                write_report(analysis_brief(analysis, after_analysis(analysis, again, again)))
     _exit_by(analyses)
 
 

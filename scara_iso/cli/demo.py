@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso.cli.options import AsJson
+from scara_iso.cli.options import AsJson, Full
 from scara_iso.cli.output import write_json, write_report
 
 if TYPE_CHECKING:
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 NEXT_STEPS = (
     "scara-iso analyze YOUR_TABLE.csv --limit XY=0.02",
-    "scara-iso analyze YOUR_TABLE.csv --definitions",
     "scara-iso backlash --Im 2.65e-4 --IL 4.749 --arcmin 12 --arm 0.7 --ratio 50",
     "scara-iso --help",
 )
@@ -23,14 +22,21 @@ NEXT_STEPS = (
 Open = Annotated[bool, typer.Option("--open", help="Show the report of it in the browser.")]
 
 
-def demo_command(*, open_report: Open = False, json: AsJson = False) -> None:
+def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson = False) -> None:
     """Walk through the paper's Table I: analysis, backlash, what of the print follows from it.
 
     Example: scara-iso demo --open
     """
     from scara_iso import analyze
     from scara_iso.render import analysis_json, backlash_json
-    from scara_iso.reporting import analysis_report, backlash_report, paper_section
+    from scara_iso.reporting import (
+        NextStep,
+        analysis_brief,
+        analysis_report,
+        backlash_brief,
+        backlash_report,
+        paper_section,
+    )
     from scara_iso.robot import first_joint, printed, table_1
 
     analysis = analyze(table_1())
@@ -45,8 +51,11 @@ def demo_command(*, open_report: Open = False, json: AsJson = False) -> None:
             }
         )
         return
-    write_report(analysis_report(analysis))
-    write_report(backlash_report(gear, pose))
+    if full:
+        write_report((*analysis_report(analysis), *backlash_report(gear, pose)))
+    else:
+        following = NextStep("scara-iso demo --open", "the report of it in the browser")
+        write_report((*analysis_brief(analysis, following), *backlash_brief(gear)))
     write_report((paper_section(pose, gear), _next_steps()))
     if open_report:
         _open_report()

@@ -19,16 +19,23 @@ from scara_iso.cli.options import (
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
+    Full,
     ResolutionOfTable,
     Sheet,
     UnitOfTable,
 )
-from scara_iso.cli.output import check_outputs, named as files_of, write_json, write_report
+from scara_iso.cli.output import (
+    check_outputs,
+    command_line,
+    named as files_of,
+    write_json,
+    write_report,
+)
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.cli.conditions import Write
-    from scara_iso.diagnosis import CyclesWanted
+    from scara_iso.diagnosis import CyclesWanted, Diagnosis, DiagnosisOfPoses
     from scara_iso.library import ConditionRun, TableOptions
     from scara_iso.run import Run
 
@@ -92,6 +99,7 @@ def diagnose_command(
     all_count: AllCount = False,
     allow_gaps: AllowGaps = False,
     condition: ConditionName = None,
+    full: Full = False,
     json: AsJson = False,
 ) -> None:
     """Close the loop: residual, the effect that explains it, error before and after.
@@ -120,7 +128,9 @@ def diagnose_command(
 
         def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
             counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
-            _diagnose_run(run, files, reading, counting, seed=seed, as_json=json, write=write)
+            again = command_line([folder], {"condition": one.condition.name})
+            how = _How(again, full=full, as_json=json, write=write)
+            _diagnose_run(run, files, reading, counting, how, seed=seed)
 
         diagnose_folder(folder, condition, diagnose)
         return
@@ -130,7 +140,9 @@ def diagnose_command(
 
         show_many(named, model, reading, wanted, seed=seed, as_json=json)
     else:
-        _diagnose_run(run, files, reading, wanted, seed=seed, as_json=json)
+        again = command_line(named, asdict(reading) | asdict(wanted))
+        how = _How(again, full=full, as_json=json)
+        _diagnose_run(run, files, reading, wanted, how, seed=seed)
 
 
 def _refuse_beside_design(
@@ -178,15 +190,24 @@ class _Files:
             raise UsageError("--save-model needs --model", remedy="name the one to add to")
 
 
+@dataclass(frozen=True, slots=True)
+class _How:
+    """How a diagnosis is written; ``again`` names its table in a command line."""
+
+    again: str
+    full: bool
+    as_json: bool
+    write: Write = write_json
+
+
 def _diagnose_run(
     run: Run,
     files: _Files,
     reading: TableOptions,
     wanted: CyclesWanted,
+    how: _How,
     *,
     seed: int,
-    as_json: bool,
-    write: Write = write_json,
 ) -> None:
     from scara_iso.diagnosis import DiagnosisOfPoses, save_model
 
@@ -205,17 +226,29 @@ def _diagnose_run(
         sigma=files.sigma,
     )
     if isinstance(diagnosis, DiagnosisOfPoses):
-        if as_json:
-            write(render.poses_diagnosis_json(diagnosis))
-        else:
-            write_report(reporting.poses_report(diagnosis, run.origin.source))
+        _write_poses(diagnosis, run.origin.source, how)
         return
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)
     if files.save_model is not None and files.model is not None:
         said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
-    if as_json:
-        write(render.diagnosis_json(diagnosis))
+    _write(diagnosis, run.origin.source, how)
+
+
+def _write(diagnosis: Diagnosis, title: str, how: _How) -> None:
+    if how.as_json:
+        how.write(render.diagnosis_json(diagnosis))
+    elif how.full:
+        write_report(reporting.diagnosis_report(diagnosis, title))
     else:
-        write_report(reporting.diagnosis_report(diagnosis, run.origin.source))
+        write_report(reporting.diagnosis_brief(diagnosis, how.again))
+
+
+def _write_poses(diagnosis: DiagnosisOfPoses, title: str, how: _How) -> None:
+    if how.as_json:
+        how.write(render.poses_diagnosis_json(diagnosis))
+    elif how.full:
+        write_report(reporting.poses_report(diagnosis, title))
+    else:
+        write_report(reporting.poses_brief(diagnosis, how.again))

@@ -30,6 +30,9 @@ Tables = Annotated[
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
+Full = Annotated[
+    bool, typer.Option("--full", help="Every figure, finding and note, not only the answer.")
+]
 UnitOfTable = Annotated[
     str | None, typer.Option("--unit", help="Unit of the readings where the table states none.")
 ]

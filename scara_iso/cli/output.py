@@ -91,6 +91,22 @@ def write_text(text: str, path: Path | None) -> None:
         write_file(path, text.encode("utf-8", "backslashreplace"))
 
 
+def command_line(words: Sequence[str], options: Mapping[str, Any]) -> str:
+    """Return the words and the options that were given as they are typed, to be typed again."""
+    given = [
+        (name, one)
+        for name, value in options.items()
+        for one in (value if isinstance(value, list | tuple) else [value])
+        if one is not None and one is not False
+    ]
+    typed = [as_options(f"`{name}={_plain(one)}`") for name, one in given]
+    return " ".join([*map(shlex.quote, words), *typed])
+
+
+def _plain(value: object) -> str:
+    return f"{value:.15g}" if isinstance(value, float) else str(value)
+
+
 def named(tables: Sequence[str]) -> list[str]:
     """Return the files of tables that are named, those of a folder one by one."""
     from scara_iso.library import tables_of

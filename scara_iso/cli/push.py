@@ -9,12 +9,13 @@ import typer
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AsJson,
+    Full,
     LimitRule,
     ResolutionOfTable,
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import write_json, write_report
+from scara_iso.cli.output import command_line, write_json, write_report
 from scara_iso.iso9283 import Conformity, DecisionRule
 
 Loop = Annotated[
@@ -40,6 +41,7 @@ def push_command(
     decision: LimitRule = DecisionRule.INTERVAL,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
+    full: Full = False,
     json: AsJson = False,
 ) -> None:
     """Take lost motion, friction and stiffness of a joint from a force loop and a dial.
@@ -61,8 +63,13 @@ def push_command(
 
         write_json(push_json(found))
     else:
-        from scara_iso.reporting import push_report
+        from scara_iso.reporting import NextStep, push_brief, push_report
 
-        write_report(push_report(found))
+        given = {
+            "arm": arm, "limit": limit, "decision": decision.value if limit else None,
+            "unit": unit, "resolution": resolution, "full": True,
+        }  # fmt: skip
+        following = NextStep(f"scara-iso push {command_line([loop], given)}", "every figure")
+        write_report(push_report(found) if full else push_brief(found, following))
     if found.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)

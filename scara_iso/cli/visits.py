@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,11 +11,15 @@ from scara_iso.cli.options import (
     AsJson,
     DecimalMark,
     ExcelLocale,
+    Full,
     ResolutionOfTable,
     Sheet,
     UnitOfTable,
 )
-from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
+from scara_iso.cli.output import check_outputs, command_line, write_json, write_report, write_text
+
+if TYPE_CHECKING:
+    from scara_iso.run import Run
 
 Stream = Annotated[
     str,
@@ -54,6 +58,7 @@ def visits_command(
     sheet: Sheet = None,
     output: Output = None,
     excel_locale: ExcelLocale = None,
+    full: Full = False,
     json: AsJson = False,
 ) -> None:
     """Turn a stream of 50 to 500 samples a second into one reading for each visit.
@@ -82,6 +87,22 @@ def visits_command(
 
         write_json(visits_json(found))
     else:
-        from scara_iso.reporting import visits_report
+        from scara_iso.reporting import NextStep, visits_brief, visits_report
 
-        write_report(visits_report(found))
+        given = {
+            "dwell": dwell if dwell != 1 else None, "still": still, "band": band, "poses": poses,
+            "unit": unit, "resolution": resolution, "decimal": decimal, "sheet": sheet,
+        }  # fmt: skip
+        following = (
+            NextStep(f"scara-iso visits {command_line([stream], given)} -o run.csv", "the table")
+            if output is None
+            else NextStep(f"scara-iso analyze {command_line([str(output)], _counted(found.run))}")
+        )
+        write_report(visits_report(found) if full else visits_brief(found, following))
+
+
+def _counted(run: Run) -> dict[str, object]:
+    """Return the options by which every visit counts, of which a table has seldom 30."""
+    visits = [len(rows) for _, rows in run.rows_by_pose()]
+    alike = len(set(visits)) == 1
+    return {"all_count": True, "cycles": max(visits), "allow_gaps": not alike}

@@ -51,7 +51,13 @@ if TYPE_CHECKING:
         diagnose_sweep as diagnose_sweep,
         read_sweep as read_sweep,
     )
-    from scara_iso.diagnosis.tuning import LEVEL as LEVEL, SEED as SEED, UNKNOWN as UNKNOWN
+    from scara_iso.diagnosis.tuning import (
+        FEWEST_CYCLES as FEWEST_CYCLES,
+        LEVEL as LEVEL,
+        MOST_CYCLES as MOST_CYCLES,
+        SEED as SEED,
+        UNKNOWN as UNKNOWN,
+    )
     from scara_iso.diagnosis.two_state import two_levels as two_levels
     from scara_iso.diagnosis.verdict import (
         Rival as Rival,

@@ -13,6 +13,7 @@ from itertools import groupby
 from typing import TextIO
 
 from rich.box import SIMPLE_HEAD
+from rich.cells import cell_len
 from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table as RichTable
@@ -21,8 +22,11 @@ from rich.text import Text as RichText
 from scara_iso.render.strips import LEVELS, sparkline
 from scara_iso.reporting import (
     Block,
+    Charted,
     Facts,
     Figure,
+    Headline,
+    NextStep,
     Notice,
     Report,
     Section,
@@ -32,6 +36,7 @@ from scara_iso.reporting import (
     Text,
     printable,
 )
+from scara_iso.run import FloatArray
 
 _STYLES = {
     "plain": "",
@@ -44,7 +49,10 @@ _STYLES = {
 _MARKS = {"error": ("x", "bold red"), "warning": ("!", "yellow"), "info": ("-", "dim")}
 _BLOCKS, _DIGITS = LEVELS, "0123456789"
 _INDENT = 2
+_GAP = " " * 3
 _ENDLESS = 10_000
+_LEAST_DRAWN = 20
+"""Readings are drawn beside their figures where so many characters are left."""
 _MOST_POSES, _MOST_ROWS, _MOST_NOTICES, _MOST_NOTES, _LONGEST = 10, 100, 40, 6, 2000
 """Poses (or tables) of a report, rows of a table, texts in a row, quiet ones, letters of one."""
 
@@ -105,20 +113,54 @@ def _left_out(what: Sequence[object], said: str = "more") -> Text:
 
 def _show_block(block: Block, console: Console, label_width: int) -> None:
     match block:
-        case Text():
-            _print_indented(RichText(_cut(printable(block.text)), _STYLES[block.tone]), console)
         case Table():
             _show_table(block, console)
-        case Strip():
-            _print_indented(_strip(block, console, label_width), console)
-        case Notice():
-            _print_indented(_notice(block), console)
+        case Charted():
+            _show_charted(block, console)
         case Facts():
             _show_table(Table((block.heading, ""), block.rows), console)
+        case NextStep():
+            _print_next(block, console)
+        case _:
+            _print_indented(_in_lines(block, console, label_width), console)
+
+
+def _in_lines(
+    block: Text | Headline | Strip | Notice | Signature | Figure, console: Console, label_width: int
+) -> RichText:
+    match block:
+        case Text():
+            return RichText(_cut(printable(block.text)), _STYLES[block.tone])
+        case Headline():
+            return _headline(block, console)
+        case Strip():
+            return _strip(block, console, label_width)
+        case Notice():
+            return _notice(block)
         case Signature():
-            _print_indented(RichText("; ".join(block.lines), "dim"), console)
+            return RichText("; ".join(block.lines), "dim")
         case Figure():
-            _print_indented(RichText(printable(f"{block.title}: {block.caption}"), "dim"), console)
+            return RichText(printable(f"{block.title}: {block.caption}"), "dim")
+
+
+def _headline(headline: Headline, console: Console) -> RichText:
+    first, *others = map(printable, headline.parts)
+    said = first
+    for part in others:
+        if cell_len(f"{said}{_GAP}{part}") <= console.width - _INDENT:
+            said = f"{said}{_GAP}{part}"
+    return RichText(said, _STYLES[headline.tone])
+
+
+def _print_next(step: NextStep, console: Console) -> None:
+    """Print a command on one line, however long: the terminal wraps it, and it can be copied."""
+    line = RichText("Next: ", "bold")
+    line.append(printable(step.command), "cyan")
+    why = f"{_GAP}{printable(step.why)}"
+    if step.why and _INDENT + line.cell_len + cell_len(why) <= console.width:
+        line.append(why, "dim")
+    line.pad_left(_INDENT)
+    console.print(line, no_wrap=True, crop=False, overflow="ignore")
 
 
 def _cut(text: str) -> str:
@@ -137,6 +179,40 @@ def _show_table(whole: Table, console: Console) -> None:
         _show_block(_left_out(whole.rows[_MOST_ROWS:]), console, 0)
     if table.note:
         _print_indented(RichText(printable(table.note), "dim"), console)
+
+
+def _show_charted(charted: Charted, console: Console) -> None:
+    """Print the rows with their pictures beside the figures, or below where room is short."""
+    heads = [printable(heading) for heading in charted.header]
+    texts = [[printable(str(cell)) for cell in row.cells] for row in charted.rows]
+    widths = [max(map(cell_len, column)) for column in zip(heads, *texts, strict=False)]
+    room = console.width - _INDENT - sum(widths) - 2 * len(widths)
+    beside = room >= _LEAST_DRAWN
+    if beside:
+        _print_row(_aligned(heads, widths), heads[-1], console, "bold")
+    for row, cells in zip(charted.rows, texts, strict=True):
+        picture = _drawn(row.readings, console, room if beside else console.width - 2 * _INDENT)
+        _print_row(_aligned(cells, widths), picture if beside else "", console)
+        if picture and not beside:
+            _print_row("", picture, console)
+
+
+def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:
+    first, *others = zip(cells, widths, strict=False)
+    return "  ".join([f"{first[0]:<{first[1]}}", *(f"{cell:>{width}}" for cell, width in others)])
+
+
+def _print_row(line: str, picture: str, console: Console, style: str = "") -> None:
+    text = RichText(line, style)
+    text.append(f"  {picture}", style or "cyan")
+    text.rstrip()
+    _print_indented(text, console)
+
+
+def _drawn(readings: FloatArray | None, console: Console, room: int) -> str:
+    if readings is None:
+        return ""
+    return sparkline(readings, _BLOCKS if encodes(console, _BLOCKS) else _DIGITS, max(room, 10))
 
 
 def _grid(table: Table) -> RichTable:
@@ -164,9 +240,8 @@ def _show_rows(table: Table, console: Console) -> None:
 
 
 def _strip(strip: Strip, console: Console, label_width: int) -> RichText:
-    encodable = encodes(console, _BLOCKS)
     room = max(console.width - label_width - _INDENT - 1, 10)
-    drawn = sparkline(strip.readings, _BLOCKS if encodable else _DIGITS, room)
+    drawn = _drawn(strip.readings, console, room)
     line = RichText(f"{printable(strip.label):<{label_width}} ", "bold")
     line.append(drawn, "cyan")
     caption = f"  {printable(strip.caption)}"

@@ -11,18 +11,22 @@ from scara_iso.faces import face
 if TYPE_CHECKING:
     from scara_iso.reporting.analysis import analysis_report as analysis_report
     from scara_iso.reporting.backlash import (
+        backlash_brief as backlash_brief,
         backlash_report as backlash_report,
         sweep_report as sweep_report,
     )
     from scara_iso.reporting.blocks import (
         Block as Block,
         Cell as Cell,
+        Charted as Charted,
         Course as Course,
         Courses as Courses,
         DriftPicture as DriftPicture,
         Facts as Facts,
         Figure as Figure,
+        Headline as Headline,
         Interval as Interval,
+        NextStep as NextStep,
         Notice as Notice,
         Number as Number,
         Plane as Plane,
@@ -36,6 +40,15 @@ if TYPE_CHECKING:
         Strip as Strip,
         Table as Table,
         Text as Text,
+    )
+    from scara_iso.reporting.brief_analysis import (
+        after_analysis as after_analysis,
+        analysis_brief as analysis_brief,
+    )
+    from scara_iso.reporting.brief_comparison import comparison_brief as comparison_brief
+    from scara_iso.reporting.brief_diagnosis import (
+        diagnosis_brief as diagnosis_brief,
+        poses_brief as poses_brief,
     )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
     from scara_iso.reporting.design import design_report as design_report
@@ -74,14 +87,17 @@ if TYPE_CHECKING:
         Provenance as Provenance,
         Restated as Restated,
     )
-    from scara_iso.reporting.push import push_report as push_report
+    from scara_iso.reporting.push import push_brief as push_brief, push_report as push_report
     from scara_iso.reporting.raw_data import readings_report as readings_report
     from scara_iso.reporting.stated import (
         NOT_STATED as NOT_STATED,
         head as head,
         stated_field as stated_field,
     )
-    from scara_iso.reporting.streams import visits_report as visits_report
+    from scara_iso.reporting.streams import (
+        visits_brief as visits_brief,
+        visits_report as visits_report,
+    )
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.whole_test import (
         missing_report as missing_report,

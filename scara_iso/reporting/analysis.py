@@ -141,7 +141,7 @@ def pose_figures(pose: PoseResult) -> Iterator[Block]:
             )
     defined = [axis for axis in pose.axes.values() if axis.definitions]
     if defined:
-        yield _definitions_table(defined)
+        yield definitions_table(defined)
 
 
 def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Table:
@@ -223,7 +223,8 @@ def _accuracy(pose: PoseResult) -> Iterator[str]:
         yield f"accuracy AP (7.2.1, mean minus command): {', '.join(said)}"
 
 
-def _definitions_table(axes: Sequence[AxisResult]) -> Table:
+def definitions_table(axes: Sequence[AxisResult]) -> Table:
+    """Return other definitions of repeatability, a column for each axis."""
     scatter = [U_of_scatter(axis.three_sigma, axis.n) for axis in axes]
     rows = [
         (found[0].name, *(rounded(d.value, U) for d, U in zip(found, scatter, strict=True)))

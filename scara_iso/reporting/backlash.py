@@ -28,6 +28,11 @@ def backlash_report(result: Backlash, actual: PoseResult | None = None) -> Repor
     return (*sections, Section("", tuple(_assumptions(result))))
 
 
+def backlash_brief(result: Backlash) -> Report:
+    """Return what a gear comes to, without its table."""
+    return (Section("", tuple(_verdict(result))),)
+
+
 def _verdict(result: Backlash) -> Iterator[Block]:
     yield Text("Backlash by the two-inertia model (paper, eq. 7-22)", "strong")
     for name, crossing in _crossings(result):

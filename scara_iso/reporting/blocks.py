@@ -76,12 +76,44 @@ Cell = str | Number | Interval | Result
 
 
 @dataclass(frozen=True, slots=True)
+class Headline:
+    """The answer in one line: as many of its parts as have room, the first in any case."""
+
+    parts: tuple[str, ...]
+    tone: Tone = "strong"
+
+
+@dataclass(frozen=True, slots=True)
+class NextStep:
+    """A command line to be typed as it is, so never broken; ``why`` stands behind it."""
+
+    command: str
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Table:
     """Columns of cells; the first is aligned to the left, the others to the right."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Charted:
+    """A table of which a row may have readings over the cycles, drawn small in the last column."""
+
+    header: tuple[str, ...]
+    rows: tuple[ChartedRow, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ChartedRow:
+    """The first cell is aligned to the left, the others to the right."""
+
+    cells: tuple[Cell, ...]
+    readings: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +239,7 @@ class Signature:
     lines: tuple[str, ...]
 
 
-Block = Text | Table | Facts | Strip | Notice | Figure | Signature
+Block = Text | Headline | NextStep | Table | Charted | Facts | Strip | Notice | Figure | Signature
 
 
 @dataclass(frozen=True, slots=True)

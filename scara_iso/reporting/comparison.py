@@ -15,6 +15,7 @@ from scara_iso.comparison import (
     Pair,
     poses_in_common,
 )
+from scara_iso.iso9283 import PoseResult
 from scara_iso.reporting.blocks import (
     Block,
     Interval,
@@ -30,8 +31,8 @@ from scara_iso.reporting.characteristics import characteristics_table
 from scara_iso.reporting.digits import p_value, rounded
 from scara_iso.reporting.limits import table_of_limits
 
-_CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
-_SAID = {
+CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
+SAID = {
     ContrastVerdict.LESS: "less",
     ContrastVerdict.MORE: "more",
     ContrastVerdict.NOT_SHOWN: "not shown",
@@ -59,27 +60,28 @@ def comparison_report(comparison: Comparison) -> Report:
 def headline(pair: Pair) -> str:
     """Return what a pair shows, in a sentence or three; a dial that stood still shows nothing."""
     every = (*pair.spreads, *pair.means)
-    if not any(map(_live, every)):
+    if not any(map(is_live, every)):
         return "nothing is compared: one of the dials stood still"
     said = []
     for what, contrasts in (("repeatability", pair.spreads), ("mean", pair.means)):
-        changed = [_changed(one) for one in contrasts if one.verdict in _CHANGED and _live(one)]
+        changed = [_changed(one) for one in contrasts if one.verdict in CHANGED and is_live(one)]
         said += [f"{what}: {', '.join(changed)}"] if changed else []
-    if any(one.verdict not in _CHANGED for one in every if _live(one)):
+    if any(one.verdict not in CHANGED for one in every if is_live(one)):
         said += [f"{'else ' if said else ''}no difference that {_cycles(pair)} can show"]
     return "; ".join(said)
 
 
-def _live(one: Contrast) -> bool:
+def is_live(one: Contrast) -> bool:
+    """Say whether the dials moved in both runs."""
     return not {"no-scatter", "stuck-channel"} & set(one.doubts)
 
 
 def _changed(one: Contrast) -> str:
     name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
     if one.ratio is None or one.ratio_interval is None:
-        return f"{name} {rounded(one.difference, _U(one), sign='+')} {one.unit}"
+        return f"{name} {rounded(one.difference, U_of_change(one), sign='+')} {one.unit}"
     way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
-    return f"{name} {way} ({', 95 % interval '.join(map(str, _ratio(one)))})"
+    return f"{name} {way} ({', 95 % interval '.join(map(str, ratio_said(one)))})"
 
 
 def _cycles(pair: Pair) -> str:
@@ -88,7 +90,7 @@ def _cycles(pair: Pair) -> str:
 
 
 def _pair(pair: Pair) -> Iterator[Section]:
-    blocks: list[Block] = [Text(headline(pair), "strong"), *_caution(pair)]
+    blocks: list[Block] = [Text(headline(pair), "strong"), *caution(pair)]
     yield Section(f"{_name(pair.after.run.origin.source)}: what changed", tuple(blocks))
     yield Section("repeatability", tuple(_tables(pair.spreads)))
     yield Section("mean", tuple(_tables(pair.means)))
@@ -98,9 +100,10 @@ def _pair(pair: Pair) -> Iterator[Section]:
         yield Section("to be read with it", tuple(notices))
 
 
-def _caution(pair: Pair) -> Iterator[Block]:
+def caution(pair: Pair) -> Iterator[Block]:
+    """Yield what a difference must not be taken for."""
     every = (*pair.spreads, *pair.means)
-    still = _names(one for one in every if not _live(one))
+    still = _names(one for one in every if not is_live(one))
     if still:
         said = f"{still}: readings stand still in one of the runs. That is no repair: was the dial"
         yield Text(f"{said} touched, or too coarse?", "warn")
@@ -131,13 +134,13 @@ def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
 def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
     rows = [
         (
-            _row_name(one),
-            rounded(one.before, _U(one)),
-            rounded(one.after, _U(one)),
-            rounded(one.difference, _U(one), sign="+"),
-            _ends(one.interval, _U(one), sign="+"),
+            figure_name(one),
+            rounded(one.before, U_of_change(one)),
+            rounded(one.after, U_of_change(one)),
+            rounded(one.difference, U_of_change(one), sign="+"),
+            ends_said(one.interval, U_of_change(one), sign="+"),
             p_value(one),
-            _SAID[one.verdict] + ("*" if one.doubts else ""),
+            SAID[one.verdict] + ("*" if one.doubts else ""),
         )
         for one in contrasts
     ]
@@ -155,8 +158,8 @@ def _power(contrasts: Sequence[Contrast]) -> Table:
     means = contrasts[0].quantity == "mean"
     rows = [
         (
-            _row_name(one),
-            *(() if means else _ratio(one)),
+            figure_name(one),
+            *(() if means else ratio_said(one)),
             _needed(one.cycles_needed),
             _least(one),
         )
@@ -175,11 +178,13 @@ def _power(contrasts: Sequence[Contrast]) -> Table:
     return Table(("figure", *ratio, "cycles needed", "shown here"), tuple(rows), note)
 
 
-def _row_name(one: Contrast) -> str:
+def figure_name(one: Contrast) -> str:
+    """Return ``X``, or ``P1 X`` of several poses."""
     return one.figure if one.pose is None else f"{one.pose} {one.figure}"
 
 
-def _U(one: Contrast) -> float:  # noqa: N802 - GUM's symbol
+def U_of_change(one: Contrast) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of a difference, half of its interval."""
     return _reach(one.difference, one.interval)
 
 
@@ -189,15 +194,17 @@ def _reach(figure: float, ends: Ends) -> float:
     return sum(distances) / max(len(distances), 1)
 
 
-def _ratio(one: Contrast) -> tuple[Number | str, Interval]:
+def ratio_said(one: Contrast) -> tuple[Number | str, Interval]:
+    """Return after over before, and its interval."""
     assert one.ratio_interval is not None  # noqa: S101 - not a mean
     if one.ratio is None:
-        return "", _ends(one.ratio_interval, 0.0)
+        return "", ends_said(one.ratio_interval, 0.0)
     U = _reach(one.ratio, one.ratio_interval)
-    return rounded(one.ratio, U, mark="×"), _ends(one.ratio_interval, U)
+    return rounded(one.ratio, U, mark="×"), ends_said(one.ratio_interval, U)
 
 
-def _ends(ends: Ends, U: float, *, sign: str = "") -> Interval:
+def ends_said(ends: Ends, U: float, *, sign: str = "") -> Interval:
+    """Return an interval to the second digit of U; an end that nothing bounds is ``any``."""
     low, high = ("any" if end is None else rounded(end, U, sign=sign) for end in ends)
     return Interval(low, high)
 
@@ -219,13 +226,18 @@ def _least(one: Contrast) -> Number | str:
     return Number(one.smallest_shown, ".2f", mark="×")
 
 
-def _strips(pair: Pair) -> Iterator[Block]:
-    poses = poses_in_common(pair.before, pair.after)[0]
-    for name in dict.fromkeys(one.figure for one in pair.means):
+def strips_of(poses: Sequence[PoseResult], names: Iterable[str]) -> Iterator[Strip]:
+    """Yield the readings of a pose before and after, of the axes that are named."""
+    for name in names:
         for pose, when in zip(poses, ("before", "after"), strict=True):
             axis = pose.axes[name]
             caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
             yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
+
+
+def _strips(pair: Pair) -> Iterator[Block]:
+    poses = poses_in_common(pair.before, pair.after)[0]
+    yield from strips_of(poses, dict.fromkeys(one.figure for one in pair.means))
     others = len({one.pose for one in pair.means}) - 1
     if others:
         yield Text(f"the first pose; `plot=FILE` draws {others} more", "quiet")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, Found, Rival, Verdict
@@ -97,7 +97,7 @@ def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) 
 def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, str, str, Number | str]:
     if isinstance(one, Failure):
         return (table, "not diagnosed", "", "")
-    effects = "; ".join(_sureness(found) for found in one.effects)
+    effects = "; ".join(sureness(found) for found in one.effects)
     return (
         table,
         one.verdict.value,
@@ -112,7 +112,7 @@ def diagnosis_in_words(found: Diagnosis | Failure) -> str:
         return f"the readings could not be diagnosed ({found.message})"
     match found.verdict:
         case Verdict.EXPLAINED:
-            return f"the readings show {'; '.join(map(_sureness, found.effects))}"
+            return f"the readings show {'; '.join(map(sureness, found.effects))}"
         case Verdict.UNEXPLAINED:
             return "the readings show more than scatter, and no known effect accounts for it"
     return "nothing besides scatter and the dial's division was found"
@@ -127,7 +127,7 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
             )
             yield Text("an effect that is too small for these cycles would not show")
         case Verdict.EXPLAINED:
-            said = "; ".join(_sureness(found) for found in diagnosis.effects)
+            said = "; ".join(sureness(found) for found in diagnosis.effects)
             yield Text(f"explained: {said}", "strong")
         case Verdict.UNEXPLAINED:
             yield Text(
@@ -139,7 +139,7 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
                 yield Text(f"nearest: {rivals_said(diagnosis.candidates)}")
 
 
-def _sureness(found: Found) -> str:
+def sureness(found: Found) -> str:
     """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
     where = f" on {', '.join(found.axes)}" if found.axes else ""
     if found.probability >= _SURE or not found.rivals:
@@ -172,18 +172,19 @@ def _effect(found: Found) -> Iterator[Block]:
         yield Text(f"not identifiable: {line}", "warn")
 
 
-def parameters_said(found: Found) -> str:
+def parameters_said(found: Found, only: Iterable[str] | None = None) -> str:
     """Return the parameters of an effect with their units, and with standard errors."""
-    return ", ".join(_parameter(k, v, found) for k, v in found.parameters.items())
+    names = found.parameters if only is None else only
+    return ", ".join(_parameter(name, found.parameters[name], found) for name in names)
 
 
 def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
     if not isinstance(value, Mapping):
         said = value if isinstance(value, str) else f"{value:.3g}"
-        return f"{words(name)} {said} {_unit(found.effect, name)}".rstrip()
+        return f"{words(name)} {said} {unit_of(found.effect, name)}".rstrip()
     errors = found.standard_errors.get(name, {})
     parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
-    return f"{words(name)} {', '.join(parts)} {_unit(found.effect, name)}".rstrip()
+    return f"{words(name)} {', '.join(parts)} {unit_of(found.effect, name)}".rstrip()
 
 
 def _size(axis: str, size: float, error: float | None) -> str:
@@ -193,7 +194,7 @@ def _size(axis: str, size: float, error: float | None) -> str:
     return f"{axis} {rounded(size, error, sign='+')} ± {rounded(error, error)}"
 
 
-def _unit(effect: str, parameter: str) -> str:
+def unit_of(effect: str, parameter: str) -> str:
     """Return the unit of a parameter, as far as it is not that of the reading."""
     units = (
         p.unit for e in find_effects() if e.name == effect

@@ -11,6 +11,7 @@ from scara_iso.reporting.blocks import (
     Block,
     DriftPicture,
     Figure,
+    Headline,
     Number,
     Section,
     Strip,
@@ -25,13 +26,24 @@ _WHOLE = ("XYZ", "XY")
 def drift_verdict(analysis: Analysis) -> Iterator[Text]:
     """Yield how far each pose of a drift test moves, and when it is steady."""
     for course in _courses(analysis):
-        label = course.pose.label
-        at = "" if label is None else f" at {label}"
-        mine = [one for one in analysis.characteristics if one.pose == label]
-        figures = [_largest(mine, code) for code in ("dAP", "dRP")]
-        moved = ", ".join(_said(one) for one in figures if one is not None)
-        yield Text(f"drift{at}: {moved}", "strong")
+        yield Text(", ".join(_moved(analysis, course)), "strong")
         yield Text(_steady(course))
+
+
+def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
+    """Yield the same in lines that give up their second figure where room is short."""
+    for course in _courses(analysis):
+        yield Headline(tuple(_moved(analysis, course)))
+        steady, _, constant = _steady(course).partition(": ")
+        yield Headline((steady, *filter(None, [constant])), "plain")
+
+
+def _moved(analysis: Analysis, course: DriftCourse) -> list[str]:
+    label = course.pose.label
+    mine = [one for one in analysis.characteristics if one.pose == label]
+    figures = [_largest(mine, code) for code in ("dAP", "dRP")]
+    moved = [_said(one) for one in figures if one is not None]
+    return [f"drift{'' if label is None else f' at {label}'}: {', '.join(moved[:1])}", *moved[1:]]
 
 
 def drift_sections(analysis: Analysis) -> Iterator[Section]:

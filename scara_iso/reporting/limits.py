@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, LimitCheck
@@ -128,11 +129,15 @@ def _wanted(check: LimitCheck) -> Number | str:
 
 
 def _would_prove(checks: Sequence[LimitCheck]) -> str:
+    """Return what would: so many cycles, to two digits, or a finer dial where none would."""
     wanted = [check.cycles_wanted for check in checks]
-    most = max((cycles for cycles in wanted if cycles is not None), default=None)
-    if most is None or None in wanted or most >= MOST_CYCLES:
-        return ""
-    return f"; about {most} cycles would"
+    if None in wanted:
+        return "; no more cycles would, a finer or better calibrated dial may"
+    most = max(cycles for cycles in wanted if cycles is not None)
+    if most >= MOST_CYCLES:
+        return f"; more than {MOST_CYCLES} cycles would"
+    magnitude = 10 ** max(len(str(most)) - 2, 0)
+    return f"; about {math.ceil(most / magnitude) * magnitude} cycles would"
 
 
 def _name(check: LimitCheck) -> str:

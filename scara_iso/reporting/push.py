@@ -6,9 +6,23 @@ from collections.abc import Iterator
 from typing import Literal
 
 from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck, PushResult
-from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Report, Section, Table, Text
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Headline,
+    Interval,
+    NextStep,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+)
+from scara_iso.reporting.brief import figure_said, first_three
 from scara_iso.reporting.digits import decimals, interval, places_that_decide, rounded
+from scara_iso.reporting.words import words
 
+_BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
 _MEANING = (
     "lost motion: between the flanks, spring and friction taken off; friction width: between the "
     "ways to and fro on one flank; hysteresis: both together, at no force; deflection: between the "
@@ -36,6 +50,32 @@ def push_report(found: PushResult) -> Report:
     if found.limits:
         sections.append(Section("limits", (_limits(found.limits),)))
     return (*sections, Section("", tuple(_how(found))))
+
+
+def push_brief(found: PushResult, following: NextStep) -> Report:
+    """Return a push test in short: the verdict, the figures of the joint, else of the reading."""
+    of = "reading" if found.arm_m is None else "joint"
+    rows = [one for one in found.characteristics if one.of == of]
+    doubts = [block for block in _how(found) if isinstance(block, Text) and block.tone != "quiet"]
+    title, *verdicts = _verdict(found)
+    lines = (
+        [*verdicts, _largest(rows, found)] if found.limits else [_largest(rows, found), *verdicts]
+    )
+    table = (_limits(found.limits),) if found.limits else ()
+    behind = Text(f"figures of the {of}; how they are found, and the others: `full=`", "quiet")
+    return (
+        Section("", (*first_three(lines, following), title, *doubts)),
+        Section("", (_figures(rows), *table, behind)),
+    )
+
+
+def _largest(rows: list[Characteristic], found: PushResult) -> Headline:
+    said = []
+    for one in rows:
+        if one.code in _BOUGHT_BY:
+            unit, ends = one.estimate.unit, one.estimate.interval
+            said.append(figure_said(words(one.code), one.estimate.value, ends, unit))
+    return Headline(tuple(said) or (f"{found.fit.loops} loops",))
 
 
 def _verdict(found: PushResult) -> Iterator[Block]:

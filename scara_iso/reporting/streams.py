@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
+from scara_iso.iso9283 import Characteristic
 from scara_iso.quantities import Dimension
-from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Headline,
+    NextStep,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+)
+from scara_iso.reporting.brief import figure_said, first_three
 from scara_iso.reporting.characteristics import characteristics_table
 from scara_iso.reporting.digits import rounded
+from scara_iso.reporting.words import words
 from scara_iso.streams import Doubt, Rule, StreamVisits, Visit
 
-_SHOWN = 40
+_SHOWN, _SHOWN_IN_BRIEF = 40, 6
 
 
 def visits_report(found: StreamVisits) -> Report:
@@ -30,6 +44,33 @@ def visits_report(found: StreamVisits) -> Report:
             )
         )
     return tuple(sections)
+
+
+def visits_brief(found: StreamVisits, following: NextStep) -> Report:
+    """Return the visits in short: how many, how the arm arrives, what is doubtful."""
+    count, *doubts = _verdict(found)
+    arrival = Headline(tuple(map(_arrives, found.characteristics)) or (_no_arrival(found),))
+    shown = replace(_visits(found), rows=_visits(found).rows[:_SHOWN_IN_BRIEF])
+    more = len(found.visits) - _SHOWN_IN_BRIEF
+    counted = [Text(f"and {more} more visits", "quiet")] if more > 0 else []
+    faults = (
+        Text(f"! {one.code}: {one.message}", "warn") for one in found.doubts[:_SHOWN_IN_BRIEF]
+    )
+    behind = Text("the rule for a rest, scatter at each, all arrivals: `full=`", "quiet")
+    return (
+        Section("", first_three([count, arrival, *doubts], following)),
+        Section("", (shown, *counted, *faults, behind)),
+    )
+
+
+def _arrives(one: Characteristic) -> str:
+    estimate = one.estimate
+    name = " ".join(part for part in (words(one.code), one.pose, one.of) if part)
+    return figure_said(name, estimate.value, estimate.interval, estimate.unit)
+
+
+def _no_arrival(found: StreamVisits) -> str:
+    return f"no arrival is measured in {len(found.visits)} visits"
 
 
 def _verdict(found: StreamVisits) -> Iterator[Block]:

@@ -12,7 +12,7 @@ def status_report(folder: Folder) -> Report:
     """Return the states of a test's parts as a table of poses and conditions, and what is next."""
     title = f"Test of {folder.test.robot.name or folder.path.name}"
     return (
-        Section(title, (_matrix(folder), *_said(folder))),
+        Section(title, (*_said(folder), _matrix(folder))),
         *_listed("Struck", _struck(folder)),
         *_listed("Out of its conditions", _deviations(folder)),
         *_listed("Faulty", [f"{one.part.name}: {one.why}" for one in folder.parts if one.why]),

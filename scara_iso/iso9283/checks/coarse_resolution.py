@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "coarse-resolution"
+BRIEF = "dial too coarse"
 LARGEST_SHARE = 0.25  # background knowledge of ISO 9283's practice, not verified in the text
 
 

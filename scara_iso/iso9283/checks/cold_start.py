@@ -12,6 +12,7 @@ from scara_iso.iso9283.checks._stated import SECONDS, stated
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "cold-start"
+BRIEF = "cold robot"
 _WARM_UP = {"warm_up", "warm_up_min", "warm_up_time"}
 _RULE = "good practice (no clause verified): the robot is warmed up, but for the drift test"
 

@@ -16,6 +16,7 @@ from scara_iso.iso9283.results import Finding, Measured
 from scara_iso.run import FloatArray
 
 CODE = "doubtful-resolution"
+BRIEF = "resolution is not as stated"
 _FEWEST_LEVELS = 4  # of random numbers, four differ by multiples of five or more once in fifty
 _COARSER = 5
 _TOLERANCE = 0.02

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "edited"
+BRIEF = "recording edited or not sealed"
 SEPARATOR = " | "
 
 

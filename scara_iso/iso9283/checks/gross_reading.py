@@ -15,6 +15,7 @@ from scara_iso.iso9283.results import Finding, Measured, poses_in_cycles
 from scara_iso.run import FloatArray
 
 CODE = "gross-reading"
+BRIEF = "a reading lies far off"
 _FARTHEST = 6.0
 _MAD_TO_SIGMA = 1.4826
 _MOST = 3  # more of them are no single readings

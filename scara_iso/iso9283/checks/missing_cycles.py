@@ -12,6 +12,7 @@ from scara_iso.iso9283.cycles import name_gap
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "missing-cycles"
+BRIEF = "cycles missing"
 _MOST = 10
 
 

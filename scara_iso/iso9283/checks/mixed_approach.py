@@ -16,6 +16,7 @@ from scara_iso.iso9283.checks._stated import stated
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "mixed-approach"
+BRIEF = "approached from both sides"
 _SAID = {"approached_from"}
 _ONE_SIDE = "one side"
 _RULE = "good practice (no clause verified): every visit comes from the same side"

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "no-scatter"
+BRIEF = "all readings alike"
 
 
 def check(measured: Measured) -> Iterator[Finding]:

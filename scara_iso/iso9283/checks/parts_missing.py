@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "parts-missing"
+BRIEF = "parts not recorded"
 _RULE = "the test's own plan: every pose is visited under every condition"
 
 

@@ -13,6 +13,7 @@ from scara_iso.iso9283.repeats import REPEATED_BY_CHANCE, repeats_in
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "repeated-rows"
+BRIEF = "rows repeat"
 
 
 def check(measured: Measured) -> Iterator[Finding]:

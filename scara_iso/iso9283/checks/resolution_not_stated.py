@@ -13,6 +13,7 @@ from scara_iso.dial import common_step
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "resolution-not-stated"
+BRIEF = "resolution not stated"
 
 
 def check(measured: Measured) -> Iterator[Finding]:

@@ -12,6 +12,7 @@ from scara_iso.iso9283.checks._stated import SECONDS, first
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "short-dwell"
+BRIEF = "read before at rest"
 _DWELL = {"dwell", "dwell_s", "dwell_time", "dwell_time_s"}
 _NEEDED = {
     "stabilisation_time", "stabilisation_time_s", "stabilization_time", "stabilization_time_s",

@@ -14,6 +14,7 @@ from scara_iso.iso9283.results import Finding, Measured
 from scara_iso.run import FloatArray
 
 CODE = "stuck-channel"
+BRIEF = "readings stand still"
 _LONGEST = 10
 _LEVELS_BESIDE = 4
 

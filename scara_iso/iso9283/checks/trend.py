@@ -19,6 +19,7 @@ from scara_iso.iso9283.results import Finding, Measured, poses_in_cycles
 from scara_iso.run import FloatArray, IntArray
 
 CODE = "trend"
+BRIEF = "moves during the test"
 _LEVEL = 0.01
 _MOST_CYCLES = 2000  # every k-th of more: the test compares all pairs
 

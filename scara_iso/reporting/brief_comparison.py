@@ -1,0 +1,152 @@
+"""A comparison in short: what changed, by how much, what next, one table and the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair, poses_in_common
+from scara_iso.iso9283 import Conformity, LimitCheck
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Headline,
+    NextStep,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+)
+from scara_iso.reporting.brief import cautions, figure_said, first_three, simulated
+from scara_iso.reporting.characteristics import characteristics_table
+from scara_iso.reporting.comparison import (
+    CHANGED,
+    SAID,
+    U_of_change,
+    caution,
+    ends_said,
+    figure_name,
+    is_live,
+    ratio_said,
+    strips_of,
+)
+from scara_iso.reporting.digits import rounded
+from scara_iso.reporting.limits import VERDICTS
+
+_MOST_ROWS, _MOST_AXES = 8, 2
+
+
+def comparison_brief(comparison: Comparison, tables: Sequence[str]) -> Report:
+    """Return a comparison in ten to twenty lines for each pair.
+
+    ``tables`` are as a command line names them, each with the options that read it.
+    """
+    sections: list[Section] = list(_limits(comparison))
+    for pair, table in zip(comparison.pairs, tables[1:], strict=True):
+        sections += _pair(pair, table)
+    seen = "p, cycles needed, what these cycles can show, every mean and course: `full=`"
+    return (*sections, Section("", (Text(seen, "quiet"),)))
+
+
+def _limits(comparison: Comparison) -> Iterator[Section]:
+    """Yield what the robots' exchangeability comes to, the gravest verdict first."""
+    order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
+    held = [one.limit for one in comparison.characteristics if one.limit is not None]
+    said: list[Block] = [
+        Text(f"{VERDICTS[one.verdict].upper()}: {_against(one)}", "strong")
+        for one in sorted(held, key=lambda one: order.index(one.verdict))
+    ]
+    if not said and comparison.characteristics:
+        said.append(characteristics_table(comparison.characteristics))
+    if said:
+        yield Section("", tuple(said))
+
+
+def _against(check: LimitCheck) -> str:
+    said = figure_said(check.figure, check.RP, check.interval, "mm", limit=check.limit)
+    return f"{said} against {check.limit:.15g}"
+
+
+def _pair(pair: Pair, table: str) -> Iterator[Section]:
+    doubts = [*simulated(pair.after.run), *caution(pair), *cautions(pair.findings)]
+    head = first_three([*_answer(pair), *doubts], _next(pair, table))
+    name = pair.after.run.origin.source
+    yield Section("", head, name)
+    rows = _rows(pair)
+    header = ("", "before", "after", "change", "95 % interval", "change is")
+    doubtful = any(one.doubts for one in (*pair.spreads, *pair.means))
+    note = "*: read it with the lines marked !" if doubtful else ""
+    yield Section("", (Table(header, rows, note),), name)
+    strips = _strips(pair)
+    yield Section("", strips, name)
+
+
+def _answer(pair: Pair) -> Iterator[Block]:
+    """Yield a line on RP and one on the means, the largest changes first."""
+    live = [one for one in (*pair.spreads, *pair.means) if is_live(one)]
+    if not live:
+        yield Text("Nothing is compared: one of the dials stood still", "bad")
+        return
+    yield Headline(_changes("RP", pair.spreads, pair))
+    if pair.means:
+        yield Headline(_changes("mean", pair.means, pair), "plain")
+
+
+def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str, ...]:
+    changed = [one for one in contrasts if one.verdict in CHANGED and is_live(one)]
+    if not changed:
+        before, after = pair.before.cycles.used, pair.after.cycles.used
+        cycles = f"{before}" if before == after else f"{before} and {after}"
+        return (f"{what}: no change that {cycles} cycles can show",)
+    first, *others = [_changed(one) for one in sorted(changed, key=lambda one: one.p_value)]
+    return (f"{what}: {first}", *others)
+
+
+def _changed(one: Contrast) -> str:
+    U = U_of_change(one)
+    if one.ratio is None or one.ratio_interval is None:
+        between = str(ends_said(one.interval, U, sign="+")).replace("..", ", ")
+        return f"{figure_name(one)} {rounded(one.difference, U, sign='+')} {one.unit} [{between}]"
+    way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
+    ratio, ends = ratio_said(one)
+    values = f"{rounded(one.before, U)} to {rounded(one.after, U)} {one.unit}"
+    between = str(ends).replace("..", ", ")
+    return f"{figure_name(one)} {way}, {values}, {ratio} [{between}]"
+
+
+def _next(pair: Pair, table: str) -> NextStep:
+    worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)
+    drifts = any("trend" in one.doubts for one in (*pair.spreads, *pair.means))
+    if worse or drifts:
+        return NextStep(f"scara-iso diagnose {table}", "what else than scatter is in it")
+    return NextStep(f"scara-iso report {table}", "the report to sign")
+
+
+def _rows(pair: Pair) -> tuple[tuple[Cell, ...], ...]:
+    shown = [("RP", one) for one in pair.spreads]
+    shown += [("mean", one) for one in pair.means if one.verdict in CHANGED]
+    shown.sort(key=lambda found: found[1].verdict not in CHANGED)
+    kept = shown[:_MOST_ROWS]
+    return tuple(_row(what, one) for what, one in kept)
+
+
+def _row(what: str, one: Contrast) -> tuple[Cell, ...]:
+    U = U_of_change(one)
+    return (
+        f"{what} {figure_name(one)} [{one.unit}]",
+        rounded(one.before, U),
+        rounded(one.after, U),
+        rounded(one.difference, U, sign="+"),
+        ends_said(one.interval, U, sign="+"),
+        SAID[one.verdict] + ("*" if one.doubts else ""),
+    )
+
+
+def _strips(pair: Pair) -> tuple[Block, ...]:
+    """Return before and after of the axes that changed, else of the first ones."""
+    every = list(dict.fromkeys(one.figure for one in pair.means))
+    changed = [one.figure for one in (*pair.spreads, *pair.means) if one.verdict in CHANGED]
+    axes = [name for name in every if name in changed] or every
+    poses = poses_in_common(pair.before, pair.after)[0]
+    strips: tuple[Strip, ...] = tuple(strips_of(poses, axes[:_MOST_AXES]))
+    return strips

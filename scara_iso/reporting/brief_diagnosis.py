@@ -1,0 +1,207 @@
+"""A diagnosis in short: what it is, what RP has to do with it, what next, and the course."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from scara_iso.diagnosis import UNKNOWN, Diagnosis, DiagnosisOfPoses, Found, Verdict
+from scara_iso.reporting.blocks import (
+    Block,
+    Headline,
+    NextStep,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+)
+from scara_iso.reporting.brief import digits_of, first_three
+from scara_iso.reporting.diagnosis import parameters_said, rivals_said, sureness, unit_of
+from scara_iso.reporting.digits import U_of_scatter, rounded
+from scara_iso.reporting.words import words
+from scara_iso.run import FloatArray
+
+_MOST_NOTES = 3
+_DUST = 1e-9
+
+
+def diagnosis_brief(diagnosis: Diagnosis, table: str) -> Report:
+    """Return a diagnosis in ten to twenty lines; ``table`` as in `analysis_brief`."""
+    lines = [_answer(diagnosis), *_sizes_said(diagnosis), _repeatability(diagnosis)]
+    head = first_three([*lines, *_why(diagnosis), *_doubts(diagnosis)], _next(diagnosis, table))
+    return (
+        Section("", head),
+        Section("", tuple(_courses(diagnosis))),
+        Section("", tuple(_behind(diagnosis))),
+    )
+
+
+def poses_brief(found: DiagnosisOfPoses, table: str) -> Report:
+    """Return a line for each pose, the doubts of those where something was found, what next."""
+    grave = (Verdict.UNEXPLAINED, Verdict.EXPLAINED, Verdict.NOTHING)
+    worst = min(found.poses, key=lambda pose: grave.index(found.poses[pose].verdict))
+    rows = tuple(
+        (pose, words(one.verdict.value), "; ".join(map(sureness, one.effects)))
+        for pose, one in found.poses.items()
+    )
+    verdicts = [one.verdict for one in found.poses.values()]
+    counts = ", ".join(f"{verdicts.count(v)} {words(v.value)}" for v in dict.fromkeys(verdicts))
+    structured = found.poses[worst].verdict is not Verdict.NOTHING
+    following = (
+        NextStep(f"scara-iso diagnose {table} --pose {worst}", "the gravest alone")
+        if structured
+        else NextStep(f"scara-iso report {table}", "the report to sign")
+    )
+    head: list[Block] = [
+        Text(f"{len(verdicts)} poses: {counts}", "strong"),
+        *(Headline((f"{worst}: {first}", *others), "plain")
+          for one in found.poses[worst].effects[:1] for first, *others in [_sizes(one)]),
+    ]  # fmt: skip
+    doubts = [
+        Text(f"! {pose} {said.text.removeprefix('! ')}", said.tone)
+        for pose, one in found.poses.items() for said in _doubts(one)
+    ]  # fmt: skip
+    notes = [Text(note, "quiet") for note in (*found.notes, "errors, shares, courses: `full=`")]
+    return (
+        Section("", first_three(head, following) if len(head) > 1 else (*head, following)),
+        Section("", (Table(("pose", "", "what moves the readings"), rows),)),
+        Section("", (*doubts, *notes)),
+    )
+
+
+def _answer(diagnosis: Diagnosis) -> Headline:
+    match diagnosis.verdict:
+        case Verdict.EXPLAINED:
+            return Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
+        case Verdict.UNEXPLAINED:
+            said = "Unexplained: more than scatter, and no known effect fits it"
+            return Headline((said,), "warn")
+    return Headline(("Nothing besides scatter and the dial's division",), "good")
+
+
+def _sizes_said(diagnosis: Diagnosis) -> Iterator[Headline]:
+    for found in diagnosis.effects:
+        of = f"{words(found.effect)}: " if len(diagnosis.effects) > 1 else ""
+        first, *others = _sizes(found) or ("of no size",)
+        yield Headline((f"{of}{first}", *others), "plain")
+
+
+def _sizes(found: Found) -> list[str]:
+    """Return the sizes of an effect, each with its 95 % interval if it has one, and the rest."""
+    bounded = not any(line.startswith("size") for line in found.unidentified)
+    sizes = found.parameters.get("size")
+    errors = found.standard_errors.get("size", {}) if bounded else {}
+    by_axis = sizes if isinstance(sizes, Mapping) else {}
+    unit = unit_of(found.effect, "size")
+    said = [
+        f"{_size(axis, size, errors.get(axis))} {_length(axis)} {unit}".rstrip()
+        for axis, size in by_axis.items()
+    ]
+    others = [name for name in found.parameters if not by_axis or name != "size"]
+    return [*said, *([parameters_said(found, others)] if others else [])]
+
+
+def _size(axis: str, size: float, error: float | None) -> str:
+    if not error or error < _DUST * abs(size):
+        return f"{axis} about {size:+.2g}"
+    ends = size - 2 * error, size + 2 * error
+    said, low, high = (f"{x:+.{digits_of(size, ends)}f}" for x in (size, *ends))
+    return f"{axis} {said} [{low}, {high}]"
+
+
+def _length(axis: str) -> str:
+    """Return mm of an axis that is a length whatever the indicator: theta may be either."""
+    return "" if axis == "theta" else "mm"
+
+
+def _repeatability(diagnosis: Diagnosis) -> Headline:
+    """Return RP as measured beside what the next test will show by the completed model."""
+    RP = diagnosis.repeatability
+    completed = getattr(RP, "completed", {})
+    names = [name for name in ("XY", *RP.measured) if name in RP.measured and name != "XYZ"]
+    planar = "XY" in names
+    chosen = [n for n in dict.fromkeys(names) if not (planar and n in ("X", "Y"))]
+    n = len(diagnosis.series.cycle)
+    parts = []
+    for name in chosen:
+        measured = rounded(RP.measured[name], U_of_scatter(RP.measured[name], n))
+        said = f"{name} {measured}"
+        if (told := completed.get(name)) is not None:
+            spec = f".{digits_of(told.value, (told.low, told.high))}f"
+            said += f", next test {told.value:{spec}} [{told.low:{spec}}, {told.high:{spec}}]"
+        removed = RP.with_effect_removed.get(name)
+        if diagnosis.effects and removed is not None and name not in completed:
+            said += f" ({rounded(removed, U_of_scatter(removed, n))} without the effect)"
+        parts.append(said)
+    return Headline((f"RP measured: {parts[0]}", *parts[1:]), "plain")
+
+
+def _next(diagnosis: Diagnosis, table: str) -> NextStep:
+    if diagnosis.verdict is Verdict.NOTHING:
+        return NextStep(f"scara-iso report {table}", "the report to sign")
+    if diagnosis.verdict is Verdict.UNEXPLAINED:
+        return NextStep(f"scara-iso diagnose {table} --plot course.svg", "look at the course")
+    effect = diagnosis.effects[0].effect
+    return NextStep(f"scara-iso explain {effect}", "what it means, and how to be sure")
+
+
+def _why(diagnosis: Diagnosis) -> Iterator[Block]:
+    for found in diagnosis.effects:
+        yield Text(f"Likely: {found.cause}")
+        yield Text(f"To be sure: {found.confirm_by}")
+    near = [rival for rival in diagnosis.candidates if rival.effect != UNKNOWN]
+    if diagnosis.verdict is Verdict.UNEXPLAINED and near:
+        yield Text(f"Nearest known effects: {rivals_said(near)}")
+    if diagnosis.verdict is Verdict.NOTHING:
+        cycles = len(diagnosis.series.cycle)
+        yield Text(f"An effect that is too small for {cycles} cycles would not show.")
+
+
+def _doubts(diagnosis: Diagnosis) -> Iterator[Text]:
+    for found in diagnosis.effects:
+        yield from (Text(f"! {line}", "warn") for line in found.unidentified)
+    for flag in diagnosis.flags:
+        yield Text(
+            f"! {flag.axis}: the reading of cycle {flag.cycle} stands apart; look at the record",
+            "warn",
+        )
+
+
+def _courses(diagnosis: Diagnosis) -> Iterator[Block]:
+    """Yield the axes that an effect moves, before and after; the others in one line."""
+    series = diagnosis.series
+    moved = {axis for axis in series.measured if any(axis in f.axes for f in diagnosis.effects)}
+    for axis, measured in series.measured.items():
+        if moved and axis not in moved:
+            continue
+        yield Strip(f"{axis} measured", series.cycle, measured, _spread(axis, measured))
+        if axis in moved:
+            left = (measured - series.predicted_after[axis]).round(12)
+            yield Strip(f"{axis} left", series.cycle, left, _spread(axis, left))
+    still = [axis for axis in series.measured if axis not in moved]
+    if moved and still:
+        yield Text(f"{', '.join(still)}: nothing besides scatter and the dial's division")
+
+
+def _spread(axis: str, readings: FloatArray) -> str:
+    return f"range {np.ptp(readings):.2g} {_length(axis)}".rstrip()
+
+
+def _behind(diagnosis: Diagnosis) -> Iterator[Text]:
+    before, after = diagnosis.error_before.held_out_rms, diagnosis.error_after.held_out_rms
+    n = len(diagnosis.series.cycle)
+    changed = [axis for axis in before if any(axis in one.axes for one in diagnosis.effects)]
+    if changed:
+        said = ", ".join(f"{axis} {_rms(before[axis], n)} to {_rms(after[axis], n)}"
+                         for axis in changed)  # fmt: skip
+        yield Text(f"Error on cycles that the model has not seen: {said}")
+    yield from (Text(f"- {note}", "quiet") for note in diagnosis.notes[:_MOST_NOTES])
+    more = len(diagnosis.notes) - _MOST_NOTES
+    rest = f"{more} more notes, " if more > 0 else ""
+    yield Text(f"lengths in mm, angles in degrees; {rest}errors, shares, rivals: `full=`", "quiet")
+
+
+def _rms(figure: float, n: int) -> str:
+    return str(rounded(figure, 2 * U_of_scatter(figure, n)))
