@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         Text as Text,
     )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
+    from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
     from scara_iso.reporting.design import design_report as design_report
     from scara_iso.reporting.diagnosis import (
         Failure as Failure,
