@@ -12,7 +12,13 @@ from scara_iso import reporting
 from scara_iso.cli.options import NOT_WITHIN_LIMITS
 from scara_iso.cli.output import check_outputs, command_line, write_json, write_report
 from scara_iso.iso9283 import Conformity
-from scara_iso.library import ConditionRun, check_format, read_conditions, report_condition
+from scara_iso.library import (
+    ConditionRun,
+    check_format,
+    join_reports,
+    read_conditions,
+    report_condition,
+)
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import Analysis
@@ -90,31 +96,30 @@ def report_folder(
     *,
     as_json: bool,
 ) -> None:
-    """Write the report of each condition of a test: with several, a file each, named by it."""
+    """Write one report of a test under all of its conditions, or under the one that is named."""
     given = dict(options)
     excel_locale = given.pop("excel_locale")
     found = read_conditions(folder, condition)
-    path = output or (None if as_json else Path(f"{Path(folder).resolve().name}.html"))
-    paths = [_path(path, one, several=len(found) > 1) for one in found]
-    archives = [_path(archive, one, several=len(found) > 1) for one in found]
-    for place in paths:
-        if place is not None:
-            check_format(place, excel_locale)
-    check_outputs([*paths, *archives], [])
-    reports = []
-    for one, place, packed in zip(found, paths, archives, strict=True):
+    place = output or (None if as_json else Path(f"{Path(folder).resolve().name}.html"))
+    if place is not None:
+        check_format(place, excel_locale)
+    check_outputs([place, archive], [])
+    reports = [
+        None if one.run is None else report_condition(folder, one, one.run, given) for one in found
+    ]
+    made = [one for one in reports if one is not None]
+    for one in found:
         if one.run is None:
             _say_missing(one)
-            continue
-        reports.append(made := report_condition(folder, one, one.run, given))
-        written = _write_report(made, place, packed, excel_locale)
-        missing = [f"missing: {', '.join(one.missing)}"] if one.missing and place else []
-        for line in (*written, *missing):
+    if made:
+        written = _write_report(join_reports(found, reports), place, archive, excel_locale)
+        missing = [f"missing: {', '.join(one.missing)}" for one in found
+                   if one.run is not None and one.missing]  # fmt: skip
+        for line in (*written, *(missing if place else ())):
             typer.echo(reporting.printable(line), err=as_json)
-    dossiers = [one.dossier for one in reports]
     if as_json:
-        _write_dossiers(found, dossiers)
-    _exit_by([dossier.analysis for dossier in dossiers])
+        _write_dossiers(found, [one.dossier for one in made])
+    _exit_by([one.analysis for one in made])
 
 
 def _write_report(
@@ -147,12 +152,6 @@ def _of_condition(one: ConditionRun, document: Mapping[str, Any]) -> dict[str, A
 
 def _write_conditions(documents: Sequence[Mapping[str, Any]]) -> None:
     write_json({"schema": "scara-iso/test-conditions/1", "conditions": list(documents)})
-
-
-def _path(path: Path | None, one: ConditionRun, *, several: bool) -> Path | None:
-    if path is None or not several:
-        return path
-    return path.with_name(f"{path.stem}-{one.condition.name}{path.suffix}")
 
 
 def _say_missing(one: ConditionRun) -> None:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
+    from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
     from scara_iso.iso9283.conformity import Conformity as Conformity, DecisionRule as DecisionRule
     from scara_iso.iso9283.cycles import (
         CYCLES_RUN as CYCLES_RUN,

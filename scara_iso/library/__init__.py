@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.library.conditions import join_reports as join_reports
     from scara_iso.library.diagnoses import Diagnoses as Diagnoses
     from scara_iso.library.figures import analyze as analyze
     from scara_iso.library.folders import (

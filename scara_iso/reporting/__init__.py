@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         poses_brief as poses_brief,
     )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
+    from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
     from scara_iso.reporting.design import design_report as design_report
     from scara_iso.reporting.diagnosis import (
         Failure as Failure,

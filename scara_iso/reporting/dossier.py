@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.iso9283 import Analysis
+from scara_iso.iso9283 import Analysis, not_measured
 from scara_iso.reporting.analysis import findings
 from scara_iso.reporting.appendix import appendix
 from scara_iso.reporting.blocks import Block, Report, Section, Text
@@ -16,6 +16,7 @@ from scara_iso.reporting.figures import courses, planes, predictions
 from scara_iso.reporting.front import Amendment, front_page
 from scara_iso.reporting.interpretation import interpretation
 from scara_iso.reporting.provenance import Provenance, provenance
+from scara_iso.reporting.result_table import Part
 from scara_iso.reporting.stated import conditions, remarks, stated_field
 from scara_iso.reporting.uncertainty import budget_blocks
 from scara_iso.robot import Gearbox
@@ -39,6 +40,8 @@ class Dossier:
     """By the number of the joint, with the reach from it to the tool [m] where it is known."""
     amendment: Amendment | None = None
     """What the report stands in place of."""
+    parts: tuple[Part, ...] = ()
+    """The results by condition, where there are several; a pose is then called by its part."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +76,7 @@ def _title(dossier: Dossier) -> str:
 
 def _sections(dossier: Dossier) -> Iterator[Section]:
     analysis, found = dossier.analysis, dossier.diagnoses
-    yield Section("", tuple(front_page(analysis, found, dossier.amendment)))
+    yield Section("", tuple(front_page(analysis, found, dossier.amendment, dossier.parts)))
     if analysis.block is None:
         yield Section("Figures", (*planes(analysis), *courses(analysis)), new_page=True)
     yield from drift_pictures(analysis)
@@ -88,10 +91,16 @@ def _sections(dossier: Dossier) -> Iterator[Section]:
     every = [
         *(_capital(section) for section in findings(analysis, advice=False)),
         *appendix(analysis, found, dossier.gearboxes),
+        Section("Not measured, by clause of ISO 9283:1998", (Text(_not_measured(analysis)),)),
         Section("Provenance", tuple(provenance(dossier.provenance, analysis.run.origin))),
     ]
     first = replace(every[0], heading=f"Appendix: {every[0].heading}", new_page=True)
     yield from (first, *every[1:])
+
+
+def _not_measured(analysis: Analysis) -> str:
+    found = sorted(not_measured(analysis), key=lambda one: [*map(int, one.clause.split("."))])
+    return "; ".join(f"{one.clause} {one.name}" for one in found) + "."
 
 
 def _capital(section: Section) -> Section:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from scara_iso.diagnosis import Diagnosis
@@ -35,8 +35,12 @@ def front_page(
     analysis: Analysis,
     diagnoses: Mapping[str | None, Diagnosis | Failure],
     amendment: Amendment | None,
+    parts: Sequence[Part] = (),
 ) -> Iterator[Block]:
-    """Yield who tested what for whom, the result, the rule, what deviates, what was found."""
+    """Yield who tested what for whom, the result, the rule, what deviates, what was found.
+
+    ``parts`` are the results by condition, where there are several.
+    """
     run = analysis.run
     yield Text(_subject(analysis), "strong")
     if run.metadata.get("simulated"):
@@ -51,7 +55,7 @@ def front_page(
     yield from (facts for facts in parties(run) if facts.rows)
     yield from conformity(analysis)
     labels = [pose.label for pose in analysis.poses]
-    yield from result_tables([Part(analysis.characteristics)], labels)
+    yield from result_tables(parts or [Part(analysis.characteristics, labels)])
     yield Text(_rule(analysis))
     yield Text(f"Method: {method(run)}. {cycles_said(analysis)}")
     yield from _deviations(analysis)

@@ -29,9 +29,13 @@ _Key = tuple[tuple[tuple[str, str], ...], str, str]
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """What was measured under one set of conditions, such as ``{"velocity": "50 %"}``."""
+    """What was measured under one set of conditions, such as ``{"velocity": "50 %"}``.
+
+    ``poses`` are the labels of those that were measured.
+    """
 
     characteristics: Sequence[Characteristic]
+    poses: Sequence[str | None]
     conditions: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -41,13 +45,14 @@ class _Row:
     of: Mapping[_Column, Characteristic]
 
 
-def result_tables(parts: Sequence[Part], poses: Sequence[str | None]) -> Iterator[Block]:
+def result_tables(parts: Sequence[Part]) -> Iterator[Block]:
     """Yield pose by characteristic, and below it what is of no single pose, or at few of them.
 
-    ``poses`` are the labels of those that were measured. Of one pose alone each characteristic has
-    a row. What `_COVERED_BY` another figure is left to the appendix, where its verdict is the same.
+    Of one pose alone each characteristic has a row. What `_COVERED_BY` another figure is left to
+    the appendix, where its verdict is the same.
     """
-    rows = [row for part in parts for row in _rows(part, poses)]
+    rows = [row for part in parts for row in _rows(part)]
+    poses = list(dict.fromkeys(label for part in parts for label in part.poses))
     every = dict.fromkeys(column for row in rows for column in row.of)
     many = [] if len(rows) < 2 else [c for c in every if _is_common(c, rows)]
     shown = sorted((c for c in many if not _is_covered(c, rows)), key=_rank)
@@ -64,9 +69,9 @@ def result_tables(parts: Sequence[Part], poses: Sequence[str | None]) -> Iterato
         yield _list(names, _that_decide(others), poses)
 
 
-def _rows(part: Part, poses: Sequence[str | None]) -> Iterator[_Row]:
+def _rows(part: Part) -> Iterator[_Row]:
     labels = tuple(part.conditions.values())
-    for pose in poses:
+    for pose in part.poses:
         found = {(c.code, c.of): c for c in part.characteristics if c.pose == pose}
         if found:
             yield _Row((*labels, pose or ""), found)

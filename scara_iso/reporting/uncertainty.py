@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from scara_iso.iso9283 import Analysis, AxisResult, RadialResult
@@ -46,9 +46,16 @@ class UncertaintyLine:
 
 
 def uncertainty_budget(analysis: Analysis) -> tuple[UncertaintyLine, ...]:
-    """Return a line for each axis, the same at every pose."""
-    found = analysis.poses[0].axes
-    return tuple(_line(axis, found[name].uncertainty) for name, axis in analysis.run.axes.items())
+    """Return a line for each axis; of several poses and conditions the largest counts."""
+    return tuple(
+        _line(axis, _largest([pose.axes[name].uncertainty for pose in analysis.poses]))
+        for name, axis in analysis.run.axes.items()
+    )
+
+
+def _largest(found: Sequence[float | None]) -> float | None:
+    known = [u for u in found if u is not None]
+    return max(known) if len(known) == len(found) else None
 
 
 def budget_blocks(analysis: Analysis) -> Iterator[Block]:

@@ -19,4 +19,9 @@ _RULE = "the test's own plan: every pose is visited under every condition"
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning that lists the parts that lack."""
     if missing := measured.run.metadata.get("parts_missing", "").strip():
-        yield Finding(CODE, "warning", f"not recorded: {missing}", rule=_RULE)
+        yield not_recorded(missing)
+
+
+def not_recorded(missing: str) -> Finding:
+    """Return the warning that names the parts that lack."""
+    return Finding(CODE, "warning", f"not recorded: {missing}", rule=_RULE)

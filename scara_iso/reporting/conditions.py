@@ -1,0 +1,212 @@
+"""A test under several conditions in one report: each pose under each of them is a part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scara_iso.diagnosis import Diagnosis
+from scara_iso.errors import DataError
+from scara_iso.iso9283 import (
+    Analysis,
+    Characteristic,
+    Finding,
+    LimitCheck,
+    Poses,
+    not_recorded,
+)
+from scara_iso.reporting.diagnosis import Failure
+from scara_iso.reporting.dossier import Dossier
+from scara_iso.reporting.result_table import Part
+from scara_iso.run import Axis, Origin, Run
+
+_Labels = Mapping[str | None, str]
+"""Of each pose of a condition: its label among those of all conditions."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chapter:
+    """What was measured under one condition.
+
+    ``name`` is that of the condition, as the parts have it (``v50-l100``); ``conditions`` are the
+    columns that tell it from others, such as ``{"velocity": "50 %"}``.
+    """
+
+    name: str
+    conditions: Mapping[str, str]
+    dossier: Dossier
+
+
+def joined(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
+    """Return one dossier of several conditions; a pose is called by its part, ``P1-v50-l100``.
+
+    ``missing`` are the parts under conditions of which none is recorded. Raises `DataError` where
+    they have not the same axes.
+    """
+    _refuse_other_axes(chapters)
+    run = _run(chapters)
+    labels = list(_labels(chapters, run))
+    first = chapters[0].dossier
+    pairs = list(zip(chapters, labels, strict=True))
+    diagnoses: dict[str | None, Diagnosis | Failure] = {
+        names[pose]: found for one, names in pairs for pose, found in one.dossier.diagnoses.items()
+    }
+    files = [file for one in chapters for file in one.dossier.provenance.files]
+    return replace(
+        first,
+        analysis=_analysis(pairs, run, missing),
+        provenance=replace(first.provenance, files=tuple(dict.fromkeys(files))),
+        diagnoses=diagnoses,
+        parts=tuple(_part(one) for one in chapters),
+    )
+
+
+def _part(chapter: Chapter) -> Part:
+    analysis = chapter.dossier.analysis
+    labels = tuple(pose.label for pose in analysis.poses)
+    return Part(analysis.characteristics, labels, chapter.conditions)
+
+
+def _refuse_other_axes(chapters: Sequence[Chapter]) -> None:
+    found = {
+        one.name: ", ".join(f"{a.name} in {a.unit}" for a in one.dossier.analysis.run.axes.values())
+        for one in chapters
+    }
+    if len(set(found.values())) > 1:
+        said = "; ".join(f"{name}: {axes}" for name, axes in found.items())
+        raise DataError(
+            f"the conditions have not the same axes: {said}",
+            where=chapters[0].dossier.analysis.run.origin.source,
+            remedy=f"report each by itself: `condition={chapters[0].name}`",
+        )
+
+
+def _labels(chapters: Sequence[Chapter], run: Run) -> Iterator[_Labels]:
+    """Yield for each condition what its poses are called in the run of all."""
+    called = iter([str(label) for label, _ in run.rows_by_pose()])
+    for one in chapters:
+        yield {label: next(called) for label, _ in one.dossier.analysis.run.rows_by_pose()}
+
+
+def _run(chapters: Sequence[Chapter]) -> Run:
+    """Return the rows of all conditions below each other; columns that one lacks are left out."""
+    runs = [one.dossier.analysis.run for one in chapters]
+    shared = [n for n in runs[0].covariates if all(n in run.covariates for run in runs)]
+    directions = [run.direction for run in runs if run.direction is not None]
+    poses = [np.array([_called(p, one.name) for p in _poses(run)])
+             for one, run in zip(chapters, runs, strict=True)]  # fmt: skip
+    return Run(
+        cycle=np.concatenate([run.cycle for run in runs]),
+        axes={name: _axis(name, chapters) for name in runs[0].axes},
+        pose=np.concatenate(poses),
+        covariates={n: np.concatenate([run.covariates[n] for run in runs]) for n in shared},
+        metadata=dict(_stated(chapters)),
+        origin=Origin(
+            runs[0].origin.source,
+            "; ".join(run.origin.understood for run in runs),
+            tuple(dict.fromkeys(note for run in runs for note in run.origin.notes)),
+        ),
+        direction=np.concatenate(directions) if len(directions) == len(runs) else None,
+    )
+
+
+def _called(pose: str | None, condition: str) -> str:
+    return f"{pose}-{condition}" if pose else condition
+
+
+def _poses(run: Run) -> Sequence[str | None]:
+    return [None] * len(run) if run.pose is None else run.pose.tolist()
+
+
+def _axis(name: str, chapters: Sequence[Chapter]) -> Axis:
+    """Return the readings of an axis; the coarsest of its dials counts, as among the poses."""
+    axes = [one.dossier.analysis.run.axes[name] for one in chapters]
+    command: dict[str, float] = {}
+    for one, axis in zip(chapters, axes, strict=True):
+        command |= _commands(axis, one)
+    return replace(
+        axes[0],
+        readings=np.concatenate([axis.readings for axis in axes]),
+        resolution=_largest([axis.resolution for axis in axes]),
+        uncertainty=_largest([axis.uncertainty for axis in axes]),
+        command=command or None,
+    )
+
+
+def _commands(axis: Axis, chapter: Chapter) -> Mapping[str, float]:
+    by_pose = axis.command if isinstance(axis.command, Mapping) else {}
+    return {_called(pose, chapter.name): value for pose, value in by_pose.items()}
+
+
+def _largest(sizes: Sequence[float | None]) -> float | None:
+    known = [size for size in sizes if size is not None]
+    return max(known) if len(known) == len(sizes) else None
+
+
+def _stated(chapters: Sequence[Chapter]) -> Iterator[tuple[str, str]]:
+    """Yield what the conditions state: once where all say the same, else each by its name."""
+    stated = {one.name: one.dossier.analysis.run.metadata for one in chapters}
+    for key in dict.fromkeys(key for found in stated.values() for key in found):
+        by_text: dict[str, list[str]] = {}
+        for name, found in stated.items():
+            if key in found:
+                by_text.setdefault(found[key], []).append(name)
+        everywhere = sum(map(len, by_text.values())) == len(stated)
+        if len(by_text) == 1 and everywhere:
+            yield key, next(iter(by_text))
+        else:
+            yield key, "; ".join(f"{', '.join(at)}: {text}" for text, at in by_text.items())
+
+
+def _analysis(
+    pairs: Sequence[tuple[Chapter, _Labels]], run: Run, missing: Sequence[str]
+) -> Analysis:
+    analyses = [one.dossier.analysis for one, _ in pairs]
+    starts = np.cumsum([0, *(len(found.run) for found in analyses)])
+    poses = Poses(
+        replace(pose, label=names[pose.label], rows=pose.rows + start)
+        for (one, names), start in zip(pairs, starts[:-1].tolist(), strict=True)
+        for pose in one.dossier.analysis.poses
+    )
+    return replace(
+        analyses[0],
+        run=run,
+        cycles=min((found.cycles for found in analyses), key=lambda cycles: cycles.used),
+        poses=poses,
+        findings=tuple(_findings(pairs, missing)),
+        limits=tuple(_limit(check, names, one) for one, names in pairs
+                     for check in one.dossier.analysis.limits),
+        characteristics=tuple(_characteristic(found, names, one) for one, names in pairs
+                              for found in one.dossier.analysis.characteristics),
+    )  # fmt: skip
+
+
+def _findings(
+    pairs: Sequence[tuple[Chapter, _Labels]], missing: Sequence[str]
+) -> Iterator[Finding]:
+    """Yield what was found: once, where every condition says it of the whole of itself."""
+    every = [one.dossier.analysis.findings for one, _ in pairs]
+    shared = [found for found in every[0] if all(found in findings for findings in every)]
+    shared = [found for found in shared if found.pose is None]
+    yield from shared
+    for one, names in pairs:
+        for found in one.dossier.analysis.findings:
+            if found not in shared:
+                yield replace(found, pose=names.get(found.pose, _called(found.pose, one.name)))
+    if missing:
+        yield not_recorded(", ".join(missing))
+
+
+def _limit(check: LimitCheck, names: _Labels, chapter: Chapter) -> LimitCheck:
+    return replace(check, pose=names.get(check.pose, _called(check.pose, chapter.name)))
+
+
+def _characteristic(found: Characteristic, names: _Labels, chapter: Chapter) -> Characteristic:
+    return replace(
+        found,
+        pose=names.get(found.pose, _called(found.pose, chapter.name)),
+        between=tuple(names.get(pose, _called(pose, chapter.name)) for pose in found.between),
+        limit=None if found.limit is None else _limit(found.limit, names, chapter),
+    )
