@@ -12,6 +12,7 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
+from scara_iso.diagnosis.on_dial import Readings
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import NEIGHBOURS
 from scara_iso.effects import Chain, Effect, Spread
@@ -89,6 +90,7 @@ class Remainder:
     basis: FloatArray
     views: Views
     values: FloatArray
+    readings: Readings
     members: tuple[Hypothesis, ...]
 
     def set_of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
@@ -105,9 +107,10 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
     basis = fitted_basis(terms, rows)
     spread = any(isinstance(term.form, Spread) for term in terms)
     members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
-    return Remainder(
-        rows, basis, views_of(values, basis, problem.directions, problem.sigma), values, members
-    )
+    half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
+    known = np.zeros(values.shape[1]) if problem.sigma is None else problem.sigma
+    views = views_of(values, basis, problem.directions, problem.sigma)
+    return Remainder(rows, basis, views, values, Readings(values, half, known), members)
 
 
 def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:

@@ -138,7 +138,10 @@ def _cross_validated(
          for name in chained),
         default=0.0,
     )  # fmt: skip
-    return cross_validated(problem, fitted, rng, with_chains=likely > WORTH_CHAINS)
+    changes = [stage.choice.log_change for stage in stages if stage.choice]
+    return cross_validated(
+        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes
+    )
 
 
 def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:

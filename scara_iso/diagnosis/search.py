@@ -86,17 +86,25 @@ def find(
 
 
 def find_again(
-    problem: SearchProblem, rows: IntArray, count: int, *, with_chains: bool
+    problem: SearchProblem,
+    rows: IntArray,
+    count: int,
+    *,
+    with_chains: bool,
+    log_changes: Sequence[Mapping[str, float]] = (),
 ) -> tuple[Term, ...]:
     """Return ``count`` terms chosen anew on some rows, as the search of the whole run chose them.
 
-    The unknown cannot be added to a model, so the likeliest effect is taken beside it.
+    What dial and tails change in each effect's evidence is taken over from its choices, as
+    ``log_changes``. The unknown cannot be added to a model, so the likeliest effect is taken beside
+    it.
     """
     terms: tuple[Term, ...] = ()
-    for _ in range(count):
+    for i in range(count):
         left = remainder(problem, terms, rows)
         left = replace(left, members=tuple(m for m in left.members if not _unknown_shape(m)))
-        choice = _choice(problem, left, with_chains=with_chains)
+        changed = log_changes[i] if i < len(log_changes) else {}
+        choice = _choice(problem, left, changed, with_chains=with_chains)
         named = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
         if not named:
             return terms
@@ -168,7 +176,14 @@ def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissi
     ]
 
 
-def _choice(problem: SearchProblem, left: Remainder, *, with_chains: bool) -> Choice[Form]:
+def _choice(
+    problem: SearchProblem,
+    left: Remainder,
+    log_change: Mapping[str, float] | None = None,
+    *,
+    with_chains: bool,
+) -> Choice[Form]:
+    """Return what is likeliest; ``log_change`` of the whole run's choice on some of its rows."""
     chains = [member for member in left.members if member.hidden] if with_chains else []
     named = [member for member in left.members if member.named]
     residual = problem.residual
@@ -179,10 +194,12 @@ def _choice(problem: SearchProblem, left: Remainder, *, with_chains: bool) -> Ch
         chains, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
     )
     hypotheses = left.set_of(named)
-    choice = choose(hypotheses, left.views, hidden)
+    readings = left.readings if log_change is None else None
+    choice = choose(hypotheses, left.views, hidden, readings, log_change)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
-    return choose(hypotheses, left.views, [*hidden, *pairs(hypotheses, left.views, left.rows)])
+    both = pairs(hypotheses, left.views, left.rows)
+    return choose(hypotheses, left.views, [*hidden, *both], readings, log_change)
 
 
 def _isolated(effects: Mapping[str, Effect]) -> Effect | None:

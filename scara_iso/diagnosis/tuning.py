@@ -65,6 +65,13 @@ RIVAL = 0.1
 """Share of the best one's probability from which another is its rival: an effect, or a way in
 which unknown scatter may grow with a deviation."""
 
+RIVAL_BIC, SURE = 4.0, 0.9
+"""A name is not stated above SURE while another effect is within RIVAL_BIC of its BIC, under
+Gaussian or heavy-tailed scatter read on the dial (real_data.py)."""
+
+DIAL_FORMS = 3
+"""So many of the likeliest forms of each effect are compared as read on the dial."""
+
 SHARPNESS = 1.4
 """Power of the evidence that makes stated probabilities come true (table *naming*)."""
 
@@ -86,6 +93,13 @@ PAIR_EFFECTS, PAIR_FORMS = 6, 2
 
 SPLIT_SCALE = 4.0
 """Half-normal prior of the distance of two levels, in scatters; below 1 they are one level."""
+
+LEAST_ON_DIAL = 0.15
+"""Scatter below which no prior reaches, in divisions: what a finer one rounds to says no more
+(real_data.py)."""
+
+HEAVY_SHARE = 0.2
+"""Prior share of scatter with heavy tails (t4) beside Gaussian scatter (table *naming*)."""
 
 LEAST_SCATTER = 0.6
 """Scatter about either of two levels, in divisions: that of a finer one would be the dial's."""
