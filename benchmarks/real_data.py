@@ -7,9 +7,9 @@ nist_strd/*.dat; without it the series of tests/fixtures are taken. Each is cut 
 --rows readings, one after the other.
 
 A name stated above 0.9 is judged by maximum likelihood of rounded Gaussian readings (EM, scatter
-not below a tenth of a division) and BIC: it is *wrong* where a course that does not contain it comes
-within 4 of it, in the window alone or, for courses of the mean, in the window between its
-neighbours; a step there must beat the smooth trend of all three.
+not below a tenth of a division) and BIC: it is *wrong* where a course that does not contain it
+comes within 4 of it; a step also where, between the window's neighbours, it does not beat a smooth
+trend of all three.
 """
 
 from __future__ import annotations
@@ -159,7 +159,11 @@ def two_state_bic(y: np.ndarray) -> float:
             a, b, total = 0.5 * np.ones_like(low), 0.5 * np.ones_like(low), 0.0
             for pa, pb in zip(*p, strict=True):
                 a, b = ((1 - q) * a + q * b) * pa, ((1 - q) * b + q * a) * pb
-                total, a, b = total + np.log(a + b + 1e-290), a / (a + b + 1e-290), b / (a + b + 1e-290)  # noqa: E501
+                total, a, b = (
+                    total + np.log(a + b + 1e-290),
+                    a / (a + b + 1e-290),
+                    b / (a + b + 1e-290),
+                )
             best = max(best, float(total.max()))
     return -2 * best + 4 * np.log(len(y))
 
@@ -176,7 +180,9 @@ def bics(y: np.ndarray) -> dict[str, float]:
     periods = 1 / np.arange(1 / (0.7 * n), 0.45, 0.25 / n)
     bump = [np.exp(-0.5 * ((j - c) / w) ** 2) for c in range(2, n - 2, 2)
             for w in (1.0, 2, n / 12, n / 8, n / 5)]  # fmt: skip
-    between = [1.0 * ((j >= a) & (j < b)) for a in range(2, n - 3, 2) for b in range(a + 2, n - 1, 2)]  # noqa: E501
+    between = [
+        1.0 * ((j >= a) & (j < b)) for a in range(2, n - 3, 2) for b in range(a + 2, n - 1, 2)
+    ]
     rows = np.column_stack
     wide = [np.diag(np.where(j >= k, r, 1.0)) for k in range(5, n - 4) for r in (0.1, 0.3, 3, 10)]
     return {

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         Diagnosis as Diagnosis,
         Error as Error,
         Flag as Flag,
+        Foretold as Foretold,
         Found as Found,
         Repeatabilities as Repeatabilities,
         Series as Series,

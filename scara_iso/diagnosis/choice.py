@@ -17,7 +17,7 @@ from scara_iso.diagnosis.evidence import (
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet
 from scara_iso.diagnosis.on_dial import Readings, on_dial
-from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, RIVAL_BIC, SHARPNESS, SURE, UNKNOWN
+from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, SURE
 from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
@@ -109,35 +109,27 @@ def choose(
             strongest[name] = weighed
     probability = {name: p for name, p in _posterior(total, SHARPNESS).items() if p > 0}
     if seen:
-        probability = beside_near_rivals(probability, seen.bic)
+        best = max(probability, key=probability.__getitem__)
+        probability = beside_near_rivals(probability, seen.near(best))
     forms = {name: weighed.form for name, weighed in strongest.items()}
     return Choice(probability, forms, changed)
 
 
 def beside_near_rivals(
-    probability: Mapping[str, float], bic: Mapping[str, FloatArray]
+    probability: Mapping[str, float], near: Mapping[str, float]
 ) -> dict[str, float]:
     """Return probabilities of which none is above SURE while another effect is near in BIC.
 
-    Near is within RIVAL_BIC under either family of ``bic`` (families,). What is taken from the best
-    goes to those near it, in proportion to exp(-difference / 2).
+    What is taken from the best goes to those ``near``, by exp(-difference / 2).
     """
     best = max(probability, key=probability.__getitem__)
-    apart = {
-        name: float((value - bic[best]).min())
-        for name, value in bic.items()
-        if best in bic and name not in (best, UNKNOWN)
-    }
-    near = {name: np.exp(-max(d, 0.0) / 2) for name, d in apart.items() if d <= RIVAL_BIC}
     excess = probability[best] - SURE
     if excess <= 0 or not near:
         return dict(probability)
-    given = {name: excess * value / sum(near.values()) for name, value in near.items()}
-    names = {**probability, **given}
-    return {
-        name: SURE if name == best else probability.get(name, 0.0) + given.get(name, 0.0)
-        for name in names
-    }
+    odds = {name: float(np.exp(-max(d, 0.0) / 2)) for name, d in near.items()}
+    given = {name: excess * value / sum(odds.values()) for name, value in odds.items()}
+    shared = {name: p + given.pop(name, 0.0) for name, p in probability.items()}
+    return {**shared, best: SURE, **given}
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:

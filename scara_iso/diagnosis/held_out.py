@@ -47,7 +47,7 @@ def cross_validated(
     values, n = problem.residual.values, len(problem.residual)
     before, after = [], []
     for _ in range(repeats):
-        for unseen in np.array_split(rng.permutation(n), FOLDS):
+        for unseen in np.array_split(rng.permutation(n), min(FOLDS, n)):
             rows = np.setdiff1d(np.arange(n), unseen)
             pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
             terms = find_again(

@@ -7,15 +7,21 @@ largest likelihoods of the same forms say which effects are within RIVAL_BIC of 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.diagnosis.evidence import LARGEST_LOG, Views
 from scara_iso.diagnosis.hypotheses import HypothesisSet
-from scara_iso.diagnosis.rounded import Course, Fitted, course_of, fitted_courses, scatter_alone
-from scara_iso.diagnosis.tuning import AMPLITUDES, DIAL_FORMS, HEAVY_SHARE
+from scara_iso.diagnosis.rounded import (
+    DialCourse,
+    DialLikelihoods,
+    course_of,
+    fitted_courses,
+    scatter_alone,
+)
+from scara_iso.diagnosis.tuning import AMPLITUDES, DIAL_FORMS, HEAVY_SHARE, RIVAL_BIC, UNKNOWN
 from scara_iso.run import FloatArray
 
 
@@ -30,7 +36,7 @@ class Readings:
     half: FloatArray
     known: FloatArray
 
-    def fitted(self, basis: FloatArray, courses: Sequence[Course]) -> list[Fitted]:
+    def fitted(self, basis: FloatArray, courses: Sequence[DialCourse]) -> list[DialLikelihoods]:
         """Return the likelihoods of courses, then of scatter alone, for each axis."""
         every = [*courses, scatter_alone(len(self.values))]
         return [
@@ -44,14 +50,34 @@ class OnDial:
     """What rounding and tails change.
 
     ``log_change`` of each effect's evidence, and of its forms that were ``compared`` (by amplitude
-    and member); ``bic`` (families,) of its best form against scatter alone; ``log_gaussian``
-    (axes,), the share of the Gaussian family in scatter alone.
+    and member); ``bic`` (families,) of its best form against scatter alone, and how many
+    ``numbers`` it fits; the effects with ``random`` courses; ``log_gaussian`` (axes,), the share of
+    the Gaussian family in scatter alone; ``log_cycles``, the logarithm of their number.
     """
 
     log_change: Mapping[str, float]
     compared: Mapping[tuple[int, int], float]
     bic: Mapping[str, FloatArray]
+    numbers: Mapping[str, int]
+    random: Set[str]
     log_gaussian: FloatArray
+    log_cycles: float
+
+    def near(self, best: str) -> dict[str, float]:
+        """Return other effects within RIVAL_BIC of the best one, and by how much they are behind.
+
+        Under either family. One that fits more numbers comes near whatever it resembles, and must
+        be so much nearer. A course of no name is a rival of random ones only.
+        """
+        if best not in self.bic:
+            return {}
+        apart = {
+            name: float((value - self.bic[best]).min())
+            + self.log_cycles * max(0, self.numbers[name] - self.numbers[best])
+            for name, value in self.bic.items()
+            if name != best and (name != UNKNOWN or best in self.random)
+        }
+        return {name: d for name, d in apart.items() if d <= RIVAL_BIC}
 
 
 def on_dial(
@@ -77,12 +103,16 @@ def on_dial(
     )
     compared = dict(zip(places, change.tolist(), strict=True))
     bic = _bic(courses, by_axis)
+    numbers = [course.parameters + course.coefficients for course in courses]
     of = {name: [places.index(place) for place in own] for name, own in top.items()}
     return OnDial(
         {name: _ratio(log_evidence, own, compared) for name, own in top.items()},
         compared,
         {name: bic[own].min(axis=0) for name, own in of.items()},
+        {name: max(numbers[i] for i in own) for name, own in of.items()},
+        {name for name, own in of.items() if any(courses[i].random for i in own)},
         np.array([f.marginal[-1, 0] + np.log(1 - HEAVY_SHARE) - f.mixed[-1] for f in by_axis]),
+        float(np.log(len(readings.values))),
     )
 
 
@@ -116,11 +146,18 @@ def _ratio(
     return float(np.logaddexp.reduce(after) - np.logaddexp.reduce(before))
 
 
-def _bic(courses: Sequence[Course], by_axis: Sequence[Fitted]) -> FloatArray:
-    """Return the BIC (courses, families) over the axes that take part, at least one."""
+def _bic(courses: Sequence[DialCourse], by_axis: Sequence[DialLikelihoods]) -> FloatArray:
+    """Return the BIC (courses, families) over the axes that take part, at least one.
+
+    Of a random course the likelihood is the marginal one.
+    """
     n = len(courses[0].scale)
     width = np.array([[c.coefficients] for c in courses])
-    gain = np.stack([2 * (f.largest[:-1] - f.largest[-1]) for f in by_axis])
+    random = np.array([[c.random] for c in courses])
+    gain = np.stack([
+        2 * np.where(random, f.at_best[:-1] - f.at_best[-1], f.largest[:-1] - f.largest[-1])
+        for f in by_axis
+    ])  # fmt: skip
     gain = gain - width * np.log(n)
     least = gain.max(axis=0)
     taking_part = np.where(gain > 0, gain, 0).sum(axis=0)

@@ -45,6 +45,8 @@ class Found:
     confirm_by: str
     unidentified: tuple[str, ...] = ()
     """Parameters that the data do not determine, one line each."""
+    share: ByAxis = field(default_factory=dict)
+    """Share of each axis' variance that it takes; those of all effects add up to `Shares`."""
     left_open: Mapping[str, ByAxis] = field(default_factory=dict)
     """What a model must state beside ``parameters``: the scatter where a change of it begins."""
 
@@ -69,14 +71,27 @@ class Error:
     """On cycles that the fit did not see."""
 
 
+@dataclass(frozen=True, slots=True)
+class Foretold:
+    """RP that a new test of 30 cycles will have, 95 % between ``low`` and ``high``."""
+
+    value: float
+    low: float
+    high: float
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Repeatabilities:
-    """RP measured, of the model before and after, and of the readings with the effects removed."""
+    """RP measured, of the model before and after, and of the readings with the effects removed.
+
+    ``completed`` is what the model with effects, scatter and rounding foretells of the next test.
+    """
 
     measured: ByAxis
     model_before: ByAxis
     model_after: ByAxis
     with_effect_removed: ByAxis
+    completed: Mapping[str, Foretold] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -114,6 +129,8 @@ class Diagnosis:
     repeatability: Repeatabilities
     shares: Mapping[str, Shares]
     series: Series
+    scatter: ByAxis = field(default_factory=dict)
+    """Standard deviation of each axis beside effects and rounding."""
     flags: tuple[Flag, ...] = ()
     notes: tuple[str, ...] = ()
     """What could not be searched or told, one line each."""

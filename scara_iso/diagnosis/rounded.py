@@ -5,8 +5,8 @@ about a mean m is F((y + d/2 - m) / s) - F((y - d/2 - m) / s), F the distributio
 Gaussian, or Student's t with 4 degrees of freedom, under which one odd reading is nothing much. The
 coefficients of a course have the Gaussian prior of `hypotheses`, the pose a flat one; both are
 integrated out by Laplace's method about the mode that Newton's steps reach. The scatter s is
-integrated over a grid under the prior 1 / s, which ends at LEAST_ON_DIAL divisions: a course that
-meets every reading would else be as likely as one likes.
+integrated over a grid under the prior 1 / s, which ends at LEAST_ON_DIAL divisions and at MISFIT of
+the readings' own: a course that meets every reading would else be as likely as one likes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.hypotheses import HypothesisSet
-from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL
+from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL, MISFIT
 from scara_iso.effects import Chain, Shape
 from scara_iso.run import FloatArray
 
@@ -36,7 +36,7 @@ Distribution = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Course:
+class DialCourse:
     """A member of a set beside what is fitted: columns (n, k), prior variances (k,), scale (n,).
 
     ``parameters`` is how many numbers choose it among the forms of its effect, ``coefficients`` how
@@ -49,16 +49,23 @@ class Course:
     parameters: int = 0
     coefficients: int = 0
 
+    @property
+    def random(self) -> bool:
+        """Whether chance draws it."""
+        return not self.coefficients and bool(self.variances.size)
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Fitted:
+class DialLikelihoods:
     """Logs of the marginal and of the largest likelihood, shape (courses, families).
 
-    The families are the Gaussian and Student's t.
+    The families are the Gaussian and Student's t. ``at_best`` is the marginal one at the likeliest
+    scatter: the likelihood of a random course, up to what the pose takes from every course.
     """
 
     marginal: FloatArray
     largest: FloatArray
+    at_best: FloatArray
 
     @property
     def mixed(self) -> FloatArray:
@@ -67,7 +74,7 @@ class Fitted:
         return np.asarray(np.logaddexp.reduce(self.marginal + share, axis=1))
 
 
-def course_of(hypotheses: HypothesisSet, i: int) -> Course:
+def course_of(hypotheses: HypothesisSet, i: int) -> DialCourse:
     """Return member ``i`` of a set (as amplified) as a course."""
     n, shaped = len(hypotheses.basis), len(hypotheses.first)
     form = hypotheses.members[i].form
@@ -75,29 +82,29 @@ def course_of(hypotheses: HypothesisSet, i: int) -> Course:
         not isinstance(value, str) for value in form.parameters.values()
     )  # fmt: skip
     if i >= shaped:
-        return Course(np.empty((n, 0)), np.empty(0), hypotheses.scales[i - shaped], searched)
+        return DialCourse(np.empty((n, 0)), np.empty(0), hypotheses.scales[i - shaped], searched)
     last = hypotheses.first[i + 1] if i + 1 < shaped else len(hypotheses.shrink)
     own = slice(hypotheses.first[i], last)
     variances = hypotheses.shrink[own] / (1 - hypotheses.shrink[own])
     vectors = hypotheses.vectors[:, own]
     if isinstance(form, Shape):
-        return Course(vectors, variances, np.ones(n), searched, len(variances))
+        return DialCourse(vectors, variances, np.ones(n), searched, len(variances))
     kept = variances > _NEGLIGIBLE
-    return Course(vectors[:, kept], variances[kept], np.ones(n), searched + 1)
+    return DialCourse(vectors[:, kept], variances[kept], np.ones(n), searched + 1)
 
 
-def scatter_alone(n: int) -> Course:
+def scatter_alone(n: int) -> DialCourse:
     """Return the course that moves nothing."""
-    return Course(np.empty((n, 0)), np.empty(0), np.ones(n))
+    return DialCourse(np.empty((n, 0)), np.empty(0), np.ones(n))
 
 
 def fitted_courses(
     y: FloatArray,
     half: FloatArray,
     basis: FloatArray,
-    courses: Sequence[Course],
+    courses: Sequence[DialCourse],
     known: float = 0.0,
-) -> Fitted:
+) -> DialLikelihoods:
     """Return likelihoods of residuals y (n,) about courses beside ``basis`` (n, f).
 
     ``half`` (n,) is half a division in each cycle, 0 where there is no dial; ``known`` the scatter
@@ -105,7 +112,7 @@ def fitted_courses(
     """
     unit = float(2 * half.max()) or _NO_DIAL * float(y.std())
     half = np.where(half > 0, half, unit / 2) / unit
-    found = Fitted(np.empty((len(courses), 2)), np.empty((len(courses), 2)))
+    found = DialLikelihoods(*np.empty((3, len(courses), 2)))
     for few in (True, False):
         own = [i for i, course in enumerate(courses) if (len(course.variances) <= _FEW) == few]
         if not own:
@@ -115,10 +122,12 @@ def fitted_courses(
             s = group.scatters(heavy=family > 0)
             evidence, likelihood = group.at(s, distribution, weight)
             m = KNOWN_FROM - 1 if known else 0
-            evidence = evidence - m * (np.log(s) + (known / unit / s) ** 2 / 2)
+            stated = -m * (np.log(s) + (known / unit / s) ** 2 / 2)
             apart = np.log(s[:, 1] / s[:, 0])
-            found.marginal[own, family] = np.log(apart) + np.logaddexp.reduce(evidence, axis=1)
+            integrated = np.logaddexp.reduce(evidence + stated, axis=1)
+            found.marginal[own, family] = np.log(apart) + integrated
             found.largest[own, family] = likelihood.max(axis=1)
+            found.at_best[own, family] = evidence.max(axis=1)
     return found
 
 
@@ -135,7 +144,7 @@ class _Group:
 
     @classmethod
     def of(
-        cls, courses: Sequence[Course], y: FloatArray, half: FloatArray, basis: FloatArray
+        cls, courses: Sequence[DialCourse], y: FloatArray, half: FloatArray, basis: FloatArray
     ) -> _Group:
         width = max(len(course.variances) for course in courses)
         columns = np.zeros((len(courses), len(y), width))
@@ -159,8 +168,9 @@ class _Group:
         left = left / self.scale
         squares = (left**2).sum(axis=1) / (len(self.y) - self.fixed)
         size = np.median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
-        low = np.maximum(0.45 * size, LEAST_ON_DIAL)
-        high = np.maximum(2.2 * size, 4 * LEAST_ON_DIAL)
+        least = max(LEAST_ON_DIAL, MISFIT * float(self.y.std()))
+        low = np.maximum(0.45 * size, least)
+        high = np.maximum(2.2 * size, 4 * least)
         return np.asarray(np.geomspace(low, high, _SCATTERS, axis=1))
 
     def start(self) -> FloatArray:

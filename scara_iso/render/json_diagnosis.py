@@ -33,6 +33,10 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
             "model_before": dict(RP.model_before),
             "model_after": dict(RP.model_after),
             "with_effect_removed": dict(RP.with_effect_removed),
+            "completed": {
+                name: {"value": one.value, "interval": [one.low, one.high]}
+                for name, one in RP.completed.items()
+            },
         },
         "shares": {
             axis: {
@@ -101,6 +105,7 @@ def _found(found: Found) -> Json:
         "p_value": found.p_value,
         "p_value_at_floor": found.p_value_at_floor,
         "probability": found.probability,
+        "share": dict(found.share),
         "rivals": rivals_json(found.rivals),
         "cause": found.cause,
         "confirm_by": found.confirm_by,
