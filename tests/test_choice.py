@@ -54,7 +54,7 @@ def chosen(y, beside=(), members=MEMBERS):
 
 
 def test_the_posterior_is_the_share_of_the_sharpened_evidence():
-    assert posterior({"a": 8.0, "b": 2.0}) == {"a": 0.8, "b": 0.2}
+    assert posterior({"a": 8.0, "b": 2.0}) == pytest.approx({"a": 0.8, "b": 0.2})
     assert posterior({"a": 8.0, "b": 2.0}, 2.0) == pytest.approx({"a": 16 / 17, "b": 1 / 17})
     huge = posterior({"a": 1e300, "b": 2e300, "c": 1e300}, 3.0)
     assert huge == pytest.approx({"a": 0.1, "b": 0.8, "c": 0.1})

@@ -298,7 +298,8 @@ def test_published_table_holds_one_shift_in_y():
     found = diagnose(run)
     assert [(e.effect, e.axes) for e in found.effects] == [("step", ("Y",))]
     assert found.effects[0].parameters["at_cycle"] == 15
-    assert found.effects[0].probability > 0.8
+    assert 0.5 < found.effects[0].probability <= 0.9
+    assert "linear_drift" in {rival.effect for rival in found.effects[0].rivals}
     assert found.repeatability.measured["Y"] == pytest.approx(0.0059926, abs=1e-6)
     assert found.repeatability.measured["XY"] == pytest.approx(0.0140566, abs=1e-6)
 
@@ -362,8 +363,8 @@ def test_two_divisions_do_not_tell_a_size(rng):
 
 
 def test_too_few_cycles_are_refused():
-    run = Run(np.arange(11), {"X": Axis("X", np.arange(11.0))})
-    with pytest.raises(DataError, match="11 usable cycles"):
+    run = Run(np.arange(7), {"X": Axis("X", np.arange(7.0))})
+    with pytest.raises(DataError, match="7 usable cycles"):
         diagnose(run)
 
 

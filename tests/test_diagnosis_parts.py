@@ -309,12 +309,44 @@ def test_marginal_statistics_ignore_order_shift_and_scale(rng):
         assert other == pytest.approx(statistic(y), rel=1e-6)
 
 
-def test_the_outlier_statistic_is_the_distance_from_the_others(rng):
+def test_the_outlier_statistic_is_the_distance_of_two_readings_from_the_median(rng):
     y = rng.normal(size=30)
     y[4] = 9.0
-    others = np.delete(y, 4)
-    expected = (9.0 - others.mean()) / others.std(ddof=1)
-    assert outlier_statistic(y) == pytest.approx(expected, rel=1e-6)
+    apart = np.abs(y - np.median(y))
+    inner = y[np.argsort(apart)[:27]]
+    expected = np.sort(apart)[-2:] @ [1 / 3, 1]
+    assert outlier_statistic(y) == pytest.approx(expected / inner.std(ddof=1), rel=1e-6)
+    assert outlier_statistic(y, least=3.0) == pytest.approx(expected / 3.0)
+
+
+def test_one_gross_reading_does_not_hide_another(rng):
+    y = np.round(rng.normal(size=30))
+    for other in (26.0, -26.0):
+        y[[4, 20]] = 25.0, other
+        assert marginal_tests(y[:, None], np.ones(1), rng).outlier < 0.005
+
+
+def test_a_neighbouring_division_never_is_an_outlier(rng):
+    y = np.repeat([5.0], 31)
+    y[7] = 6.0
+    found = marginal_tests(y[:, None], np.ones(1), rng)
+    assert (found.outlier, found.gaussian_outlier, found.two_levels) == (1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("n", [30, 60])
+@pytest.mark.parametrize("kind", ["uniform", "arcsine", "laplace"])
+def test_scatter_between_limits_is_seldom_two_levels(kind, n):
+    alarms = 0
+    for seed in range(60):
+        rng = np.random.default_rng([seed, n])
+        drawn = {
+            "uniform": rng.uniform(-3, 3, n),
+            "arcsine": 3 * np.sin(rng.uniform(0, 2 * np.pi, n)),
+            "laplace": rng.laplace(0, 2, n),
+        }[kind]
+        found = marginal_tests(np.round(drawn)[:, None], np.ones(1), rng)
+        alarms += found.two_levels < 0.0075
+    assert alarms <= 3
 
 
 def test_neighbouring_divisions_never_prove_two_levels(rng):

@@ -300,7 +300,7 @@ def test_the_form_is_refined_among_those_near_it(rng, scripted):
     coarse = forms[len(forms) // 2]
     near = periodic.near(CONDITIONS, coarse.parameters)
     true = near[len(near) // 3]
-    y = NOISE + (true.columns @ np.array([[2.0], [1.0]]))[:, 0]
+    y = NOISE + (true.columns @ np.array([[20.0], [10.0]]))[:, 0]
     scripted(stage("periodic", coarse), stage())
     (term,), _ = find(problem(y, STEPS, effects=("periodic",)), rng)
     assert term.form.parameters == true.parameters

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         DiagnosisOfPoses as DiagnosisOfPoses,
         Error as Error,
         Flag as Flag,
+        Foretold as Foretold,
         Found as Found,
         Repeatabilities as Repeatabilities,
         Series as Series,

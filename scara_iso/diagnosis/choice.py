@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -16,13 +16,16 @@ from scara_iso.diagnosis.evidence import (
     log_bayes_of_course,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet
-from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS
+from scara_iso.diagnosis.on_dial import Readings, on_dial
+from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, SURE
 from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.run import FloatArray, IntArray
 
 AnyForm = TypeVar("AnyForm")
+
+_TINY = 1e-300
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -35,6 +38,8 @@ class Choice(Generic[AnyForm]):
 
     probability: Mapping[str, float]
     forms: Mapping[str, AnyForm]
+    log_change: Mapping[str, float] = field(default_factory=dict)
+    """What dial and tails changed in each effect's evidence."""
 
     @property
     def best(self) -> str:
@@ -56,48 +61,92 @@ class Choice(Generic[AnyForm]):
 
 def posterior(evidence: Mapping[str, float], sharpness: float = 1.0) -> dict[str, float]:
     """Return probabilities from evidence raised to a power."""
-    largest = max(evidence.values())
-    sharp = {name: (value / largest) ** sharpness for name, value in evidence.items()}
+    return _posterior({name: _log(value) for name, value in evidence.items()}, sharpness)
+
+
+def _posterior(log_evidence: Mapping[str, float], sharpness: float) -> dict[str, float]:
+    largest = max(log_evidence.values())
+    sharp = {n: float(np.exp(sharpness * (e - largest))) for n, e in log_evidence.items()}
     whole = sum(sharp.values())
     return {name: value / whole for name, value in sharp.items()}
 
 
-def choose(hypotheses: HypothesisSet, views: Views, beside: Sequence[Weighed] = ()) -> Choice[Form]:
+def choose(
+    hypotheses: HypothesisSet,
+    views: Views,
+    beside: Sequence[Weighed] = (),
+    readings: Readings | None = None,
+    log_change: Mapping[str, float] | None = None,
+) -> Choice[Form]:
     """Return the posterior over effects for the views of one residual.
 
     ``beside`` is what `two_states` and `pairs` found in the same residual; without it effects with
-    hidden states are judged by their shapes alone.
+    hidden states are judged by their shapes alone. ``readings`` are those that the views show;
+    without them they are taken for exact and their scatter for Gaussian, but for the ``log_change``
+    of each effect that another choice has found, and no rival is near.
     """
-    evidence = np.array([_evidence(hypotheses, views, *amplitude) for amplitude in AMPLITUDES])
+    log_bf = np.stack([
+        log_bayes(hypotheses.amplified(factor), views.columns, views.known)
+        for factor, _ in AMPLITUDES
+    ])  # fmt: skip
+    log_evidence = _log_evidence(hypotheses, views, log_bf)
+    seen = readings and on_dial(hypotheses, views, log_evidence, log_bf, readings)
     of: dict[str, list[int]] = {}
     for i, member in enumerate(hypotheses.members):
         of.setdefault(member.effect, []).append(i)
-    total = {name: float(evidence[:, own].sum()) for name, own in of.items()}
-    strongest = {name: _strongest(hypotheses, evidence, own) for name, own in of.items()}
+    total = {n: float(np.logaddexp.reduce(log_evidence[:, own].ravel())) for n, own in of.items()}
+    changed = seen.log_change if seen else (log_change or {})
+    total = {name: value + changed.get(name, 0.0) for name, value in total.items()}
+    if seen:
+        beside = [one.in_gaussian(seen.log_gaussian) for one in beside]
+        for place, change in seen.compared.items():
+            log_evidence[place] += change
+    strongest = {name: _strongest(hypotheses, log_evidence, own) for name, own in of.items()}
     for weighed in beside:
         name = weighed.effect
-        total[name] = total.get(name, 0.0) + weighed.evidence
+        total[name] = float(np.logaddexp(total.get(name, -np.inf), weighed.log_evidence))
         if name not in strongest or weighed.evidence > strongest[name].evidence:
             strongest[name] = weighed
-    probability = {name: p for name, p in posterior(total, SHARPNESS).items() if p > 0}
-    return Choice(probability, {name: weighed.form for name, weighed in strongest.items()})
+    probability = {name: p for name, p in _posterior(total, SHARPNESS).items() if p > 0}
+    if seen:
+        best = max(probability, key=probability.__getitem__)
+        probability = beside_near_rivals(probability, seen.near(best))
+    forms = {name: weighed.form for name, weighed in strongest.items()}
+    return Choice(probability, forms, changed)
 
 
-def _evidence(hypotheses: HypothesisSet, views: Views, factor: float, share: float) -> FloatArray:
-    """Return that of the members with variance ``factor`` times as large, prior ``share``."""
-    log_bf = log_bayes(hypotheses.amplified(factor), views.columns, views.known)
-    bf = joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
-    return np.asarray(share * hypotheses.weights * bf)
+def beside_near_rivals(
+    probability: Mapping[str, float], near: Mapping[str, float]
+) -> dict[str, float]:
+    """Return probabilities of which none is above SURE while another effect is near in BIC.
+
+    What is taken from the best goes to those ``near``, by exp(-difference / 2).
+    """
+    best = max(probability, key=probability.__getitem__)
+    excess = probability[best] - SURE
+    if excess <= 0 or not near:
+        return dict(probability)
+    odds = {name: float(np.exp(-max(d, 0.0) / 2)) for name, d in near.items()}
+    given = {name: excess * value / sum(odds.values()) for name, value in odds.items()}
+    shared = {name: p + given.pop(name, 0.0) for name, p in probability.items()}
+    return {**shared, best: SURE, **given}
 
 
-def _strongest(hypotheses: HypothesisSet, evidence: FloatArray, own: Sequence[int]) -> Weighed:
-    """Return the member (one of ``own``) and amplitude of the largest ``evidence`` (both)."""
-    amplitude, i = divmod(int(np.argmax(evidence[:, own])), len(own))
+def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:
+    """Return that of each member at each amplitude, prior weights included."""
+    bf = np.stack([joint_evidence(one[:, :, np.newaxis], views)[:, 0] for one in log_bf])
+    share = np.array([share for _, share in AMPLITUDES])[:, np.newaxis]
+    return np.asarray(np.log(np.maximum(share * hypotheses.weights * bf, _TINY)))
+
+
+def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:
+    """Return the member (one of ``own``) and amplitude of the largest evidence."""
+    amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
     member = hypotheses.members[own[i]]
     factor, form = AMPLITUDES[amplitude][0], member.form
     if isinstance(form, Process):
         form = replace(form, covariance=factor * form.covariance, amplitude=factor**0.5)
-    return Weighed(member.effect, form, float(evidence[amplitude, own[i]]))
+    return Weighed(member.effect, form, float(np.exp(log_evidence[amplitude, own[i]])))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -107,6 +156,22 @@ class Weighed:
     effect: str
     form: Form
     evidence: float
+    column: int | None = None
+    """The column of the views in which it was found; None for all."""
+
+    @property
+    def log_evidence(self) -> float:
+        """Logarithm of the evidence."""
+        return _log(self.evidence)
+
+    def in_gaussian(self, log_share: FloatArray) -> Weighed:
+        """Return it where scatter need not be Gaussian, as it takes for granted.
+
+        ``log_share`` (axes,) is that of the Gaussian family in scatter alone.
+        """
+        one = self.column is not None and self.column < len(log_share)
+        share = log_share[self.column] if one else log_share.sum()
+        return replace(self, evidence=self.evidence * float(np.exp(share)))
 
 
 def two_states(
@@ -188,4 +253,8 @@ def _over_axes(
     together = float(joint_evidence(log_bf[np.newaxis, :, np.newaxis], views)[0, 0])
     gained = together / float(np.exp(log_bf[column]))
     form = Shape(course, {"switching": levels.switching})
-    return Weighed(effect, form, evidence * gained)
+    return Weighed(effect, form, evidence * gained, column)
+
+
+def _log(evidence: float) -> float:
+    return float(np.log(evidence)) if evidence > 0 else -np.inf

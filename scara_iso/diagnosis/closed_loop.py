@@ -15,7 +15,7 @@ from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
-from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict
+from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict, read_model
 from scara_iso.run import Run
 
 _PLANE = ("X", "Y")
@@ -95,7 +95,8 @@ def close_the_loop(
     if model is None:
         return found
     reversals = diagnose_run_reversals(used, model, seed=seed)
-    found = replace(found, notes=(*found.notes, *_doubts(model, run)), reversals=reversals)
+    notes = (*found.notes, *_as_declared(found, model), *_doubts(model, run))
+    found = replace(found, notes=notes, reversals=reversals)
     return _with_gone(found, model, used, seed=seed)
 
 
@@ -123,6 +124,19 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     notes = (said,) if others else ()
     reversals = replace(found.reversals, accounts_for=gone, notes=(*found.reversals.notes, *notes))
     return replace(found, reversals=reversals)
+
+
+def _as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
+    """Yield which effects the model declares already: chance draws them anew in every test."""
+    effects = {effect.name: effect for effect in find_effects()}
+    again = {one.effect for one in found.effects}
+    for one in model.effects:
+        effect = effects.get(one.name)
+        if one.name in again and effect and one.axes and is_random(effect, one, one.axes[0]):
+            yield (
+                f"{one.name}: as declared; the model holds it, and chance draws it anew in every "
+                "test"
+            )
 
 
 def _doubts(model: Model, run: Run) -> Iterator[str]:
@@ -212,14 +226,18 @@ def save_model(diagnosis: Diagnosis, model: str, to: Path) -> tuple[str, ...]:
     known = {effect.name: effect for effect in find_effects()}
     recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
     effects = declarations(replace(diagnosis, effects=recurring))
-    declare(model, effects, to)
+    dials = read_model(model).indicators
+    scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
+    declare(model, effects, to, scatter)
     said = [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
     said += [
         f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
         for found in diagnosis.effects
         if found not in recurring
     ]
-    return tuple(said) or (f"{to} is the model as it was: nothing was found to declare",)
+    said = said or [f"{to} holds the model's effects as they were: none was found to declare"]
+    sizes = ", ".join(f"{axis} {value:g}" for axis, value in scatter.items())
+    return (*said, f"{to} states the scatter: {sizes}") if scatter else tuple(said)
 
 
 def _expectation(one: DeclaredEffect, effect: Effect | None) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -36,13 +36,17 @@ def found_effects(
 
 def repeatabilities(readings: Mapping[str, FloatArray]) -> dict[str, float]:
     """Return RP of each axis (eq. 6), and radially of XY and XYZ (ISO 9283 7.2.2) if there."""
-    groups = {name: (name,) for name in readings} | {
-        name: axes for name, axes in _PLANES.items() if all(axis in readings for axis in axes)
-    }
     return {
         name: float(repeatability(np.stack([readings[axis] for axis in axes])).RP)
-        for name, axes in groups.items()
+        for name, axes in groups_of(readings).items()
     }
+
+
+def groups_of(axes: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """Return the axes of each RP: every axis, and the plane and space where all theirs are."""
+    named = tuple(axes)
+    planes = {name: own for name, own in _PLANES.items() if set(own) <= set(named)}
+    return {name: (name,) for name in named} | planes
 
 
 def shares_of(residual: Residual, fitted: Fit) -> dict[str, Shares]:
@@ -80,8 +84,22 @@ def _found(
         cause=effect.cause,
         confirm_by=effect.confirm_by,
         unidentified=_unidentified(stage.choice, effect, term, residual),
+        share=_share(residual, fitted, i),
         left_open=_left_open(term, residual, effect, left),
     )
+
+
+def _share(residual: Residual, fitted: Fit, i: int) -> dict[str, float]:
+    """Return the share of variance that goes with the course of one effect, by axis.
+
+    What effects of alike courses share counts half for each.
+    """
+    every = sum(fitted.parts, np.zeros_like(residual.values))
+    part = fitted.parts[i] - fitted.parts[i].mean(axis=0)
+    together = (part * (every - every.mean(axis=0))).sum(axis=0)
+    total = ((residual.values - residual.values.mean(axis=0)) ** 2).sum(axis=0)
+    moved = np.flatnonzero(fitted.terms[i].moves)
+    return {residual.axes[a]: float(together[a] / total[a]) for a in moved}
 
 
 def _parameters(

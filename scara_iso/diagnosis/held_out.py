@@ -6,7 +6,7 @@ beforehand it would flatter.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +35,7 @@ def cross_validated(
     rng: np.random.Generator,
     *,
     with_chains: bool,
+    log_changes: Sequence[Mapping[str, float]] = (),
     repeats: int = REPEATS,
 ) -> HeldOut:
     """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
@@ -46,10 +47,12 @@ def cross_validated(
     values, n = problem.residual.values, len(problem.residual)
     before, after = [], []
     for _ in range(repeats):
-        for unseen in np.array_split(rng.permutation(n), FOLDS):
+        for unseen in np.array_split(rng.permutation(n), min(FOLDS, n)):
             rows = np.setdiff1d(np.arange(n), unseen)
             pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
-            terms = find_again(problem, rows, len(fitted.terms), with_chains=with_chains)
+            terms = find_again(
+                problem, rows, len(fitted.terms), with_chains=with_chains, log_changes=log_changes
+            )
             predicted = fit(terms, values[rows], rows, n).predicted
             before.append(_excess(values, pose, unseen))
             after.append(_excess(values, predicted, unseen))

@@ -7,7 +7,7 @@ least the constant pose) is projected out of U.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -31,6 +31,8 @@ from scara_iso.run import FloatArray, IntArray
 _TINY = 1e-9
 _LEAST_EIGENVALUE = 1e-4
 _EVERY = "*"
+_SAME = 0.9999
+"""Cosine from which two courses are one."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -103,7 +105,38 @@ def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hy
         for effect in effects
         for hypothesis in _of_effect(effect, free if _EVERY in effect.needs else conditions)
     ]
-    return (*known, *_unknown(conditions), *_passages(conditions), *_levels(conditions))
+    recorded = {effect.name for effect in effects if effect.needs}
+    return (
+        *_not_recorded(known, recorded),
+        *_unknown(conditions),
+        *_passages(conditions),
+        *_levels(conditions),
+    )
+
+
+def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hypothesis]:
+    """Return the members without those shapes that a recorded column has too.
+
+    The column takes their place; ``recorded`` are the effects through columns.
+    """
+    of_columns = [_turned(m.form) for m in members if m.effect in recorded]
+    same = np.array([column for column in of_columns if column is not None])
+    if not len(same):
+        return list(members)
+
+    def stays(member: Hypothesis) -> bool:
+        course = None if member.effect in recorded else _turned(member.form)
+        return course is None or float(np.abs(same @ course).max()) < _SAME
+
+    return [member for member in members if stays(member)]
+
+
+def _turned(form: Form) -> FloatArray | None:
+    """Return the course of a shape of one column, centred and of unit length."""
+    if not isinstance(form, Shape) or form.columns.shape[1] != 1:
+        return None
+    centred = form.columns[:, 0] - form.columns[:, 0].mean()
+    return np.asarray(centred / np.linalg.norm(centred))
 
 
 def _of_effect(effect: Effect, conditions: Conditions) -> list[Hypothesis]:

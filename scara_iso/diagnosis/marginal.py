@@ -2,7 +2,8 @@
 
 The null is simulated on the dial's grid. Which scatter it has is not known, so several families
 stand for it, and a finding must be rare under each: Gaussian, Student t with 5 and 3 degrees of
-freedom, and a gamma distribution rather more skewed than the readings are.
+freedom, Laplace, a gamma distribution rather more skewed than the readings are, and two that end
+at limits, where no tail tells them from two levels: uniform, and arcsine, a sampled vibration.
 """
 
 from __future__ import annotations
@@ -18,11 +19,23 @@ from scara_iso.diagnosis.tuning import (
     FEWEST_ON_A_LEVEL,
     FIRST_SIMULATIONS,
     GAIN,
+    GROSS_SHARE,
     MOST_SKEWED,
     NEIGHBOURS,
     SIMULATIONS,
+    TWO_DIVISIONS,
 )
 from scara_iso.run import FloatArray
+
+Family = Callable[[np.random.Generator, tuple[int, int]], FloatArray]
+"""Draws scatter of unit variance."""
+
+Statistic = Callable[[FloatArray], FloatArray]
+"""Of readings (n, ...)."""
+
+_TINY = 1e-300
+_TRIMMED = 1.27
+"""Standard deviation of Gaussian readings over that of the inner nine tenths of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,21 +60,13 @@ def marginal_tests(
     values: FloatArray, division: FloatArray, rng: np.random.Generator
 ) -> MarginalTests:
     """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
-    n, axes = values.shape
-    symmetric = _symmetric(n, rng)
-    offset = rng.uniform(-0.5, 0.5, size=SIMULATIONS)
+    axes = values.shape[1]
     levels, outliers, gaussian = np.ones(axes), np.ones(axes), np.ones(axes)
     for a in range(axes):
         if not np.ptp(values[:, a]):
             continue
-        families = symmetric, _skewed(values[:, a], rng)
-        drawn = partial(_read, families, _scatter(values[:, a], division[a]), offset)
         y = values[:, a] / (division[a] or 1.0)
-        levels[a] = _p_values(level_statistic, y, drawn).max()
-        p = _p_values(outlier_statistic, y, drawn)
-        outliers[a], gaussian[a] = p.max(), p[0]
-        if _adjacent(y, division[a]):
-            levels[a] = 1.0
+        levels[a], outliers[a], gaussian[a] = _of_axis(y, bool(division[a]), rng)
     worst = int(np.argmin(gaussian))
     return MarginalTests(
         two_levels=min(1.0, axes * float(levels.min())),
@@ -69,9 +74,49 @@ def marginal_tests(
         outlier=min(1.0, axes * float(outliers.min())),
         gaussian_outlier=min(1.0, axes * float(gaussian.min())),
         outlier_axis=worst,
-        outlier_row=int(np.argmax(np.abs(values[:, worst] - np.median(values[:, worst])))),
+        outlier_row=_farthest(values[:, worst]),
         floor=axes / (1 + SIMULATIONS),
     )
+
+
+def _of_axis(y: FloatArray, on_dial: bool, rng: np.random.Generator) -> tuple[float, float, float]:
+    """Return p-values of one axis: two levels, an outlier, and one in Gaussian scatter.
+
+    Neighbouring divisions prove neither two levels nor an outlier.
+    """
+    scatter = _scatter(y) if on_dial else 0.0
+    offset = rng.uniform(-0.5, 0.5, size=SIMULATIONS)
+    tails = (_gaussian, _student(5), _student(3), _laplace, _skewed(y))
+    levels, p_outlier = 1.0, np.ones(2)
+    if not (on_dial and np.ptp(y) < NEIGHBOURS):
+        cases = [(level_statistic, tails), (_beside_uniform, (_uniform,))]
+        cases.append((_beside_arcsine, (_arcsine,)))
+        levels = max(
+            float(_p_values(statistic, y, partial(_read, families, scatter, offset, rng)).max())
+            for statistic, families in cases
+        )
+    if not (on_dial and _apart(y) < TWO_DIVISIONS):
+        statistic = partial(outlier_statistic, least=float(on_dial))
+        inner = y[np.argsort(np.abs(y - np.median(y)))[: _inner(len(y))]]
+        scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
+        p_outlier = _p_values(statistic, y, partial(_read, tails, scatter, offset, rng))
+    return levels, float(p_outlier.max()), float(p_outlier[0])
+
+
+def _farthest(y: FloatArray) -> int:
+    """Return the row of the reading farthest from the median."""
+    return int(np.argmax(np.abs(y - np.median(y))))
+
+
+def _apart(y: FloatArray) -> float:
+    """Return how far the farthest reading is from the nearest of the inner ones."""
+    inner = y[np.argsort(np.abs(y - np.median(y)))[: _inner(len(y))]]
+    return float(np.abs(inner - y[_farthest(y)]).min())
+
+
+def _inner(n: int) -> int:
+    """Return how many of n readings are the inner ones: all but the farthest tenth."""
+    return n - max(2, round(GROSS_SHARE * n))
 
 
 def level_statistic(y: FloatArray) -> FloatArray:
@@ -85,76 +130,110 @@ def level_statistic(y: FloatArray) -> FloatArray:
     return np.asarray(np.log(np.exp(log_bf).mean(axis=0)))
 
 
-def outlier_statistic(y: FloatArray) -> FloatArray:
-    """Return how far the reading farthest from the median is from the mean of the others.
+def _split(y: FloatArray) -> FloatArray:
+    """Return the log of range over scatter within the best two levels; y has shape (n, ...)."""
+    n, k = len(y), FEWEST_ON_A_LEVEL
+    ranked = np.sort(y - y.mean(axis=0), axis=0)
+    below = np.arange(k, n - k + 1).reshape(-1, *[1] * (y.ndim - 1))
+    between = np.cumsum(ranked, axis=0)[k - 1 : n - k] ** 2 * n / (below * (n - below))
+    total = (ranked**2).sum(axis=0)
+    within = np.maximum(total - between.max(axis=0), 1e-9 * total) / (n - 2)
+    return np.asarray(np.log(np.maximum(ranked[-1] - ranked[0], _TINY) / np.sqrt(within + _TINY)))
 
-    In standard deviations of the others; y has shape (n, ...).
+
+def _beside_uniform(y: FloatArray) -> FloatArray:
+    """Return the log likelihood ratio, over n, of two levels to uniform scatter."""
+    return _split(y)
+
+
+def _beside_arcsine(y: FloatArray) -> FloatArray:
+    """Return the log likelihood ratio, over n, of two levels to arcsine scatter."""
+    low, high = y.min(axis=0), y.max(axis=0)
+    place = (2 * y - low - high) / np.maximum(high - low, _TINY) * len(y) / (len(y) + 1)
+    return np.asarray(_split(y) + 0.5 * np.log(1 - place**2).mean(axis=0))
+
+
+def outlier_statistic(y: FloatArray, least: float = 0.0) -> FloatArray:
+    """Return how far the reading farthest from the median is from it, and a third of the next's.
+
+    In standard deviations of the inner readings, or ``least`` where that is larger; inner are all
+    but the farthest tenth. So no gross reading hides another, and two of them are more than one.
+    y has shape (n, ...).
     """
     n = len(y)
     centred = y - np.median(y, axis=0)
-    far = np.abs(centred).argmax(axis=0)
-    apart = np.take_along_axis(centred, far[np.newaxis], axis=0)[0]
-    mean = (centred.sum(axis=0) - apart) / (n - 1)
-    squares = (centred**2).sum(axis=0) - apart**2 - (n - 1) * mean**2
-    scatter = np.sqrt(np.maximum(squares, 0) / (n - 2))
-    return np.asarray(np.abs(apart - mean) / (scatter + 1e-9))
+    inner = _inner(n)
+    order = np.argpartition(np.abs(centred), (inner, n - 2, n - 1), axis=0)
+    kept = np.take_along_axis(centred, order[:inner], axis=0)
+    second, first = np.abs(np.take_along_axis(centred, order[-2:], axis=0))
+    scatter = np.maximum(kept.std(axis=0, ddof=1), least)
+    return np.asarray((first + second / 3) / (scatter + 1e-9))
 
 
-def _symmetric(n: int, rng: np.random.Generator) -> FloatArray:
-    """Return scatter of unit variance, shape (n, families, simulations); the Gaussian first."""
-    shape = (n, SIMULATIONS)
-    t5, t3 = rng.standard_t(5, size=shape), rng.standard_t(3, size=shape)
-    return np.stack([rng.normal(size=shape), t5 / np.sqrt(5 / 3), t3 / np.sqrt(3)], axis=1)
+def _gaussian(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
+    return np.asarray(rng.normal(size=shape))
 
 
-def _skewed(y: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return gamma scatter of unit variance, skewed rather more than the readings y (n,) are.
+def _student(nu: int) -> Family:
+    return lambda rng, shape: np.asarray(rng.standard_t(nu, size=shape) / np.sqrt(nu / (nu - 2)))
+
+
+def _laplace(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
+    return np.asarray(rng.laplace(size=shape) / np.sqrt(2))
+
+
+def _uniform(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
+    return np.asarray(rng.uniform(-1, 1, size=shape) * np.sqrt(3))
+
+
+def _arcsine(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
+    return np.asarray(np.sin(rng.uniform(0, 2 * np.pi, size=shape)) * np.sqrt(2))
+
+
+def _skewed(y: FloatArray) -> Family:
+    """Return gamma scatter, skewed rather more than the readings y (n,) are.
 
     Of few readings the skewness comes out too small, and uncertain by about sqrt(6 / n).
     """
     centred = y - y.mean()
     observed = abs(float((centred**3).mean())) / float((centred**2).mean()) ** 1.5
-    skewness = min(MOST_SKEWED, 1.5 * observed + 0.6)
-    k = 4 / skewness**2
-    return np.asarray((rng.gamma(k, size=(len(y), 1, SIMULATIONS)) - k) / np.sqrt(k))
+    k = 4 / min(MOST_SKEWED, 1.5 * observed + 0.6) ** 2
+    return lambda rng, shape: np.asarray((rng.gamma(k, size=shape) - k) / np.sqrt(k))
 
 
-def _scatter(y: FloatArray, division: float) -> float:
-    """Return the scatter beside rounding in divisions (Sheppard's correction), 0 for no dial."""
-    if not division:
-        return 0.0
-    variance = float(y.var(ddof=1)) / division**2
-    return float(np.sqrt(max(variance - 1 / 12, 0.2**2)))
+def _scatter(y: FloatArray) -> float:
+    """Return the scatter of y (n,) in divisions beside rounding (Sheppard's correction)."""
+    return float(np.sqrt(max(float(y.var(ddof=1)) - 1 / 12, 0.2**2)))
 
 
 def _read(
-    families: Sequence[FloatArray], scatter: float, offset: FloatArray, count: int
+    families: Sequence[Family],
+    scatter: float,
+    offset: FloatArray,
+    rng: np.random.Generator,
+    n: int,
+    count: int,
 ) -> FloatArray:
-    """Return ``count`` simulations of readings, in whole divisions where there is a dial."""
-    drawn = np.concatenate([family[..., :count] for family in families], axis=1)
+    """Return readings (n, families, count), in whole divisions where there is a dial."""
+    drawn = np.stack([family(rng, (n, count)) for family in families], axis=1)
     return np.round(drawn * scatter + offset[:count]) if scatter else drawn
 
 
 def _p_values(
-    statistic: Callable[[FloatArray], FloatArray],
-    y: FloatArray,
-    drawn: Callable[[int], FloatArray],
+    statistic: Statistic, y: FloatArray, drawn: Callable[[int, int], FloatArray]
 ) -> FloatArray:
     """Return the share of simulations at least as extreme, for each family, shape (families,).
 
-    A first look at some of them is enough where every share is far above the levels in use. Up to
-    the level CLEAR that changes no verdict's chance: no p-value stopped there is so small.
+    A first look at some of them is enough where the first share is far above the levels in use. Up
+    to the level CLEAR that changes no verdict's chance: no p-value stopped there is so small.
     """
     observed = statistic(y)
-    first = _share(observed, statistic(drawn(FIRST_SIMULATIONS)))
-    return first if first.min() > CLEAR else _share(observed, statistic(drawn(SIMULATIONS)))
+    first = _share(observed, statistic(drawn(len(y), FIRST_SIMULATIONS)))
+    if first[0] > CLEAR:
+        return first
+    return _share(observed, statistic(drawn(len(y), SIMULATIONS)))
 
 
 def _share(observed: FloatArray, simulated: FloatArray) -> FloatArray:
     beaten = (simulated >= observed - 1e-9).sum(axis=-1)
     return np.asarray((1 + beaten) / (1 + simulated.shape[-1]))
-
-
-def _adjacent(y: FloatArray, division: float) -> bool:
-    """Whether the readings are at most three neighbouring divisions: never proof of two levels."""
-    return bool(division) and float(np.ptp(y)) < NEIGHBOURS

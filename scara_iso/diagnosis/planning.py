@@ -90,7 +90,7 @@ def design(
     """Return what ``plan`` will be able to tell, by simulated runs under the test by order.
 
     Two levels in no order are not found by it: one pair 4 to 5 sigma apart is found without a
-    covariate, by their distribution. Raises `DataError` for fewer than 12 cycles, which no
+    covariate, by their distribution. Raises `DataError` for fewer than 8 cycles, which no
     diagnosis takes.
     """
     if len(plan.conditions) < FEWEST_CYCLES:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -12,13 +12,15 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
+from scara_iso.diagnosis.on_dial import Readings
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import NEIGHBOURS
-from scara_iso.effects import Chain, Effect, Spread
+from scara_iso.effects import Chain, Effect, Shape, Spread
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray, Run
 
 _DUST = 1e-9
+_OUT_OF_REACH = 0.01
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,16 +60,40 @@ def problem_of(
         for name, movement in directions.items()
     }
     usable = {name: vector for name, vector in along.items() if np.any(vector)}
-    members = hypotheses_of(effects, residual.conditions)
+    known_effects = {effect.name: effect for effect in effects}
+    members = _in_reach(hypotheses_of(effects, residual.conditions), known_effects, residual)
     if all(neighbours(residual)):
         members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
     wrong = [value for value in (sigma or {}).values() if not 0 < value < math.inf]
     if wrong:
         raise DataError(f"a known scatter of {wrong[0]:g}", remedy="state a positive, finite one")
     known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
-    return SearchProblem(
-        residual, members, usable, {effect.name: effect for effect in effects}, known
+    return SearchProblem(residual, members, usable, known_effects, known)
+
+
+def _in_reach(
+    members: Sequence[Hypothesis], effects: Mapping[str, Effect], residual: Residual
+) -> tuple[Hypothesis, ...]:
+    """Return the members, less likely the farther their size is beyond what their effect reaches.
+
+    Far beyond it they are left out.
+    """
+    reach = {m: _reached(m, effects[m.effect], residual) for m in members if m.effect in effects}
+    return tuple(
+        replace(m, weight=m.weight * reach.get(m, 1.0))
+        for m in members
+        if reach.get(m, 1.0) > _OUT_OF_REACH
     )
+
+
+def _reached(member: Hypothesis, effect: Effect, residual: Residual) -> float:
+    if effect.reach == math.inf or not isinstance(member.form, Shape):
+        return 1.0
+    design = np.concatenate([np.ones((len(residual), 1)), member.form.columns], axis=1)
+    size = np.abs(np.linalg.lstsq(design, residual.values, rcond=1e-9)[0][1])
+    reach = effect.reach * residual.division
+    farthest = max((s / r for s, r in zip(size, reach, strict=True) if r), default=0.0)
+    return math.exp(-(farthest**2) / 2)
 
 
 def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
@@ -89,6 +115,7 @@ class Remainder:
     basis: FloatArray
     views: Views
     values: FloatArray
+    readings: Readings
     members: tuple[Hypothesis, ...]
 
     def set_of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
@@ -105,9 +132,10 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
     basis = fitted_basis(terms, rows)
     spread = any(isinstance(term.form, Spread) for term in terms)
     members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
-    return Remainder(
-        rows, basis, views_of(values, basis, problem.directions, problem.sigma), values, members
-    )
+    half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
+    known = np.zeros(values.shape[1]) if problem.sigma is None else problem.sigma
+    views = views_of(values, basis, problem.directions, problem.sigma)
+    return Remainder(rows, basis, views, values, Readings(values, half, known), members)
 
 
 def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:

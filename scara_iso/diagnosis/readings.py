@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.findings import found_effects, repeatabilities, shares_of
+from scara_iso.diagnosis.completed import foretold, scatter_draws
+from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
@@ -60,7 +61,7 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     axes where nothing acts, known from elsewhere (as from 30 readings): it sharpens the naming, not
     the tests. Same arguments, same result.
 
-    Raises `DataError` for fewer than 12 cycles or more than 500, several poses, no axis that
+    Raises `DataError` for fewer than 8 cycles or more than 500, several poses, no axis that
     moves, a prediction that does not belong to the run, or a sigma that is not positive.
     """
     run = run.unwrapped()
@@ -76,9 +77,32 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     else:
         unseen = on_second_run(fitted, catalogue, second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
+    measured, before, after, removed = (repeatabilities(course) for course in courses)
+    drawn = scatter_draws(problem.residual, fitted, rng)
+    groups = _groups(run, predicted or {}, problem.residual)
+    next_test = foretold(problem, fitted, catalogue, groups, drawn, rng)
     return _diagnosis(
-        problem, fitted, stages, unseen, courses, found_effects(problem, fitted, stages, catalogue)
+        problem,
+        fitted,
+        stages,
+        unseen,
+        courses[:3],
+        Repeatabilities(measured, before, after, removed, next_test),
+        found_effects(problem, fitted, stages, catalogue),
+        _named(problem.residual, np.quantile(drawn, 0.5, axis=0)),
     )
+
+
+def _groups(
+    run: Run, predicted: Predicted, residual: Residual
+) -> dict[str, tuple[tuple[int, float], ...]]:
+    """Return, for each RP, the axes of the search that stand for its own, and their slopes."""
+    model = {name: np.asarray(predicted.get(name, 0.0)) for name in run.axes}
+    stand = {
+        name: _searched(axis.readings - model[name], residual, name)
+        for name, axis in run.axes.items()
+    }
+    return {name: tuple(stand[axis] for axis in axes) for name, axes in groups_of(run.axes).items()}
 
 
 def _diagnosis(
@@ -87,7 +111,9 @@ def _diagnosis(
     stages: Sequence[Stage],
     unseen: HeldOut,
     courses: tuple[dict[str, FloatArray], ...],
+    RP: Repeatabilities,
     found: tuple[Found, ...],
+    scatter: dict[str, float],
 ) -> Diagnosis:
     shares = shares_of(problem.residual, fitted)
     return Diagnosis(
@@ -101,8 +127,9 @@ def _diagnosis(
         shares=shares,
         flags=_flags(problem.residual, stages),
         notes=(*problem.residual.notes, *_coarse(shares), *_other_scatter(problem, fitted)),
-        repeatability=Repeatabilities(*map(repeatabilities, courses)),
-        series=Series(problem.residual.conditions.cycle, *courses[:3]),
+        repeatability=RP,
+        scatter=scatter,
+        series=Series(problem.residual.conditions.cycle, *courses),
     )
 
 
@@ -138,7 +165,10 @@ def _cross_validated(
          for name in chained),
         default=0.0,
     )  # fmt: skip
-    return cross_validated(problem, fitted, rng, with_chains=likely > WORTH_CHAINS)
+    changes = [stage.choice.log_change for stage in stages if stage.choice]
+    return cross_validated(
+        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes
+    )
 
 
 def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:

@@ -47,7 +47,7 @@ def residual_of(run: Run, predicted: Predicted | None) -> Residual:
 
     ``run`` holds one pose without the discarded cycle. Axes that never move, or that copy another
     axis, and covariates that are constant or copy the cycle number are left out with a note.
-    Raises `DataError` for fewer than 12 cycles or more than 500, an axis of the prediction that was
+    Raises `DataError` for fewer than 8 cycles or more than 500, an axis of the prediction that was
     not measured, a wrong number of predicted readings, or when every axis is stuck.
     """
     if len(run) < FEWEST_CYCLES:

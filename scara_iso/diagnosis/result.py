@@ -52,6 +52,8 @@ class Found:
     """The experiment that confirms it."""
     unidentified: tuple[str, ...] = ()
     """Parameters that the data do not determine, one line each."""
+    share: ByAxis = field(default_factory=dict)
+    """Share of each axis' variance that it takes; those of all effects add up to `Shares`."""
     left_open: Mapping[str, ByAxis] = field(default_factory=dict)
     """What a model must state beside ``parameters``: the scatter where a change of it begins."""
     poses: tuple[str, ...] = ()
@@ -82,9 +84,24 @@ class Error:
     """On cycles that the fit did not see."""
 
 
+@dataclass(frozen=True, slots=True)
+class Foretold:
+    """RP that a new test of 30 cycles will have, 95 % between ``low`` and ``high``."""
+
+    value: float
+    """The median [mm, deg]."""
+    low: float
+    """Lower end of the prediction interval."""
+    high: float
+    """Upper end."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Repeatabilities:
-    """RP measured, of the model before and after, and of the readings with the effects removed."""
+    """RP measured, of the model before and after, and of the readings with the effects removed.
+
+    ``completed`` is what the model with effects, scatter and rounding foretells of the next test.
+    """
 
     measured: ByAxis
     """Of the readings [mm, deg]."""
@@ -94,6 +111,8 @@ class Repeatabilities:
     """Of what the model with the effects predicts."""
     with_effect_removed: ByAxis
     """Of the readings with the effects subtracted."""
+    completed: Mapping[str, Foretold] = field(default_factory=dict)
+    """Of the next test, by axis and in XY, as the completed model foretells it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -146,6 +165,8 @@ class Diagnosis(Plotted):
     """Of the variance, by axis."""
     series: Series
     """Readings and predictions over the cycles."""
+    scatter: ByAxis = field(default_factory=dict)
+    """Standard deviation of each axis beside effects and rounding."""
     flags: tuple[Flag, ...] = ()
     """Single readings to look at."""
     notes: tuple[str, ...] = ()

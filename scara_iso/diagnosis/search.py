@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.diagnosis.choice import Choice, choose, two_states
-from scara_iso.diagnosis.evidence import log_bayes
+from scara_iso.diagnosis.evidence import log_bayes, views_of
 from scara_iso.diagnosis.fit import Term, spread_term, term_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
@@ -18,7 +18,9 @@ from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, re
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.tuning import (
     FURTHER_LEVEL,
+    GROSS,
     LEVEL,
+    MISFIT,
     MOST_EFFECTS,
     ORDER_SHARE,
     OUTLIER_SHARE,
@@ -27,7 +29,7 @@ from scara_iso.diagnosis.tuning import (
 )
 from scara_iso.diagnosis.two_state import Emissions, emissions_of
 from scara_iso.effects import Chain, Effect, Form, FoundBy, Process, Shape, Spread
-from scara_iso.run import IntArray
+from scara_iso.run import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -86,17 +88,25 @@ def find(
 
 
 def find_again(
-    problem: SearchProblem, rows: IntArray, count: int, *, with_chains: bool
+    problem: SearchProblem,
+    rows: IntArray,
+    count: int,
+    *,
+    with_chains: bool,
+    log_changes: Sequence[Mapping[str, float]] = (),
 ) -> tuple[Term, ...]:
     """Return ``count`` terms chosen anew on some rows, as the search of the whole run chose them.
 
-    The unknown cannot be added to a model, so the likeliest effect is taken beside it.
+    What dial and tails change in each effect's evidence is taken over from its choices, as
+    ``log_changes``. The unknown cannot be added to a model, so the likeliest effect is taken beside
+    it.
     """
     terms: tuple[Term, ...] = ()
-    for _ in range(count):
+    for i in range(count):
         left = remainder(problem, terms, rows)
         left = replace(left, members=tuple(m for m in left.members if not _unknown_shape(m)))
-        choice = _choice(problem, left, with_chains=with_chains)
+        changed = log_changes[i] if i < len(log_changes) else {}
+        choice = _choice(problem, left, changed, with_chains=with_chains)
         named = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
         if not named:
             return terms
@@ -136,9 +146,23 @@ def _tests(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
 ) -> Stage:
     ordered = [member for member in left.members if member.ordered]
-    emissions = [] if terms else _emissions(problem.residual, ordered)
-    order = order_test(left.set_of(ordered), left.views, rng, emissions=emissions)
+    calm = _drawn_in(left)
+    emissions = [] if terms else _emissions(replace(problem.residual, values=calm), ordered)
+    views = views_of(calm, left.basis, problem.directions, problem.sigma)
+    order = order_test(left.set_of(ordered), views, rng, emissions=emissions)
     return Stage(order, marginal_tests(left.values, problem.residual.division, rng), None)
+
+
+def _drawn_in(left: Remainder) -> FloatArray:
+    """Return the residuals with gross ones drawn in, so that none hides an order of the others.
+
+    The limit does not depend on the order of the cycles, so the test stays exact.
+    """
+    middle = np.median(left.values, axis=0)
+    robust = 1.4826 * np.median(np.abs(left.values - middle), axis=0)
+    limit = GROSS * np.maximum(robust, 2 * left.readings.half.max(axis=0))
+    limit = np.where(robust > 0, limit, np.inf)
+    return np.clip(left.values, middle - limit, middle + limit)
 
 
 def chosen(
@@ -149,12 +173,31 @@ def chosen(
     stage = _tests(problem, terms, left, rng)
     by_order, by_levels, by_outlier = _shared(stage.order, stage.marginal)
     isolated = _isolated(problem.effects)
+    if _only_misfit(problem, terms, left):
+        by_order = by_levels = 1.0
     if min(by_order, by_levels) <= level:
         stage = replace(stage, choice=_choice(problem, left, with_chains=True))
     elif by_outlier <= level and isolated is not None:
         form = _at_row(isolated, problem, stage.marginal.outlier_row)
         stage = replace(stage, choice=Choice({isolated.name: 1.0}, {isolated.name: form}))
     return stage, left
+
+
+def _only_misfit(problem: SearchProblem, terms: Sequence[Term], left: Remainder) -> bool:
+    """Return whether what smooth courses leave is no more than they may differ from their equation.
+
+    Such a remainder is no effect of its own, though it has an order.
+    """
+    if not terms or not all(_is_rough(problem, term) for term in terms):
+        return False
+    values = problem.residual.values[left.rows]
+    whole = np.linalg.norm(values - values.mean(axis=0), axis=0)
+    return bool(np.all(np.linalg.norm(left.values, axis=0) < MISFIT * whole))
+
+
+def _is_rough(problem: SearchProblem, term: Term) -> bool:
+    effect = problem.effects.get(term.effect)
+    return effect is not None and effect.smooth
 
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissions]:
@@ -168,7 +211,14 @@ def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissi
     ]
 
 
-def _choice(problem: SearchProblem, left: Remainder, *, with_chains: bool) -> Choice[Form]:
+def _choice(
+    problem: SearchProblem,
+    left: Remainder,
+    log_change: Mapping[str, float] | None = None,
+    *,
+    with_chains: bool,
+) -> Choice[Form]:
+    """Return what is likeliest; ``log_change`` of the whole run's choice on some of its rows."""
     chains = [member for member in left.members if member.hidden] if with_chains else []
     named = [member for member in left.members if member.named]
     residual = problem.residual
@@ -179,10 +229,12 @@ def _choice(problem: SearchProblem, left: Remainder, *, with_chains: bool) -> Ch
         chains, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
     )
     hypotheses = left.set_of(named)
-    choice = choose(hypotheses, left.views, hidden)
+    readings = left.readings if log_change is None else None
+    choice = choose(hypotheses, left.views, hidden, readings, log_change)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
-    return choose(hypotheses, left.views, [*hidden, *pairs(hypotheses, left.views, left.rows)])
+    both = pairs(hypotheses, left.views, left.rows)
+    return choose(hypotheses, left.views, [*hidden, *both], readings, log_change)
 
 
 def _isolated(effects: Mapping[str, Effect]) -> Effect | None:

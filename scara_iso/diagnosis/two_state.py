@@ -129,13 +129,13 @@ def two_levels(
 ) -> TwoLevels:
     """Return the evidence for two levels in readings y (n,); nan marks a cycle that is not seen.
 
-    ``division`` is the dial's: rounding keeps the scatter from being smaller than division /
-    sqrt(12), and y `can_show_two` beside it. ``known`` are squares as in `evidence.Views`, 0 for a
-    scatter that is not known.
+    ``division`` is the dial's, 0 where there is none: rounding keeps the scatter from being smaller
+    than division / sqrt(12), and y `can_show_two` beside it. ``known`` are squares as in
+    `evidence.Views`, 0 for a scatter that is not known.
     """
     seen = y[np.isfinite(y)]
     grid = _grid(seen, division, known)
-    lower, upper, most = _emissions(y, grid)
+    lower, upper, most = _emissions(y, grid, division)
     leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
     log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
     settled, odds = _at_most_one_change(lower, upper, *leave.T)
@@ -145,7 +145,7 @@ def two_levels(
     peak = log_weight.max()
     weight = np.exp(log_weight - peak)
     by_chain = weight.sum(axis=1)
-    log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen, known)
+    log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen, known, division)
     c, cell = np.unravel_index(np.argmax(weight), weight.shape)
     switching = 2 * leave.prod(axis=1) / leave.sum(axis=1)
     mean_switching = float(switching @ by_chain / by_chain.sum())
@@ -166,7 +166,26 @@ def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     return _Grid(levels[a[pair]], levels[b[pair]], scatter[s], log_prior)
 
 
-def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _log_density(
+    y: FloatArray, level: FloatArray, scatter: FloatArray, division: float
+) -> FloatArray:
+    """Return that of readings about a level: of the division that each rounds to, over its width.
+
+    Far from the level, where that vanishes, it is the density itself.
+    """
+    exact = -0.5 * ((y - level) / scatter) ** 2 - np.log(scatter * np.sqrt(2 * np.pi))
+    if not division:
+        return np.asarray(exact)
+    from scipy.special import ndtr  # noqa: PLC0415 - heavy, and of use only where there is structure
+
+    apart = -np.abs(y - level)
+    p = ndtr((apart + division / 2) / scatter) - ndtr((apart - division / 2) / scatter)
+    return np.where(p > _TINY, np.log(np.maximum(p, _TINY) / division), exact)
+
+
+def _emissions(
+    y: FloatArray, grid: _Grid, division: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return likelihoods of either level, (n, cells), the larger 1, and the log of their scale.
 
     The scale, the prior included, is the log of the most that a cell can weigh. Even states drawn
@@ -174,12 +193,12 @@ def _emissions(y: FloatArray, grid: _Grid) -> tuple[FloatArray, FloatArray, Floa
     """
     unseen = ~np.isfinite(y)
     reading = np.where(unseen, 0.0, y)[:, np.newaxis]
-    log_lower = -0.5 * ((reading - grid.lower) / grid.scatter) ** 2
-    log_upper = -0.5 * ((reading - grid.upper) / grid.scatter) ** 2
+    log_lower, log_upper = (
+        _log_density(reading, level, grid.scatter, division) for level in (grid.lower, grid.upper)
+    )
     log_lower[unseen] = log_upper[unseen] = 0.0
     peak = np.maximum(log_lower, log_upper)
-    scale = peak.sum(axis=0) - (~unseen).sum() * np.log(grid.scatter * np.sqrt(2 * np.pi))
-    most = scale + grid.log_prior
+    most = peak.sum(axis=0) + grid.log_prior
     kept = most > most.max() - len(y) * np.log(2) - _NEGLIGIBLE
     lower, upper = (log_lower - peak)[:, kept], (log_upper - peak)[:, kept]
     return np.exp(lower), np.exp(upper), most[kept]
@@ -259,10 +278,23 @@ def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatA
     return np.asarray(both[:, 1] / both.sum(axis=1))
 
 
-def _log_scatter_alone(seen: FloatArray, known: float) -> float:
+def _log_scatter_alone(seen: FloatArray, known: float, division: float) -> float:
     """Return the log marginal likelihood of one level under the prior 1 / scatter."""
     nu = len(seen) - 1
     m = nu + (KNOWN_FROM - 1 if known else 0)
     S = float(((seen - seen.mean()) ** 2).sum()) + known
     free = lgamma(m / 2) - nu / 2 * np.log(2 * np.pi) - m / 2 * np.log(S / 2)
-    return float(free - 0.5 * np.log(nu + 1) - np.log(2))
+    exact = float(free - 0.5 * np.log(nu + 1) - np.log(2))
+    return exact + _rounding_of_one_level(seen, division)
+
+
+def _rounding_of_one_level(seen: FloatArray, division: float) -> float:
+    """Return how much likelier readings are as rounded than as exact about their mean.
+
+    Their scatter is that beside rounding (Sheppard's correction), at least a fifth of a division.
+    """
+    variance = float(seen.var(ddof=1))
+    left = max(variance - division**2 / 12, division**2 / 25)
+    level = np.array([seen.mean()])
+    rounded = _log_density(seen, level, np.array([left**0.5]), division)
+    return float((rounded - _log_density(seen, level, np.array([variance**0.5]), 0.0)).sum())

@@ -9,6 +9,7 @@ of known parameters under other conditions (`course`).
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -66,6 +67,10 @@ class Effect(ABC):
     """False for an accident of one test: no model expects it in the next."""
     by_flank: bool = False
     """Whether it is the flank of a gear's gap on which the load rests: a reversal in readings."""
+    smooth: bool = False
+    """Whether its course is a smooth one, which no machine follows to the last digit."""
+    reach: float = math.inf
+    """Divisions of the dial that its size seldom exceeds, where the dial itself is the cause."""
     gain: float = 15.0
     """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
     unsettled: Mapping[str, str] = field(default_factory=dict)

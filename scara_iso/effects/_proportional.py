@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -29,6 +30,8 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
     by: Callable[[FloatArray], FloatArray] = centred,
     direction: Direction = Direction.FREE,
     by_flank: bool = False,
+    weight: float = 1.0,
+    reach: float = math.inf,
 ) -> KnownCourse:
     """Return the effect of a column: the readings move by ``size`` times ``by`` of its values.
 
@@ -47,6 +50,8 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
         confirm_by=confirm_by,
         direction=direction,
         by_flank=by_flank,
+        weight=weight,
+        reach=reach,
         columns=partial(_followed, by) if is_open(of) else partial(_followed, by, column=of),
     )
 

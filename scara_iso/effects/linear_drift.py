@@ -17,5 +17,6 @@ EFFECT = KnownCourse(
     confirm_by="repeat the run after a warm-up: thermal drift has gone, creep has slowed; compare "
     "the slope of a second run",
     test_weight=1.2,  # benchmarks/diagnosis.py, table power
+    smooth=True,
     columns=_columns,
 )

@@ -12,8 +12,9 @@ from scara_iso.effects._linear import AMPLITUDE_AND_PHASE
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
-_SHORTEST, _LONGEST = 2.3, 18.0
-"""Periods tried, in cycles; alternation (2 cycles) belongs to `contact_side`."""
+_SHORTEST, _LONGEST = 2.3, 0.6
+"""Periods tried, in cycles and in the run's length; alternation (2 cycles) belongs to
+`contact_side`."""
 
 _FINER = 10
 
@@ -25,8 +26,8 @@ def _columns(conditions: Conditions, *, period: float) -> FloatArray:
 
 def _periods(conditions: Conditions) -> Grid:
     """Return frequencies at half the spacing of the Fourier ones, as likely in period as 1 / P."""
-    apart = 1 / (2 * max(len(conditions), 2))
-    frequencies = np.arange(1 / _LONGEST, 1 / _SHORTEST, apart)
+    apart = 1 / (2 * len(conditions))
+    frequencies = np.arange(1 / (_LONGEST * len(conditions)), 1 / _SHORTEST, apart)
     periods = (1 / frequencies).tolist()
     steps = apart * np.arange(1 - _FINER, _FINER) / _FINER
     return Grid(periods, weights=periods, near=lambda period: 1 / (1 / period + steps))
@@ -49,5 +50,6 @@ EFFECT = KnownCourse(
     weight=1.3,  # benchmarks/diagnosis.py, table naming
     test_weight=1.3,  # benchmarks/diagnosis.py, table power
     linear=AMPLITUDE_AND_PHASE,
+    smooth=True,
     columns=_columns,
 )  # fmt: skip

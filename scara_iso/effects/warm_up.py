@@ -13,9 +13,18 @@ def _columns(conditions: Conditions, *, tau: float) -> FloatArray:
     return as_column(1 - np.exp(-conditions.time / tau))
 
 
-def _tau(_: Conditions) -> Grid:
-    """Return time constants: shorter ones are an outlying first cycle, longer ones a drift."""
-    return Grid.geometric(1.5, 12.0, 7, finer=9)
+_SHORTEST, _LONGEST = 1.5, 0.4
+"""Time constants tried, in cycles and in the run's length: shorter ones are an outlying first
+cycle, longer ones a drift."""
+
+_RATIO = 1.414
+"""Between one that is tried and the next."""
+
+
+def _tau(conditions: Conditions) -> Grid:
+    longest = max(_LONGEST * len(conditions), 2 * _SHORTEST)
+    count = 1 + round(np.log(longest / _SHORTEST) / np.log(_RATIO))
+    return Grid.geometric(_SHORTEST, longest, count, finer=9)
 
 
 EFFECT = KnownCourse(
@@ -35,5 +44,6 @@ EFFECT = KnownCourse(
         linear_drift.EFFECT.name: "tau: the run is too short to tell a warm-up from a drift; run "
         "longer"
     },
+    smooth=True,
     columns=_columns,
 )  # fmt: skip

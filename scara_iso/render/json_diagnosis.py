@@ -30,8 +30,8 @@ _CROSSING = "load_deviation_rad inertia_ratio deviation_mm"
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> Json:
-    """Return the JSON object of ``diagnose``, schema ``scara-iso/diagnose/1``."""
-    return {"schema": "scara-iso/diagnose/1", "unit": "mm", **_of_one_pose(diagnosis)}
+    """Return the JSON object of ``diagnose``, schema ``scara-iso/diagnose/2``."""
+    return {"schema": "scara-iso/diagnose/2", "unit": "mm", **_of_one_pose(diagnosis)}
 
 
 def poses_diagnosis_json(found: DiagnosisOfPoses) -> Json:
@@ -50,6 +50,7 @@ def poses_diagnosis_json(found: DiagnosisOfPoses) -> Json:
 
 
 def _of_one_pose(diagnosis: Diagnosis) -> Json:
+    RP = diagnosis.repeatability
     return {
         **picked(diagnosis, f"verdict {_CHANCE}"),
         "effects": [_found(found) for found in diagnosis.effects],
@@ -58,9 +59,13 @@ def _of_one_pose(diagnosis: Diagnosis) -> Json:
             "before": picked(diagnosis.error_before, "rms held_out_rms"),
             "after": picked(diagnosis.error_after, "rms held_out_rms"),
         },
-        "repeatability": picked(
-            diagnosis.repeatability, "measured model_before model_after with_effect_removed"
-        ),
+        "repeatability": {
+            **picked(RP, "measured model_before model_after with_effect_removed"),
+            "completed": {
+                name: {"value": one.value, "interval": [one.low, one.high]}
+                for name, one in RP.completed.items()
+            },
+        },
         "shares": {
             axis: picked(part, "effects resolution unexplained")
             for axis, part in diagnosis.shares.items()
@@ -77,7 +82,9 @@ def _found(found: Found) -> Json:
     return {
         **picked(found, "effect axes"),
         "joint": joint,
-        **picked(found, f"direction=joint angles parameters standard_errors {_CHANCE} probability"),
+        **picked(
+            found, f"direction=joint angles parameters standard_errors {_CHANCE} probability share"
+        ),
         **_named(found),
         "unidentified": list(found.unidentified),
     }

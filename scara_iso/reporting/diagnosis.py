@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, Found, Rival, Verdict
+from scara_iso.diagnosis import (
+    Diagnosis,
+    DiagnosisOfPoses,
+    Found,
+    Repeatabilities,
+    Rival,
+    Verdict,
+)
 from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import (
     Block,
@@ -239,6 +246,20 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             "a mean between two levels are nearly equal and hide in S_l",
             "quiet",
         )
+    yield _next_test(RP, n)
+
+
+def _next_test(RP: Repeatabilities, n: int) -> Table:
+    """Return what the completed model foretells of the next test beside what was measured."""
+    return Table(
+        ("RP of the next test", "measured", "completed model", "95 % from", "to"),
+        tuple(
+            (name, *(_of_scatter(v, n) for v in (RP.measured[name], one.value, one.low, one.high)))
+            for name, one in RP.completed.items()
+        ),
+        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
+        "new test of 30 cycles, its own sampling included",
+    )
 
 
 def _of_scatter(figure: float, n: int) -> Number:

@@ -60,10 +60,16 @@ def read_model(path: str | Path) -> Model:
     return model
 
 
-def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Path) -> None:
+def declare(
+    path: str | Path,
+    effects: tuple[DeclaredEffect, ...],
+    to: str | Path,
+    scatter: Mapping[str, float] | None = None,
+) -> None:
     """Write the model file ``path`` to ``to`` with ``effects`` added; comments are kept.
 
-    ``to`` may be ``path`` itself. Raises as `write_file`.
+    ``scatter`` is that of some of its indicators, by axis. ``to`` may be ``path`` itself. Raises
+    as `write_file`.
     """
     import tomlkit  # noqa: PLC0415 - only where a model is written
 
@@ -78,6 +84,8 @@ def declare(path: str | Path, effects: tuple[DeclaredEffect, ...], to: str | Pat
         for name, value in effect.parameters.items():
             table[name] = _inline(value) if isinstance(value, Mapping) else value
         tables.append(table)
+    for axis, value in (scatter or {}).items():
+        document["indicator"][axis]["scatter"] = value
     write_file(Path(to), tomlkit.dumps(document).encode())
 
 

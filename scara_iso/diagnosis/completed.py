@@ -1,0 +1,137 @@
+"""What the completed model says of the next test: its RP, with effects, scatter and rounding.
+
+Scatter is an effect of chance like others. Its size in each axis has the posterior of rounded
+Gaussian readings about the fitted course, under the prior 1 / s; its correlation between the axes
+is that of what is left. A test of 30 cycles is drawn again and again: size and course within their
+uncertainty, scatter, where on the dial the pose comes to lie, and rounding. Accidents of one test
+are left out, and what chance drew is drawn anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from scara_iso.diagnosis.fit import Fit, Term
+from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.problem import SearchProblem
+from scara_iso.diagnosis.residual import Residual
+from scara_iso.diagnosis.result import Foretold
+from scara_iso.diagnosis.tuning import LEAST_ON_DIAL
+from scara_iso.effects import Effect, Process, Shape, Spread
+from scara_iso.iso9283 import repeatability
+from scara_iso.run import FloatArray
+
+_CYCLES = 30
+_DRAWS = 1000
+_SCATTERS, _LEVELS = 60, 31
+_LIMITS = (0.025, 0.5, 0.975)
+
+
+def foretold(
+    problem: SearchProblem,
+    fitted: Fit,
+    effects: Mapping[str, Effect],
+    groups: Mapping[str, tuple[tuple[int, float], ...]],
+    sigma: FloatArray,
+    rng: np.random.Generator,
+) -> dict[str, Foretold]:
+    """Return RP that a new test of 30 cycles would have, for each of the ``groups``.
+
+    A group is an axis or a plane by name: columns of the residual and the slopes on them.
+    ``sigma`` (draws, axes) is the `scatter_draws`.
+    """
+    residual = problem.residual
+    n, axes = residual.values.shape
+    rows = np.tile(np.arange(n), (_DRAWS, 1))
+    if n != _CYCLES:
+        rows = rng.integers(n, size=(_DRAWS, _CYCLES))
+    course, width = _course(problem, fitted, effects, sigma, rng)
+    left = np.linalg.cholesky(_correlation(residual.values - fitted.predicted))
+    noise = rng.normal(size=(_DRAWS, _CYCLES, axes)) @ left.T * sigma[:, np.newaxis]
+    each = np.arange(_DRAWS)[:, np.newaxis]
+    seen = course[each, rows] + noise * width[rows]
+    offset = rng.uniform(-0.5, 0.5, size=(_DRAWS, 1, axes))
+    division = residual.division
+    steps = np.rint(seen / np.where(division > 0, division, 1.0) + offset) * division
+    read = np.where(division > 0, steps, seen)
+    found = {}
+    for name, columns in groups.items():
+        positions = np.stack([slope * read[:, :, a] for a, slope in columns], axis=1)
+        low, value, high = np.quantile(repeatability(positions).RP, _LIMITS)
+        found[name] = Foretold(float(value), float(low), float(high))
+    return found
+
+
+def _course(
+    problem: SearchProblem,
+    fitted: Fit,
+    effects: Mapping[str, Effect],
+    sigma: FloatArray,
+    rng: np.random.Generator,
+) -> tuple[FloatArray, FloatArray]:
+    """Return draws of the course (draws, n, axes), and how wide scatter is (n, axes)."""
+    n, axes = problem.residual.values.shape
+    course, width = np.zeros((_DRAWS, n, axes)), np.ones((n, axes))
+    basis = constant(n)
+    for term, part in zip(fitted.terms, fitted.parts, strict=True):
+        if isinstance(term.form, Spread):
+            width = width * np.where(term.moves, term.form.scale[:, np.newaxis], 1.0)
+        elif isinstance(term.form, Process):
+            course += _drawn(term, sigma, rng)
+        elif effects[term.effect].recurs and isinstance(term.form, Shape):
+            course += part - part.mean(axis=0)
+            free = extended(basis, term.form.columns)[:, basis.shape[1] :]
+            error = free @ rng.normal(size=(_DRAWS, free.shape[1], axes))
+            course += error * np.where(term.moves, sigma[:, np.newaxis], 0.0)
+    return course, width / np.sqrt((width**2).mean(axis=0))
+
+
+def _drawn(term: Term, sigma: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return random courses (draws, n, axes) of a process beside scatter sigma (draws, axes)."""
+    assert isinstance(term.form, Process)  # noqa: S101
+    covariance = term.form.covariance
+    root = np.linalg.cholesky(covariance + 1e-9 * np.trace(covariance) * np.eye(len(covariance)))
+    drawn = np.einsum("nm,dma->dna", root, rng.normal(size=(_DRAWS, len(root), sigma.shape[1])))
+    return np.asarray(drawn * sigma[:, np.newaxis] * term.moves)
+
+
+def _correlation(left: FloatArray) -> FloatArray:
+    """Return that of what is left (n, axes), a little towards none so that it has a root."""
+    free = left - left.mean(axis=0)
+    scaled = free / np.maximum(np.linalg.norm(free, axis=0), 1e-300)
+    return np.asarray(0.98 * scaled.T @ scaled + np.diag(1 - 0.98 * (scaled**2).sum(axis=0)))
+
+
+def scatter_draws(residual: Residual, fitted: Fit, rng: np.random.Generator) -> FloatArray:
+    """Return draws (draws, axes) of each axis' standard deviation beside effects and rounding."""
+    left, division = residual.values - fitted.predicted, residual.division
+    n, axes = left.shape
+    numbers = sum((part != 0).any(axis=0) * len(c) for part, c in zip(
+        fitted.parts, fitted.coefficients, strict=True)) + np.zeros(axes)  # fmt: skip
+    found = []
+    for a in range(axes):
+        power = (n - numbers[a]) / n
+        if division[a]:
+            grid, weight = _rounded(left[:, a] / division[a], power)
+            found.append(division[a] * rng.choice(grid, size=_DRAWS, p=weight))
+        else:
+            squares = float(((left[:, a] - left[:, a].mean()) ** 2).sum())
+            freedom = max(n - 1 - numbers[a], 1)
+            found.append(np.sqrt(squares / rng.chisquare(freedom, size=_DRAWS)))
+    return np.stack(found, axis=1)
+
+
+def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
+    """Return scatters in divisions and their posterior given residuals y (n,) on the dial."""
+    from scipy.special import ndtr  # noqa: PLC0415 - heavy
+
+    size = max(float(y.std(ddof=1)), 0.3)
+    s = np.geomspace(LEAST_ON_DIAL, 3 * size, _SCATTERS)[:, np.newaxis, np.newaxis]
+    level = y.mean() + np.linspace(-1, 1, _LEVELS)[:, np.newaxis] * max(0.6, size)
+    apart = -np.abs(y - level)
+    p = np.maximum(ndtr((apart + 0.5) / s) - ndtr((apart - 0.5) / s), 1e-300)
+    log = power * np.log(p).sum(axis=2)
+    weight = np.exp(log - log.max()).sum(axis=1)
+    return s[:, 0, 0], weight / weight.sum()

@@ -1,0 +1,251 @@
+"""Evidence that knows the dial: likelihoods of rounded readings, with light and heavy tails.
+
+A reading y on a dial of division d is right for every value within d / 2 of it, so its likelihood
+about a mean m is F((y + d/2 - m) / s) - F((y - d/2 - m) / s), F the distribution of the scatter:
+Gaussian, or Student's t with 4 degrees of freedom, under which one odd reading is nothing much. The
+coefficients of a course have the Gaussian prior of `hypotheses`, the pose a flat one; both are
+integrated out by Laplace's method about the mode that Newton's steps reach. The scatter s is
+integrated over a grid under the prior 1 / s, which ends at LEAST_ON_DIAL divisions and at MISFIT of
+the readings' own: a course that meets every reading would else be as likely as one likes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.diagnosis.hypotheses import HypothesisSet
+from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL, MISFIT
+from scara_iso.effects import Chain, Shape
+from scara_iso.run import FloatArray
+
+_SCATTERS = 6
+_NEWTON = 5
+_TINY = 1e-300
+_FEW = 2
+"""Columns of a shape; a random course has more, and is compared apart."""
+_NO_DIAL = 1e-4
+"""Division, over the standard deviation, of readings that are not rounded."""
+_NEGLIGIBLE = 0.05
+"""Columns of less prior variance, over the scatter's, are left out."""
+
+Distribution = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+"""Of x: tail beyond |x|, density, and the density's slope."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DialCourse:
+    """A member of a set beside what is fitted: columns (n, k), prior variances (k,), scale (n,).
+
+    ``parameters`` is how many numbers choose it among the forms of its effect, ``coefficients`` how
+    many each axis estimates: those of a shape, none of a random course.
+    """
+
+    columns: FloatArray
+    variances: FloatArray
+    scale: FloatArray
+    parameters: int = 0
+    coefficients: int = 0
+
+    @property
+    def random(self) -> bool:
+        """Whether chance draws it."""
+        return not self.coefficients and bool(self.variances.size)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DialLikelihoods:
+    """Logs of the marginal and of the largest likelihood, shape (courses, families).
+
+    The families are the Gaussian and Student's t. ``at_best`` is the marginal one at the likeliest
+    scatter: the likelihood of a random course, up to what the pose takes from every course.
+    """
+
+    marginal: FloatArray
+    largest: FloatArray
+    at_best: FloatArray
+
+    @property
+    def mixed(self) -> FloatArray:
+        """Log marginal likelihood (courses,) over both families."""
+        share = np.log([1 - HEAVY_SHARE, HEAVY_SHARE])
+        return np.asarray(np.logaddexp.reduce(self.marginal + share, axis=1))
+
+
+def course_of(hypotheses: HypothesisSet, i: int) -> DialCourse:
+    """Return member ``i`` of a set (as amplified) as a course."""
+    n, shaped = len(hypotheses.basis), len(hypotheses.first)
+    form = hypotheses.members[i].form
+    searched = 0 if isinstance(form, Chain) else sum(
+        not isinstance(value, str) for value in form.parameters.values()
+    )  # fmt: skip
+    if i >= shaped:
+        return DialCourse(np.empty((n, 0)), np.empty(0), hypotheses.scales[i - shaped], searched)
+    last = hypotheses.first[i + 1] if i + 1 < shaped else len(hypotheses.shrink)
+    own = slice(hypotheses.first[i], last)
+    variances = hypotheses.shrink[own] / (1 - hypotheses.shrink[own])
+    vectors = hypotheses.vectors[:, own]
+    if isinstance(form, Shape):
+        return DialCourse(vectors, variances, np.ones(n), searched, len(variances))
+    kept = variances > _NEGLIGIBLE
+    return DialCourse(vectors[:, kept], variances[kept], np.ones(n), searched + 1)
+
+
+def scatter_alone(n: int) -> DialCourse:
+    """Return the course that moves nothing."""
+    return DialCourse(np.empty((n, 0)), np.empty(0), np.ones(n))
+
+
+def fitted_courses(
+    y: FloatArray,
+    half: FloatArray,
+    basis: FloatArray,
+    courses: Sequence[DialCourse],
+    known: float = 0.0,
+) -> DialLikelihoods:
+    """Return likelihoods of residuals y (n,) about courses beside ``basis`` (n, f).
+
+    ``half`` (n,) is half a division in each cycle, 0 where there is no dial; ``known`` the scatter
+    where it was stated (`KNOWN_FROM`), else 0.
+    """
+    unit = float(2 * half.max()) or _NO_DIAL * float(y.std())
+    half = np.where(half > 0, half, unit / 2) / unit
+    found = DialLikelihoods(*np.empty((3, len(courses), 2)))
+    for few in (True, False):
+        own = [i for i, course in enumerate(courses) if (len(course.variances) <= _FEW) == few]
+        if not own:
+            continue
+        group = _Group.of([courses[i] for i in own], y / unit, half, basis)
+        for family, (distribution, weight) in enumerate(_FAMILIES):
+            s = group.scatters(heavy=family > 0)
+            evidence, likelihood = group.at(s, distribution, weight)
+            m = KNOWN_FROM - 1 if known else 0
+            stated = -m * (np.log(s) + (known / unit / s) ** 2 / 2)
+            apart = np.log(s[:, 1] / s[:, 0])
+            integrated = np.logaddexp.reduce(evidence + stated, axis=1)
+            found.marginal[own, family] = np.log(apart) + integrated
+            found.largest[own, family] = likelihood.max(axis=1)
+            found.at_best[own, family] = evidence.max(axis=1)
+    return found
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Group:
+    """Courses of one width: design (c, n, p), prior variance of the last k columns (c, k)."""
+
+    y: FloatArray
+    half: FloatArray
+    design: FloatArray
+    fixed: int
+    variances: FloatArray
+    scale: FloatArray
+
+    @classmethod
+    def of(
+        cls, courses: Sequence[DialCourse], y: FloatArray, half: FloatArray, basis: FloatArray
+    ) -> _Group:
+        width = max(len(course.variances) for course in courses)
+        columns = np.zeros((len(courses), len(y), width))
+        variances = np.ones((len(courses), width))
+        for i, course in enumerate(courses):  # columns of zeros add nothing
+            columns[i, :, : len(course.variances)] = course.columns
+            variances[i, : len(course.variances)] = course.variances
+        shared = np.broadcast_to(basis, (len(courses), *basis.shape))
+        return cls(
+            y,
+            half,
+            np.concatenate([shared, columns], axis=2),
+            basis.shape[1],
+            variances,
+            np.stack([course.scale for course in courses]),
+        )
+
+    def scatters(self, *, heavy: bool) -> FloatArray:
+        """Return scatters to try, (courses, SCATTERS), about that of the Gaussian fit."""
+        left = self.y - np.einsum("cnp,cp->cn", self.design, self.start())
+        left = left / self.scale
+        squares = (left**2).sum(axis=1) / (len(self.y) - self.fixed)
+        size = np.median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
+        least = max(LEAST_ON_DIAL, MISFIT * float(self.y.std()))
+        low = np.maximum(0.45 * size, least)
+        high = np.maximum(2.2 * size, 4 * least)
+        return np.asarray(np.geomspace(low, high, _SCATTERS, axis=1))
+
+    def start(self) -> FloatArray:
+        """Return coefficients (c, p) for light tails and no dial."""
+        at = np.einsum("cnp,n->cp", self.design, self.y)
+        at[:, self.fixed :] *= self.variances / (1 + self.variances)
+        return np.asarray(at)
+
+    def at(
+        self, s: FloatArray, distribution: Distribution, weight: Callable[[FloatArray], FloatArray]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return log evidence and log likelihood (c, S) for scatters s (c, S)."""
+        wide = s[:, :, np.newaxis] * self.scale[:, np.newaxis]
+        prior = np.zeros((*s.shape, self.design.shape[2]))
+        prior[..., self.fixed :] = 1 / (self.variances[:, np.newaxis] * s[..., np.newaxis] ** 2)
+        at = np.repeat(self.start()[:, np.newaxis], s.shape[1], axis=1)
+        turned = np.swapaxes(self.design, 1, 2)
+        for _ in range(_NEWTON):
+            mean = at @ turned
+            _, slope, curvature = _reading(self.y, self.half, mean, wide, distribution)
+            least = 0.3 * weight((self.y - mean) / wide) / wide**2
+            information = self._information(np.maximum(curvature, least), prior)
+            step = np.linalg.solve(information, (slope @ self.design - prior * at)[..., np.newaxis])
+            at = at + step[..., 0]
+        log_p, _, curvature = _reading(self.y, self.half, at @ turned, wide, distribution)
+        information = self._information(np.maximum(curvature, 0.03 * least), prior)
+        likelihood = log_p.sum(axis=2)
+        evidence = likelihood - (prior * at**2).sum(axis=2) / 2
+        evidence += np.log(prior[..., self.fixed :]).sum(axis=2) / 2
+        evidence -= np.linalg.slogdet(information)[1] / 2
+        return evidence, likelihood
+
+    def _information(self, curvature: FloatArray, prior: FloatArray) -> FloatArray:
+        turned = np.swapaxes(self.design, 1, 2)[:, np.newaxis]
+        information = (turned * curvature[:, :, np.newaxis]) @ self.design[:, np.newaxis]
+        return np.asarray(information + prior[..., np.newaxis] * np.eye(prior.shape[-1]))
+
+
+def _reading(
+    y: FloatArray, half: FloatArray, mean: FloatArray, wide: FloatArray, distribution: Distribution
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return log likelihood of each reading, its slope in the mean, and minus its curvature."""
+    a, b = (y - half - mean) / wide, (y + half - mean) / wide
+    tail_a, fa, slope_a = distribution(a)
+    tail_b, fb, slope_b = distribution(b)
+    across = (a < 0) & (b > 0)
+    p = np.maximum(np.where(across, 1 - tail_a - tail_b, np.abs(tail_a - tail_b)), _TINY)
+    slope = (fa - fb) / (p * wide)
+    return np.log(p), slope, slope**2 - (slope_b - slope_a) / (p * wide**2)
+
+
+def _gaussian(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    from scipy.special import ndtr  # noqa: PLC0415 - heavy, and of use only where there is structure
+
+    density = np.exp(-0.5 * x**2) / np.sqrt(2 * np.pi)
+    return ndtr(-np.abs(x)), density, -x * density
+
+
+def _student(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return Student's t with 4 degrees of freedom in closed form."""
+    u = 1 + x**2 / 4
+    root = np.abs(x) / np.sqrt(u)
+    density = 0.375 * u**-2.5
+    return 0.5 - 0.375 * root * (1 - root**2 / 12), density, -1.25 * x / u * density
+
+
+def _even(x: FloatArray) -> FloatArray:
+    return np.ones_like(x)
+
+
+def _heavy(x: FloatArray) -> FloatArray:
+    return np.asarray(1.25 / (1 + x**2 / 4))
+
+
+_FAMILIES: tuple[tuple[Distribution, Callable[[FloatArray], FloatArray]], ...] = (
+    (_gaussian, _even),
+    (_student, _heavy),
+)

@@ -1,0 +1,19 @@
+"""The indicator's own hysteresis: its reading depends on where the plunger came from."""
+
+import numpy as np
+
+from scara_iso.effects._parameter import Parameter
+from scara_iso.effects._proportional import proportional
+
+EFFECT = proportional(
+    name="indicator_hysteresis",
+    of="approach",
+    by=np.sign,
+    size=Parameter("size", "h", "reading", "half of the distance between approaches"),
+    cause="friction and play in the indicator itself: it reads differently with the plunger going "
+    "in and coming out",
+    confirm_by="bring a gauge block or a micrometer against the indicator from both sides, without "
+    "the robot: the difference must be there too",
+    weight=0.5,  # a course that it shares with lost motion, which is far more common
+    reach=1.0,
+)

@@ -1,0 +1,128 @@
+"""Likelihoods of rounded readings against numerical integration, and what they change."""
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+from scipy.stats import t as student
+
+from scara_iso.diagnosis.hypotheses import constant
+from scara_iso.diagnosis.readings import diagnose_readings as diagnose
+from scara_iso.diagnosis.rounded import DialCourse, fitted_courses, scatter_alone
+from scara_iso.diagnosis.tuning import LEAST_ON_DIAL
+from scara_iso.run import Axis, Run
+
+N = 16
+GAIN = 15.0
+
+
+def integrated(y, column, F):
+    """Return log marginal likelihoods of a constant, and of a constant and a column, by sums."""
+    at = np.linspace(-20, 20, 241)
+    apart, level = at[1] - at[0], at * N**-0.5
+    alone, beside = [], []
+    for s in np.geomspace(LEAST_ON_DIAL, 6, 40):
+
+        def likelihood(mean):
+            p = F((y + 0.5 - mean) / s) - F((y - 0.5 - mean) / s)  # noqa: B023
+            return np.prod(np.maximum(p, 1e-300), axis=-1)
+
+        alone.append(likelihood(level[:, None]).sum() * apart)
+        both = likelihood(level[:, None, None] + at[None, :, None] * column)
+        prior = np.exp(-0.5 * at**2 / (GAIN * s**2)) / np.sqrt(2 * np.pi * GAIN * s**2)
+        beside.append((both * prior).sum() * apart**2)
+    return np.log(np.sum(beside)) - np.log(np.sum(alone))
+
+
+@pytest.mark.parametrize(("family", "F"), [(0, ndtr), (1, student(4).cdf)])
+@pytest.mark.parametrize("scatter", [0.3, 0.8])
+def test_the_bayes_factor_is_that_of_numerical_integration(family, F, scatter):
+    rng = np.random.default_rng(4)
+    y = np.round(0.4 + scatter * rng.normal(size=N) + 1.5 * (np.arange(N) >= 9))
+    column = (np.arange(N) >= 9) - 7 / N
+    column = column / np.linalg.norm(column)
+    step = DialCourse(column[:, None], np.array([GAIN]), np.ones(N))
+    found = fitted_courses(y, np.full(N, 0.5), constant(N), [step, scatter_alone(N)]).marginal
+    expected = integrated(y, column, F)
+    assert found[0, family] - found[1, family] == pytest.approx(expected, abs=0.35)
+
+
+def run_of(y, **recorded):
+    axis = Axis("X", np.asarray(y, dtype=float), resolution=1.0)
+    return Run(np.arange(1, len(y) + 1), {"X": axis}, covariates=recorded)
+
+
+def test_a_perfect_step_of_one_division_is_not_surely_a_step():
+    (found,) = diagnose(run_of([0] * 14 + [1] * 16)).effects
+    assert found.effect == "step"
+    assert found.probability <= 0.9
+    assert "linear_drift" in {rival.effect for rival in found.rivals}
+
+
+def test_an_odd_reading_does_not_hide_what_else_moves():
+    rng = np.random.default_rng(5)
+    y = np.round(rng.normal(size=30) + 4 * (np.arange(30) >= 15))
+    y[5] = 14
+    assert "step" in {found.effect for found in diagnose(run_of(y)).effects}
+    y[5] = 25
+    assert diagnose(run_of(y)).effects
+
+
+def test_a_recorded_approach_takes_the_place_of_alternation():
+    rng = np.random.default_rng(6)
+    side = np.where(np.arange(30) % 2, 1.0, -1.0)
+    (found,) = diagnose(run_of(np.round(rng.normal(size=30) + 3 * side), approach=side)).effects
+    assert found.effect == "lost_motion"
+    assert found.probability >= 0.8
+    assert "contact_side" not in {rival.effect for rival in found.rivals}
+
+
+def test_a_gap_that_grows_is_seen():
+    rng = np.random.default_rng(7)
+    side = np.where(np.arange(30) % 2, 1.0, -1.0)
+    y = np.round(rng.normal(size=30) + (2 + 0.3 * np.arange(30)) * side)
+    assert diagnose(run_of(y, approach=side)).effects[0].effect == "gap_growth"
+
+
+def test_a_strong_smooth_course_with_a_small_misfit_is_one_effect():
+    y = [0, 22, 38, 50, 58, 64, 69, 73, 76, 78, 80, 81, 82, 83, 84, 84, 85, 85, 86, 86, 86, 87, 87,
+         87, 87, 88, 88, 88, 88, 88]  # fmt: skip
+    assert [found.effect for found in diagnose(run_of(y)).effects] == ["warm_up"]
+
+
+def test_a_machine_that_lags_behind_the_thermometer():
+    rng = np.random.default_rng(8)
+    heat = 20 + 6 * np.interp(np.arange(40), [0, 15, 18, 40], [0, 1, 1, 0])
+    body = heat.copy()
+    for j in range(1, 40):
+        body[j] = body[j - 1] + (heat[j] - body[j - 1]) / 8
+    y = np.round(rng.normal(size=40) + 6 * (body - 20))
+    assert diagnose(run_of(y, temperature_C=heat)).effects[0].effect == "temperature_lagged"
+
+
+def test_something_comes_and_goes():
+    j = np.arange(30)
+    y = np.round(
+        np.random.default_rng(9).normal(size=30) + 6 * np.exp(-0.5 * ((j - 14) / 2.5) ** 2)
+    )
+    assert diagnose(run_of(y)).effects[0].effect == "transient"
+
+
+def test_eight_readings_are_answered():
+    y = np.round(np.random.default_rng(10).normal(size=8) + 4 * np.arange(8))
+    assert diagnose(run_of(y)).effects
+
+
+@pytest.mark.parametrize("scatter", [0.4, 2.0])
+def test_the_completed_model_foretells_the_next_test(scatter):
+    held = 0
+    for seed in range(30):
+        rng = np.random.default_rng([seed, 11])
+        first, then = (
+            np.round(rng.uniform(-0.5, 0.5) + scatter * rng.normal(size=30)) for _ in range(2)
+        )
+        if not np.ptp(first):
+            continue
+        foretold = diagnose(run_of(first)).repeatability.completed["X"]
+        apart = np.abs(then - then.mean())
+        held += foretold.low <= apart.mean() + 3 * apart.std(ddof=1) <= foretold.high
+    assert held >= 25
