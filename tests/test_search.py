@@ -58,7 +58,7 @@ def stage(name=None, form=RAMP):
 
 @pytest.mark.parametrize(
     ("p_order", "p_levels", "p_outlier", "expected"),
-    [(0.19, 0.06, 0.05, 0.2), (0.5, 0.03, 0.05, 0.2), (0.5, 0.06, 0.02, 0.2), (1, 1, 1, 1.0)],
+    [(0.19, 0.06, 0.05, 0.2), (0.5, 0.05, 0.05, 0.2), (0.5, 0.06, 0.02, 0.2), (1, 1, 1, 1.0)],
 )
 def test_the_p_value_is_the_smallest_over_its_share_of_the_level(
     p_order, p_levels, p_outlier, expected
