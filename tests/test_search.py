@@ -167,8 +167,8 @@ def outcome(monkeypatch):
     [
         ({"p_order": 0.5 * 0.95}, True),
         ({"p_order": 0.51 * 0.95}, False),
-        ({"two_levels": 0.5 * 0.15}, True),
-        ({"two_levels": 0.51 * 0.15}, False),
+        ({"two_levels": 0.5 * 0.25}, True),
+        ({"two_levels": 0.51 * 0.25}, False),
         ({"outlier": 0.01}, False),
     ],
 )
