@@ -58,7 +58,7 @@ def stage(name=None, form=RAMP):
 
 @pytest.mark.parametrize(
     ("p_order", "p_levels", "p_outlier", "expected"),
-    [(0.19, 0.06, 0.05, 0.2), (0.5, 0.03, 0.05, 0.2), (0.5, 0.06, 0.02, 0.2), (1, 1, 1, 1.0)],
+    [(0.19, 0.06, 0.05, 0.2), (0.5, 0.05, 0.05, 0.2), (0.5, 0.06, 0.02, 0.2), (1, 1, 1, 1.0)],
 )
 def test_the_p_value_is_the_smallest_over_its_share_of_the_level(
     p_order, p_levels, p_outlier, expected
@@ -167,8 +167,8 @@ def outcome(monkeypatch):
     [
         ({"p_order": 0.5 * 0.95}, True),
         ({"p_order": 0.51 * 0.95}, False),
-        ({"two_levels": 0.5 * 0.15}, True),
-        ({"two_levels": 0.51 * 0.15}, False),
+        ({"two_levels": 0.5 * 0.25}, True),
+        ({"two_levels": 0.51 * 0.25}, False),
         ({"outlier": 0.01}, False),
     ],
 )
