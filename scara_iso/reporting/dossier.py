@@ -99,7 +99,8 @@ def _sections(dossier: Dossier) -> Iterator[Section]:
 
 
 def _not_measured(analysis: Analysis) -> str:
-    found = sorted(not_measured(analysis), key=lambda one: [*map(int, one.clause.split("."))])
+    found = [one for one in not_measured(analysis) if one.clause[:1].isdigit()]
+    found.sort(key=lambda one: [*map(int, one.clause.split("."))])
     return "; ".join(f"{one.clause} {one.name}" for one in found) + "."
 
 
