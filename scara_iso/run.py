@@ -38,7 +38,7 @@ AXES = ("X", "Y", "Z", "theta")
 """Names of the indicator axes, in the order in which they are reported."""
 
 FARTHEST = 1e9
-"""Largest reading, in mm or degrees, that can be meant."""
+"""Largest reading, in mm or degrees, that a dial could show."""
 
 
 @dataclass(frozen=True, slots=True)

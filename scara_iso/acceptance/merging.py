@@ -106,7 +106,7 @@ def _refuse_other_axes(folder: Folder, runs: Mapping[str, Run]) -> None:
              for pose, run in runs.items()}  # fmt: skip
     if len(set(found.values())) > 1:
         raise DataError(
-            "the parts have not the same axes", where=str(folder.path),
+            "the parts do not have the same axes", where=str(folder.path),
             faults=[Fault(f"{pose}: {said}") for pose, said in found.items()],
             remedy="repeat the part that differs, with the gauges of the others",
         )  # fmt: skip

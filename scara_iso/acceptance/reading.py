@@ -54,7 +54,7 @@ def read_test(folder: Path) -> WholeTest:
     if faults:
         raise DataError(
             f"is no test: {len(faults)} fault{'s' if len(faults) > 1 else ''}", where=str(path),
-            remedy="mend these keys; docs/test-folder.md lists them all", faults=faults,
+            remedy="correct these keys; docs/test-folder.md lists them all", faults=faults,
         )  # fmt: skip
     return found
 
@@ -161,7 +161,7 @@ def _check_together(test: WholeTest, faults: KeyFaults) -> None:
 
 def _text(value: object) -> str:
     if not isinstance(value, str) or len(value) > _LONGEST or not value.isprintable():
-        raise ValueError("no line of text")
+        raise ValueError("not a line of text")
     return value.strip()
 
 
@@ -173,19 +173,19 @@ def _number(value: object) -> float:
 
 def _positive(value: object) -> float:
     if not is_number(value) or not 0 < float(value) < _LARGEST:  # type: ignore[arg-type]
-        raise ValueError("no number above zero")
+        raise ValueError("not a number above zero")
     return float(value)  # type: ignore[arg-type]
 
 
 def _not_negative(value: object) -> float:
     if not is_number(value) or not 0 <= float(value) < _LARGEST:  # type: ignore[arg-type]
-        raise ValueError("no number of zero or more")
+        raise ValueError("not a number of zero or more")
     return float(value)  # type: ignore[arg-type]
 
 
 def _whole(value: object) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not 2 <= value <= _MOST_CYCLES:
-        raise ValueError(f"no whole number from 2 to {_MOST_CYCLES}")
+        raise ValueError(f"not a whole number from 2 to {_MOST_CYCLES}")
     return value
 
 
@@ -225,11 +225,11 @@ def _day(value: object) -> date:
         try:
             value = date.fromisoformat(value)
         except ValueError:
-            raise ValueError("no date such as 2026-05-12") from None
+            raise ValueError("not a date such as 2026-05-12") from None
     if isinstance(value, datetime):
         return value.date()
     if not isinstance(value, date):
-        raise ValueError("no date such as 2026-05-12")
+        raise ValueError("not a date such as 2026-05-12")
     return value
 
 

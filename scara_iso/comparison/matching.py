@@ -30,12 +30,12 @@ PAGES = {
     are and both labels are said.""",
     "other-resolution": """The dial's resolution is not the same in both runs.
 
-    A coarser dial moves RP by itself. Where both resolutions are stated, what rounding can make of
-    each is taken off the difference before it counts; where one is not, nobody can.""",
+    A coarser dial moves RP by itself. Where both resolutions are stated, what rounding can do
+    to each is subtracted from the difference; where one is not, this cannot be done.""",
     "other-conditions": """A condition of the test is not the same in both runs.
 
-    What differs in payload, velocity, temperature or setting may make the difference that a repair
-    is praised for. Run both tests under the same conditions, or say what else changed.""",
+    What differs in payload, velocity, temperature or setting may cause a difference that seems
+    due to a repair. Run both tests under the same conditions, or say what else changed.""",
     "other-cycles": """The runs do not have the same number of cycles that count.
 
     They are compared all the same; the smaller run limits what can be shown.""",
@@ -122,7 +122,7 @@ def _other_dials(before: Analysis, after: Analysis) -> Iterator[Finding]:
         if a.resolution != b.resolution:
             sizes = [f"{x.resolution:g} {x.unit}" if x.resolution else "not stated" for x in (a, b)]
             said = f"the dial's resolution is {sizes[0]} before, {sizes[1]} after"
-            part = "; what rounding can make of each is taken off the difference"
+            part = "; what rounding can do to each is subtracted from the difference"
             known = a.resolution and b.resolution
             yield Finding("other-resolution", "warning", said + (part if known else ""), name)
 

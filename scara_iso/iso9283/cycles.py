@@ -90,7 +90,7 @@ class _Rule:
         return None
 
     def is_open(self, numbers: IntArray) -> bool:
-        """Return whether the rows may or may not hold the first cycle: nobody says which."""
+        """Return whether the rows may or may not hold the first cycle: nothing states which."""
         return (
             int(numbers[-1]) - int(numbers[0]) + 1 == self.cycles - 1
             and int(numbers[0]) in (0, 1)

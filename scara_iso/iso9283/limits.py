@@ -2,8 +2,8 @@
 
 A limit is kept where the whole 95 % interval of the figure is at most the limit, and broken where
 all of it is above; else these cycles prove neither. An interval that a finding voids (a drift) is
-marked: what is decided by it holds only while the robot drifts alike. Simple acceptance (RP at most
-the limit) is there for who asks for it.
+marked: what is decided by it holds only while the robot drifts in the same way. Simple acceptance
+(RP at most the limit) is used only on request.
 """
 
 from __future__ import annotations

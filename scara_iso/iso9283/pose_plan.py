@@ -88,7 +88,7 @@ class PoseTestConditions:
         faults += [] if self.order else ["no pose is visited"]
         if faults:
             raise UsageError(
-                f"no such test: {', '.join(faults)}",
+                f"not a valid test: {', '.join(faults)}",
                 remedy="percentages go up to 100, times are not negative, poses are P1 to P5",
             )
 

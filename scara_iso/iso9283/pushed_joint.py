@@ -94,8 +94,8 @@ def push_test(
     """Return what a force loop says of a joint; ``arm_m`` from the joint to dial and force [m].
 
     ``limits`` by code, in arcmin of the joint, with ``_mm`` behind in mm of the reading; the empty
-    name is the lost motion of the joint. Raises `UsageError` for what cannot be meant, `DataError`
-    as `fit_loop`.
+    name is the lost motion of the joint. Raises `UsageError` for values that make no sense,
+    `DataError` as `fit_loop`.
     """
     if arm_m is not None and not 0 < arm_m < math.inf:
         raise UsageError(f"`arm={arm_m:g}`: not a length above zero")

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 from scara_iso import iso9283
 from scara_iso.iso9283 import Analysis, DecisionRule
-from scara_iso.library.inputs import TableOptions, Tables, tables_of
+from scara_iso.library.inputs import TableOptions, Tables, paths_of
 
 
 def analyze(
@@ -52,7 +51,7 @@ def analyze(
 
 def compared_with_its_manifest(analysis: Analysis, table: Tables) -> Analysis:
     """Return the analysis with a finding for each file that changed since it was recorded."""
-    paths = [Path(one) for one in tables_of(table) if isinstance(one, str | Path) and one != "-"]
+    paths = paths_of(table)
     if not paths:
         return analysis
     from scara_iso.acquisition import check_manifest

@@ -83,6 +83,11 @@ def tables_of(tables: Tables) -> list[Table]:
     return found
 
 
+def paths_of(tables: Tables) -> list[Path]:
+    """Return the files among them."""
+    return [Path(one) for one in tables_of(tables) if isinstance(one, str | Path) and one != "-"]
+
+
 def together_as(tables: Tables) -> str:
     """Return what the tables of one test are called together: their folder, else nothing."""
     one = tables[0] if isinstance(tables, list | tuple) and len(tables) == 1 else tables

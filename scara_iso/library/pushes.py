@@ -27,7 +27,7 @@ def push(
     ``resolution`` (in it) are as in `read_table`. ``limits`` are by code (``lost_motion``,
     ``friction_width``, ``hysteresis``, ``deflection``) in arcmin of the joint, with ``_mm`` behind
     in mm; the empty name is the lost motion. ``decision`` as in `analyze`. Raises `DataError` for a
-    table that cannot be read or is no loop, `UsageError` for what cannot be meant.
+    table that cannot be read or is no loop, `UsageError` for values that make no sense.
     """
     words = [rule.value for rule in DecisionRule]
     if decision not in words:

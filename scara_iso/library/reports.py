@@ -25,7 +25,15 @@ from scara_iso.frames import is_frame
 from scara_iso.iso9283 import Analysis, DecisionRule, poses_in_cycles
 from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest
-from scara_iso.library.inputs import Table, TableOptions, Tables, every, tables_of, together_as
+from scara_iso.library.inputs import (
+    Table,
+    TableOptions,
+    Tables,
+    every,
+    paths_of,
+    tables_of,
+    together_as,
+)
 from scara_iso.library.statements import restate
 from scara_iso.render import find_format
 from scara_iso.reporting import (
@@ -156,8 +164,7 @@ def report(
     )
     if to is not None and write is not None:
         write_file(Path(to), write(dossier))
-    paths = (Path(one) for one in tables_of(table) if isinstance(one, str | Path) and one != "-")
-    return TestReport(dossier, _named(held), tuple(paths))
+    return TestReport(dossier, _named(held), tuple(paths_of(table)))
 
 
 def _named(held: Sequence[Held]) -> dict[str, bytes]:

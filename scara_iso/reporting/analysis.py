@@ -256,7 +256,7 @@ def findings(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
         notices = tuple(
             Notice(f.severity, f.code, _subject(f), f.said if advice else f.message) for f in others
         )
-        how = Text("scara-iso explain CODE says more of each", "quiet")
+        how = Text("scara-iso explain CODE says more about each", "quiet")
         yield Section("findings", (*notices, how) if advice else notices)
 
 

@@ -21,7 +21,7 @@ def characteristics(analysis: Analysis, *, advice: bool = True) -> Iterator[Sect
 def characteristics_table(found: Sequence[Characteristic], *, advice: bool = True) -> Table:
     """Return a table of characteristics."""
     header = ("characteristic", "pose", "of", "figure", "95 % interval", "n", "in")
-    how = "scara-iso explain CODE says more of each" if advice else ""
+    how = "scara-iso explain CODE says more about each" if advice else ""
     return Table(header, tuple(_row(one) for one in found), how)
 
 

@@ -105,13 +105,15 @@ def caution(pair: Pair) -> Iterator[Block]:
     every = (*pair.spreads, *pair.means)
     still = _names(one for one in every if not is_live(one))
     if still:
-        said = f"{still}: readings stand still in one of the runs. That is no repair: was the dial"
-        yield Text(f"{said} touched, or too coarse?", "warn")
+        said = (
+            f"{still}: all readings of one run are the same. That does not show a repair: did the"
+        )
+        yield Text(f"{said} dial touch, or is it too coarse?", "warn")
     drifting = _names(one for one in every if "trend" in one.doubts)
     if drifting:
         yield Text(
-            f"{drifting}: readings drift in one of the runs. The test deals cycles between the "
-            "runs as if their order did not count: diagnose the drift first.",
+            f"{drifting}: readings drift in one of the runs. The test permutes cycles between "
+            "the runs as if their order did not matter: diagnose the drift first.",
             "warn",
         )
     if any(one.verdict is ContrastVerdict.DIAL for one in every):
@@ -247,9 +249,9 @@ def _method(comparison: Comparison) -> str:
     pairs = len(comparison.pairs)
     shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
     return (
-        f"Cycles are dealt to the two runs at random {comparison.shuffles} times (studentised "
-        "permutation, seed fixed). Intervals of one quantity hold together with 95 %, p is that "
-        f"among all its figures{shared}. The dials' rounding is taken off. Method: docs/compare.md"
+        f"Cycles are assigned to the two runs at random {comparison.shuffles} times (studentised "
+        "permutation, fixed seed). The intervals of one quantity hold together with 95 %; p allows "
+        f"for all its figures{shared}. The dials' rounding is subtracted. Method: docs/compare.md"
     )
 
 

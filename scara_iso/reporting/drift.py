@@ -148,7 +148,7 @@ def _picture(course: DriftCourse) -> Iterator[Block]:
             None if fit is None or steady is None else (steady[0], fit.steady_after_h, steady[1]),
         ),
         "Course of the drift",
-        "points: mean of each block less that of the first; "
+        "points: mean of each block minus that of the first; "
         + ("lines: the fitted exponential; " if fitted else "no drift beyond chance is fitted; ")
         + ("band: where it is steady, with its 95 % interval" if steady else "not steady yet"),
     )

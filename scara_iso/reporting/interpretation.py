@@ -11,7 +11,7 @@ from scara_iso.reporting.digits import p_equals
 from scara_iso.reporting.words import words
 
 _CHANCE = (
-    "p: how often scatter alone would look as structured. Where nothing was found, an effect too "
+    "p: how often scatter alone would look this structured. Where nothing was found, an effect too "
     "small for these cycles may still be there."
 )
 
@@ -48,7 +48,7 @@ def _effect(name: str, places: list[tuple[str | None, Found]]) -> Iterator[Text]
         yield Text(f"{_at(pose)}{parameters_said(found)}{axes}; {sure}")
     one = places[0][1]
     yield Text(f"Cause: {one.cause}.")
-    yield Text(f"To be sure: {one.confirm_by}.")
+    yield Text(f"To confirm: {one.confirm_by}.")
 
 
 def _at(pose: str | None) -> str:

@@ -13,13 +13,13 @@ _FIGURES = "In mm; XY by the larger of its two figures; an angle in degrees, by 
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
-    "is wrong in one test of forty or fewer with Gaussian scatter. Cycles needed: about so many in "
-    "one run prove it, were the figure as read; none do where the dial hides the scatter, or the "
-    "calibration alone reaches the limit."
+    "is wrong in one test of forty or fewer with Gaussian scatter. Cycles needed: about this many "
+    "in one run would prove it if the true figure is the one read; no number would where the dial "
+    "hides the scatter, or the calibration alone reaches the limit."
 )
 _SIMPLE = (
-    "Simple acceptance was chosen: pass where RP is at most the limit; what so few cycles leave "
-    "open is not counted. Guard band: U = 2 u of the indicator (ISO 14253-1)."
+    "Simple acceptance was chosen: pass where RP is at most the limit; the uncertainty of so few "
+    "cycles is not counted. Guard band: U = 2 u of the indicator (ISO 14253-1)."
 )
 RULES = {
     DecisionRule.INTERVAL: (
@@ -27,8 +27,8 @@ RULES = {
         "where all of it is above, else not provable with these cycles."
     ),
     DecisionRule.SIMPLE: (
-        "Decision rule: simple acceptance, pass where a figure is at most its limit; what so few "
-        "cycles leave open is not counted."
+        "Decision rule: simple acceptance, pass where a figure is at most its limit; the "
+        "uncertainty of so few cycles is not counted."
     ),
 }
 """In one sentence."""
@@ -58,7 +58,7 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     if void:
         yield Text(
             f"A drift voids the interval of {_names(void)}: what is decided by it holds "
-            "only while the robot drifts alike",
+            "only while the robot drifts in the same way",
             "warn",
         )
 

@@ -42,7 +42,7 @@ def paper_section(table_1: PoseResult, gear: Backlash) -> Section:
     said = (
         "The paper's RP do not follow from its own table; this tool prints what the readings give."
     )
-    return Section("what of the paper's print follows from its data", (Text(said), table))
+    return Section("which printed figures of the paper follow from its data", (Text(said), table))
 
 
 def _row(label: str, printed: float | None, found: float | None) -> tuple[Cell, ...]:

@@ -38,7 +38,7 @@ def ports_report(devices: Iterable[tuple[str, str, str]]) -> Report:
     """Return the ports of this machine: name, description and USB identity of each."""
     rows = tuple(devices)
     if not rows:
-        text = "No serial port is there. sim: simulates one: `gauge=X=opto-rs232@sim:`"
+        text = "No serial port was found. sim: simulates one: `gauge=X=opto-rs232@sim:`"
         return (Section("Serial ports", (Text(text),)),)
     table = Table(("port", "identity", "description"), rows)
     return (Section("Serial ports", (table,)),)

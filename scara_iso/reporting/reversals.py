@@ -43,5 +43,5 @@ def _table(reversals: tuple[Reversal, ...]) -> Table:
             )
             for one in reversals
         ),
-        "half width: mean of approach +1 less mean of approach -1, over 2",
+        "half width: (mean of approach +1 minus mean of approach -1) / 2",
     )

@@ -14,7 +14,7 @@ from scara_iso.reporting.stated import NOT_STATED
 from scara_iso.run import Axis
 
 _OPEN = (
-    "Not in the budget, because no reading tells it: the angle between the indicator and its axis "
+    "Not in the budget, because no reading shows it: the angle between the indicator and its axis "
     "(cosine error), the shape and wear of its tip, the stiffness of its stand, the temperature of "
     "robot and stand. They add to what is combined here."
 )

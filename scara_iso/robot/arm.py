@@ -73,7 +73,7 @@ class Arm:
         ]
         if faults:
             raise UsageError(
-                f"no such arm: {', '.join(faults)}",
+                f"not a possible arm: {', '.join(faults)}",
                 remedy="links are positive, in mm, limits finite and in order (lowest, highest)",
             )
 

@@ -119,7 +119,7 @@ def _check_covariates(columns: Columns, faults: Faults) -> None:
         if column.kind is Kind.COVARIATE and len(seen) > 1:
             *_, (unit, line) = seen.items()
             faults.add(
-                f"{column.name}: {quoted(unit)} behind a value, and otherwise above",
+                f"{column.name}: {quoted(unit)} behind a value, another unit above",
                 line,
                 column.position + 1,
             )

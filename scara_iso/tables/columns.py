@@ -178,7 +178,7 @@ class Columns:
     def _direction(self, column: Column, cell: Cell, line: int) -> str:
         direction = read_direction(cell) if isinstance(cell, str) else None
         if direction is None:
-            what = f"{_text(cell)} is no direction of approach, +x to -z, as above it"
+            what = f"{_text(cell)} is not a direction of approach (+x to -z) as those above it are"
             self._fault(column, what, line)
         return direction or ""
 

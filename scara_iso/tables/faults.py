@@ -44,7 +44,7 @@ class Faults:
         faults = sorted(self._kept, key=lambda fault: (fault.line or 0, fault.column or 0))
         count = "1 fault" if self.total == 1 else f"{self.total} faults"
         more = f", the first {KEPT} listed" if self.total > KEPT else ""
-        more += "; not read to its end" if self.total == _MOST else ""
+        more += "; the rest was not read" if self.total == _MOST else ""
         raise DataError(
             f"cannot be read as {self.what}: {count}{more}",
             where=self.where,

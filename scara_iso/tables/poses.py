@@ -61,7 +61,7 @@ def find_commands(
             continue
         unit = read_unit(column.unit) if column.unit else scaled.unit
         if unit is None or unit.dimension is not scaled.unit.dimension:
-            what = f"command_{column.name}: {quoted(column.unit)} is no unit of {column.name}"
+            what = f"command_{column.name}: {quoted(column.unit)} is not a unit of {column.name}"
             faults.add(what, columns.layout.header_line, column.position + 1)
             continue
         if scaled.command is not None or set(columns.units.get(column, {})) - {""}:

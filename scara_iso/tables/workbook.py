@@ -103,7 +103,7 @@ def _check(data: bytes, where: str) -> dict[str, list[tuple[int, int]]]:
         zlib.error, NotImplementedError, IndexError,
             RuntimeError, EOFError, ValueError, OSError) as error:  # fmt: skip
         raise refuse(
-            where, "a zip archive that is no sound .xlsx workbook", remedy=_REMEDY
+            where, "a zip archive that is not a valid .xlsx workbook", remedy=_REMEDY
         ) from error
     if sum(sheet.rows * sheet.columns for sheet in sheets.values()) > _CELLS:
         largest = max(sheets.values(), key=lambda sheet: sheet.rows * sheet.columns)

@@ -72,7 +72,7 @@ def test_another_channel_is_noticed_and_not_read() -> None:
         InstrumentFault,
         Reading,
     ]
-    assert events[0] == DeviceNotice("channel 1 speaks, and was not asked", FRAME[:-1])
+    assert events[0] == DeviceNotice("channel 1 speaks, but was not asked", FRAME[:-1])
 
 
 # serial.md's table: what 7E2 frames become on an 8N1 port.

@@ -86,7 +86,7 @@ class Decoder:
     def _of_channel(self, events: list[Event]) -> list[Event]:
         asked = self._dialect.channel
         return [
-            DeviceNotice(f"channel {event.channel} speaks, and was not asked", event.raw)
+            DeviceNotice(f"channel {event.channel} speaks, but was not asked", event.raw)
             if isinstance(event, Reading | InstrumentFault) and event.channel not in (None, asked)
             else event
             for event in events

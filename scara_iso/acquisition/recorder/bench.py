@@ -202,7 +202,7 @@ class Bench:
         self.drain(0.0, "late, or not asked for")
         self.refuse(self.receive(), "not asked for")
         for gauge in self._owing():
-            self.problem(gauge, "timeout", "owes an answer, and its line is never quiet")
+            self.problem(gauge, "timeout", "still owes an answer, and its line is not quiet")
             return None
         self._faulted = ambiguous = False
         self._unreadable.clear()

@@ -13,9 +13,9 @@ from scara_iso.acquisition.recorder.tour import ONE_POSE, Tour
 from scara_iso.errors import UsageError
 
 _SETTLED = {
-    "rest": "seconds that the dial stands, default 1",
-    "within": "divisions that it may then show by turns, default 1",
-    "away": "mm or degrees that it must have been away before, default 0.5",
+    "rest": "seconds that the dial must stand still, default 1",
+    "within": "divisions between which it may flicker meanwhile, default 1",
+    "away": "mm or degrees that it must have moved away before, default 0.5",
 }
 
 

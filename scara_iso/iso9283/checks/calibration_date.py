@@ -33,7 +33,10 @@ def check(measured: Measured) -> Iterator[Finding]:
         yield from _against(test, done, due)
     elif due is not None:
         yield Finding(
-            CODE, "info", f"{due} is compared with nothing", advice="state '# date' of the test"
+            CODE,
+            "info",
+            f"{due} cannot be checked: the date of the test is not stated",
+            advice="state '# date' of the test",
         )
 
 

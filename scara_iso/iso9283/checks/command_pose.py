@@ -24,7 +24,7 @@ def check(measured: Measured) -> Iterator[Finding]:
         found = [label for label in labels if run.command_of(name, label) is not None]
         lacking = [str(label or "P1") for label in labels if label not in found]
         if len(labels) > 1 and not isinstance(command, Mapping):
-            said = f"one command coordinate for {len(labels)} poses is of none of them; not used"
+            said = f"one command coordinate for {len(labels)} poses belongs to none; not used"
         elif not found:
             said = "a command coordinate is stated for a pose that is not in the table; not used"
         elif len(found) < len(labels):
@@ -42,6 +42,6 @@ def check(measured: Measured) -> Iterator[Finding]:
         yield Finding(
             CODE,
             "info",
-            "no accuracy AP: the dials' zero is not said to be referred to the command pose",
+            "no accuracy AP: the table does not say that the dials' zero is the command pose",
             advice="add '# dial_zero: command' if it is",
         )

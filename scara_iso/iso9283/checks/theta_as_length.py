@@ -23,7 +23,7 @@ def check(measured: Measured) -> Iterator[Finding]:
         yield Finding(
             CODE,
             "info",
-            "given as a length at a radius that is not stated: no angle can be said",
+            "given as a length at a radius that is not stated: no angle can be given",
             "theta",
             advice="add '# theta_radius_mm: R'",
         )

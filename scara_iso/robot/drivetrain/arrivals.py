@@ -109,7 +109,7 @@ def _check(train: DriveTrain, move: Move, count: int) -> None:
     if count < 1 or not all(0 < v < np.inf for v in numbers):
         raise UsageError("a move needs a positive speed and deceleration, and at least one arrival")
     if not all(0 <= v < 0.3 for v in (move.speed_scatter, move.friction_scatter)):
-        raise UsageError("scatter is a part of the value: from 0 to less than 0.3")
+        raise UsageError("scatter is a fraction of the value: from 0 to less than 0.3")
 
 
 def sides(approach: Approach, count: int, rng: np.random.Generator) -> IntArray:

@@ -49,7 +49,7 @@ class DriveTrain:
                     good, rule = 0 <= value < math.inf, "not negative, and finite"
             faults += [] if good else [f"{name} is {value:g}, must be {rule}"]
         if faults:
-            raise UsageError(f"no such drive train: {'; '.join(faults)}")
+            raise UsageError(f"not a possible drive train: {'; '.join(faults)}")
 
     @property
     def reflected_inertia(self) -> float:

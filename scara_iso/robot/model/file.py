@@ -52,7 +52,7 @@ def read_model(path: str | Path) -> Model:
     )
     if faults:
         raise DataError(
-            f"no model can be read: {len(faults)} fault{'s' if len(faults) > 1 else ''}",
+            f"the model cannot be read: {len(faults)} fault{'s' if len(faults) > 1 else ''}",
             where=str(path),
             remedy="examples/fum_scara.toml holds every key",
             faults=faults,
