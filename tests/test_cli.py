@@ -31,7 +31,7 @@ def call(capsys):
 
 
 def test_table_1(call):
-    code, out, err = call("analyze", TABLE_1)
+    code, out, err = call("analyze", TABLE_1, "--full")
     assert (code, err) == (0, "")
     rows = [line.split() for line in out.splitlines()]
     for figures in (["X", "0.014"], ["Y", "0.0060"], ["Z", "0.0235"], ["theta", "0.0080"],
@@ -149,7 +149,7 @@ def test_demo_sets_the_print_beside_the_data(call):
 
 
 def test_demo_names_the_table_and_no_folder(call):
-    assert "FUM SCARA · the paper's Table I\n" in call("demo")[1]
+    assert "FUM SCARA · the paper's Table I · 30 cycles" in call("demo")[1]
 
 
 def test_demo_opens_its_report_in_the_browser(call, monkeypatch):
@@ -179,11 +179,11 @@ def test_demo_as_json(call):
         ("Z=0.03", 1, "NOT PROVABLE with these cycles: Z; about"),
         ("0.035", 0, "95 % interval\n  A drift voids the interval"),
         ("0.01", 1, "FAIL: OUTSIDE the limit with the whole 95 % interval: Z, XYZ"),
-        ("XY=0.0153", 1, "NOT PROVABLE with these cycles: XY\n"),
+        ("XY=0.0153", 1, "NOT PROVABLE with these cycles: XY; more than 100000 cycles would\n"),
     ],
 )
 def test_a_limit_makes_the_exit_code_a_verdict(call, limit, code, said):
-    found, out, _ = call("analyze", TABLE_1, "--limit", limit)
+    found, out, _ = call("analyze", TABLE_1, "--limit", limit, "--full")
     assert found == code
     assert said in out
     assert "XY by the larger of its two figures" in out
@@ -206,7 +206,7 @@ def test_a_verdict_on_what_drifts_says_so_in_text_and_json(call):
     ("limit", "code"), [("0.03", 0), ("0.02", 1), ("XY=0.0153", 0), ("XY=0.0152", 1)]
 )
 def test_simple_acceptance_is_named(call, limit, code):
-    found, out, _ = call("analyze", TABLE_1, "--limit", limit, "--decision", "simple")
+    found, out, _ = call("analyze", TABLE_1, "--limit", limit, "--decision", "simple", "--full")
     assert found == code
     assert "by simple acceptance" in out
     assert "guard band" in out
@@ -241,7 +241,7 @@ def test_the_digits_that_decide_are_shown(call, tmp_path):
     table = tmp_path / "run.csv"
     rows = [f"{cycle},{reading}" for cycle, reading in enumerate(readings, start=1)]
     table.write_text("\n".join(["# unit: mm", "# resolution: 0.001", "cycle,X", *rows, ""]))
-    _, out, _ = call("analyze", table, "--limit", "X=0.00499996", "--decision", "simple")
+    _, out, _ = call("analyze", table, "--limit", "X=0.00499996", "--decision", "simple", "--full")
     (row,) = [line for line in out.splitlines() if line.startswith("X ") and "FAIL" in line]
     shown, limit = map(float, row.split()[1:3])
     assert shown > limit == 0.00499996

@@ -306,7 +306,7 @@ def test_nothing_in_the_picture_is_written_over_another(rng):
 def test_the_command_shows_the_example_s_repair(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     tables = ["examples/before_repair.csv", "examples/after_repair.csv"]
-    assert main(["compare", *tables]) == 0
+    assert main(["compare", *tables, "--full"]) == 0
     said = capsys.readouterr().out
     assert "X better (×0.43, 95 % interval 0.22..0.82)" in said
     assert max(map(len, said.splitlines())) <= 80

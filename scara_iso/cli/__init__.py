@@ -237,7 +237,7 @@ def _say(lines: Sequence[str]) -> None:
 
 def _wrapped(lines: Sequence[str]) -> list[str]:
     """Return the lines broken between words where a person reads them, whole for a program."""
-    if not (sys.stderr.isatty() or "COLUMNS" in os.environ):
+    if not sys.stderr.isatty():
         return list(lines)
     width = max(get_terminal_size().columns - 1, 20)
     return [part for line in lines for part in _broken(line, width)]

@@ -80,7 +80,8 @@ def analyze_command(
             "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
             "all_count": all_count, "allow_gaps": allow_gaps,
         }  # fmt: skip
-        held = {"limit": limit, "decision": decision.value if limit else None}
+        simple = decision is DecisionRule.SIMPLE
+        held = {"limit": limit, "decision": decision.value if simple else None}
         again = command_line(table, read)
         following = reporting.after_analysis(analysis, command_line(table, held | read), again)
         write_report(reporting.analysis_brief(analysis, following))

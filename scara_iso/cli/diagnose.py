@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -128,7 +129,7 @@ def diagnose_command(
 
         def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
             counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
-            again = command_line([folder], {"condition": one.condition.name})
+            again = partial(command_line, [folder], {"condition": one.condition.name})
             how = _How(again, full=full, as_json=json, write=write)
             _diagnose_run(run, files, reading, counting, how, seed=seed)
 
@@ -140,7 +141,7 @@ def diagnose_command(
 
         show_many(named, model, reading, wanted, seed=seed, as_json=json)
     else:
-        again = command_line(named, asdict(reading) | asdict(wanted))
+        again = partial(command_line, named, asdict(reading) | asdict(wanted))
         how = _How(again, full=full, as_json=json)
         _diagnose_run(run, files, reading, wanted, how, seed=seed)
 
@@ -194,7 +195,7 @@ class _Files:
 class _How:
     """How a diagnosis is written; ``again`` names its table in a command line."""
 
-    again: str
+    again: Callable[..., str]
     full: bool
     as_json: bool
     write: Write = write_json

@@ -91,20 +91,22 @@ def write_text(text: str, path: Path | None) -> None:
         write_file(path, text.encode("utf-8", "backslashreplace"))
 
 
-def command_line(words: Sequence[str], options: Mapping[str, Any]) -> str:
+def command_line(words: Sequence[str], options: Mapping[str, Any], **more: object) -> str:
     """Return the words and the options that were given as they are typed, to be typed again."""
     given = [
         (name, one)
-        for name, value in options.items()
+        for name, value in (*options.items(), *more.items())
         for one in (value if isinstance(value, list | tuple) else [value])
         if one is not None and one is not False
     ]
-    typed = [as_options(f"`{name}={_plain(one)}`") for name, one in given]
-    return " ".join([*map(shlex.quote, words), *typed])
+    return " ".join([*map(shlex.quote, words), *(_typed(name, one) for name, one in given)])
 
 
-def _plain(value: object) -> str:
-    return f"{value:.15g}" if isinstance(value, float) else str(value)
+def _typed(name: str, value: object) -> str:
+    option = f"--{name.replace('_', '-')}"
+    if value is True:
+        return option
+    return f"{option} {shlex.quote(f'{value:.15g}' if isinstance(value, float) else str(value))}"
 
 
 def named(tables: Sequence[str]) -> list[str]:

@@ -65,11 +65,11 @@ def push_command(
     else:
         from scara_iso.reporting import NextStep, push_brief, push_report
 
-        given = {
-            "arm": arm, "limit": limit, "decision": decision.value if limit else None,
-            "unit": unit, "resolution": resolution, "full": True,
-        }  # fmt: skip
-        following = NextStep(f"scara-iso push {command_line([loop], given)}", "every figure")
+        simple = decision is DecisionRule.SIMPLE
+        held = {"limit": limit, "decision": decision.value if simple else None}
+        read = {"arm": arm, "unit": unit, "resolution": resolution}
+        again = command_line([loop], held | read, full=True)
+        following = NextStep(f"scara-iso push {again}", "every figure")
         write_report(push_report(found) if full else push_brief(found, following))
     if found.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)

@@ -1,4 +1,4 @@
-"""What every short form is made of: a figure with its interval, cautions, what is left to --full.
+"""What every short form is made of: a figure with its interval, cautions, what is left out.
 
 A short form says the answer in three lines, then one table with the picture. A warning is never
 left out of it: each stands in the line of cautions, by what it is about.
@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from scara_iso.iso9283 import Finding, checks
-from scara_iso.plugins import find_modules
+from scara_iso.iso9283 import Finding, in_brief
 from scara_iso.reporting.blocks import Block, Interval, NextStep, Number, Text
 from scara_iso.reporting.digits import places, places_that_decide
-from scara_iso.reporting.words import words
 from scara_iso.run import Run
 
 _LINE = 74
@@ -73,14 +71,14 @@ def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
         by_code.setdefault(finding.code, []).append(finding)
     said = "; ".join(_caution(code, found) for code, found in by_code.items())
     if len(said) > _LINE:
-        names = ", ".join(map(_in_brief, by_code))
+        names = ", ".join(map(in_brief, by_code))
         said = f"{len(grave)} warnings: {names}"
     yield Text(f"! {said}", "warn")
 
 
 def _caution(code: str, found: Sequence[Finding]) -> str:
     subjects = _subjects(found)
-    return f"{subjects}: {_in_brief(code)}" if subjects else _in_brief(code)
+    return f"{subjects}: {in_brief(code)}" if subjects else in_brief(code)
 
 
 def _subjects(found: Sequence[Finding]) -> str:
@@ -91,14 +89,8 @@ def _subjects(found: Sequence[Finding]) -> str:
     return ", ".join(f"{axis or 'poses'} ({len(list(like))})" for axis, like in by_axis)
 
 
-def _in_brief(code: str) -> str:
-    modules = find_modules(checks, "scara_iso.checks")
-    said = {one.CODE: getattr(one, "BRIEF", "") for one in modules}
-    return said.get(code) or words(code)
-
-
-def remarks(findings: Sequence[Finding]) -> str:
-    """Return how much more there is to be read behind --full."""
+def left_behind(findings: Sequence[Finding]) -> str:
+    """Return how much more there is to be read."""
     deviations = sum(bool(one.rule) for one in findings)
     warnings = sum(one.severity != "info" and not one.rule for one in findings)
     others = len(findings) - deviations - warnings

@@ -28,7 +28,7 @@ from scara_iso.reporting.brief import (
     figure_cells,
     figure_said,
     first_three,
-    remarks,
+    left_behind,
     simulated,
 )
 from scara_iso.reporting.characteristics import characteristics
@@ -58,13 +58,10 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
         return
     pose = largest(analysis.poses)
     at = f"at {pose.label}, the largest of {len(analysis.poses)} poses"
-    robot = analysis.run.metadata.get("robot")
     cycles = f"{analysis.cycles.used} cycles"
     figures = [figure_said(*one) for one in headline_figures(pose)]
-    behind = [at] if len(analysis.poses) > 1 else []
-    behind.append(f"{robot}, {cycles}" if robot else cycles)
-    figures[0] = f"RP  {figures[0]}{''.join(f' {one}' for one in behind[:-1])}"
-    yield Headline((*figures, behind[-1]))
+    where = f" {at}" if len(analysis.poses) > 1 else ""
+    yield Headline((f"RP  {figures[0]}{where}", *figures[1:], cycles))
 
 
 Figure = tuple[str, float, Ends, str]
@@ -100,7 +97,8 @@ def after_analysis(analysis: Analysis, command: str, table: str) -> NextStep:
     ``table`` is how a command line names the readings, with the options that read them;
     ``command`` likewise with the limits.
     """
-    if analysis.conformity is Conformity.PASS:
+    drifts = any(check.interval_void for check in analysis.limits)
+    if analysis.conformity is Conformity.PASS and not drifts:
         return NextStep(f"scara-iso report {command}", "the report to sign")
     if analysis.block is not None or not _can_be_diagnosed(analysis):
         return NextStep(f"scara-iso report {command}", "every figure, to sign")
@@ -132,7 +130,7 @@ def _courses(analysis: Analysis) -> Iterator[Section]:
         blocks = tuple(block for block in section.blocks if isinstance(block, Strip))
         if blocks:
             yield Section("", blocks, section.one_of)
-    yield from characteristics(analysis, advice=False)
+    yield from (replace(one, heading="") for one in characteristics(analysis, advice=False))
 
 
 def _charted(analysis: Analysis, pose: PoseResult, *, at: str | None) -> Charted:
@@ -184,8 +182,9 @@ def _result(figure: Figure | None) -> Result | str:
 def _behind(analysis: Analysis) -> Iterator[Text]:
     """Yield how the table was understood: a wrong unit must be seen, and a lost row."""
     origin = analysis.run.origin
-    yield Text(cycles_said(analysis), "quiet")
+    named = (analysis.run.metadata.get("robot"), origin.source, cycles_said(analysis))
+    yield Text(" · ".join(filter(None, named)), "quiet")
     if origin.understood:
         yield Text(f"read as {origin.understood}", "quiet")
     yield from (Text(note, "quiet") for note in origin.notes)
-    yield Text(remarks(analysis.findings), "quiet")
+    yield Text(left_behind(analysis.findings), "quiet")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -25,12 +25,14 @@ from scara_iso.run import FloatArray
 
 _MOST_NOTES = 3
 _DUST = 1e-9
+Again = Callable[..., str]
+"""Names the table in a command line, with the options that read it and further ones."""
 
 
-def diagnosis_brief(diagnosis: Diagnosis, table: str) -> Report:
-    """Return a diagnosis in ten to twenty lines; ``table`` as in `analysis_brief`."""
+def diagnosis_brief(diagnosis: Diagnosis, again: Again) -> Report:
+    """Return a diagnosis in ten to twenty lines; ``again`` names its table."""
     lines = [_answer(diagnosis), *_sizes_said(diagnosis), _repeatability(diagnosis)]
-    head = first_three([*lines, *_why(diagnosis), *_doubts(diagnosis)], _next(diagnosis, table))
+    head = first_three([*lines, *_why(diagnosis), *_doubts(diagnosis)], _next(diagnosis, again))
     return (
         Section("", head),
         Section("", tuple(_courses(diagnosis))),
@@ -38,7 +40,7 @@ def diagnosis_brief(diagnosis: Diagnosis, table: str) -> Report:
     )
 
 
-def poses_brief(found: DiagnosisOfPoses, table: str) -> Report:
+def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
     """Return a line for each pose, the doubts of those where something was found, what next."""
     grave = (Verdict.UNEXPLAINED, Verdict.EXPLAINED, Verdict.NOTHING)
     worst = min(found.poses, key=lambda pose: grave.index(found.poses[pose].verdict))
@@ -50,9 +52,9 @@ def poses_brief(found: DiagnosisOfPoses, table: str) -> Report:
     counts = ", ".join(f"{verdicts.count(v)} {words(v.value)}" for v in dict.fromkeys(verdicts))
     structured = found.poses[worst].verdict is not Verdict.NOTHING
     following = (
-        NextStep(f"scara-iso diagnose {table} --pose {worst}", "the gravest alone")
+        NextStep(f"scara-iso diagnose {again(pose=worst)}", "the gravest alone")
         if structured
-        else NextStep(f"scara-iso report {table}", "the report to sign")
+        else NextStep(f"scara-iso report {again()}", "the report to sign")
     )
     head: list[Block] = [
         Text(f"{len(verdicts)} poses: {counts}", "strong"),
@@ -138,11 +140,11 @@ def _repeatability(diagnosis: Diagnosis) -> Headline:
     return Headline((f"RP measured: {parts[0]}", *parts[1:]), "plain")
 
 
-def _next(diagnosis: Diagnosis, table: str) -> NextStep:
+def _next(diagnosis: Diagnosis, again: Again) -> NextStep:
     if diagnosis.verdict is Verdict.NOTHING:
-        return NextStep(f"scara-iso report {table}", "the report to sign")
+        return NextStep(f"scara-iso report {again()}", "the report to sign")
     if diagnosis.verdict is Verdict.UNEXPLAINED:
-        return NextStep(f"scara-iso diagnose {table} --plot course.svg", "look at the course")
+        return NextStep(f"scara-iso diagnose {again(plot='course.svg')}", "look at the course")
     effect = diagnosis.effects[0].effect
     return NextStep(f"scara-iso explain {effect}", "what it means, and how to be sure")
 

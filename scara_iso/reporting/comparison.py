@@ -90,7 +90,7 @@ def _cycles(pair: Pair) -> str:
 
 
 def _pair(pair: Pair) -> Iterator[Section]:
-    blocks: list[Block] = [Text(headline(pair), "strong"), *caution(pair)]
+    blocks: list[Block] = [Text(headline(pair), "strong"), *caution(pair), *_drifting(pair)]
     yield Section(f"{_name(pair.after.run.origin.source)}: what changed", tuple(blocks))
     yield Section("repeatability", tuple(_tables(pair.spreads)))
     yield Section("mean", tuple(_tables(pair.means)))
@@ -109,6 +109,13 @@ def caution(pair: Pair) -> Iterator[Block]:
             f"{still}: all readings of one run are the same. That does not show a repair: did the"
         )
         yield Text(f"{said} dial touch, or is it too coarse?", "warn")
+    if any(one.verdict is ContrastVerdict.DIAL for one in every):
+        said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
+        yield Text(said, "warn")
+
+
+def _drifting(pair: Pair) -> Iterator[Block]:
+    every = (*pair.spreads, *pair.means)
     drifting = _names(one for one in every if "trend" in one.doubts)
     if drifting:
         yield Text(
@@ -116,9 +123,6 @@ def caution(pair: Pair) -> Iterator[Block]:
             "the runs as if their order did not matter: diagnose the drift first.",
             "warn",
         )
-    if any(one.verdict is ContrastVerdict.DIAL for one in every):
-        said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
-        yield Text(said, "warn")
 
 
 def _names(contrasts: Iterable[Contrast]) -> str:

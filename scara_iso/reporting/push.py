@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Literal
 
 from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck, PushResult
@@ -58,13 +59,12 @@ def push_brief(found: PushResult, following: NextStep) -> Report:
     rows = [one for one in found.characteristics if one.of == of]
     doubts = [block for block in _how(found) if isinstance(block, Text) and block.tone != "quiet"]
     title, *verdicts = _verdict(found)
-    lines = (
-        [*verdicts, _largest(rows, found)] if found.limits else [_largest(rows, found), *verdicts]
-    )
-    table = (_limits(found.limits),) if found.limits else ()
+    figure = _largest(rows, found)
+    lines = [*verdicts, figure, title] if found.limits else [figure, title, *verdicts]
+    table = (replace(_limits(found.limits), note=""),) if found.limits else ()
     behind = Text(f"figures of the {of}; how they are found, and the others: `full=`", "quiet")
     return (
-        Section("", (*first_three(lines, following), title, *doubts)),
+        Section("", (*first_three(lines, following), *doubts)),
         Section("", (_figures(rows), *table, behind)),
     )
 

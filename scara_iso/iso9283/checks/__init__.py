@@ -25,6 +25,13 @@ def find_checks() -> tuple[Check, ...]:
     return tuple(module.check for module in modules)
 
 
+def in_brief(code: str) -> str:
+    """Return a finding in a few words: its file's ``BRIEF``, else its name in words."""
+    modules = find_modules(sys.modules[__name__], "scara_iso.checks")
+    said = {module.CODE: getattr(module, "BRIEF", "") for module in modules}
+    return said.get(code) or code.replace("-", " ")
+
+
 def check_shape(module: ModuleType) -> None:
     """Raise `AttributeError` or `TypeError` unless a module has ``check`` and ``CODE``."""
     if not (callable(module.check) and isinstance(module.CODE, str)):

@@ -1,0 +1,180 @@
+"""The short forms: the answer in three lines, nothing of the warnings lost, the rest on --full."""
+
+import io
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scara_iso import analyze
+from scara_iso.cli import main
+from scara_iso.iso9283.checks import in_brief
+from scara_iso.render.terminal import open_console, show
+from scara_iso.reporting import NextStep, analysis_brief
+from scara_iso.reporting.brief import digits_of
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = ROOT / "examples"
+ANALYZED = (
+    "fum_scara_table1.csv", "before_repair.csv", "after_repair.csv", "scatter.csv", "warm_up.csv",
+    "unexplained.csv", "drift.csv", "three_directions.csv",
+)  # fmt: skip
+DIAGNOSED = tuple(name for name in ANALYZED if name != "drift.csv")
+CALLS = (
+    *(("analyze", name) for name in ANALYZED),
+    *(("analyze", name, "--limit", "0.02") for name in ANALYZED[:3]),
+    *(("diagnose", name) for name in DIAGNOSED),
+    ("compare", "before_repair.csv", "after_repair.csv"),
+    ("compare", "after_repair.csv", "before_repair.csv"),
+    ("compare", "scatter.csv", "fum_scara_table1.csv"),
+    ("push", "push.csv", "--arm", "0.25"),
+    ("push", "push.csv", "--arm", "0.25", "--limit", "1.2"),
+    ("visits", "stream.csv", "--poses", "P1,-"),
+)
+INTERVAL = re.compile(r"\[[-+.\d]+, [-+.\d]+\]")
+PROGRAMMERS = re.compile(r"model before|shown here|p floor|p <=|Mann-Kendall|coarse-resolution")
+
+
+@pytest.fixture
+def said(capsys, monkeypatch):
+    """Return a function: what a command on the examples writes at a width."""
+    monkeypatch.chdir(EXAMPLES)
+
+    def call(*words, columns=80):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        code = main([str(word) for word in words])
+        out, err = capsys.readouterr()
+        assert code in (0, 1), err
+        return out
+
+    return call
+
+
+@pytest.mark.parametrize("call", CALLS, ids=" ".join)
+def test_three_lines_say_what_was_asked_and_what_is_next(said, call):
+    out = said(*call)
+    lines = out.rstrip("\n").splitlines()
+    assert len(lines) <= 22
+    assert any(line.startswith("  Next: scara-iso ") for line in lines[:3])
+    if call[0] not in ("diagnose", "visits"):
+        assert any(INTERVAL.search(line) for line in lines[:2])
+    elif call[0] == "diagnose" and len(lines) > 12:
+        assert re.search(r"\d", lines[1])
+    assert not PROGRAMMERS.search(out)
+    if "--limit" in call:
+        assert re.match(r"  (PASS|FAIL|NOT PROVABLE)", lines[0])
+
+
+@pytest.mark.parametrize("call", CALLS, ids=" ".join)
+def test_what_it_says_to_do_next_works(said, call, tmp_path, monkeypatch, capsys):
+    following = re.search(r"Next: scara-iso (.*?)(   |\n)", said(*call, columns=200))[1]
+    words = shlex.split(following)
+    if words[0] == "diagnose" and call[0] != "diagnose":
+        words += ["--json"]  # the same work, and its text is tried above
+    for name in EXAMPLES.glob("*.csv"):
+        (tmp_path / name.name).write_bytes(name.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    assert main(words) in (0, 1), capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ANALYZED)
+def test_no_warning_is_lost(said, name):
+    out = " ".join(said("analyze", name).split())
+    for finding in analyze(EXAMPLES / name).findings:
+        if finding.severity != "info":
+            assert in_brief(finding.code) in out
+
+
+def test_simulated_readings_are_marked(said, tmp_path):
+    said("simulate", "fum_scara.toml", "-o", tmp_path / "run.csv")
+    assert "SIMULATED" in said("analyze", tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize("command", ["analyze", "diagnose"])
+def test_full_says_more(said, command):
+    short, full = said(command, EXAMPLES / "scatter.csv"), said(command, "scatter.csv", "--full")
+    assert full.count("\n") > 1.5 * short.count("\n")
+
+
+def test_the_options_that_read_a_table_are_said_again(said, tmp_path):
+    rows = [f"{k},0.8{k % 7}" for k in range(1, 31)]
+    table = tmp_path / "a run.csv"
+    table.write_text("\n".join(["cycle,X", *rows]), encoding="utf-8")
+    out = said("analyze", table, "--unit", "mm", "--first-cycle-discarded", "--cycles", "31",
+               columns=300)  # fmt: skip
+    assert f"Next: scara-iso diagnose {shlex.quote(str(table))} --unit mm" in out
+    assert "--first-cycle-discarded" in out
+    assert "--cycles 31" in out
+
+
+@pytest.mark.parametrize("columns", [40, 80, 120])
+@pytest.mark.parametrize("call", CALLS[::3], ids=" ".join)
+def test_no_line_but_a_command_is_wider_than_the_window(said, call, columns):
+    for line in said(*call, columns=columns).splitlines():
+        assert len(line) <= columns or line.startswith("  Next: "), line
+
+
+def test_the_headline_gives_up_what_has_no_room():
+    analysis = analyze(EXAMPLES / "fum_scara_table1.csv")
+    report = analysis_brief(analysis, NextStep("scara-iso x"))
+    first = {}
+    for width in (40, 80, 120):
+        stream = io.StringIO()
+        console = open_console(stream)
+        console.width = width
+        show(report, console)
+        first[width] = stream.getvalue().splitlines()[0]
+    assert first[40] == "  RP  XY 0.014 mm [0.009, 0.022]"
+    assert first[80].startswith(f"{first[40]}   Z 0.024 mm [0.017, 0.035]")
+    assert "theta 0.0080 mm [0.0056, 0.0118]" in first[120]
+
+
+@pytest.mark.parametrize(
+    ("ends", "places"), [((0.0091, 0.0218), 3), ((0.0056, 0.0118), 4), ((8.0, 32.0), 0)]
+)
+def test_two_digits_of_the_interval_decide(ends, places):
+    assert digits_of(sum(ends) / 2, ends) == places
+
+
+def test_digits_that_decide_against_a_limit_are_shown():
+    assert digits_of(0.02004, (0.015, 0.025), limit=0.02) == 5
+
+
+@pytest.mark.parametrize("call", [("analyze", "fum_scara_table1.csv"), ("diagnose", "scatter.csv")])
+def test_a_code_page_of_windows_shows_digits_for_levels(call):
+    done = subprocess.run(
+        [sys.executable, "-m", "scara_iso", *call], capture_output=True, check=True, cwd=EXAMPLES,
+        env={"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "cp1252", "NO_COLOR": "1"},
+    )  # fmt: skip
+    text = done.stdout.decode("cp1252")
+    assert "?" not in text
+    assert "\x1b" not in text
+    assert re.search(r"[0-9]{26,}", text)
+
+
+def test_demo_is_short(said):
+    assert said("demo").count("\n") <= 46
+
+
+class Terminal(io.StringIO):
+    """A terminal."""
+
+    def isatty(self):
+        return True
+
+
+def test_an_error_wraps_between_words_on_a_terminal(monkeypatch, tmp_path):
+    table = tmp_path / "run.csv"
+    table.write_text("cycle,X\n" + "\n".join(f"{k},0.8{k % 7}" for k in range(1, 32)))
+    monkeypatch.setenv("COLUMNS", "50")
+    screen, pipe = Terminal(), io.StringIO()
+    for stream in (screen, pipe):
+        monkeypatch.setattr("sys.stderr", stream)
+        main(["analyze", str(table)])
+    words = [word for word in screen.getvalue().split() if len(word) < 48]
+    assert words == [word for word in pipe.getvalue().split() if len(word) < 48]
+    assert all(len(line) < 50 for line in screen.getvalue().splitlines() if str(table) not in line)
+    assert screen.getvalue().count("\n") > pipe.getvalue().count("\n")
