@@ -149,3 +149,13 @@ def test_a_folder_of_several_conditions_is_one_report(tmp_path, capsys):
     assert main(["report", str(folder), "--json"]) == 0
     found = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert [one["velocity"] for one in found["conditions"]] == [100, 50]
+
+
+def test_what_each_pose_states_in_its_own_way_is_stated():
+    run = measured(1, "a", "X", **{"indicator[P1]": "dial 1", "indicator[P2]": "dial 2"})
+    dossier = scara_iso.report(run).dossier
+    said = dict(row for facts in blocks(dossier, Facts) for row in facts.rows)
+    assert said["instrument"] == "P1: dial 1; P2: dial 2"
+    page = [b.text for b in document(dossier).sections[0].blocks if isinstance(b, Text)]
+    missing = next(text for text in page if text.startswith("Not stated"))
+    assert "instrument," not in missing

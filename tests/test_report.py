@@ -362,6 +362,16 @@ def test_without_its_library_a_pdf_is_refused_with_what_to_do(tmp_path, monkeypa
     assert not (tmp_path / "out.pdf").exists()
 
 
+def test_without_pango_a_pdf_is_refused_with_what_to_install(tmp_path, monkeypatch, capsys):
+    (tmp_path / "weasyprint").mkdir()
+    (tmp_path / "weasyprint" / "__init__.py").write_text("raise OSError('cannot load libpango')")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    for name in [n for n in sys.modules if n.partition(".")[0] == "weasyprint"]:
+        monkeypatch.delitem(sys.modules, name)
+    assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.pdf")]) == 2
+    assert "libpango-1.0-0" in capsys.readouterr().err
+
+
 def test_the_pdf_is_the_page_and_the_same_every_time():
     pytest.importorskip("weasyprint", exc_type=(ImportError, OSError))
     report = document(Dossier(analyze(read_table(WARM_UP)), MADE))

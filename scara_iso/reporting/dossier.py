@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -99,8 +100,8 @@ def _sections(dossier: Dossier) -> Iterator[Section]:
 
 
 def _not_measured(analysis: Analysis) -> str:
-    found = [one for one in not_measured(analysis) if one.clause[:1].isdigit()]
-    found.sort(key=lambda one: [*map(int, one.clause.split("."))])
+    of_the_standard = [one for one in not_measured(analysis) if one.clause[0].isdigit()]
+    found = sorted(of_the_standard, key=lambda one: [*map(int, re.findall(r"\d+", one.clause))])
     return "; ".join(f"{one.clause} {one.name}" for one in found) + "."
 
 

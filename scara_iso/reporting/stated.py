@@ -7,7 +7,7 @@ conditions are those of ISO 9283 clause 6. What nobody stated is named in one li
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.iso9283 import Cycles
@@ -81,6 +81,7 @@ _INSTRUMENT = (
     "instrument", "instrument's serial number", "calibration date", "calibration due",
     "calibration certificate",
 )  # fmt: skip
+_OF_A_POSE = re.compile(r"(\w+)\[(.+)\]")
 _REMARK = re.compile(r"record_\d+_(struck|changed|note)")
 
 
@@ -134,7 +135,13 @@ def _by_key(run: Run) -> dict[str, str]:
 
 def _others(stated: Mapping[str, str]) -> list[tuple[str, str]]:
     used = {key for keys in FIELDS.values() for key in keys}
-    return [(key, text) for key, text in stated.items() if key not in used]
+    return [(key, text) for key, text in stated.items() if key.partition("[")[0] not in used]
+
+
+def _of_poses(keys: Sequence[str], stated: Mapping[str, str]) -> list[str]:
+    """Return what only some poses state, or each in its own way: ``key[p1]``."""
+    found = ((_OF_A_POSE.fullmatch(key), text) for key, text in stated.items())
+    return [f"{m[2].upper()}: {text}" for m, text in found if m and m[1] in keys]
 
 
 def _facts(run: Run, names: Iterable[str], heading: str) -> Facts:
@@ -157,6 +164,7 @@ def _counted(cycles: Cycles) -> str:
 
 def _stated(name: str, stated: Mapping[str, str], run: Run) -> str:
     found = [stated[key] for key in FIELDS[name] if key in stated]
+    found += _of_poses(FIELDS[name], stated)
     measured = [column for column in run.covariates if column.lower() in FIELDS[name]]
     if name == "method":
         return "; ".join([METHOD, *found])

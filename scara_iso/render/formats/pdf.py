@@ -10,7 +10,8 @@ from scara_iso.render.pictures import font_file
 from scara_iso.reporting import Document
 
 _REMEDY = (
-    "pip install 'scara-iso[pdf]', and the system's Pango library; or print the .html from a "
+    "pip install 'scara-iso[pdf]', and the system's Pango library (Debian: apt-get install "
+    "libpango-1.0-0 libpangoft2-1.0-0; Windows: MSYS2, docs/report.md); or print the .html from a "
     "browser"
 )
 _FACES = (("DejaVuSans.ttf", 400), ("DejaVuSans-Bold.ttf", 700))
