@@ -18,7 +18,7 @@ _OF_A_PART = {"part", "pose", "doubts"}
 """Lines that the merged run says in another way."""
 
 
-def merge(folder: Folder, condition: Condition) -> Run | None:
+def run_under(folder: Folder, condition: Condition) -> Run | None:
     """Return the run of the whole parts of a condition, None where there is none.
 
     What is missing or struck is in its metadata. Raises `DataError` for parts that are faulty, or

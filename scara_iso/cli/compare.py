@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from scara_iso import library, render, reporting
+from scara_iso.acceptance import is_test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
+    ConditionName,
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
@@ -24,6 +26,9 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import check_outputs, named, write_json, write_report
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity
+
+if TYPE_CHECKING:
+    from scara_iso.comparison import Comparison
 
 Tables = Annotated[
     list[str],
@@ -57,6 +62,7 @@ def compare_command(
         typer.Option(metavar="NAME=LIMIT", help="exchangeability=0.05, in mm; decided as analyze."),
     ] = None,
     seed: Seed = 9283,
+    condition: ConditionName = None,
     json: AsJson = False,
 ) -> None:
     """Compare runs with the first: means and RP, with intervals, a test, and its power.
@@ -66,26 +72,35 @@ def compare_command(
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     check_outputs([plot], named(tables))
-    comparison = library.compare(
-        *tables,
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
-        sheet=sheet,
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
-        exchangeability=exchangeability,
-        limits=parse_limits(limit or ()),
-        seed=seed,
-    )
+    options: dict[str, Any] = {
+        "unit": unit,
+        "resolution": resolution,
+        "decimal": decimal,
+        "sheet": sheet,
+        "first_cycle_discarded": first_cycle_discarded,
+        "cycles": cycles,
+        "all_count": all_count,
+        "allow_gaps": allow_gaps,
+        "exchangeability": exchangeability,
+        "limits": parse_limits(limit or ()),
+        "seed": seed,
+    }
+    if any(map(is_test_folder, tables)):
+        from scara_iso.cli.conditions import compare_folders
+
+        found = compare_folders(tables, condition, plot, options, as_json=json)
+    else:
+        found = [library.compare(*tables, condition=condition, **options)]
+        _show(found[0], plot, as_json=json)
+    held = [o.limit.verdict for one in found for o in one.characteristics if o.limit is not None]
+    if any(verdict is not Conformity.PASS for verdict in held):
+        raise typer.Exit(NOT_WITHIN_LIMITS)
+
+
+def _show(comparison: Comparison, plot: Path | None, *, as_json: bool) -> None:
     if plot is not None:
         render.save_figure(comparison.plot(), plot)
-    if json:
+    if as_json:
         write_json(render.comparison_json(comparison))
     else:
         write_report(reporting.comparison_report(comparison))
-    held = [one.limit.verdict for one in comparison.characteristics if one.limit is not None]
-    if any(verdict is not Conformity.PASS for verdict in held):
-        raise typer.Exit(NOT_WITHIN_LIMITS)
