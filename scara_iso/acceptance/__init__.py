@@ -1,7 +1,7 @@
 """The whole test as a folder: test.toml says what is measured, its recordings are the parts.
 
-`read_folder` says how far each part is, `assign` which comes next, `run_under` makes one `Run` of the
-parts of a condition.
+`read_folder` says how far each part is, `assign` which comes next, `run_under` makes one `Run` of
+the parts of a condition.
 """
 
 from typing import TYPE_CHECKING
