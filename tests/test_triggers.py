@@ -20,6 +20,7 @@ from scara_iso.acquisition import (
 from scara_iso.acquisition.recorder.at_rest import AtRest
 from scara_iso.acquisition.recorder.events import Noticed, Quit, Stored
 from scara_iso.acquisition.recorder.robot_line import RobotSays
+from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.errors import InstrumentError, UsageError
 
 DIVISION = {"X": 0.001}
@@ -28,7 +29,7 @@ SIM = "X=opto-rs232@sim:?pace=0&scatter=0.01"
 
 def visits(readings, *, last=None, step=0.1, rule=None):
     """Return the numbers of the readings at which a dial is said to have arrived."""
-    watch = AtRest(rule or Settled(), last or {})
+    watch = AtRest(rule or Settled(), {None: last} if last else {})
     found = []
     for k, value in enumerate(readings):
         if watch.arrived(k * step, {"X": value}, DIVISION):
@@ -61,6 +62,38 @@ def test_a_creeping_dial_has_not_arrived_while_it_creeps():
 
 def test_a_rest_far_from_the_visits_before_is_none():
     assert visits([*AWAY, *([1.2] * 15), *AWAY, *THERE], last={"X": 0.5}) == [55]
+
+
+def tour(readings, poses, *, visits=None, step=0.1):
+    """Return the numbers of the readings that are taken, with the pose that each is taken for."""
+    watch = AtRest(Settled(), visits or {})
+    found = []
+    for k, value in enumerate(readings):
+        pose = poses[len(found) % len(poses)]
+        if watch.arrived(k * step, {"X": value}, DIVISION, pose):
+            found.append((k, pose))
+            watch.stored({"X": value}, pose)
+    return found
+
+
+P2 = [10.200] * 15
+
+
+def test_of_a_tour_each_pose_has_its_place():
+    cycle = [*AWAY, *THERE, *AWAY, *P2]
+    assert tour(cycle * 2, ("P1", "P2")) == [(25, "P1"), (55, "P2"), (85, "P1"), (115, "P2")]
+
+
+def test_a_pose_left_out_by_the_arm_is_not_taken_for_the_next():
+    left_out = [*AWAY, *THERE]
+    assert tour([*AWAY, *THERE, *AWAY, *P2, *left_out, *left_out, *AWAY, *P2], ("P1", "P2")) == [
+        (25, "P1"), (55, "P2"), (85, "P1"), (145, "P2"),
+    ]  # fmt: skip
+
+
+def test_a_resumed_tour_knows_where_its_poses_are():
+    known = {"P2": {"X": 10.2}, "P1": {"X": 0.5}}
+    assert tour([*AWAY, *THERE, *AWAY, *P2], ("P2", "P1"), visits=known) == [(55, "P2")]
 
 
 def test_all_axes_have_to_rest():
@@ -157,6 +190,24 @@ def test_another_pose_is_not_taken(tmp_path, robot):
     told = [said.message for said in operator.heard if isinstance(said, Noticed)]
     assert "the robot says 'AT P2', not taken: P3 is awaited" in told
     assert "the robot says 'MOVING', not taken: no line such as AT P3" in told
+
+
+def test_the_pose_awaited_follows_the_tour(tmp_path, robot):
+    operator = Watcher()
+    lines = [b"AT P2\n", b"AT P1\n", b"AT P1\n", b"AT P2\n", b"AT P1\n", b"AT P2\n"]
+    thread = robot.says(lines)
+    tour = Tour(("P1", "P2"))
+    plan = RecordingPlan(parse_trigger(robot.address), 2, rearm_s=0.0, tour=tour)
+    run = record(Job(tmp_path / "run.csv", parse_gauges([SIM]), plan, {}), operator)
+    thread.join(10)
+    assert list(zip(run.cycle, run.pose, strict=True)) == [
+        (1, "P1"), (1, "P2"), (2, "P1"), (2, "P2"),
+    ]  # fmt: skip
+    told = [said.message for said in operator.heard if isinstance(said, Noticed)]
+    assert told == [
+        "the robot says 'AT P2', not taken: P1 is awaited",
+        "the robot says 'AT P1', not taken: P2 is awaited",
+    ]
 
 
 def test_the_first_pose_named_is_that_of_a_table_without_one(tmp_path, robot):

@@ -268,6 +268,61 @@ def test_an_edited_table_is_seen(folder):
     assert any(f.code == "edited" for f in read_conditions(folder)[0].analysis().findings)
 
 
+def test_a_part_of_another_instrument_is_a_finding(folder, capsys):
+    edit(folder, "[limits]", '[instrument.X]\nname = "ID-C112"\nserial_number = "17"\n\n[limits]')
+    record(folder)
+    edit(folder, 'serial_number = "17"', 'serial_number = "18"')
+    record(folder)
+    found = read_folder(folder).parts
+    assert (found[0].state, found[1].state) == ("out of its conditions", "done")
+    said = [one.message for one in read_conditions(folder)[0].analysis().deviations
+            if one.code == "other-instrument"]  # fmt: skip
+    assert said == ["at P1: indicator_serial_number is 'X 17', and the test says 'X 18'"]
+    assert main(["report", str(folder), "-o", str(folder.parent / "report.md")]) == 0
+    assert "the test says 'X 18'" in (folder.parent / "report.md").read_text("utf-8")
+
+
+def test_what_is_planned_and_not_measured_is_said(folder, capsys):
+    edit(folder, 'characteristics = ["RP", "AP"]', 'characteristics = ["RP", "vAP", "speed"]')
+    record(folder)
+    _, status = said(capsys, "test", "status", folder)
+    assert [line.partition(":")[0] for line in status["not_measured"]] == [
+        "vAP is planned and not measured", "speed is planned and not measured",
+    ]  # fmt: skip
+    assert "three perpendicular directions" in status["not_measured"][0]
+    assert status["parts"][0]["state"] == "done"
+    _, found = said(capsys, "analyze", folder)
+    told = [one["message"] for one in found["deviations"] if "planned" in one["message"]]
+    assert told == status["not_measured"]
+
+
+def test_ap_is_measured_where_the_dials_were_zeroed_at_the_command_pose(folder, capsys):
+    edit(folder, '# dial_zero = "command"', 'dial_zero = "command"')
+    record(folder)
+    assert said(capsys, "test", "status", folder)[1]["not_measured"] == []
+
+
+def test_what_was_struck_is_in_the_report(folder):
+    record(folder)
+    record(folder, 2, "--part", "P1-v100-l100", "--repeat", "the plunger stuck")
+    assert main(["report", str(folder), "-o", str(folder.parent / "report.md")]) == 0
+    page = (folder.parent / "report.md").read_text("utf-8")
+    assert "P1-v100-l100: the plunger stuck" in page
+
+
+def test_a_part_of_another_unit_is_said_and_not_mixed(folder):
+    """A hand-made table in inches beside a recorded one in mm: all figures are in mm."""
+    record(folder)
+    head = {"part": "P2-v100-l100", "pose": "P2", "robot": "FUM SCARA", "unit": "inch"}
+    rows = [f"{k},{0.5 + k % 3 / 1000:.3f}" for k in range(1, 32)]
+    lines = [*(f"# {key}: {text}" for key, text in head.items()), "cycle,X", *rows]
+    (folder / "P2-v100-l100.csv").write_text("\n".join(lines) + "\n", "utf-8")
+    found = read_conditions(folder)[0]
+    analysis = found.analysis()
+    assert analysis.poses[1].axes["X"].mean == pytest.approx(12.7254, abs=0.01)
+    assert any(note.startswith("P2: X was recorded in inch") for note in found.run.origin.notes)
+
+
 def test_the_limits_of_the_test_decide(folder, capsys):
     edit(folder, "# XY = 0.02", "X = 0.0001")
     record(folder)

@@ -1,7 +1,7 @@
 """The whole test as a folder: test.toml says what is measured, its recordings are the parts.
 
-`read_folder` says how far each part is, `assign` which comes next, `merge` makes one `Run` of the
-parts of a condition.
+`read_folder` says how far each part is, `assign` which comes next, `run_under` makes one `Run` of
+the parts of a condition.
 """
 
 from typing import TYPE_CHECKING
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
         PartState as PartState,
         read_folder as read_folder,
     )
-    from scara_iso.acceptance.merging import lacking as lacking, merge as merge
+    from scara_iso.acceptance.merging import lacking as lacking, run_under as run_under
     from scara_iso.acceptance.place import FILE as FILE, is_test_folder as is_test_folder
     from scara_iso.acceptance.planning import plan_test as plan_test
     from scara_iso.acceptance.progress import (

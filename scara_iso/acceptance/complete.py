@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from scara_iso.acceptance.stated import NOT_STATED, command_of, metadata_of
+from scara_iso.acceptance.stated import NOT_STATED, command_of, metadata_of, other_instruments
 from scara_iso.acceptance.whole_test import Part, WholeTest
 from scara_iso.run import Axis, Run
 
@@ -15,7 +15,11 @@ def completed(run: Run, part: Part, test: WholeTest) -> Run:
     own = {key: text for key, text in run.metadata.items() if text.strip() != NOT_STATED}
     lines = {k: v for k, v in of_test.items() if not k.startswith(("command_", "indicator_unc"))}
     axes = {name: _axis(axis, part, test) for name, axis in run.axes.items()}
-    return replace(run, metadata={**lines, **own}, axes=axes)
+    other = other_instruments(own, of_test)
+    said = {"characteristics": ", ".join(test.schedule.characteristics)}
+    said["instrument_of_the_test"] = other
+    of_whole = {key: text for key, text in said.items() if text}
+    return replace(run, metadata={**lines, **own, **of_whole}, axes=axes)
 
 
 def _axis(axis: Axis, part: Part, test: WholeTest) -> Axis:

@@ -20,8 +20,8 @@ from scara_iso.tables import read_table
 
 DONE, MISSING, UNFINISHED = "done", "missing", "unfinished"
 STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
-PLANNED = ("other-load", "other-velocity")
-"""Deviations that the name of a part says already."""
+PLANNED = ("other-load", "other-velocity", "not-measured")
+"""Deviations that the name of a part says already, or that are of the whole test."""
 _RAW = ".raw.jsonl"
 
 
@@ -74,6 +74,8 @@ class PartState:
     recording: Recording | None = None
     struck: tuple[Struck, ...] = ()
     deviations: tuple[Finding, ...] = ()
+    unmeasured: tuple[str, ...] = ()
+    """Characteristics that are planned and that its readings do not give, with what they need."""
     why: str = ""
 
     @property
@@ -96,6 +98,11 @@ class Folder:
     parts: tuple[PartState, ...]
     foreign: tuple[str, ...]
     """Recordings that are of no part of the test, by their names."""
+
+    @property
+    def unmeasured(self) -> tuple[str, ...]:
+        """What is planned and not given by the parts that are recorded, each line once."""
+        return tuple(dict.fromkeys(line for state in self.parts for line in state.unmeasured))
 
     @property
     def next(self) -> PartState | None:
@@ -165,4 +172,5 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
     off = tuple(f for f in (*findings, *edited)
                 if f.severity != "info" and f.code not in PLANNED
                 and (f.rule or f.code == "edited"))  # fmt: skip
-    return PartState(part, OUT if off else DONE, recording, struck, off)
+    lacking = tuple(finding.message for finding in findings if finding.code == "not-measured")
+    return PartState(part, OUT if off else DONE, recording, struck, off, lacking)

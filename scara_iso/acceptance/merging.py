@@ -18,7 +18,7 @@ _OF_A_PART = {"part", "pose", "doubts"}
 """Lines that the merged run says in another way."""
 
 
-def merge(folder: Folder, condition: Condition) -> Run | None:
+def run_under(folder: Folder, condition: Condition) -> Run | None:
     """Return the run of the whole parts of a condition, None where there is none.
 
     What is missing or struck is in its metadata. Raises `DataError` for parts that are faulty, or
@@ -36,10 +36,10 @@ def merge(folder: Folder, condition: Condition) -> Run | None:
     _refuse_other_axes(folder, runs)
     run = runs_as_poses(runs)
     said = f"{len(runs)} of {len(states)} parts of the test, {condition}"
-    metadata = {**run.metadata, **dict(_of_the_test(folder, states))}
+    metadata = {**run.metadata, **dict(_of_the_test(states))}
     return replace(
         run, metadata=metadata,
-        origin=Origin(str(folder.path), said, tuple(_notes(folder))),
+        origin=Origin(str(folder.path), said, tuple(_notes(folder, runs))),
     )  # fmt: skip
 
 
@@ -112,10 +112,8 @@ def _refuse_other_axes(folder: Folder, runs: Mapping[str, Run]) -> None:
         )  # fmt: skip
 
 
-def _of_the_test(folder: Folder, states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
+def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
     """Yield what is missing, struck and doubted, for the checks and for the head of the report."""
-    if folder.test.schedule.characteristics:
-        yield "characteristics", ", ".join(folder.test.schedule.characteristics)
     if missing := [lacking(one) for one in states if one.is_open]:
         yield "parts_missing", ", ".join(missing)
     if struck := [f"{one.recording}: {one.reason}" for state in states for one in state.struck]:
@@ -138,6 +136,13 @@ def lacking(state: PartState) -> str:
     return f"{state.part.name} ({done} of {wanted} cycles)"
 
 
-def _notes(folder: Folder) -> Iterator[str]:
+def _notes(folder: Folder, runs: Mapping[str, Run]) -> Iterator[str]:
+    first, *_ = runs.values()
+    for pose, run in runs.items():
+        yield from (f"{pose}: {note}" for note in run.origin.notes)
+        for axis, unit in run.origin.units.items():
+            if unit != first.origin.units.get(axis, unit):
+                base = run.axes[axis].unit
+                yield f"{pose}: {axis} was recorded in {unit}, other than before; it is in {base}"
     for name in folder.foreign:
         yield f"{name}: of no part of the test, not used"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from datetime import date
 
 from scara_iso.acceptance.whole_test import COUNTS, Condition, Instrument, Part, WholeTest
@@ -41,6 +41,15 @@ def why_not_of(run: Run, part: Part, test: WholeTest) -> list[str]:
     if labels and labels != [part.pose]:
         faults.append(f"its poses are {', '.join(labels[:5])}, and it is of {part.pose}")
     return faults
+
+
+def other_instruments(own: Mapping[str, str], of_test: Mapping[str, str]) -> str:
+    """Return what a table's head states of its instruments otherwise than the test, or nothing."""
+    return "; ".join(
+        f"{key} is {own[key].strip()!r}, and the test says {of_test[key]!r}"
+        for key in ("instrument", "indicator_serial_number", "calibration_certificate")
+        if key in own and key in of_test and own[key].strip() != of_test[key]
+    )
 
 
 def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:

@@ -7,12 +7,14 @@ from typing import Annotated, Any
 
 import typer
 
-from scara_iso import library, render, reporting
+from scara_iso import library, render
+from scara_iso.acceptance import is_test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AllCount,
     AllowGaps,
     AsJson,
+    ConditionName,
     CyclesRun,
     DecimalMark,
     FirstDiscarded,
@@ -22,7 +24,8 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, command_line, named, write_json, write_report
+from scara_iso.cli.output import check_outputs, command_line, named, write_json
+from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity
 
@@ -58,6 +61,7 @@ def compare_command(
         typer.Option(metavar="NAME=LIMIT", help="exchangeability=0.05, in mm; decided as analyze."),
     ] = None,
     seed: Seed = 9283,
+    condition: ConditionName = None,
     full: Full = False,
     json: AsJson = False,
 ) -> None:
@@ -73,22 +77,25 @@ def compare_command(
         "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
         "all_count": all_count, "allow_gaps": allow_gaps,
     }  # fmt: skip
-    comparison = library.compare(
-        *tables,
+    options = {
         **read,
-        exchangeability=exchangeability,
-        limits=parse_limits(limit or ()),
-        seed=seed,
-    )
-    if plot is not None:
-        render.save_figure(comparison.plot(), plot)
-    if json:
-        write_json(render.comparison_json(comparison))
-    elif full:
-        write_report(reporting.comparison_report(comparison))
+        "exchangeability": exchangeability,
+        "limits": parse_limits(limit or ()),
+        "seed": seed,
+    }
+    if any(map(is_test_folder, tables)):
+        from scara_iso.cli.conditions import compare_folders
+
+        found = compare_folders(tables, condition, plot, options, as_json=json, full=full)
     else:
-        again = [command_line([table], read) for table in tables]
-        write_report(reporting.comparison_brief(comparison, again))
-    held = [one.limit.verdict for one in comparison.characteristics if one.limit is not None]
+        found = [library.compare(*tables, condition=condition, **options)]
+        if plot is not None:
+            render.save_figure(found[0].plot(), plot)
+        if json:
+            write_json(render.comparison_json(found[0]))
+        else:
+            again = [command_line([table], read) for table in tables]
+            show_comparison(found[0], again, full=full)
+    held = [o.limit.verdict for one in found for o in one.characteristics if o.limit is not None]
     if any(verdict is not Conformity.PASS for verdict in held):
         raise typer.Exit(NOT_WITHIN_LIMITS)

@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from scara_iso import reporting
+from scara_iso import render, reporting
+from scara_iso.acceptance import is_test_folder
 from scara_iso.cli.options import NOT_WITHIN_LIMITS
 from scara_iso.cli.output import check_outputs, command_line, write_json, write_report
+from scara_iso.cli.show_comparison import show_comparison
+from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity
 from scara_iso.library import (
     ConditionRun,
     check_format,
+    compare,
     join_reports,
     read_conditions,
-    report_condition,
+    report,
 )
 
 if TYPE_CHECKING:
+    from scara_iso.comparison import Comparison
     from scara_iso.iso9283 import Analysis
     from scara_iso.library import TestReport
     from scara_iso.reporting import Dossier
@@ -104,9 +110,7 @@ def report_folder(
     if place is not None:
         check_format(place, excel_locale)
     check_outputs([place, archive], [])
-    reports = [
-        None if one.run is None else report_condition(folder, one, one.run, given) for one in found
-    ]
+    reports = [None if one.run is None else report(one, **given) for one in found]
     made = [one for one in reports if one is not None]
     for one in found:
         if one.run is None:
@@ -120,6 +124,81 @@ def report_folder(
     if as_json:
         _write_dossiers(found, [one.dossier for one in made])
     _exit_by([one.analysis for one in made])
+
+
+def compare_folders(
+    tables: Sequence[str],
+    condition: str | None,
+    plot: Path | None,
+    options: Mapping[str, Any],
+    *,
+    as_json: bool,
+    full: bool,
+) -> list[Comparison]:
+    """Write what differs between tests under each condition that all of them have; return it.
+
+    A table beside folders goes with one condition only.
+    """
+    asked = list(_compared(tables, condition, options))
+    several = len(asked) > 1
+    found = [(one, comparison) for one, comparison in asked if comparison is not None]
+    for one, comparison in found:
+        if (picture := _path(plot, one, several=several)) is not None:
+            render.save_figure(comparison.plot(), picture)
+        if not as_json:
+            typer.echo(f"{one.condition}:")
+            again = [command_line([table], {"condition": one.condition.name}) for table in tables]
+            show_comparison(comparison, again, full=full)
+    documents = [(one, render.comparison_json(comparison)) for one, comparison in found]
+    if as_json and several:
+        _write_conditions([_of_condition(one, document) for one, document in documents])
+    elif as_json and documents:
+        write_json(documents[0][1])
+    return [comparison for _, comparison in found]
+
+
+def _compared(
+    tables: Sequence[str], condition: str | None, options: Mapping[str, Any]
+) -> Iterator[tuple[ConditionRun, Comparison | None]]:
+    """Yield each condition, with what is missing of it in any test, and its comparison.
+
+    Where nothing is recorded under it in one of the tests, that is said, and there is none.
+    """
+    tests = {
+        one: {found.condition.name: found for found in read_conditions(one, condition)}
+        for one in tables
+        if is_test_folder(one)
+    }
+    for name in _shared(tests, tables):
+        of_test = [found[name] for found in tests.values()]
+        if any(one.run is None for one in of_test):
+            for one in of_test:
+                _say_missing(one)
+            yield of_test[0], None
+            continue
+        sets = [tests[one][name] if one in tests else one for one in tables]
+        missing = tuple(part for one in of_test for part in one.missing)
+        yield replace(of_test[0], missing=missing), compare(sets, **options)
+
+
+def _shared(tests: Mapping[str, Mapping[str, ConditionRun]], tables: Sequence[str]) -> list[str]:
+    """Return the conditions that all tests have, in the order of the first, and say the others."""
+    every = list(tests.values())
+    shared = [name for name in every[0] if all(name in one for one in every)]
+    if not shared or (len(shared) > 1 and len(tests) < len(set(tables))):
+        what = "no condition is in all of them" if not shared else "a table is of one condition"
+        raise UsageError(what, remedy=f"`condition=` is one of {', '.join(every[0])}")
+    for table, found in tests.items():
+        if left := [name for name in found if name not in shared]:
+            said = f"scara-iso: {table}: {', '.join(left)} is not in every test: not compared"
+            typer.echo(reporting.printable(said), err=True)
+    return shared
+
+
+def _path(path: Path | None, one: ConditionRun, *, several: bool) -> Path | None:
+    if path is None or not several:
+        return path
+    return path.with_name(f"{path.stem}-{one.condition.name}{path.suffix}")
 
 
 def _write_report(
@@ -155,7 +234,9 @@ def _write_conditions(documents: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _say_missing(one: ConditionRun) -> None:
-    typer.echo(f"{one.condition}: nothing is recorded; missing: {', '.join(one.missing)}", err=True)
+    said = "nothing is recorded; " if one.run is None else ""
+    said += f"missing: {', '.join(one.missing)}" if one.missing else "every part is recorded"
+    typer.echo(reporting.printable(f"{one.folder.path}, {one.condition}: {said}"), err=True)
 
 
 def _exit_by(analyses: Sequence[Analysis | None]) -> None:

@@ -104,6 +104,8 @@ def _record_part(options: RecordOptions, path: Path) -> None:
 
     if options.cycles is not None:
         raise UsageError("test.toml says how many cycles", remedy="leave --cycles out")
+    if options.pose is not None:
+        raise UsageError("a part is one pose of test.toml", remedy="name it: --part P3-v50-l100")
     axes = [spec.axis for spec in parse_gauges(options.gauges, unit=options.unit)]
     folder = read_folder(path)
     found = assign(folder, axes, part=options.part, repeat=options.repeat)

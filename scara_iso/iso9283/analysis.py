@@ -87,6 +87,7 @@ def analyze(
         block=block,
     )
     found = [one for compute in find_characteristics() for one in compute(measured)]
+    measured = replace(measured, codes=frozenset(one.code for one in found))
     findings = tuple(finding for check in find_checks() for finding in check(measured))
     held = check_limits(found, limits or {}, findings, decision=rule, needs=needs())
     return Analysis(

@@ -51,6 +51,8 @@ class Measured:
     """Of a drift test (7.6): the block of each row, from 0, shape (rows,); None for another."""
     robots: tuple[Measured, ...] = ()
     """The same program on other robots."""
+    codes: frozenset[str] = frozenset()
+    """Of the characteristics that it gives; known to the checks."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,21 +9,20 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.library.conditions import join_reports as join_reports
+    from scara_iso.library.conditions import (
+        ConditionRun as ConditionRun,
+        read_conditions as read_conditions,
+    )
     from scara_iso.library.diagnoses import Diagnoses as Diagnoses
     from scara_iso.library.figures import analyze as analyze
-    from scara_iso.library.folders import (
-        ConditionRun as ConditionRun,
-        new_test as new_test,
-        read_conditions as read_conditions,
-        report_condition as report_condition,
-    )
+    from scara_iso.library.folders import new_test as new_test
     from scara_iso.library.inputs import (
         Table as Table,
         TableOptions as TableOptions,
         Tables as Tables,
         tables_of as tables_of,
     )
+    from scara_iso.library.joined import join_reports as join_reports
     from scara_iso.library.loop import (
         diagnose as diagnose,
         diagnose_each as diagnose_each,

@@ -1,39 +1,122 @@
-"""The reports of a test's conditions as one."""
+"""The readings of a test's folder, condition by condition, with what test.toml states for them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
-from scara_iso.errors import UsageError
-from scara_iso.library.folders import ConditionRun
-from scara_iso.library.reports import TestReport
-from scara_iso.reporting import Chapter, joined
+from scara_iso import iso9283
+from scara_iso.acceptance import FILE, Condition, Folder, lacking, read_folder, run_under
+from scara_iso.acquisition import raw_path
+from scara_iso.errors import NoInputError, UsageError
+from scara_iso.iso9283 import Analysis
+from scara_iso.run import Run
 
 
-def join_reports(
-    measured: Sequence[ConditionRun], reports: Sequence[TestReport | None]
-) -> TestReport:
-    """Return one report of all conditions, of those that have one; the others are missing in it.
+@dataclass(frozen=True, eq=False, slots=True)
+class ConditionRun:
+    """The readings under one condition; ``run`` is None where no part of it is whole.
 
-    Raises `UsageError` where none has one, `DataError` where they have not the same axes.
+    `analyze`, `diagnose`, `report` and `compare` take it in place of a table. ``options`` are what
+    test.toml states for `analyze`: limits, decision, number of cycles.
     """
-    pairs = list(zip(measured, reports, strict=True))
-    found = [(one, report) for one, report in pairs if report is not None]
-    if not found:
-        raise UsageError("no part of the test is recorded", remedy="record one: `record FOLDER`")
-    if len(pairs) == 1:
-        return found[0][1]
-    missing = [part for one, report in pairs if report is None for part in one.missing]
-    return replace(
-        found[0][1],
-        dossier=joined([_chapter(one, report) for one, report in found], missing),
-        files={name: data for _, report in found for name, data in report.files.items()},
-        tables=tuple(path for _, report in found for path in report.tables),
+
+    folder: Folder
+    condition: Condition
+    run: Run | None
+    missing: tuple[str, ...]
+    options: Mapping[str, Any]
+
+    @property
+    def readings(self) -> Run:
+        """The run; `NoInputError` with what is missing where there is none."""
+        if self.run is None:
+            raise NoInputError(
+                f"nothing is recorded under {self.condition}; missing: {', '.join(self.missing)}",
+                where=str(self.folder.path), remedy=f"scara-iso record {self.folder.path}",
+            )  # fmt: skip
+        return self.run
+
+    @property
+    def cycles(self) -> int | None:
+        """How many were run by the test, None where the cycle rule knows it."""
+        return self.folder.test.schedule.cycles_run
+
+    @property
+    def tables(self) -> tuple[Path, ...]:
+        """The tables of the parts that the run is made of."""
+        return tuple(
+            state.recording.table
+            for state in self.folder.parts
+            if state.part.condition == self.condition and state.is_whole and state.recording
+        )
+
+    def files(self) -> Iterator[tuple[str, Path]]:
+        """Yield what the run is made of: test.toml, tables, raw files."""
+        yield "test", self.folder.path / FILE
+        yield from ((f"table {table.name}", table) for table in self.tables)
+        raws = [raw for raw in map(raw_path, self.tables) if raw.exists()]
+        yield from ((f"raw file {raw.name}", raw) for raw in raws)
+
+    def analysis(self, **options: Any) -> Analysis | None:
+        """Return the analysis, None without a run; ``options`` stand for those of the test."""
+        if self.run is None:
+            return None
+        return iso9283.analyze(self.run, **self.merged_with(options))
+
+    def merged_with(self, options: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the options of the test with those given; a decision goes with its limits."""
+        given = {key: value for key, value in options.items() if value not in (None, {}, False)}
+        if not given.get("limits"):
+            given.pop("decision", None)
+        return {**self.options, **given}
+
+
+def read_conditions(
+    folder: str | Path | Folder, condition: str | None = None
+) -> tuple[ConditionRun, ...]:
+    """Return the readings of a test's folder by condition, or of the ``condition`` named.
+
+    Raises `DataError` for a part that is of another robot, damaged, or there twice, and
+    `UsageError` for no such condition.
+    """
+    found = folder if isinstance(folder, Folder) else read_folder(Path(folder))
+    conditions = {one.name: one for one in found.test.conditions()}
+    if condition is not None and condition not in conditions:
+        raise UsageError(
+            f"no condition {condition!r} in {found.path}",
+            remedy=f"it has {', '.join(conditions)}",
+        )
+    wanted = conditions.values() if condition is None else (conditions[condition],)
+    options = {
+        "limits": dict(found.test.limits),
+        "decision": found.test.decision,
+        "cycles": found.test.schedule.cycles_run,
+    }
+    return tuple(
+        ConditionRun(
+            found,
+            one,
+            run_under(found, one),
+            tuple(lacking(s) for s in found.parts if s.part.condition == one and s.is_open),
+            options,
+        )
+        for one in wanted
     )
 
 
-def _chapter(measured: ConditionRun, report: TestReport) -> Chapter:
-    condition = measured.condition
-    columns = {"velocity": f"{condition.velocity:g} %", "load": f"{condition.load:g} %"}
-    return Chapter(condition.name, columns, report.dossier)
+def read_condition(folder: str | Path, condition: str | None) -> ConditionRun:
+    """Return the readings under ``condition``, or the only one; errors as `read_conditions`.
+
+    `UsageError` where there are several and none is named: they are never mixed.
+    """
+    found = read_folder(Path(folder))
+    names = [one.name for one in found.test.conditions()]
+    if condition is None and len(names) > 1:
+        raise UsageError(
+            f"{folder} holds {len(names)} conditions, and each is a result of its own",
+            remedy=f"name one: `condition={names[0]}`, or {', '.join(names[1:10])}",
+        )
+    return read_conditions(found, condition)[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from scara_iso import iso9283
 from scara_iso.iso9283 import Analysis, DecisionRule
@@ -13,6 +14,7 @@ from scara_iso.library.inputs import TableOptions, Tables, paths_of
 def analyze(
     table: Tables,
     *,
+    condition: str | None = None,
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
@@ -27,7 +29,10 @@ def analyze(
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a table, with intervals and findings.
 
-    Several tables (a sequence, or the path of a folder) are poses of one test.
+    Several tables (a sequence, or the path of a folder) are poses of one test. The folder of a
+    test, with test.toml, gives its parts under ``condition`` (``v50-l100``; it may be left out
+    where there is one only). Limits, decision and number of cycles are those of test.toml unless
+    given, and parts that are missing are deviations; `NoInputError` where all are.
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``
     and ``sheet`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``, ``all_count`` and
     ``allow_gaps`` say which cycles count. ``limits`` are in mm (degrees for an angle) by figure
@@ -36,16 +41,19 @@ def analyze(
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
-    analysis = iso9283.analyze(
-        TableOptions(unit, resolution, decimal, sheet).read(table),
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
-        limits=limits,
-        decision=decision,
-        other_definitions=other_definitions,
-    )
+    reading = TableOptions(unit, resolution, decimal, sheet)
+    options: dict[str, Any] = {
+        "first_cycle_discarded": first_cycle_discarded,
+        "cycles": cycles,
+        "all_count": all_count,
+        "allow_gaps": allow_gaps,
+        "limits": limits,
+        "decision": decision,
+        "other_definitions": other_definitions,
+    }
+    if (measured := reading.measured(table, condition)) is not None:
+        return iso9283.analyze(measured.readings, **measured.merged_with(options))
+    analysis = iso9283.analyze(reading.read(table), **options)
     return compared_with_its_manifest(analysis, table)
 
 

@@ -8,8 +8,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, TypeVar, Union
 
+from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.frames import FRAME, is_frame
+from scara_iso.library.conditions import ConditionRun, read_condition
 from scara_iso.run import Run
 from scara_iso.tables import Part, Source, listed, merge, read_table, together
 
@@ -18,8 +20,11 @@ if TYPE_CHECKING:
 
 Table: TypeAlias = Union[Run, Source, "pd.DataFrame"]
 """A path, ``-`` for standard input, bytes, an open file, a `Run` or a pandas table."""
-Tables: TypeAlias = Table | Sequence[Table]
-"""A table, or those of one test, a pose each: a sequence of tables, or the path of their folder."""
+Tables: TypeAlias = Table | Sequence[Table] | ConditionRun
+"""A table, or those of one test, a pose each: a sequence of tables, or the path of their folder.
+
+The folder of a test (with a test.toml) is its parts under one condition, as is a `ConditionRun`.
+"""
 
 _ENDINGS = frozenset({".csv", ".tsv", ".txt", ".xlsx"})
 _NAMELESS = ("", "bytes", "file object", FRAME)
@@ -43,12 +48,40 @@ class TableOptions:
         Errors as in `read_table`, `Run.from_frame` and `tables.merge`, with the faults of every
         table; `UsageError` for an option that the kind of table has no use for.
         """
+        if (measured := self.measured(tables)) is not None:
+            return measured.readings
         found = tables_of(tables)
         if len(found) == 1:
             return self._read_one(found[0])
         runs = every(found, self._read_one, f"of {len(found)} tables")
         parts = [_part(k, run) for k, run in enumerate(runs, 1)]
         return merge(parts, together_as(tables) or _named(part.name for part in parts))
+
+    def measured(self, tables: Tables, condition: str | None = None) -> ConditionRun | None:
+        """Return what a test's folder holds under ``condition``, None where it is another table.
+
+        Errors as in `read_condition`; `UsageError` for an option of a table beside a folder, for a
+        folder beside other tables, and for a condition beside a table.
+        """
+        several = tables if isinstance(tables, list | tuple) else (tables,)
+        folders = [one for one in several if isinstance(one, ConditionRun) or is_test_folder(one)]
+        if not folders:
+            if condition is not None:
+                raise UsageError("`condition=` is for the folder of a test", where=_path(tables))
+            return None
+        if len(several) > 1:  # of a folder, what is struck is no table
+            raise UsageError(
+                "the folder of a test is not taken together with other tables",
+                where=_path(folders[0]), remedy="name it alone, or the tables of its parts",
+            )  # fmt: skip
+        given = [name for name, value in asdict(self).items() if value is not None]
+        if given:
+            raise UsageError(
+                f"`{given[0]}=` is for a table, and each part of a test states its own",
+                where=_path(folders[0]), remedy="leave it out",
+            )  # fmt: skip
+        only = folders[0]
+        return only if isinstance(only, ConditionRun) else read_condition(str(only), condition)
 
     def _read_one(self, table: Table) -> Run:
         if isinstance(table, Run):
@@ -86,6 +119,10 @@ def tables_of(tables: Tables) -> list[Table]:
 def paths_of(tables: Tables) -> list[Path]:
     """Return the files among them."""
     return [Path(one) for one in tables_of(tables) if isinstance(one, str | Path) and one != "-"]
+
+
+def _path(table: object) -> str:
+    return str(table) if isinstance(table, str | Path) else ""
 
 
 def together_as(tables: Tables) -> str:

@@ -29,6 +29,7 @@ def diagnose(
     table: Tables,
     model: Model | str | Path | None = None,
     *,
+    condition: str | None = None,
     pose: str | None = None,
     unit: str | None = None,
     resolution: float | None = None,
@@ -47,12 +48,14 @@ def diagnose(
     Several poses (a column, or several tables as in `analyze`) are each diagnosed against a
     constant, at one level for all, and give a `DiagnosisOfPoses`; ``pose`` names one of them, which
     a model, ``hold_out`` and ``sigma`` need. The other options are those of `analyze`, for both
-    tables: ``hold_out`` is a second one that measures the error on unseen cycles. ``sigma`` is the
-    known scatter in mm. Same arguments, same result. Raises `DataError` for a table that cannot be
-    read, breaks the cycle rule, or is not of the model, and `UsageError` for a pose that is not
-    there.
+    tables, and so is the folder of a test. ``hold_out`` is a second table that measures the error
+    on unseen cycles. ``sigma`` is the known scatter in mm. Same arguments, same result.
+    Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
+    model, and `UsageError` for a pose that is not there.
     """
     reading = TableOptions(unit, resolution, decimal, sheet)
+    if (measured := reading.measured(table, condition)) is not None:
+        table, cycles = measured.readings, cycles or measured.cycles
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     run = reading.read(table)
     of_one = (pose, model, hold_out, sigma)

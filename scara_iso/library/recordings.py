@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from scara_iso import acquisition
+from scara_iso.acceptance import Assignment, assign, is_test_folder, read_folder, told_of_part
 from scara_iso.acquisition import (
     Command,
     Job,
@@ -21,6 +22,7 @@ from scara_iso.acquisition import (
     parse_poses,
     parse_trigger,
 )
+from scara_iso.errors import UsageError
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.run import Run
 from scara_iso.tables import read_table
@@ -41,44 +43,83 @@ def record(
     gauges: Sequence[str],
     *,
     trigger: str,
-    cycles: int = CYCLES_RUN,
+    cycles: int | None = None,
     pose: str | Sequence[str] | None = None,
     stable: int = 1,
     rearm: float | None = None,
     unit: str | None = None,
     metadata: Mapping[str, str] | None = None,
     resume: bool = False,
+    part: str | None = None,
+    repeat: str | None = None,
     excel_locale: str | None = None,
     operator: Operator | None = None,
     tell: Callable[[Said], None] | None = None,
 ) -> Run:
     """Record indicators into ``table`` and return what is then in it.
 
+    ``table`` may be the folder of a test: the next missing part is recorded, or gone on with, or
+    ``part`` (``P3-v50-l100``); ``repeat`` is the reason for which what is there of it is struck.
+    test.toml gives cycles, pose and head then, and `UsageError` says where nothing is missing.
+
     ``gauges`` are ``AXIS=DRIVER@PORT``, ``trigger`` is ``data``, ``timer:SECONDS``, or ``enter``
     with an ``operator`` whose ``poll()`` gives the commands. ``tell`` hears each event, a stored
     reading only once it is safe on the disk. ``stable`` readings in a row must agree; none counts
-    within ``rearm`` seconds of the last (0.5, for recorded streams 0). ``pose`` names the poses
-    of every cycle, in their order: ``"P1,P2"`` or a sequence. ``metadata`` goes into the
-    table's head. Raises `UsageError` for invalid options, `InstrumentError` for a
-    port, `CannotCreateError` and `WriteError` for the files.
+    within ``rearm`` seconds of the last (0.5, for recorded streams 0). ``cycles`` are 31 unless
+    given. ``pose`` names the poses of every cycle, in their order: ``"P1,P2"`` or a sequence.
+    ``metadata`` goes into the table's head. Raises `UsageError` for invalid options,
+    `InstrumentError` for a port, `CannotCreateError` and `WriteError` for the files.
     """
     specs = parse_gauges(gauges, unit=unit)
     recorded = all(is_recorded(spec.address) for spec in specs)
     pause = rearm if rearm is not None else 0.0 if recorded else _REARM_S
     tour = Tour() if pose is None else Tour(parse_poses(pose))
-    job = Job(
-        Path(table),
-        specs,
-        RecordingPlan(parse_trigger(trigger), cycles, stable, pause, tour),
-        check_metadata(dict(metadata or {})),
-        resume,
-        excel_locale,
-    )
+    told = tell or (lambda _: None)
+    path, head = Path(table), check_metadata(dict(metadata or {}))
+    if (
+        found := _part(path, [spec.axis for spec in specs], cycles, tour, part, repeat)
+    ) is not None:
+        told = told_of_part(found, path, told)
+        path, cycles, resume = found.table, found.cycles, found.resume
+        head = check_metadata(dict(found.metadata)) | head
     acquisition.record(
-        job,
+        Job(
+            path,
+            specs,
+            RecordingPlan(parse_trigger(trigger), cycles or CYCLES_RUN, stable, pause, tour),
+            head,
+            resume,
+            excel_locale,
+        ),
         disk=SystemDisk(),
         clock=choose_clock(spec.address for spec in specs),
         operator=operator or Nobody(),
-        tell=tell or (lambda _: None),
+        tell=told,
     )
-    return read_table(table)
+    return read_table(path)
+
+
+def _part(
+    path: Path,
+    axes: Sequence[str],
+    cycles: int | None,
+    tour: Tour,
+    part: str | None,
+    repeat: str | None,
+) -> Assignment | None:
+    """Return the part to record where ``path`` is the folder of a test, else None."""
+    if not is_test_folder(path):
+        if part is not None or repeat is not None:
+            raise UsageError("`part=` and `repeat=` are for the folder of a test", where=str(path))
+        return None
+    if cycles is not None or tour.poses:
+        raise UsageError(
+            "test.toml says poses and cycles", where=str(path), remedy="leave them out"
+        )
+    found = assign(read_folder(path), axes, part=part, repeat=repeat)
+    if found is None:
+        raise UsageError(
+            "nothing is missing", where=str(path),
+            remedy="to repeat a part give `part=P3-v50-l100` and `repeat='the plunger stuck'`",
+        )  # fmt: skip
+    return found

@@ -8,7 +8,7 @@ from functools import partial
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from scara_iso import iso9283
 from scara_iso.diagnosis import (
@@ -23,6 +23,7 @@ from scara_iso.display import Displayed
 from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.frames import is_frame
 from scara_iso.iso9283 import Analysis, DecisionRule, poses_in_cycles
+from scara_iso.library.conditions import ConditionRun
 from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest
 from scara_iso.library.inputs import (
@@ -111,6 +112,7 @@ class TestReport(Displayed):
 def report(
     table: Tables,
     *,
+    condition: str | None = None,
     model: str | Path | None = None,
     to: str | Path | None = None,
     pose: str | None = None,
@@ -140,23 +142,28 @@ def report(
     `TestReport.write`.
     """
     write = None if to is None else _writer(Path(to), excel_locale)
+    options: dict[str, Any] = {
+        "first_cycle_discarded": first_cycle_discarded,
+        "cycles": cycles,
+        "all_count": all_count,
+        "allow_gaps": allow_gaps,
+        "limits": limits,
+        "decision": decision,
+    }
+    reading = TableOptions(unit, resolution, decimal, sheet)
+    if (measured := reading.measured(table, condition)) is not None:
+        run, held = _at(measured.readings, pose, str(measured.folder.path)), _held_files(measured)
+        options, cycles = measured.merged_with(options), cycles or measured.cycles
+    else:
+        run, held = _read(table, reading, pose)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    run, held = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
     run, restated = restate(run, metadata or {})
     amendment = _amendment(run, supersedes, reason)
     described = None if model is None else read_model(model)
-    analysis = iso9283.analyze(
-        run,
-        first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles,
-        all_count=all_count,
-        allow_gaps=allow_gaps,
-        limits=limits,
-        decision=decision,
-    )
+    analysis = iso9283.analyze(run, **options)
     held += () if model is None else (_held("model", str(model), Path(model).read_bytes()),)
     dossier = Dossier(
-        analysis=compared_with_its_manifest(analysis, table),
+        analysis=analysis if measured else compared_with_its_manifest(analysis, table),
         provenance=Provenance(tuple(file for file, _ in held), _version(), command, restated),
         diagnoses=_diagnoses(analysis, described, wanted),
         gearboxes={} if described is None else _gearboxes(described),
@@ -164,7 +171,13 @@ def report(
     )
     if to is not None and write is not None:
         write_file(Path(to), write(dossier))
-    return TestReport(dossier, _named(held), tuple(paths_of(table)))
+    return TestReport(
+        dossier, _named(held), measured.tables if measured else tuple(paths_of(table))
+    )
+
+
+def _held_files(measured: ConditionRun) -> tuple[Held, ...]:
+    return tuple(_held(role, str(path), path.read_bytes()) for role, path in measured.files())
 
 
 def _named(held: Sequence[Held]) -> dict[str, bytes]:

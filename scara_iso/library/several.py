@@ -7,8 +7,11 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from scara_iso import comparison, iso9283
+from scara_iso.acceptance import is_test_folder
 from scara_iso.comparison import SEED, Comparison
+from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Analysis
+from scara_iso.library.conditions import ConditionRun
 from scara_iso.library.inputs import TableOptions, Tables, every
 
 _Set: TypeAlias = Tables | Analysis
@@ -16,6 +19,7 @@ _Set: TypeAlias = Tables | Analysis
 
 def compare(
     *tables: _Set | Sequence[_Set],
+    condition: str | None = None,
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
@@ -31,7 +35,8 @@ def compare(
     """Return every table against the first: means, RP and +/- 3 s of angles, with intervals.
 
     ``compare(before, after)`` or ``compare([before, after, later])``; each may be the tables of
-    several poses (a folder, or a sequence), which are compared pose by pose. An `Analysis` is taken
+    several poses (a folder, or a sequence), which are compared pose by pose; of a test's folder
+    those under ``condition``, which may be left out where it has one only. An `Analysis` is taken
     as it is. Options are those of `analyze`, for every table; ``seed`` is that of the permutations.
     With ``exchangeability`` the tables are of several robots (7.7), and ``limits`` may hold
     ``exchangeability``, in mm. The method is that of docs/compare.md. Raises one error with the
@@ -42,10 +47,15 @@ def compare(
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
             return table
+        named = condition if _is_test(table) else None
+        if (measured := reading.measured(table, named)) is not None:
+            run, counted = measured.readings, cycles or measured.cycles
+        else:
+            run, counted = reading.read(table), cycles
         return iso9283.analyze(
-            reading.read(table),
+            run,
             first_cycle_discarded=first_cycle_discarded,
-            cycles=cycles,
+            cycles=counted,
             all_count=all_count,
             allow_gaps=allow_gaps,
         )
@@ -53,11 +63,17 @@ def compare(
     if not exchangeability:
         comparison.refuse_limits(limits)
     sets = _sets(tables)
+    if condition is not None and not any(map(_is_test, sets)):
+        raise UsageError("`condition=` is for the folders of tests", remedy="leave it out")
     analyses = every(sets, figures, f"of {len(sets)} tables")
     found = comparison.compare(analyses, seed=seed)
     if not exchangeability:
         return found
     return replace(found, characteristics=comparison.exchangeability(analyses, limits or {}))
+
+
+def _is_test(table: _Set) -> bool:
+    return isinstance(table, ConditionRun) or is_test_folder(table)
 
 
 def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:

@@ -82,6 +82,7 @@ def status_json(folder: Folder) -> dict[str, Any]:
         "loads": list(folder.test.schedule.loads),
         "parts": [_part(state) for state in folder.parts],
         "missing": [lacking(state) for state in folder.parts if state.is_open],
+        "not_measured": list(folder.unmeasured),
         "unknown": list(folder.foreign),
         "complete": all(state.is_whole for state in folder.parts),
         "next": None if following is None else following.part.name,

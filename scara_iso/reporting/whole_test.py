@@ -16,6 +16,7 @@ def status_report(folder: Folder) -> Report:
         *_listed("Struck", _struck(folder)),
         *_listed("Out of its conditions", _deviations(folder)),
         *_listed("Faulty", [f"{one.part.name}: {one.why}" for one in folder.parts if one.why]),
+        *_listed("Planned, and not measured", list(folder.unmeasured)),
         *_listed("Not part of the test", list(folder.foreign)),
     )
 

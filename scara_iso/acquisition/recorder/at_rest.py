@@ -2,9 +2,10 @@
 
 A visit is a movement and then a rest. The dial has moved when it showed more than ``away`` from
 where it rested last (at the first visit: from where it stood when the session began). It rests when
-all readings of the last ``rest`` seconds, three or more, lie within ``within`` divisions. From the
-second visit on it rests at the pose only within ``away`` of the visit before: a free plunger
-stands still too. So the session begins while the arm is away from the dial.
+all readings of the last ``rest`` seconds, three or more, lie within ``within`` divisions. A free
+plunger stands still too: the first visit to a pose is no rest within ``away`` of where the dial
+stood when the session began, and each later one is within ``away`` of the visit to that pose
+before. So the session begins while the arm is away from the dial.
 """
 
 from __future__ import annotations
@@ -22,18 +23,23 @@ _SLACK = 1e-6
 class AtRest:
     """Follows all axes together; values in mm or degrees, times in seconds."""
 
-    def __init__(self, rule: Settled, last: Mapping[str, float]) -> None:
-        """``last`` is the visit before this session, where there was one."""
+    def __init__(self, rule: Settled, visits: Mapping[str | None, Mapping[str, float]]) -> None:
+        """``visits`` are those before this session, the latest of each pose, the very last last."""
         self._rule = rule
-        self._last = dict(last)
+        self._places = dict(visits)
+        self._last = next(reversed(self._places.values()), {})
         self._begun: dict[str, float] = {}
         self._moved = False
         self._window: deque[tuple[float, Mapping[str, float]]] = deque()
 
     def arrived(
-        self, time: float, values: Mapping[str, float], divisions: Mapping[str, float]
+        self,
+        time: float,
+        values: Mapping[str, float],
+        divisions: Mapping[str, float],
+        pose: str | None = None,
     ) -> bool:
-        """Take readings of every axis; return whether they are a visit's, once for each visit."""
+        """Take readings of every axis; return whether they are a visit to ``pose``."""
         self._begun = self._begun or dict(values)
         if self._is_away(values, self._last or self._begun):
             self._moved = True
@@ -43,11 +49,13 @@ class AtRest:
         self._shorten(time, divisions)
         if len(self._window) < FEWEST or time - self._window[0][0] < self._rule.rest - _SLACK:
             return False
-        return not (self._last and self._is_away(values, self._last))
+        if pose in self._places:
+            return not self._is_away(values, self._places[pose])
+        return self._is_away(values, self._begun)
 
-    def stored(self, values: Mapping[str, float]) -> None:
+    def stored(self, values: Mapping[str, float], pose: str | None = None) -> None:
         """Go on from a visit that is on the disk: the next one needs a movement."""
-        self._last = dict(values)
+        self._last = self._places[pose] = dict(values)
         self._moved = False
         self._window.clear()
 

@@ -17,15 +17,26 @@ class Position:
     latest: tuple[tuple[int, str], ...] = ()
     shown: Mapping[str, Sequence[tuple[int, str]]] = field(default_factory=dict)
     """The latest readings of each axis, by visit, as they were shown."""
-    values: Mapping[str, float] = field(default_factory=dict)
-    """The last reading of each axis [mm or deg]."""
+    places: Mapping[str | None, Mapping[str, float]] = field(default_factory=dict)
+    """The latest readings at each pose, by axis [mm or deg]; the last visit is the last."""
 
     @classmethod
     def after(cls, history: History) -> Position:
         """Return where a recording goes on."""
         shown = {axis: tuple(column.shown) for axis, column in history.columns.items()}
-        last = {axis: readings[max(readings)] for axis, readings in history.readings().items()
-                if readings}  # fmt: skip
         return cls(
-            history.visit, history.present(history.visit), tuple(history.latest), shown, last
-        )
+            history.visit, history.present(history.visit), tuple(history.latest), shown,
+            _places(history),
+        )  # fmt: skip
+
+
+def _places(history: History) -> dict[str | None, dict[str, float]]:
+    by_visit: dict[int, dict[str, float]] = {}
+    for axis, readings in history.readings().items():
+        for visit, value in readings.items():
+            by_visit.setdefault(visit, {})[axis] = value
+    found: dict[str | None, dict[str, float]] = {}
+    for visit in sorted(by_visit):
+        pose = history.tour.place(visit)[1]
+        found[pose] = found.pop(pose, {}) | by_visit[visit]
+    return found

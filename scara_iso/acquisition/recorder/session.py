@@ -7,17 +7,12 @@ lost cable or a key is met within milliseconds.
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 
 from scara_iso.acquisition.ports import Clock
-from scara_iso.acquisition.recorder.at_rest import AtRest
-from scara_iso.acquisition.recorder.axis_readings import VOIDABLE
 from scara_iso.acquisition.recorder.bench import Bench, Taken
 from scara_iso.acquisition.recorder.events import (
     Command,
-    CycleDone,
     Note,
     Noted,
     Noticed,
@@ -28,14 +23,12 @@ from scara_iso.acquisition.recorder.events import (
     Quit,
     Said,
     Started,
-    Stored,
     Take,
     Void,
-    Voided,
-    Waiting,
 )
 from scara_iso.acquisition.recorder.gauge import Gauge
 from scara_iso.acquisition.recorder.journal import Journal
+from scara_iso.acquisition.recorder.ledger import Ledger
 from scara_iso.acquisition.recorder.plan import (
     Enter,
     Listen,
@@ -45,10 +38,10 @@ from scara_iso.acquisition.recorder.plan import (
     Timer,
 )
 from scara_iso.acquisition.recorder.position import Position
-from scara_iso.acquisition.recorder.shown import DisplayChangedError, gross_reading
+from scara_iso.acquisition.recorder.shown import DisplayChangedError
 from scara_iso.acquisition.recorder.visits import Visits
+from scara_iso.acquisition.recorder.watch import Watch
 from scara_iso.errors import InstrumentError
-from scara_iso.quantities import parse_unit
 
 ATTEMPTS = 3
 """How often a gauge is asked for one cycle before the session gives up."""
@@ -91,30 +84,28 @@ class Session:
         self._clock = clock
         self._operator = operator
         self._tell = tell
-        self._visit = self._first_visit = position.visit
-        self._present = set(position.present)
-        self._latest = deque(position.latest, maxlen=VOIDABLE)
-        self._stored_at: dict[str, float] = {}
+        self._ledger = Ledger(
+            self._gauges, plan=plan, journal=journal, tell=tell, position=position
+        )
         self._due = 0.0
         self._pressed = -math.inf
         self._paused = self._stopped = False
-        self._unread = 0
         rule = plan.trigger if isinstance(plan.trigger, Settled) else Settled()
-        self._at_rest = AtRest(rule, position.values)
+        self._watch = Watch(self._bench, rule, position.places)
 
     def run(self) -> None:
         """Record."""
         gauges = {a: f"{g.dialect.key} at {g.port.identity}" for a, g in self._gauges.items()}
-        cycle, pose = self._tour.place(self._visit)
+        cycle, pose = self._tour.place(self._ledger.visit)
         trigger, poses = str(self._plan.trigger), self._tour.poses or None
         self._tell(Started(gauges, cycle, self._plan.cycles, trigger, pose, poses))
         self._bench.open()
         self._due = self._clock.now()
-        self._say_waiting()
-        step = {Listen: self._listen, Settled: self._watch}.get(
+        self._ledger.say_waiting()
+        step = {Listen: self._listen, Settled: self._look}.get(
             type(self._plan.trigger), self._attend
         )
-        while self._visit <= self._plan.visits and not self._stopped:
+        while not self._ledger.is_full and not self._stopped:
             try:
                 step()
             except DisplayChangedError as change:
@@ -142,8 +133,8 @@ class Session:
         for taken in arrivals:
             if reason := self._why_not(taken) or self._hear(taken.gauge.axis, taken.time):
                 self._bench.refuse([taken], reason)
-            elif not self._bench.doubt([taken], self._visit):
-                self._store([taken])
+            elif not self._bench.doubt([taken], self._ledger.visit):
+                self._ledger.store([taken])
         self._obey(self._operator.poll())
         if not arrivals:
             self._stopped |= self._ended()
@@ -153,9 +144,9 @@ class Session:
     def _why_not(self, taken: Taken) -> str:
         """Return why a reading that came by itself is refused, or nothing."""
         gauge, axis, channel = taken.gauge, taken.gauge.axis, taken.reading.channel
-        elapsed = taken.time - self._stored_at.get(axis, -math.inf)
+        elapsed = taken.time - self._ledger.stored_at(axis)
         reasons = {
-            "every cycle is recorded": self._visit > self._plan.visits,
+            "every cycle is recorded": self._ledger.is_full,
             "paused": self._paused,
             "began before the session": taken.stale,
             f"of channel {channel}: give ?channel=": gauge.of_other_channel(taken.reading),
@@ -165,13 +156,14 @@ class Session:
 
     def _hear(self, axis: str, time: float, *, whole: bool = True) -> str:
         """Strike what is of another visit than a frame; return why it is not to be taken itself."""
-        heard = self._visits.hear(axis, time, whole=whole, pose=self._visit % len(self._tour))
-        first = max(self._first_visit, self._visit - heard.mixed)
+        ledger = self._ledger
+        heard = self._visits.hear(axis, time, whole=whole, pose=ledger.visit % len(self._tour))
+        first = max(ledger.first_visit, ledger.visit - heard.mixed)
         broken = heard.broken or ("an earlier visit was of two" if heard.mixed else "")
-        if broken and self._present:
-            self._strike(self._visit, sorted(self._present), f"{broken}: cycle asked again")
-        for visit in range(self._visit - 1, first - 1, -1):
-            self._strike(visit, list(self._gauges), "mixed two visits, perhaps: cycle asked again")
+        if broken and ledger.present:
+            ledger.strike(ledger.visit, sorted(ledger.present), f"{broken}: cycle asked again")
+        for visit in range(ledger.visit - 1, first - 1, -1):
+            ledger.strike(visit, list(self._gauges), "mixed two visits, perhaps: cycle asked again")
         return heard.refused
 
     def _attend(self) -> None:
@@ -183,27 +175,26 @@ class Session:
                 self._bench.drain(RETRY_S, "late, or not asked for")
                 self._bench.learn_units(self._bench.suspects())
             taken = self._bench.measure(self._plan.stable)
-            if taken is not None and not self._bench.doubt(taken, self._visit):
+            if taken is not None and not self._bench.doubt(taken, self._ledger.visit):
                 self._pressed = self._clock.now()
-                self._store([one for one in taken if one.gauge.axis not in self._present])
+                self._store_missing(taken)
                 return
             self._stopped |= self._ended()
             if self._stopped:
                 return
         if isinstance(self._plan.trigger, Timer):
             raise self._silent(ATTEMPTS)
-        self._say_waiting()
+        self._ledger.say_waiting()
 
-    def _watch(self) -> None:
+    def _look(self) -> None:
         """Look at every gauge again and again, and take the readings of a dial at rest."""
-        taken = None if self._paused else self._bench.measure(1)
-        if taken is not None:
-            self._unread = 0
-            self._take_at_rest(taken)
-        elif not self._paused:
-            self._unread += 1
-        if self._unread >= ATTEMPTS:
-            raise self._silent(ATTEMPTS)
+        if not self._paused:
+            pose = self._tour.place(self._ledger.visit)[1]
+            if taken := self._watch.look(self._ledger.visit, pose):
+                self._store_missing(taken)
+                self._watch.stored(pose)
+            if self._watch.unread >= ATTEMPTS:
+                raise self._silent(ATTEMPTS)
         until = self._clock.now() + WATCH_S
         while self._clock.now() < until and not self._stopped:
             self._bench.refuse(self._bench.receive(), "not asked for")
@@ -211,22 +202,13 @@ class Session:
             self._stopped |= self._ended()
             self._clock.idle(until)
 
-    def _take_at_rest(self, taken: Sequence[Taken]) -> None:
-        sizes = {one.gauge.axis: parse_unit(one.reading.unit or one.gauge.unit or "mm")
-                 for one in taken}  # fmt: skip
-        texts = {one.gauge.axis: one.reading.text for one in taken}
-        values = {axis: size.read(texts[axis]) for axis, size in sizes.items()}
-        counts = {axis: 10.0 ** -len(text.partition(".")[2]) for axis, text in texts.items()}
-        divisions = {axis: size.to_base(counts[axis]) for axis, size in sizes.items()}
-        if not self._at_rest.arrived(taken[0].time, values, divisions):
-            return
-        if not self._bench.doubt(taken, self._visit):
-            self._store([one for one in taken if one.gauge.axis not in self._present])
-            self._at_rest.stored(values)
+    def _store_missing(self, taken: Sequence[Taken]) -> None:
+        missing = self._ledger.missing
+        self._ledger.store([one for one in taken if one.gauge.axis in missing])
 
     def _silent(self, attempts: int) -> InstrumentError:
         return InstrumentError(
-            f"no reading of {self._tour.name(self._visit)} after {attempts} requests; "
+            f"no reading of {self._tour.name(self._ledger.visit)} after {attempts} requests; "
             f"at last {self._bench.last_problem}",
             remedy="check cable, settings and that the indicator is on, then use `resume=True`",
         )
@@ -254,44 +236,8 @@ class Session:
             now, seconds = self._clock.now(), self._plan.trigger.seconds
             self._due = (self._due if self._due + seconds > now else now) + seconds
 
-    def _store(self, readings: Sequence[Taken]) -> None:
-        """Write readings of the visit, make them safe, and only then say so."""
-        stored, gross = [], []
-        cycle, pose = self._tour.place(self._visit)
-        for taken in readings:
-            gauge, text = taken.gauge, taken.reading.text
-            unit = taken.reading.unit or gauge.unit or ""
-            value = parse_unit(unit).read(text)
-            stored.append(Stored(cycle, gauge.axis, value, text, unit, pose))
-            if distance := gauge.shown.far(text, self._visit):
-                gross.append(gross_reading(stored[-1], distance))
-            self._journal.append(
-                "stored", **self._tour.state(self._visit), axis=gauge.axis, text=text, unit=unit,
-                at=round(taken.time, 6),
-            )  # fmt: skip
-            self._stored_at[gauge.axis] = taken.time
-        self._journal.sync()
-        for said in stored:
-            self._present.add(said.axis)
-            self._gauges[said.axis].shown.put(self._visit, said.text)
-            self._latest.append((self._visit, said.axis))
-            self._tell(said)
-        if len(self._present) == len(self._gauges):
-            self._tell(CycleDone(cycle, discarded=cycle == 1, pose=pose))
-            self._visit += 1
-            self._present.clear()
-        for found in gross:
-            self._tell(found)
-        self._say_waiting()
-
     def _ended(self) -> bool:
-        return any(g.port.ended for axis, g in self._gauges.items() if axis not in self._present)
-
-    def _say_waiting(self) -> None:
-        if self._visit <= self._plan.visits:
-            missing = tuple(axis for axis in self._gauges if axis not in self._present)
-            cycle, pose = self._tour.place(self._visit)
-            self._tell(Waiting(cycle, missing, pose))
+        return any(self._gauges[axis].port.ended for axis in self._ledger.missing)
 
     def _obey(self, command: Command | None) -> bool:
         """Do as the operator says; return True where a reading is to be taken."""
@@ -300,8 +246,9 @@ class Session:
                 return not self._bounced()
             case Take() if isinstance(self._plan.trigger, RobotLine):
                 return True
-            case Void(reason=reason):
-                self._void(reason)
+            case Void(reason=reason) if self._ledger.can_void:
+                self._visits.judged()
+                self._ledger.void(reason, together=not isinstance(self._plan.trigger, Listen))
             case Note(text=text):
                 self._journal.append("note", text=text)
                 self._journal.sync()
@@ -321,30 +268,3 @@ class Session:
         if since < rearm:
             self._tell(Noticed("", f"Enter not taken: within {rearm:g} s of the one before"))
         return since < rearm
-
-    def _void(self, reason: str) -> None:
-        """Strike out the last reading, or all of its visit where they were asked for together."""
-        if not self._latest:
-            return
-        self._visits.judged()
-        visit, axis = self._latest.pop()
-        axes = [axis]
-        together = not isinstance(self._plan.trigger, Listen)
-        while together and self._latest and self._latest[-1][0] == visit:
-            axes.append(self._latest.pop()[1])
-        self._strike(visit, axes, reason)
-
-    def _strike(self, visit: int, axes: Sequence[str], reason: str) -> None:
-        for axis in axes:
-            with suppress(ValueError):
-                self._latest.remove((visit, axis))
-        self._journal.append("void", **self._tour.state(visit), axes=axes, reason=reason)
-        self._journal.sync()
-        if visit != self._visit:
-            self._visit, self._present = visit, set(self._gauges)
-        self._present -= set(axes)
-        for axis in axes:
-            self._gauges[axis].shown.void(visit)
-        cycle, pose = self._tour.place(visit)
-        self._tell(Voided(cycle, tuple(axes), reason, pose))
-        self._say_waiting()

@@ -1,0 +1,24 @@
+"""A characteristic was planned, and these readings do not give it.
+
+The test.toml of a test's folder lists the characteristics that the test is to have. One that the
+readings do not give is named here with what it needs: record that, or take it off the list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.characteristics import needs
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "not-measured"
+_RULE = "the test's own plan: every characteristic that it lists is measured"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a warning for each characteristic that is planned and not given."""
+    planned = measured.run.metadata.get("characteristics", "").split(",")
+    for code in (one.strip() for one in planned):
+        if code and code not in measured.codes:
+            why = f"needs {needs()[code]}" if code in needs() else "no characteristic of this name"
+            yield Finding(CODE, "warning", f"{code} is planned and not measured: {why}", rule=_RULE)

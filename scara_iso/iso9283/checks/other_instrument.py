@@ -1,0 +1,26 @@
+"""A part was recorded with another instrument than the test names.
+
+The test.toml of a test's folder names the indicator of each axis with its certificate, and the
+table of a part states the one that was there when it was recorded. Where the two differ, one of
+them is wrong, or the indicator was changed between parts: then say so, and repeat what was recorded
+with an indicator that has no valid certificate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.checks._stated import stated
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "other-instrument"
+KEY = "instrument_of_the_test"
+_RULE = "the test's own plan: the instruments that test.toml names"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a warning for what a table states of its instruments otherwise than the test does."""
+    for line in stated(measured.run, {KEY}):
+        pose = line.key.partition("[")[2].rstrip("]")
+        where = f"at {pose}: " if pose else ""
+        yield Finding(CODE, "warning", f"{where}{line.text}", rule=_RULE)

@@ -1,0 +1,39 @@
+"""The reports of a test's conditions as one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from scara_iso.errors import UsageError
+from scara_iso.library.conditions import ConditionRun
+from scara_iso.library.reports import TestReport
+from scara_iso.reporting import Chapter, joined
+
+
+def join_reports(
+    measured: Sequence[ConditionRun], reports: Sequence[TestReport | None]
+) -> TestReport:
+    """Return one report of all conditions, of those that have one; the others are missing in it.
+
+    Raises `UsageError` where none has one, `DataError` where they have not the same axes.
+    """
+    pairs = list(zip(measured, reports, strict=True))
+    found = [(one, report) for one, report in pairs if report is not None]
+    if not found:
+        raise UsageError("no part of the test is recorded", remedy="record one: `record FOLDER`")
+    if len(pairs) == 1:
+        return found[0][1]
+    missing = [part for one, report in pairs if report is None for part in one.missing]
+    return replace(
+        found[0][1],
+        dossier=joined([_chapter(one, report) for one, report in found], missing),
+        files={name: data for _, report in found for name, data in report.files.items()},
+        tables=tuple(path for _, report in found for path in report.tables),
+    )
+
+
+def _chapter(measured: ConditionRun, report: TestReport) -> Chapter:
+    condition = measured.condition
+    columns = {"velocity": f"{condition.velocity:g} %", "load": f"{condition.load:g} %"}
+    return Chapter(condition.name, columns, report.dossier)
