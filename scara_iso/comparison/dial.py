@@ -2,7 +2,7 @@
 
 With scatter below about one division, RP and mean depend on where the pose stands between two
 divisions. The sources are silent on it; Gaussian scatter of the same size is put through the same
-dial at the same place here, and the figure is taken as read and freed from that.
+dial at the same place here, and the figure is taken as read and corrected for that.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _DRAWN = 2048
 
 @dataclass(frozen=True, slots=True)
 class DialSpread:
-    """A figure through its dial: as read, and freed from what Gaussian scatter gains there.
+    """A figure through its dial: as read, and corrected for what Gaussian scatter gains there.
 
     Where two divisions hold all readings the figure is anywhere from 0 to ``freed``.
     """

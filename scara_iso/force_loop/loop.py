@@ -28,7 +28,7 @@ class ForceLoop:
 
 
 def turns(force: FloatArray) -> IntArray:
-    """Return where the force turns at an end of the loop: by turns high and low."""
+    """Return where the force turns at an end of the loop: alternately high and low."""
     ends: list[int] = []
     for k in np.flatnonzero(np.abs(force) >= _FAR * _reach(force)).tolist():
         if ends and np.sign(force[k]) == np.sign(force[ends[-1]]):

@@ -1,4 +1,4 @@
-"""What is said about a result, decided once; `render` decides how it looks.
+"""The report on a result, decided once; `render` decides how it looks.
 
 A report is sections of blocks: text, tables, strips and notices. A number keeps all
 its digits and carries how many of them are worth showing; who shows it rounds.

@@ -1,4 +1,4 @@
-"""What is said of an analysis: the verdict first, the findings last."""
+"""The report on an analysis: the verdict first, the findings last."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _GRAVITY = {"error": 0, "warning": 1, "info": 2}
 
 
 def analysis_report(analysis: Analysis) -> Report:
-    """Return what is said of an analysis."""
+    """Return the report on an analysis."""
     sections = [Section("", (*_origin(analysis), *verdict(analysis)))]
     sections += drift_sections(analysis)
     for pose in poses_in_cycles(analysis):

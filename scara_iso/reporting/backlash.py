@@ -1,4 +1,4 @@
-"""What is said of the two-inertia model, and the paper's Table II."""
+"""The report on the two-inertia model, and the paper's Table II."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def backlash_report(result: Backlash, actual: PoseResult | None = None) -> Report:
-    """Return what is said of a gear; ``actual`` is a measured pose to set beside it."""
+    """Return the report on a gear; ``actual`` is a measured pose to set beside it."""
     sections = [
         Section("", tuple(_verdict(result))),
         Section("two-inertia model", (_table(result),)),
@@ -105,7 +105,7 @@ def _assumptions(result: Backlash) -> Iterator[Block]:
 
 
 def sweep_report(closed: GearDiagnosis) -> Report:
-    """Return what is said of a measured sweep: what eq. 16 leaves, and which effect it is."""
+    """Return the report on a measured sweep: what eq. 16 leaves, and which effect it is."""
     blocks = [*gear_blocks(closed), gear_errors(closed, "rad", "each reversal")]
     return (Section("measured sweep", (*blocks, *(Text(line) for line in closed.notes))),)
 

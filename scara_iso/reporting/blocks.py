@@ -72,7 +72,7 @@ class Result:
 
 
 Cell = str | Number | Interval | Result
-"""Text is text: a serial number 0123 is no number, and no format makes one of it."""
+"""Text is text: a serial number 0123 is not a number, and no format makes one of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +234,7 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """Lines to be signed on, and what is to stand on each."""
+    """Lines to be signed on, and what each is for."""
 
     lines: tuple[str, ...]
 

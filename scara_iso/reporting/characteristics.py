@@ -1,4 +1,4 @@
-"""What is said of the characteristics that no pose's own tables show."""
+"""The report on the characteristics that no pose's own tables show."""
 
 from __future__ import annotations
 

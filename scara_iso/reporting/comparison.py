@@ -1,4 +1,4 @@
-"""What is said of a comparison: what changed first, then every figure with its interval."""
+"""The report on a comparison: what changed first, then every figure with its interval."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ SAID = {
 
 
 def comparison_report(comparison: Comparison) -> Report:
-    """Return what is said of a comparison."""
+    """Return the report on a comparison."""
     first = comparison.pairs[0].before
     head = [Text(f"comparison with {_name(first.run.origin.source)}", "strong")]
     if len(comparison.pairs) > 1:

@@ -1,4 +1,4 @@
-"""What is said of a planned test: what it will find, what it cannot tell apart, what helps."""
+"""The report on a planned test: what it will find, what it cannot tell apart, what helps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a diagnosis: what was found, how sure, what else, what to do, what it brings."""
+"""The report on a diagnosis: what was found, how sure, what else, what to do, what it brings."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _UNITS = "lengths in mm, angles in degrees"
 
 
 def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
-    """Return what is said of one pose's diagnosis; ``title`` names the table."""
+    """Return the report on one pose's diagnosis; ``title`` names the table."""
     head = (Text(f"diagnosis of {title}", "strong"), Text(_UNITS, "quiet"))
     sections = [Section("", (*head, *_verdict(diagnosis)))]
     sections += [Section(words(f.effect), tuple(_effect(f))) for f in diagnosis.effects]
@@ -50,7 +50,7 @@ def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
 
 
 def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
-    """Return what is said of several poses: a row for each, and the effects behind."""
+    """Return the report on several poses: a row for each, and the effects behind."""
     rows = tuple(_summary(pose, one) for pose, one in found.poses.items())
     head: tuple[Block, ...] = (
         Text(f"diagnosis of {title}", "strong"),

@@ -39,7 +39,7 @@ class Tested(Protocol):
 
 
 def p_value(tested: Tested) -> Number | str:
-    """Return ``0.034``, or the text ``<= 0.0011``: a bound is no value to compute with."""
+    """Return ``0.034``, or the text ``<= 0.0011``: a bound is not a value to compute with."""
     if tested.p_value_at_floor:
         return f"<= {Context(prec=2, rounding=ROUND_UP).create_decimal(repr(tested.p_value))}"
     return Number(tested.p_value, ".2g")
@@ -54,7 +54,7 @@ def p_equals(tested: Tested) -> str:
 def rounded(figure: float, U: float, *, sign: str = "", unit: str = "", mark: str = "") -> Number:
     """Return ``figure``, shown to the second digit of its uncertainty (GUM 7.2.6).
 
-    A U of 0 stands for one that nobody knows: four digits then.
+    A U of 0 stands for one that is not known: four digits then.
     """
     spec = f"{sign}.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
     return Number(figure, spec, unit, mark)

@@ -1,4 +1,4 @@
-"""What is said of a test on paper: page 1 decides, figures and diagnosis follow, then all else."""
+"""The test report on paper: page 1 decides, figures and diagnosis follow, then all else."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Dossier:
     gearboxes: Mapping[int, tuple[Gearbox, float | None]] = field(default_factory=dict)
     """By the number of the joint, with the reach from it to the tool [m] where it is known."""
     amendment: Amendment | None = None
-    """What the report stands in place of."""
+    """Which report it replaces."""
     parts: tuple[Part, ...] = ()
     """The results by condition, where there are several; a pose is then called by its part."""
 

@@ -1,4 +1,4 @@
-"""What is said of a drift test: how far, until when, block by block, and its picture."""
+"""The report on a drift test: how far, until when, block by block, and its picture."""
 
 from __future__ import annotations
 

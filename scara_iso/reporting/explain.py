@@ -63,7 +63,7 @@ def find_page(code: str) -> Page:
 
 
 def page_report(page: Page) -> Report:
-    """Return what is said of one code."""
+    """Return the report on one code."""
     blocks: list[Block] = [Text(f"{page.code}: {page.title}", "strong")]
     blocks += [Text(paragraph) for paragraph in page.text]
     blocks.append(Text(page.kind, "quiet"))

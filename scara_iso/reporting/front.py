@@ -25,7 +25,7 @@ _MOST_NAMED = 4
 
 @dataclass(frozen=True, slots=True)
 class Amendment:
-    """What this report stands in place of, and why (ISO/IEC 17025:2017, 7.8.8)."""
+    """Which report this one replaces, and why (ISO/IEC 17025:2017, 7.8.8)."""
 
     supersedes: str
     reason: str

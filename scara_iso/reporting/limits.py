@@ -1,4 +1,4 @@
-"""What is said of figures against the limits that the user gave."""
+"""The report on figures against the limits that the user gave."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a planned test, and its visits as a table for a robot program."""
+"""The report on a planned test, and its visits as a table for a robot program."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
 
 def plan_report(plan: PosePlan, robot: str = "") -> Report:
-    """Return what is said of a plan: size, poses, how they are visited."""
+    """Return the report on a plan: size, poses, how they are visited."""
     return (
         Section("", tuple(_verdict(plan, robot))),
         Section("poses", (_poses(plan),)),

@@ -1,4 +1,4 @@
-"""What is said about serial ports, dialects and a probed line."""
+"""The report on serial ports, dialects and a probed line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a push test."""
+"""The report on a push test."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _WORDS = {
 
 
 def push_report(found: PushResult) -> Report:
-    """Return what is said of a push test: the verdict, the figures, how they were found."""
+    """Return the report on a push test: the verdict, the figures, how they were found."""
     sections = [Section("", tuple(_verdict(found)))]
     for of, heading in (("joint", "of the joint"), ("reading", "of the reading")):
         rows = [one for one in found.characteristics if one.of == of]

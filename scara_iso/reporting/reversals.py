@@ -1,4 +1,4 @@
-"""What is said of the reversals in a run's readings."""
+"""The report on the reversals in a run's readings."""
 
 from __future__ import annotations
 

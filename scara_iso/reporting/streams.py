@@ -1,4 +1,4 @@
-"""What is said of the visits that were found in a stream."""
+"""The report on the visits that were found in a stream."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SHOWN, _SHOWN_IN_BRIEF = 40, 6
 
 
 def visits_report(found: StreamVisits) -> Report:
-    """Return what is said of a stream: the rule, the visits, what is doubtful."""
+    """Return the report on a stream: the rule, the visits, what is doubtful."""
     sections = [
         Section("", tuple(_verdict(found))),
         Section("rule", tuple(_rule(found.rule, found))),

@@ -22,7 +22,7 @@ def status_report(folder: Folder) -> Report:
 
 
 def missing_report(what: str, missing: tuple[str, ...]) -> Report:
-    """Return what is said of a condition of which no part is recorded."""
+    """Return the report on a condition of which no part is recorded."""
     return (Section(what, (Text(f"nothing to analyse yet; missing: {', '.join(missing)}"),)),)
 
 

@@ -13,7 +13,7 @@ from scara_iso.robot.workspace import Workspace
 from scara_iso.run import FloatArray
 
 SMALLEST_MM = 1.0
-"""A side shorter than this is no rectangle to test a robot in."""
+"""A side shorter than this is not a rectangle to test a robot in."""
 
 _ASPECT = 4.0
 """Largest logarithm of a rectangle's aspect ratio that is searched (55 : 1)."""

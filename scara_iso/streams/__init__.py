@@ -1,4 +1,4 @@
-"""A fast sensor's stream to visits: rest told from motion by a stated rule, doubts listed.
+"""A fast sensor's stream to visits: rest distinguished from motion by a stated rule, doubts listed.
 
 `find_visits` takes a `Run` with a row for each sample and gives one with a row for each visit.
 """

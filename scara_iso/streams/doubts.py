@@ -1,4 +1,4 @@
-"""Which rests are visits, and what is said of those that may not be: nothing is dropped unsaid."""
+"""Which rests are visits, and what is said of the doubtful ones: none is dropped in silence."""
 
 from __future__ import annotations
 

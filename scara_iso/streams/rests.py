@@ -83,7 +83,7 @@ def plateaus(found: Motion, least: float, long: int) -> list[Plateau]:
     """Return the ranges of thresholds with one number of rests of ``long`` samples or more.
 
     Those with most rests come first, and only those that span `NARROWEST`. ``least`` is the
-    smallest range that can be told from none: the dial's division. Thresholds are a third apart,
+    smallest range distinguished from none: the dial's division. Thresholds are a third apart,
     and windows a quarter of a window.
     """
     step = max(1, found.window // 4)

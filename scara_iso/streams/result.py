@@ -54,7 +54,7 @@ class Doubt:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """The parameters by which rest is told from motion, as used; lengths in mm."""
+    """The parameters by which rest is distinguished from motion, as used; lengths in mm."""
 
     dwell_s: float
     """Shortest rest that is a visit."""
@@ -81,7 +81,7 @@ class StreamVisits(Displayed):
     doubts: tuple[Doubt, ...]
     """Stretches that are not plainly one or the other."""
     rule: Rule
-    """The parameters that told rest from motion."""
+    """The parameters that distinguished rest from motion."""
     samples: int
     """Of the whole stream."""
     rate_hz: float

@@ -29,7 +29,7 @@ _SCATTERS_IN_BAND = 5.0  # 500 samples of Gaussian scatter leave it once in 3000
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What the user states of a stream; see `Rule`. Raises `UsageError` for what is no size."""
+    """What the user states of a stream; see `Rule`. Raises `UsageError` for what is not a size."""
 
     dwell_s: float = 1.0
     still: float | None = None
@@ -151,7 +151,7 @@ def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[fl
 
 
 def _least(run: Run) -> float:
-    """Return the smallest range that can be told from none."""
+    """Return the smallest range that can be distinguished from none."""
     stated = [axis.resolution for axis in run.axes.values() if axis.resolution is not None]
     return max(stated) if stated else 1e-6
 

@@ -21,7 +21,7 @@ from scara_iso.tables.text import Row
 
 _NOTES = 50
 _STRANGE = 30_000
-"""Cells in rows that are no readings, beyond which a file is not read on: a few seconds' work."""
+"""Cells in rows that are not readings, beyond which a file is not read on: a few seconds' work."""
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
 
 
@@ -82,7 +82,7 @@ class Body:
             self.faults.check()
 
     def _is_besides(self, line: int, texts: list[str], text: str) -> bool:
-        """Return whether a row is no reading, and say what it is."""
+        """Return whether a row is not a reading, and say what it is."""
         if tuple(header_cells(texts)) == self.layout.header:
             self._repeated(line)
         elif is_comment(text):

@@ -212,7 +212,7 @@ _ESCAPED = ("'", *FORMULA)
 
 
 def _clean_labels(kind: Kind, cells: Sequence[str]) -> npt.NDArray[np.str_] | None:
-    """Return the labels of cells that need no word said, None where one does."""
+    """Return the labels of cells without a fault, None where one has one."""
     if kind is Kind.DIRECTION:
         known = {cell: read_direction(cell) for cell in set(cells)}
         clean = None not in known.values()

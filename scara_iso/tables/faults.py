@@ -28,7 +28,7 @@ class Faults:
     ) -> None:
         """Note one fault; the remedy of the first fault that has one is the error's.
 
-        Raises `DataError` where there are so many that reading on would tell nothing.
+        Raises `DataError` where there are so many that reading on would be of no use.
         """
         self.total += 1
         self._remedy = self._remedy or remedy

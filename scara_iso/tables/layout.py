@@ -82,7 +82,7 @@ def find_layout(rows: Sequence[Row]) -> Layout | None:
 
 
 def header_cells(cells: Sequence[str]) -> list[str]:
-    """Return the cells of a row as header names, a leading ``#`` taken off."""
+    """Return the cells of a row as header names, a leading ``#`` removed."""
     names = [clean(cell) for cell in cells[: _trimmed(cells)]]
     if names and re.match(r"# ?\w", names[0]):
         names[0] = names[0].lstrip("# ")

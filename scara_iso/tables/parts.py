@@ -35,7 +35,7 @@ _MOST_NAMED = 6
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Part:
-    """A table of one test; ``name`` is how it is called in what is said of it.
+    """A table of one test; ``name`` is what messages call it.
 
     ``pose`` is the one that is known for it; else its own statement counts, or ``title``, which may
     hold one. ``place`` says where pose or title are from, such as "the file's name".

@@ -57,7 +57,7 @@ def read_table(
     statement, keys in lower case with underscores. Columns of a fault are field numbers, from 1.
 
     Raises `NoInputError` for a file that cannot be opened, `DataError` with its faults (the first
-    thousand kept) for one that is no table or could be read two ways, `UsageError` for an option
+    thousand kept) for one that is not a table or could be read two ways, `UsageError` for an option
     that is not valid.
     """
     if decimal not in (None, ",", "."):

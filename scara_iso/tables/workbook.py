@@ -36,7 +36,7 @@ _LINK = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id
 def read_sheets(data: bytes, where: str) -> Iterator[tuple[str, list[list[Cell]]]]:
     """Yield name and rows, from row 1 and column A on, of each sheet that holds cells.
 
-    Raises `DataError` for what is no workbook or is too large.
+    Raises `DataError` for what is not a workbook or is too large.
     """
     from python_calamine import CalamineError, CalamineWorkbook  # noqa: PLC0415
 

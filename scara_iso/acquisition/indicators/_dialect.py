@@ -74,7 +74,7 @@ class DeviceNotice:
 
 @dataclass(frozen=True, slots=True)
 class Garbage:
-    """Bytes that are no frame of the dialect; ``raw`` holds at most its longest frame of them."""
+    """Bytes that are not a frame of the dialect; ``raw`` holds at most the longest frame."""
 
     reason: str
     raw: bytes
@@ -129,7 +129,7 @@ class Dialect:
     """How one family of indicators speaks; a module of this folder holds one as ``DIALECT``.
 
     ``parse`` takes one received line (its end removed) and returns what it says, one event for
-    each value in it, or nothing where the line is no frame of this dialect. ``compose(text, unit,
+    each value in it, or nothing for a line that is not one of its frames. ``compose(text, unit,
     channel)`` returns the frame, its end included, that an instrument showing that value sends;
     it raises `UsageError` where the display cannot show it.
     """

@@ -44,7 +44,7 @@ def is_url(address: str) -> bool:
 def check_device(address: str) -> None:
     """Raise `UsageError` unless the address names a device or a serial server.
 
-    Raises `InstrumentError` for a file that is there and is no device.
+    Raises `InstrumentError` for a file that is there and is not a device.
     """
     named = address.strip() and address.isprintable() and not _SCHEME.match(address)
     if not named and not is_url(address):

@@ -38,7 +38,7 @@ _CANNOT_DO = 22
 class DevicePort:
     """An open port: exclusive, never waiting, its modem lines set before it was opened.
 
-    Raises `UsageError` for what is no address of one, and `InstrumentError` where the port cannot
+    Raises `UsageError` for what is not such an address, and `InstrumentError` where the port cannot
     be opened with these settings.
     """
 
@@ -126,7 +126,7 @@ def _open(port: Any, address: str) -> None:
 def _check_parity(port: Any, line: LineSettings) -> str:
     """Have the driver mark bytes of a wrong parity (0xFF 0x00 before them): no frame holds those.
 
-    pyserial sets the parity and never checks it. A break is no byte. Returns what is to be said
+    pyserial sets the parity and never checks it. A break is not a byte. Returns what is to be said
     where the device has no parity.
     """
     if termios is None or line.parity == "N" or not isinstance(port, serial.Serial):

@@ -126,7 +126,7 @@ class SimulatedPort:
         return self._shown(self._source(self._poses - 1))
 
     def _on_the_way(self, now: float) -> str:
-        """Return the display of an arm that is away, comes, and stands at the pose, by turns."""
+        """Return the display of an arm that is away, comes, and stands at the pose, alternately."""
         visit, phase = divmod(now / VISIT_S, 1.0)
         if visit >= self._poses:
             self._poses = int(visit) + 1

@@ -27,7 +27,7 @@ SCHEMA = "scara-iso/raw/1"
 FIRST = "00000000"
 """What the first line names as the one before it."""
 LONGEST_LINE = 1 << 20
-"""A longer line is no line of ours; bounds the memory that a strange file takes [bytes]."""
+"""A longer line is not a line of ours; bounds the memory that a strange file takes [bytes]."""
 
 _END = re.compile(rb'"crc":"[^"]{8}"}|"}\n$')
 """The end of a line, either half of it harmed."""

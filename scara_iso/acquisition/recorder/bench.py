@@ -16,7 +16,7 @@ from scara_iso.acquisition.recorder.shown import DisplayChangedError
 SETTLING_S = 10.0
 """Longest time that a value may take to settle, under the rule of equal readings [s]."""
 QUIET = 5.0
-"""A gauge that owes an answer owes it no more when its line was quiet for so many answer times."""
+"""A gauge no longer owes an answer when its line was quiet for so many answer times."""
 NEVER_QUIET = 2.0 * QUIET
 LATER = 1.25
 LINGER_S = 0.02
@@ -38,7 +38,7 @@ class Taken:
 
 
 class Bench:
-    """Several gauges on one clock; what is no reading is written down and told at once."""
+    """Several gauges on one clock; what is not a reading is written down and told at once."""
 
     def __init__(
         self,
@@ -190,7 +190,7 @@ class Bench:
         self._tell(Problem(gauge.axis, kind, message))
 
     def notice(self, gauge: Gauge, message: str) -> None:
-        """Write down and say what is no trouble."""
+        """Write down and say what is not a problem."""
         self._journal.append("notice", axis=gauge.axis, message=message)
         self._tell(Noticed(gauge.axis, message))
 

@@ -93,7 +93,7 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class Noticed:
-    """The instrument said something that is no reading and no fault."""
+    """The instrument said something that is neither a reading nor a fault."""
 
     axis: str
     message: str

@@ -187,7 +187,7 @@ class History:
         }
 
     def check(self) -> None:
-        """Raise `DataError` where the file is no recording, or contradicts itself."""
+        """Raise `DataError` where the file is not a recording, or contradicts itself."""
         if not self.header and not self.faults:
             self.faults.append(Fault("no session was recorded", 1))
         if self.faults:

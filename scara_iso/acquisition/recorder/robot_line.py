@@ -1,8 +1,8 @@
 """The robot says when: lines such as ``AT P3`` on a socket or a serial line of its own.
 
 A line that names another pose than the one awaited is not taken, and neither is one that came
-while a reading was being taken: the arm had left since. The robot is told what became of each:
-``OK 5`` when cycle 5 is on the disk, ``NO`` and why for what is not taken.
+while a reading was being taken: the arm had left since. The robot is answered each time:
+``OK 5`` when cycle 5 is on the disk, ``NO`` and why for what is refused.
 """
 
 from __future__ import annotations

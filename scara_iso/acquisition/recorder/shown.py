@@ -90,7 +90,7 @@ def _decimals(text: str) -> int:
 
 
 def gross_reading(stored: Stored, distance: Decimal) -> Gross:
-    """Return what is said of a stored reading so far from the others, in the display's unit."""
+    """Return the message about a stored reading so far from the others, in the display's unit."""
     unit = parse_unit(stored.unit)
     at = "" if stored.pose is None else f" at {stored.pose}"
     message = (

@@ -16,7 +16,7 @@ _NUMBER = re.compile(r"[+-]?[0-9]{1,6}(\.[0-9]{1,12})?")
 
 
 def wrong_sizes(metadata: Mapping[str, str]) -> list[str]:
-    """Return the keys that state a size by what is no plain number, or no positive uncertainty."""
+    """Return the keys whose size is not a plain number, or whose uncertainty is not positive."""
     stated = {key: str(text) for key, text in metadata.items() if _KEY.fullmatch(_normal(key))}
     return [
         key for key, text in stated.items()

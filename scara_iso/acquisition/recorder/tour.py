@@ -51,7 +51,7 @@ ONE_POSE = Tour()
 
 
 def parse_poses(poses: str | Sequence[str]) -> tuple[str, ...]:
-    """Return the poses of ``P1,P2,P3`` or of a sequence; `UsageError` for one that is no name."""
+    """Return the poses of ``P1,P2,P3`` or of a sequence; `UsageError` for what is not a name."""
     names = [n.strip() for n in (poses.split(",") if isinstance(poses, str) else poses)]
     wrong = [name for name in names if not _NAME.fullmatch(name)]
     if wrong or len({name.casefold() for name in names}) < len(names):

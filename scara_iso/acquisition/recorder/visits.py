@@ -20,7 +20,7 @@ _GAPS = 31
 class Heard:
     """What a frame means: ``broken`` says why the visit before it stays without its readings.
 
-    ``refused`` says why the frame itself is no reading of a visit, or nothing.
+    ``refused`` says why the frame itself is not a reading of a visit, or nothing.
     """
 
     broken: str

@@ -1,4 +1,4 @@
-"""Conditions in a table's ``key: value`` lines, read strictly: what is not clear is no quantity."""
+"""Conditions in a table's ``key: value`` lines, read strictly: an unclear one is not a quantity."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """A part of the test was struck and repeated.
 
-Whoever recorded it said why. The struck recording stays in the test's folder and counts for
+The reason is recorded with it. The struck recording stays in the test's folder and counts for
 nothing; a report names it with its reason, so that nobody chooses among repetitions in silence.
 """
 

@@ -2,7 +2,7 @@
 
 A visit that is written several times counts several times, and the interval beside RP comes out
 too narrow. Take one row a visit. A coarse dial that says the same in neighbouring rows, a slow
-drift and a channel that is stuck for a while are not meant.
+drift and a channel that is stuck for a while are not such repeats.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ class Approach(Enum):
     ONE_SIDE = "one side"
     """Always in the positive direction."""
     BOTH_SIDES = "both sides"
-    """In the positive and the negative direction by turns."""
+    """In the positive and the negative direction alternately."""
     RANDOM = "random"
     """In either direction with the same probability."""
 
