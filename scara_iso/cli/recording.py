@@ -149,11 +149,16 @@ def record_table(
         if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
             metadata = metadata or _ask_metadata()
     job = Job(table, specs, plan, metadata, options.resume, options.excel_locale)
-    _run(job, earlier, on_terminal=on_terminal, assignment=assignment)
+    _run(job, earlier, on_terminal=on_terminal, assignment=assignment, quiet=options.quiet)
 
 
 def _run(
-    job: Job, earlier: History | None, *, on_terminal: bool, assignment: Assignment | None
+    job: Job,
+    earlier: History | None,
+    *,
+    on_terminal: bool,
+    assignment: Assignment | None,
+    quiet: bool,
 ) -> None:
     clock = choose_clock(spec.address for spec in job.gauges)
     with ExitStack() as stack:
@@ -162,7 +167,7 @@ def _run(
         typed = operator.typed if isinstance(operator, TypedKeys | TypedLines) else None
         tell: Callable[[Said], None] = write_line
         if on_terminal:
-            screen = _screen(job, earlier, operator, assignment)
+            screen = _screen(job, earlier, operator, assignment, quiet=quiet)
             operator = stack.enter_context(screen)
             tell = screen.tell
         if assignment is not None:
@@ -176,14 +181,19 @@ def _run(
 
 
 def _screen(
-    job: Job, earlier: History | None, operator: Operator, assignment: Assignment | None
+    job: Job,
+    earlier: History | None,
+    operator: Operator,
+    assignment: Assignment | None,
+    *,
+    quiet: bool,
 ) -> Screen:
     live = LiveScreen(open_console(sys.stdout, no_color=settings.no_color))
     stored = earlier.readings() if earlier else {}
     where = job.table.name if assignment is None else job.table.parent
     place = None if assignment is None else assignment.said
     return Screen(
-        live, operator, title=f"scara-iso record {where}", earlier=stored, place=place,
+        live, operator, title=f"scara-iso record {where}", earlier=stored, place=place, quiet=quiet,
         following=None if assignment is None else f"test status {job.table.parent}",
     )  # fmt: skip
 
