@@ -9,6 +9,18 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.acquisition.bench_file import (
+        BENCH_FILE as BENCH_FILE,
+        Bench as Bench,
+        read_bench as read_bench,
+        write_bench as write_bench,
+    )
+    from scara_iso.acquisition.detection import (
+        AUTO as AUTO,
+        Detected as Detected,
+        detect as detect,
+        name_dialects as name_dialects,
+    )
     from scara_iso.acquisition.indicators import (
         Decoder as Decoder,
         DeviceNotice as DeviceNotice,
@@ -39,6 +51,7 @@ if TYPE_CHECKING:
         SystemClock as SystemClock,
         choose_clock as choose_clock,
         is_device as is_device,
+        is_keyboard as is_keyboard,
         is_recorded as is_recorded,
         is_simulated as is_simulated,
         list_devices as list_devices,

@@ -19,6 +19,9 @@ _ASKING: dict[str, tuple[str, Callable[[str], Command]]] = {
 _LONGEST = 1000
 _AHEAD = 1000
 _ENTER = "\r\n "
+_NUMBER = "0123456789+-.,"
+_LINE_ENDS = "\r\n\t"
+_LONGEST_TYPED = 64
 _ESCAPE = "\x1b"
 _RUB_OUT = "\x08\x7f"
 
@@ -40,12 +43,16 @@ class Keys:
     def poll(self) -> Command | None:
         """Return the command that the keys pressed so far make."""
         self._pending += self._read()
-        while self._pending:
+        while self._pending and not self._holds():
             key = self._pending.pop(0)
             command = self._answer(key) if self._question else self._press(key)
             if command is not None:
                 return command
         return None
+
+    def _holds(self) -> bool:
+        """Say whether the keys that follow wait for the session to take what was typed."""
+        return False
 
     def _press(self, key: str) -> Command | None:
         match key.lower():
@@ -70,6 +77,41 @@ class Keys:
             self._typed = self._typed[:-1]
         elif key.isprintable() and len(self._typed) < 200:
             self._typed += key
+        return None
+
+
+class TypedKeys(Keys):
+    """Keys of which those of a number make a line: a reading, with Enter or Tab at its end."""
+
+    def __init__(self, read: Callable[[], str]) -> None:
+        super().__init__(read)
+        self._line = ""
+        self._whole = b""
+
+    @property
+    def prompt(self) -> str:
+        """As of `Keys`, or the line being typed."""
+        return super().prompt or (f"Reading: {self._line}" if self._line else "")
+
+    def typed(self) -> bytes:
+        """Return the line that was ended since the last call, if any."""
+        line, self._whole = self._whole, b""
+        return line
+
+    def _holds(self) -> bool:
+        return bool(self._whole)
+
+    def _press(self, key: str) -> Command | None:
+        if not self._line and key not in _NUMBER:
+            return None if key in _LINE_ENDS + " " else super()._press(key)
+        if key in _LINE_ENDS:
+            self._whole, self._line = _as_bytes(self._line), ""
+        elif key == _ESCAPE:
+            self._line = ""
+        elif key in _RUB_OUT:
+            self._line = self._line[:-1]
+        elif len(self._line) < _LONGEST_TYPED:
+            self._line += key
         return None
 
 
@@ -99,6 +141,40 @@ class Lines:
                 self._lines.put(piece)
             begins = piece.endswith("\n")
         self._lines.put("q")
+
+
+class TypedLines(Lines):
+    """Lines of which those that are no command are readings; they are taken in their order."""
+
+    def __init__(self, stream: TextIO) -> None:
+        super().__init__(stream)
+        self._next: str | None = None
+
+    def poll(self) -> Command | None:
+        """Return the command of the next line, if it is one and no reading waits before it."""
+        line = self._look()
+        command = None if line is None else parse_line(line)
+        if command is not None:
+            self._next = None
+        return None if isinstance(command, Take) else command
+
+    def typed(self) -> bytes:
+        """Return the next line, if it is no command."""
+        line = self._look()
+        if line is None or parse_line(line) is not None:
+            return b""
+        self._next = None
+        return _as_bytes(line)
+
+    def _look(self) -> str | None:
+        if self._next is None:
+            with contextlib.suppress(queue.Empty):
+                self._next = self._lines.get_nowait()
+        return self._next
+
+
+def _as_bytes(line: str) -> bytes:
+    return line.strip("\r\n").encode("ascii", "replace") + b"\r"
 
 
 def parse_line(line: str) -> Command | None:

@@ -18,6 +18,14 @@ _QUIET_S = 0.2
 
 
 def ports_command(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="NAME",
+            help="With --dialects: only those of this maker or key: mahr.",
+            show_default=False,
+        ),
+    ] = None,
     *,
     dialects: Annotated[
         bool, typer.Option("--dialects", help="The indicators known, and what is unverified.")
@@ -37,12 +45,14 @@ def ports_command(
 
     Example: scara-iso ports --probe /dev/ttyUSB0 --ask opto-rs232
     """
+    if name is not None and not dialects:
+        raise UsageError(f"{name}: only --dialects takes a name", remedy=f"ports --dialects {name}")
     if ask is not None and probe is None:
         raise UsageError("--ask needs a port", remedy="give --probe PORT too")
     if probe is not None:
         _probe(probe, ask, json=json)
     elif dialects:
-        _dialects(json=json)
+        _dialects(name or "", json=json)
     else:
         _list(json=json)
 
@@ -60,11 +70,16 @@ def _list(*, json: bool) -> None:
         write_report(ports_report((d.name, str(d), d.description) for d in devices))
 
 
-def _dialects(*, json: bool) -> None:
+def _dialects(name: str, *, json: bool) -> None:
     from scara_iso.acquisition import find_dialects
     from scara_iso.reporting import dialects_report
 
-    found = find_dialects()
+    found = {
+        key: dialect for key, dialect in find_dialects().items()
+        if name.casefold() in f"{key} {dialect.instruments}".casefold()
+    }  # fmt: skip
+    if not found:
+        raise UsageError(f"no dialect is called {name!r}", remedy="scara-iso ports --dialects")
     if json:
         write_json({
             "schema": "scara-iso/dialects/1",

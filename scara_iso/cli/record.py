@@ -20,7 +20,8 @@ _Gauge = Annotated[
     typer.Option(
         metavar="AXIS=DRIVER@PORT",
         help="An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
-        "a URL such as socket://HOST:PORT, replay:FILE, or sim:.",
+        "a URL such as socket://HOST:PORT, replay:FILE, sim:, or keyboard:. "
+        "DRIVER auto tries those that fit.",
     ),
 ]
 _Trigger = Annotated[
@@ -73,6 +74,15 @@ _Repeat = Annotated[
 _Rebuild = Annotated[
     Path | None, typer.Option(metavar="OUT.raw.jsonl", help="Only make the table of a raw file.")
 ]
+_Bench = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.toml",
+        help="The gauges remembered there, where no --gauge is given: bench.toml beside OUT.csv.",
+        show_default=False,
+    ),
+]
+_Quiet = Annotated[bool, typer.Option("--quiet", help="No tone on stored and on refused.")]
 _Json = Annotated[
     bool, typer.Option("--json", help="JSON lines; so too where there is no terminal.")
 ]
@@ -95,25 +105,34 @@ def record_command(
     repeat: _Repeat = None,
     rebuild: _Rebuild = None,
     excel_locale: ExcelLocale = None,
+    bench: _Bench = None,
+    quiet: _Quiet = False,
     json: _Json = False,
 ) -> None:
     """Record indicators into a table for analyze; every stored reading is safe on the disk.
+
+    Without OUT.csv, on a terminal, it asks for what it needs.
 
     Example: scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data
 
     Options of an indicator stand behind its driver: X=mitutoyo-mux?unit=mm&channel=1@COM3.
     They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
     """
-    from scara_iso.cli.recording import RecordOptions, rebuild_table, record_as_asked
+    from scara_iso.cli.record_options import RecordOptions
+    from scara_iso.cli.recording import rebuild_table, record_as_asked
 
     if rebuild is not None:
         rebuild_table(rebuild, table, excel_locale=excel_locale, json=json)
         return
-    record_as_asked(
-        RecordOptions(
-            table=table, gauges=tuple(gauge or ()), trigger=trigger, cycles=cycles,
-            pose=pose, stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()),
-            meta_file=meta_file, resume=resume, part=part, repeat=repeat,
-            excel_locale=excel_locale, json=json,
-        )
+    options = RecordOptions(
+        table=table, gauges=tuple(gauge or ()), trigger=trigger, cycles=cycles,
+        pose=pose, stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()),
+        meta_file=meta_file, resume=resume, part=part, repeat=repeat,
+        excel_locale=excel_locale, json=json, bench=bench, quiet=quiet,
     )  # fmt: skip
+    if table is None and options.guided:
+        from scara_iso.cli.guide import record_guided
+
+        record_guided(options)
+    else:
+        record_as_asked(options)

@@ -34,6 +34,7 @@ from scara_iso.errors import DataError, WriteError
 from scara_iso.render import AxisView, LiveScreen, LiveView, to_text
 
 REDRAW_S = 0.1
+_BETWEEN_BELLS_S = 0.25
 _FEWEST_FOR_RP = 5
 """From so many readings on `analyze` gives RP an interval: fewer say next to nothing of it."""
 _Shown: TypeAlias = tuple[float, str, str]
@@ -72,8 +73,12 @@ class Screen:
         earlier: Mapping[str, Mapping[int, float]],
         place: Callable[[int], str] | None = None,
         following: str | None = None,
+        quiet: bool = False,
     ) -> None:
-        """``place`` says where a test is, from the cycles stored; ``following`` what comes then."""
+        """``place`` says where a test is, from the cycles stored; ``following`` what comes then.
+
+        One bell says that a visit is stored, two that something was not taken, unless ``quiet``.
+        """
         self._live = live
         self._operator = operator
         self._title = title
@@ -95,6 +100,8 @@ class Screen:
         self._last = ""
         self._drawn = 0.0
         self._stale = True
+        self._quiet = quiet
+        self._bells: list[float] = []
 
     def __enter__(self) -> Screen:
         self._live.__enter__()
@@ -115,6 +122,9 @@ class Screen:
         command = self._operator.poll()
         self._stale |= isinstance(self._operator, Keys) and bool(self._operator.prompt)
         self._redraw()
+        if self._bells and time.monotonic() >= self._bells[0]:
+            self._bells.pop(0)
+            self._live.ring()
         return command
 
     def _redraw(self) -> None:
@@ -125,8 +135,15 @@ class Screen:
     def tell(self, said: Said) -> None:
         """Take what the session says."""
         self._take(said)
+        self._sound(said)
         self._stale = True
         self._redraw()
+
+    def _sound(self, said: Said) -> None:
+        now = time.monotonic()
+        if isinstance(said, Stored | CycleDone | Refused | Problem | Gross) and not self._quiet:
+            good = isinstance(said, Stored | CycleDone)
+            self._bells = [now] if good else [now, now + _BETWEEN_BELLS_S]
 
     def _take(self, said: Said) -> None:  # noqa: C901 - one case for each thing said
         match said:
@@ -185,6 +202,7 @@ class Screen:
         return LiveView(
             title=self._title,
             place=self._place(self._stored) if self._place else "",
+            large=not over,
             stored=self._stored,
             planned=self._cycles * len(self._tour),
             counted="visits" if self._tour.poses else "cycles",

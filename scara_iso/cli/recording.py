@@ -8,7 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,6 +30,7 @@ from scara_iso.acquisition import (
     Trigger,
     check_metadata,
     choose_clock,
+    is_keyboard,
     is_recorded,
     parse_gauges,
     parse_metadata,
@@ -42,8 +43,9 @@ from scara_iso.acquisition import (
     record,
     refuse_existing,
 )
-from scara_iso.cli.keyboard import Keys, Lines, open_keyboard
+from scara_iso.cli.keyboard import Keys, Lines, TypedKeys, TypedLines, open_keyboard
 from scara_iso.cli.output import settings
+from scara_iso.cli.record_options import RecordOptions, complete, confirm
 from scara_iso.cli.record_screen import Screen, write_line
 from scara_iso.errors import UsageError
 from scara_iso.library import Nobody
@@ -62,29 +64,9 @@ _REARM_KEY_S = 1.0
 _SHOWN = 5
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RecordOptions:
-    """The options of the command, as given."""
-
-    table: Path | None
-    gauges: tuple[str, ...]
-    trigger: str | None
-    cycles: int | None
-    pose: str | None
-    stable: int
-    rearm: float | None
-    unit: str | None
-    meta: tuple[str, ...]
-    meta_file: Path | None
-    resume: bool
-    part: str | None
-    repeat: str | None
-    excel_locale: str | None
-    json: bool
-
-
 def record_as_asked(options: RecordOptions) -> None:
     """Record a table, or a part of the test in a folder; raises as `record_table`."""
+    options = complete(options)
     if options.table is None:
         raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
     if is_test_folder(options.table):
@@ -133,16 +115,24 @@ def record_table(
 
     An ``assignment`` says of which part of a test it is.
     """
-    on_terminal = not options.json and sys.stdout.isatty()
+    on_terminal = options.shown
     earlier = read_history(raw_path(table)) if options.resume else None
     if earlier is not None:
         _tell_damage(earlier)
     header = earlier.header if earlier else {}
     recorded = tuple(str(found["spec"]) for found in header.get("gauges", {}).values())
     if recorded and not options.gauges:
-        _confirm(recorded, on_terminal=on_terminal)
+        confirm(
+            recorded, "The recording was made with",
+            remedy="the raw file names its gauges, which are to be confirmed; give them: "
+            + " ".join(f"--gauge {shlex.quote(gauge)}" for gauge in recorded),
+            on_terminal=on_terminal,
+        )  # fmt: skip
     specs = parse_gauges(options.gauges or recorded, unit=options.unit)
-    trigger = _trigger(options.trigger or header.get("trigger"), on_terminal=on_terminal)
+    trigger = _trigger(
+        options.trigger or header.get("trigger") or _usual_trigger(options, specs),
+        on_terminal=on_terminal,
+    )
     plan = RecordingPlan(
         trigger,
         options.cycles or int(header.get("cycles", _CYCLES)),
@@ -161,19 +151,25 @@ def record_table(
         if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
             metadata = metadata or _ask_metadata()
     job = Job(table, specs, plan, metadata, options.resume, options.excel_locale)
-    _run(job, earlier, on_terminal=on_terminal, assignment=assignment)
+    _run(job, earlier, on_terminal=on_terminal, assignment=assignment, quiet=options.quiet)
 
 
 def _run(
-    job: Job, earlier: History | None, *, on_terminal: bool, assignment: Assignment | None
+    job: Job,
+    earlier: History | None,
+    *,
+    on_terminal: bool,
+    assignment: Assignment | None,
+    quiet: bool,
 ) -> None:
     clock = choose_clock(spec.address for spec in job.gauges)
     with ExitStack() as stack:
         stack.enter_context(_ended_by_signals())
-        operator = _operator(job.plan, stack, on_terminal=on_terminal)
+        operator = _operator(job, stack, on_terminal=on_terminal)
+        typed = operator.typed if isinstance(operator, TypedKeys | TypedLines) else None
         tell: Callable[[Said], None] = write_line
         if on_terminal:
-            screen = _screen(job, earlier, operator, assignment)
+            screen = _screen(job, earlier, operator, assignment, quiet=quiet)
             operator = stack.enter_context(screen)
             tell = screen.tell
         if assignment is not None:
@@ -182,37 +178,53 @@ def _run(
             tell = told_of_part(assignment, job.table.parent, tell)
         record(
             job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell,
-            attended=on_terminal and sys.stdin.isatty(),
+            attended=on_terminal and sys.stdin.isatty(), typed=typed,
         )  # fmt: skip
 
 
 def _screen(
-    job: Job, earlier: History | None, operator: Operator, assignment: Assignment | None
+    job: Job,
+    earlier: History | None,
+    operator: Operator,
+    assignment: Assignment | None,
+    *,
+    quiet: bool,
 ) -> Screen:
     live = LiveScreen(open_console(sys.stdout, no_color=settings.no_color))
     stored = earlier.readings() if earlier else {}
     where = job.table.name if assignment is None else job.table.parent
     place = None if assignment is None else assignment.said
     return Screen(
-        live, operator, title=f"scara-iso record {where}", earlier=stored, place=place,
+        live, operator, title=f"scara-iso record {where}", earlier=stored, place=place, quiet=quiet,
         following=None if assignment is None else f"test status {job.table.parent}",
     )  # fmt: skip
 
 
-def _operator(plan: RecordingPlan, stack: ExitStack, *, on_terminal: bool) -> Operator:
-    if sys.stdin.isatty() and (on_terminal or plan.trigger == Enter()):
-        return Keys(stack.enter_context(open_keyboard()))
-    return Lines(sys.stdin) if plan.trigger == Enter() else Nobody()
+def _operator(job: Job, stack: ExitStack, *, on_terminal: bool) -> Operator:
+    typed = any(is_keyboard(spec.address) for spec in job.gauges)
+    by_hand = typed or job.plan.trigger == Enter()
+    if sys.stdin.isatty() and (on_terminal or by_hand):
+        return (TypedKeys if typed else Keys)(stack.enter_context(open_keyboard()))
+    if not by_hand:
+        return Nobody()
+    return (TypedLines if typed else Lines)(sys.stdin)
 
 
 def _rearm(trigger: Trigger, specs: Sequence[GaugeSpec]) -> float:
     """Return the time; recorded streams and lines of a script say what they mean."""
     if trigger == Enter():
         return _REARM_KEY_S if sys.stdin.isatty() else 0.0
-    if isinstance(trigger, RobotLine):
+    typed = any(is_keyboard(spec.address) for spec in specs)
+    if isinstance(trigger, RobotLine) or (typed and not sys.stdin.isatty()):
         return 0.0
     recorded = all(is_recorded(spec.address) for spec in specs)
     return 0.0 if recorded else _REARM_S
+
+
+def _usual_trigger(options: RecordOptions, specs: Sequence[GaugeSpec]) -> str | None:
+    """Return the trigger of bench.toml; a line that is typed is its own."""
+    typed = any(is_keyboard(spec.address) for spec in specs)
+    return "data" if typed else options.usual_trigger
 
 
 def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:
@@ -224,20 +236,6 @@ def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:
         "no terminal to press Enter on",
         remedy="give --trigger data, timer:SECONDS, settled, the robot's line (socket://HOST:PORT, "
         "line:PORT), or enter for lines of standard input",
-    )
-
-
-def _confirm(recorded: Sequence[str], *, on_terminal: bool) -> None:
-    """Have the ports confirmed that a file names: whoever wrote it chose what they reach."""
-    if on_terminal and sys.stdin.isatty():
-        sys.stdout.write("The recording was made with\n")
-        sys.stdout.writelines(f"  {printable(gauge)}\n" for gauge in recorded)
-        with suppress(EOFError):
-            if input("Go on with these? [y/N] ").strip().lower() in ("y", "yes"):
-                return
-    raise UsageError(
-        "the raw file names its gauges, and they are to be confirmed",
-        remedy="give them: " + " ".join(f"--gauge {shlex.quote(gauge)}" for gauge in recorded),
     )
 
 

@@ -18,6 +18,7 @@ from scara_iso.acquisition import (
     check_metadata,
     choose_clock,
     is_recorded,
+    name_dialects,
     parse_gauges,
     parse_poses,
     parse_trigger,
@@ -70,7 +71,7 @@ def record(
     ``metadata`` goes into the table's head. Raises `UsageError` for invalid options,
     `InstrumentError` for a port, `CannotCreateError` and `WriteError` for the files.
     """
-    specs = parse_gauges(gauges, unit=unit)
+    specs = parse_gauges(name_dialects(gauges, lambda _: None), unit=unit)
     recorded = all(is_recorded(spec.address) for spec in specs)
     pause = rearm if rearm is not None else 0.0 if recorded else _REARM_S
     tour = Tour() if pose is None else Tour(parse_poses(pose))

@@ -11,6 +11,7 @@ from rich.live import Live
 from rich.padding import Padding
 from rich.text import Text
 
+from scara_iso.render.large_digits import large
 from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import encodes
 from scara_iso.reporting import printable
@@ -19,6 +20,8 @@ _BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
 _TONES = {"good": "bold green", "bad": "bold red", "quiet": "dim", "plain": ""}
 _INDENT = "  "
 _WIDE = 60
+_OTHER_ROWS = 9
+"""Rows of the screen that are not of an axis: head, progress, place, status and keys."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +56,8 @@ class LiveView:
     keys: str = ""
     prompt: str = ""
     """A question and what was typed so far, in the place of the keys."""
+    large: bool = False
+    """Whether the readings are shown in large digits, as far as there is room."""
     counted: str = "cycles"
     """What ``stored`` and ``planned`` count."""
 
@@ -70,6 +75,10 @@ class LiveScreen:
     def __exit__(self, *_: object) -> None:
         self._live.stop()
 
+    def ring(self) -> None:
+        """Sound the terminal's bell."""
+        self._console.bell()
+
     def show(self, view: LiveView) -> None:
         """Draw the view in the place of the one before."""
         self._live.start()
@@ -86,7 +95,10 @@ def draw(view: LiveView, console: Console) -> RenderableType:
         *([Text(f"{_INDENT}{printable(view.place)}")] if view.place else []),
         Text(),
     ]
+    room = (console.height - _OTHER_ROWS) // max(len(view.axes), 1) - 3 if view.large else 0
     for axis in view.axes:
+        digits = large(axis.shown, width - 12, room) if blocks else []
+        lines += [_below(Text(row, "bold green")) for row in digits]
         lines += _axis(axis, width, blocks=blocks)
     return Group(*lines, Text(), *_foot(view, blocks=blocks))
 

@@ -23,11 +23,13 @@ from scara_iso.acquisition.indicators._dialect import (
     Parity,
     Reading,
 )
+from scara_iso.acquisition.indicators._keyboard import KEYBOARD
 from scara_iso.acquisition.indicators.generic import make_generic
 from scara_iso.errors import UsageError
 from scara_iso.plugins import find_modules
 
 __all__ = [
+    "KEYBOARD",
     "Decoder",
     "DeviceNotice",
     "Dialect",
@@ -72,7 +74,7 @@ def check_shape(module: ModuleType) -> None:
 
 def find_dialect(key: str) -> Dialect:
     """Return the dialect called ``key``; `UsageError` names the known ones otherwise."""
-    known = find_dialects()
+    known = {**find_dialects(), KEYBOARD.key: KEYBOARD}
     if key not in known:
         close = get_close_matches(key, known, n=1)
         raise UsageError(

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from scara_iso.acquisition.indicators import Dialect
-from scara_iso.acquisition.ports.address import is_device, is_recorded, is_simulated
+from scara_iso.acquisition.ports.address import (
+    check_address,
+    is_device,
+    is_keyboard,
+    is_recorded,
+    is_simulated,
+)
 from scara_iso.acquisition.ports.clock import Clock, StreamClock, SystemClock
 from scara_iso.acquisition.ports.device import DevicePort
 from scara_iso.acquisition.ports.identity import Device, list_devices, refuse_same_device
+from scara_iso.acquisition.ports.keyboard import KeyboardPort
 from scara_iso.acquisition.ports.line import SocketLine, open_line
 from scara_iso.acquisition.ports.port import Port, number_option, split_options
 from scara_iso.acquisition.ports.replay import (
@@ -24,6 +31,7 @@ __all__ = [
     "Clock",
     "Device",
     "DevicePort",
+    "KeyboardPort",
     "Port",
     "ReplayPort",
     "Signal",
@@ -31,8 +39,10 @@ __all__ = [
     "SocketLine",
     "StreamClock",
     "SystemClock",
+    "check_address",
     "choose_clock",
     "is_device",
+    "is_keyboard",
     "is_recorded",
     "is_simulated",
     "list_devices",
@@ -63,12 +73,14 @@ def open_port(
     asked: bool,
     source: Signal | None = None,
     watched: bool = False,
+    typed: Callable[[], bytes] | None = None,
 ) -> Port:
     """Open the port that ``address`` names, with the dialect's line settings.
 
     ``asked`` says that readings will be asked for; otherwise they come by themselves. ``source``
-    feeds a simulated indicator, whose arm comes and goes by itself where it is ``watched``. Raises
-    `UsageError`, `NoInputError`, `DataError` or `InstrumentError`.
+    feeds a simulated indicator, whose arm comes and goes by itself where it is ``watched``.
+    ``typed`` gives the lines of the keyboard. Raises `UsageError`, `NoInputError`, `DataError` or
+    `InstrumentError`.
     """
     if is_simulated(address):
         return SimulatedPort(
@@ -76,4 +88,6 @@ def open_port(
         )
     if is_recorded(address):
         return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
+    if is_keyboard(address):
+        return KeyboardPort(typed)
     return DevicePort(address, dialect.line)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from scara_iso.errors import InstrumentError, UsageError
 
-KINDS = "a device, socket://HOST:PORT, rfc2217://HOST:PORT, replay:FILE or sim:"
+KINDS = "a device, socket://HOST:PORT, rfc2217://HOST:PORT, replay:FILE, sim: or keyboard:"
 _URL = re.compile(
     r"(?:socket|rfc2217)://(?:[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):([0-9]{1,5})", re.IGNORECASE
 )
@@ -30,6 +30,11 @@ def is_recorded(address: str) -> bool:
     return address.startswith("replay:")
 
 
+def is_keyboard(address: str) -> bool:
+    """Say whether the address names the keyboard, or the lines of standard input."""
+    return address == "keyboard:"
+
+
 def is_device(address: str) -> bool:
     """Say whether the address names a cable or a URL: neither recorded nor simulated."""
     return not (is_simulated(address) or is_recorded(address))
@@ -41,17 +46,23 @@ def is_url(address: str) -> bool:
     return found is not None and int(found[1]) < 65536
 
 
+def check_address(address: str) -> None:
+    """Raise `UsageError` for what is no kind of port; nothing is looked for."""
+    if is_simulated(address) or is_recorded(address) or is_keyboard(address) or is_url(address):
+        return
+    if not (address.strip() and address.isprintable()) or _SCHEME.match(address):
+        raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
+
+
 def check_device(address: str) -> None:
     """Raise `UsageError` unless the address names a device or a serial server.
 
     Raises `InstrumentError` for a file that is there and is not a device.
     """
-    named = address.strip() and address.isprintable() and not _SCHEME.match(address)
-    if not named and not is_url(address):
-        raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
+    check_address(address)
     with suppress(OSError):
         mode = Path(address).stat().st_mode
-        if named and os.name == "posix" and not stat.S_ISCHR(mode):
+        if not is_url(address) and os.name == "posix" and not stat.S_ISCHR(mode):
             raise InstrumentError(
                 "is no serial device", where=address, remedy="`scara-iso ports` lists them"
             )

@@ -10,6 +10,7 @@ from scara_iso.acquisition.ports import (
     Clock,
     Port,
     is_device,
+    is_keyboard,
     is_recorded,
     open_line,
     open_port,
@@ -40,18 +41,20 @@ def record(
     operator: Operator,
     tell: Callable[[Said], None],
     attended: bool = False,
+    typed: Callable[[], bytes] | None = None,
 ) -> None:
     """Record a job and write its table, however the session ends.
 
     After a `WriteError` the table is not written: the raw file holds every announced reading.
-    ``attended`` says that the operator can answer a question. Raises what `Session.run` raises,
+    ``attended`` says that the operator can answer a question, ``typed`` gives
+    the lines of the port ``keyboard:``. Raises what `Session.run` raises,
     and `CannotCreateError` where files are there already.
     Nothing is left behind where no reading was stored.
     """
     if not job.resume:
         refuse_existing(job.table)
     with ExitStack() as stack:
-        ports = _open_ports(job, clock, stack)
+        ports = _open_ports(job, clock, stack, typed)
         journal = Journal(raw_path(job.table), disk=disk, clock=clock, new=not job.resume)
         stack.callback(journal.close)
         earlier = read_earlier(job)  # while the journal locks it
@@ -89,7 +92,9 @@ def _robot(
     )  # fmt: skip
 
 
-def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
+def _open_ports(
+    job: Job, clock: Clock, stack: ExitStack, typed: Callable[[], bytes] | None
+) -> list[Port]:
     refuse_same_device({g.axis: g.address for g in job.gauges if is_device(g.address)})
     ports = []
     for spec in job.gauges:
@@ -102,9 +107,14 @@ def _open_ports(job: Job, clock: Clock, stack: ExitStack) -> list[Port]:
                 remedy="leave `stable=` out",
             )
         asked = not isinstance(job.plan.trigger, Listen)
+        if asked and is_keyboard(spec.address):
+            raise UsageError(
+                "a typed line is reading and trigger at once", where=f"gauge {spec.axis}",
+                remedy="leave the trigger out, or give `trigger=data`",
+            )  # fmt: skip
         port = open_port(
             spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked,
-            watched=isinstance(job.plan.trigger, Settled),
+            watched=isinstance(job.plan.trigger, Settled), typed=typed,
         )  # fmt: skip
         stack.callback(port.close)
         ports.append(port)

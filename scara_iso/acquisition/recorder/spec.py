@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from urllib.parse import quote
 
-from scara_iso.acquisition.indicators import Dialect, Parity, find_dialect
+from scara_iso.acquisition.indicators import KEYBOARD, Dialect, Parity, find_dialect
 from scara_iso.acquisition.indicators.generic import make_generic
-from scara_iso.acquisition.ports import split_options
+from scara_iso.acquisition.ports import is_device, is_keyboard, split_options
 from scara_iso.acquisition.recorder.sizes import wrong_sizes
 from scara_iso.errors import DataError, UsageError
 from scara_iso.files import read_toml
@@ -65,6 +65,7 @@ def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
             remedy=f"write {_EXAMPLE}; axes: {', '.join(AXES)}",
         )
     key, options = split_options(driver, OPTIONS)
+    _check_keyboard(key.strip(), address.strip())
     stated = options.get("unit", unit)
     if "unit" not in options and stated is not None:
         driver += f"{'&' if options else '?'}unit={quote(stated)}"
@@ -82,12 +83,22 @@ def parse_gauges(texts: Iterable[str], *, unit: str | None = None) -> tuple[Gaug
     gauges = tuple(parse_gauge(text, unit=unit) for text in texts)
     axes = [gauge.axis for gauge in gauges]
     twice = sorted({axis for axis in axes if axes.count(axis) > 1})
+    if sum(is_keyboard(gauge.address) for gauge in gauges) > 1:
+        raise UsageError("two gauges on one keyboard", remedy="type the readings of one axis")
     if not gauges or twice:
         raise UsageError(
             f"two gauges for {', '.join(twice)}" if twice else "no indicator is named",
             remedy=f"give `gauge={_EXAMPLE}`, once for each axis",
         )
     return gauges
+
+
+def _check_keyboard(key: str, address: str) -> None:
+    """Raise `UsageError` where one of port and driver is the keyboard, and the other a cable's."""
+    if is_device(address) and is_keyboard(address) != (key == KEYBOARD.key):
+        raise UsageError(
+            f"{key}@{address}: the keyboard has its own driver", remedy="write X=keyboard@keyboard:"
+        )
 
 
 def _dialect(key: str, options: Mapping[str, str]) -> Dialect:

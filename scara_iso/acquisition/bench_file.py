@@ -1,0 +1,110 @@
+"""``bench.toml``: the gauges of a bench and its trigger, remembered for the next recording."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote
+
+from scara_iso.acquisition.detection import AUTO
+from scara_iso.acquisition.ports import check_address, is_recorded, is_simulated
+from scara_iso.acquisition.recorder import RobotLine, parse_gauges, parse_trigger
+from scara_iso.disk import write_file
+from scara_iso.errors import DataError, UsageError
+from scara_iso.files import read_toml
+
+BENCH_FILE = "bench.toml"
+_HEAD = (
+    "# The indicators of this bench, for scara-iso record. Edit it freely: docs/recording.md",
+    "# An axis is DRIVER?OPTIONS@PORT, as behind --gauge AXIS=",
+)
+_REMEDY = 'write a section [gauges] with lines such as X = "opto-rs232@/dev/ttyUSB0"'
+_PLAIN = frozenset({"unit", "channel", "baud", "bits", "parity", "stop"})
+"""Options that change nothing of what is sent to a port."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """The gauges as ``AXIS=DRIVER@PORT``, and the trigger where one is remembered."""
+
+    gauges: tuple[str, ...]
+    trigger: str | None = None
+
+    def reaches_out(self) -> tuple[str, ...]:
+        """Return what does more than ask a device of this machine in its dialect's own words.
+
+        Those are servers, and requests that the file spells: whoever wrote it chose them.
+        """
+        trigger = () if self.trigger is None else (self.trigger,)
+        return tuple(gauge for gauge in self.gauges if _reaches_out(gauge)) + tuple(
+            text for text in trigger if isinstance(parse_trigger(text), RobotLine)
+        )
+
+
+def read_bench(path: Path) -> Bench:
+    """Return what the file remembers; nothing in it is opened.
+
+    Raises `NoInputError`, and `DataError` for an unknown key, a gauge that is not valid, or one
+    that names a file.
+    """
+    found = read_toml(path)
+    gauges, trigger = found.get("gauges"), found.get("trigger")
+    unknown = sorted(set(found) - {"gauges", "trigger"})
+    if unknown or not isinstance(gauges, dict) or not isinstance(trigger, str | None):
+        what = f"unknown: {', '.join(unknown)}" if unknown else "not gauges and a trigger"
+        raise DataError(what, where=str(path), remedy=_REMEDY)
+    bench = Bench(_texts(gauges, path), trigger)
+    try:
+        _check(bench)
+    except UsageError as error:
+        raise DataError(error.what, where=str(path), remedy=error.remedy) from error
+    return bench
+
+
+def write_bench(path: Path, bench: Bench) -> None:
+    """Write the file anew; raises as `write_file`."""
+    _check(bench)
+    lines = [*_HEAD]
+    if bench.trigger is not None:
+        lines.append(f"trigger = {json.dumps(bench.trigger, ensure_ascii=False)}")
+    lines += ["", "[gauges]"]
+    for gauge in bench.gauges:
+        axis, _, rest = gauge.partition("=")
+        lines.append(f"{axis.strip()} = {json.dumps(rest, ensure_ascii=False)}")
+    write_file(path, "\n".join([*lines, ""]).encode())
+
+
+def _texts(gauges: Mapping[str, object], path: Path) -> tuple[str, ...]:
+    wrong = [axis for axis, text in gauges.items() if not isinstance(text, str)]
+    if wrong or not gauges:
+        raise DataError("no gauges" if not wrong else f"{wrong[0]} is no text",
+                        where=str(path), remedy=_REMEDY)  # fmt: skip
+    return tuple(f"{axis}={text}" for axis, text in gauges.items())
+
+
+def _check(bench: Bench) -> None:
+    """Raise `UsageError` for what is no gauge or trigger, or names a file."""
+    if not all(text.isprintable() for text in (*bench.gauges, bench.trigger or "")):
+        raise UsageError("characters that no port's name has", remedy=_REMEDY)
+    named = [gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in bench.gauges]
+    for spec in parse_gauges(named):
+        check_address(spec.address)
+        simulated = is_simulated(spec.address) and "model" in unquote(spec.address)
+        if is_recorded(spec.address) or simulated:
+            raise UsageError(
+                f"{spec.address}: {BENCH_FILE} names no files",
+                remedy=f"give it as `gauge={spec.text}`",
+            )
+    if bench.trigger is not None:
+        trigger = parse_trigger(bench.trigger)
+        if isinstance(trigger, RobotLine):
+            check_address(trigger.address)
+
+
+def _reaches_out(gauge: str) -> bool:
+    driver, _, address = gauge.partition("=")[2].partition("@")
+    head, mark, tail = driver.partition("?")
+    names = {pair.partition("=")[0] for pair in tail.split("&")} if mark else set()
+    return "://" in address or head.strip() == AUTO or not names <= _PLAIN

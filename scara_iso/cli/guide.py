@@ -1,0 +1,224 @@
+"""``scara-iso record`` without a table: four questions, and the command line that they make."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeVar
+
+from scara_iso.acquisition import (
+    AUTO,
+    BENCH_FILE,
+    Bench,
+    Detected,
+    Device,
+    detect,
+    find_dialect,
+    list_devices,
+    parse_gauges,
+    parse_trigger,
+    raw_path,
+    write_bench,
+)
+from scara_iso.cli.record_options import RecordOptions, usual_bench
+from scara_iso.cli.recording import record_as_asked
+from scara_iso.errors import InstrumentError, ScaraIsoError, UsageError
+from scara_iso.reporting import printable
+
+_T = TypeVar("_T")
+_NAMES = "XYZ"
+_OTHERS = (("sim:", "a simulated indicator, to try it"), ("keyboard:", "readings typed by hand"))
+_DRIVERS = {"sim:": "opto-rs232", "keyboard:": "keyboard"}
+_TRIGGERS = "enter (key or foot switch), data (DATA key), timer:SECONDS, settled (dial at rest)"
+
+
+def record_guided(options: RecordOptions) -> None:
+    """Ask, record, and end with the command line that would have done the same."""
+    options = guide(options)
+    try:
+        record_as_asked(options)
+    finally:
+        _write(f"The same without questions: {command_line(options)}")
+
+
+def guide(options: RecordOptions) -> RecordOptions:
+    """Return the options with the answers of who sits at the terminal; `bench.toml` keeps them.
+
+    Ports are listed first, and one is spoken to only once it was named for an axis.
+    """
+    bench = None if options.gauges else usual_bench(options)
+    if bench and not _ask("   Record with these", "yes", _agreed):
+        bench = None
+    gauges = options.gauges or (bench.gauges if bench else _ask_gauges())
+    parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
+    gauges = _with_units(_with_drivers(gauges), options.unit)
+    trigger = options.trigger or _ask_trigger(gauges, bench.trigger if bench else None)
+    table = _ask_table()
+    if bench is None:
+        _remember(options.bench or table.parent / BENCH_FILE, Bench(gauges, trigger))
+    return replace(options, table=table, gauges=gauges, trigger=trigger)
+
+
+def command_line(options: RecordOptions) -> str:
+    """Return the command line that does the same without a question."""
+    words = ["scara-iso", "record", str(options.table)]
+    for gauge in options.gauges:
+        words += ["--gauge", gauge]
+    words += ["--trigger", str(options.trigger)]
+    return shlex.join(words)
+
+
+def _ask_gauges() -> tuple[str, ...]:
+    """List the ports and ask which indicator is on which axis."""
+    devices = list_devices()
+    ports = [device.name for device in devices] + [port for port, _ in _OTHERS]
+    _write("Ports:")
+    width = max(map(len, ports))
+    for k, (port, said) in enumerate(zip(ports, _said(devices), strict=True), start=1):
+        _write(f"  {k:>2}  {port:<{width}}  {said}")
+    _write("A port may also be typed as it is: X=/dev/ttyUSB0 or X=socket://HOST:PORT")
+    usual = " ".join(f"{axis}={k + 1}" for k, axis in enumerate(_NAMES[: len(devices)]))
+    return _ask(
+        "1. Axis and port of each indicator", usual or "X=1",
+        lambda answer: _gauges_of(answer, ports),
+    )  # fmt: skip
+
+
+def _said(devices: Sequence[Device]) -> list[str]:
+    return [str(device) for device in devices] + [said for _, said in _OTHERS]
+
+
+def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
+    texts = []
+    for part in answer.replace(",", " ").split():
+        axis, _, port = part.partition("=")
+        if port.isascii() and port.isdigit() and 0 < int(port[:4]) <= len(ports):
+            port = ports[int(port) - 1]
+        texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], AUTO)}@{port}")
+    specs = parse_gauges([text.replace(f"={AUTO}", "=opto-rs232", 1) for text in texts])
+    drivers = [text.partition("=")[2] for text in texts]
+    return tuple(f"{spec.axis}={rest}" for spec, rest in zip(specs, drivers, strict=True))
+
+
+def _with_drivers(gauges: Sequence[str]) -> tuple[str, ...]:
+    """Return the gauges with the driver that each port speaks: found, or asked for."""
+    return tuple(_with_driver(g) if g.partition("=")[2].startswith(AUTO) else g for g in gauges)
+
+
+def _with_driver(gauge: str) -> str:
+    axis, _, rest = gauge.partition("=")
+    driver, _, address = rest.partition("@")
+    _write(f"Trying what {address} speaks (some seconds) ...")
+    found = detect(address)
+    _write(f"  {found}")
+    keys = tuple(found.fits)
+    if len(keys) != 1:
+        keys = (_ask_driver(axis, found),)
+    return f"{axis}={keys[0]}{driver.removeprefix(AUTO)}@{address}"
+
+
+def _ask_driver(axis: str, found: Detected) -> str:
+    """Ask which dialect it is, where the port does not tell it by itself."""
+    _write("  scara-iso ports --dialects MAKER says which driver an instrument has")
+
+    def known(answer: str) -> str:
+        return find_dialect(answer).key
+
+    return _ask(f"   Driver of {axis}", next(iter(found.fits), "opto-rs232"), known)
+
+
+def _with_units(gauges: Sequence[str], unit: str | None) -> tuple[str, ...]:
+    """State a unit where neither the frames nor the instrument would."""
+    specs = parse_gauges(gauges)
+    silent = [
+        spec for spec in specs
+        if spec.unit is None and not spec.dialect.sends_unit and spec.dialect.unit_request is None
+        and not spec.address.startswith("sim:")
+    ]  # fmt: skip
+    if not silent:
+        return tuple(spec.text for spec in specs)
+    axes = " ".join(spec.axis for spec in silent)
+    stated = unit or _ask(f"2. Unit on the display of {axes}", "mm", _unit)
+    texts = [
+        parse_gauges([spec.text], unit=stated if spec in silent else None)[0].text
+        for spec in specs
+    ]  # fmt: skip
+    return tuple(texts)
+
+
+def _agreed(answer: str) -> bool:
+    if answer.lower() not in ("y", "yes", "n", "no"):
+        raise UsageError("answer yes or no")
+    return answer.lower() in ("y", "yes")
+
+
+def _unit(answer: str) -> str:
+    from scara_iso.quantities import parse_unit
+
+    parse_unit(answer)
+    return answer
+
+
+def _ask_trigger(gauges: Sequence[str], usual: str | None) -> str:
+    if any(gauge.endswith("@keyboard:") for gauge in gauges):
+        return "data"
+    specs = parse_gauges(gauges)
+    asked = all(s.dialect.request is not None or s.dialect.request_line is not None for s in specs)
+    _write(f"   {_TRIGGERS}")
+    return _ask(
+        "3. When is a reading taken", usual or ("enter" if asked else "data"),
+        lambda answer: str(parse_trigger(answer)),
+    )  # fmt: skip
+
+
+def _ask_table() -> Path:
+    return _ask("4. File to write", str(_free("run")), _table)
+
+
+def _free(stem: str) -> Path:
+    """Return the first name of which neither table nor raw file is there."""
+    k = 1
+    while True:
+        path = Path(f"{stem}.csv" if k == 1 else f"{stem}{k}.csv")
+        if not path.exists() and not raw_path(path).exists():
+            return path
+        k += 1
+
+
+def _table(answer: str) -> Path:
+    path = Path(answer if "." in Path(answer).name else f"{answer}.csv")
+    if path.exists() or raw_path(path).exists():
+        raise UsageError(f"{path} is there already", remedy="take another name")
+    if not path.parent.is_dir():
+        raise UsageError(f"no folder {path.parent}", remedy="make it, or take another name")
+    return path
+
+
+def _remember(path: Path, bench: Bench) -> None:
+    """Write `bench.toml`; a bench that is no use again, or a disk that fails, stops nothing."""
+    try:
+        write_bench(path, bench)
+    except ScaraIsoError as error:
+        _write(f"{path} is not written: {error.what}")
+        return
+    _write(f"{path} remembers this: next time, scara-iso record NAME.csv is enough.")
+
+
+def _ask(question: str, usual: str, read: Callable[[str], _T]) -> _T:
+    """Ask until the answer can be read; Enter takes the usual one."""
+    while True:
+        sys.stdout.write(printable(f"{question} [{usual}]: "))
+        sys.stdout.flush()
+        try:
+            return read(input().strip() or usual)
+        except EOFError as error:
+            raise UsageError("no answer", remedy="scara-iso record OUT.csv --gauge …") from error
+        except (UsageError, InstrumentError) as error:
+            _write(f"   {error.what}; {error.remedy}" if error.remedy else f"   {error.what}")
+
+
+def _write(text: str) -> None:
+    sys.stdout.write(printable(text) + "\n")

@@ -1,0 +1,97 @@
+"""The options of ``record``: as given, and completed by what is remembered or found on a port."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from scara_iso.acquisition import BENCH_FILE, Bench, name_dialects, read_bench
+from scara_iso.errors import UsageError
+from scara_iso.reporting import printable
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordOptions:
+    """The options of the command, as given."""
+
+    table: Path | None
+    gauges: tuple[str, ...]
+    trigger: str | None
+    cycles: int | None
+    pose: str | None
+    stable: int
+    rearm: float | None
+    unit: str | None
+    meta: tuple[str, ...]
+    meta_file: Path | None
+    resume: bool
+    part: str | None
+    repeat: str | None
+    excel_locale: str | None
+    json: bool
+    bench: Path | None = None
+    quiet: bool = False
+    usual_trigger: str | None = None
+
+    @property
+    def shown(self) -> bool:
+        """Whether the recording shows on a terminal."""
+        return not self.json and sys.stdout.isatty()
+
+    @property
+    def guided(self) -> bool:
+        """Whether somebody is there to be asked, and to see the questions."""
+        return self.shown and sys.stdin.isatty()
+
+
+def complete(options: RecordOptions) -> RecordOptions:
+    """Return the options with what was left out: asked for, remembered, or found on the port."""
+    if options.gauges:
+        return replace(options, gauges=name_dialects(options.gauges, say))
+    bench = usual_bench(options)
+    if bench is None:
+        return options
+    return replace(options, gauges=name_dialects(bench.gauges, say), usual_trigger=bench.trigger)
+
+
+def usual_bench(options: RecordOptions) -> Bench | None:
+    """Return the bench that the options name, or that lies beside the table; say which it is.
+
+    What was found and not named may be another's: a server in it, or a request of its own, is
+    confirmed before it is used.
+    """
+    path = options.bench
+    if path is None:
+        table = options.table or Path()
+        path = (table if table.is_dir() else table.parent) / BENCH_FILE
+        if not path.is_file():
+            return None
+    bench = read_bench(path)
+    say(f"gauges of {path}: {'  '.join(bench.gauges)}")
+    if options.bench is None and (reached := bench.reaches_out()):
+        confirm(
+            reached, f"{path} reaches beyond this machine's ports, or sends words of its own, with",
+            remedy=f"if this is your bench: --bench {shlex.quote(str(path))}",
+            on_terminal=options.shown,
+        )  # fmt: skip
+    return bench
+
+
+def say(text: str) -> None:
+    """Say on standard error what was decided for the user."""
+    sys.stderr.write(f"scara-iso: {printable(text)}\n")
+
+
+def confirm(named: Sequence[str], said: str, *, remedy: str, on_terminal: bool) -> None:
+    """Have the ports confirmed that a file names: whoever wrote it chose what they reach."""
+    if on_terminal and sys.stdin.isatty():
+        sys.stdout.write(f"{printable(said)}\n")
+        sys.stdout.writelines(f"  {printable(gauge)}\n" for gauge in named)
+        with suppress(EOFError):
+            if input("Go on with these? [y/N] ").strip().lower() in ("y", "yes"):
+                return
+    raise UsageError("a file names the ports, and they are to be confirmed", remedy=remedy)

@@ -1,0 +1,329 @@
+"""`record` that asks, remembers its bench, and finds the dialect of a port."""
+
+import json
+import os
+import pty
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from scara_iso import read_table
+from scara_iso.acquisition import Bench, detect, read_bench, write_bench
+from scara_iso.cli import main
+from scara_iso.errors import DataError, InstrumentError, UsageError
+
+SIMULATOR = Path(__file__).with_name("simulator.py")
+BENCH = 'trigger = "timer:1"\n[gauges]\nX = "opto-rs232@sim:?pace=0"\n'
+
+
+class Terminal:
+    """The command on a pseudo-terminal, in another process."""
+
+    def __init__(self, folder, *words):
+        self._main, terminal = pty.openpty()
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "scara_iso", *words], cwd=folder,
+            stdin=terminal, stdout=terminal, stderr=terminal,
+            env={**os.environ, "TERM": "xterm", "COLUMNS": "80", "LINES": "24",
+                 "PYTHONPATH": str(Path(__file__).parents[1])},
+        )  # fmt: skip
+        os.close(terminal)
+        self.seen = ""
+
+    def until(self, text):
+        while text not in self.seen:
+            more = self._read()
+            assert more, self.seen
+            self.seen += more
+        return self
+
+    def answer(self, question, text=""):
+        self.until(question)
+        self.seen = self.seen.partition(question)[2]
+        os.write(self._main, text.encode() + b"\n")
+
+    def press(self, keys):
+        os.write(self._main, keys.encode())
+
+    def end(self):
+        while more := self._read():
+            self.seen += more
+        os.close(self._main)
+        return self.process.wait(), self.seen
+
+    def _read(self):
+        try:
+            return os.read(self._main, 4096).decode("utf-8", "replace")
+        except OSError:
+            return ""
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        code = main([*words])
+        return code, *capsys.readouterr()
+
+    return call
+
+
+@pytest.fixture
+def instrument():
+    processes = []
+
+    def start(*answers):
+        process = subprocess.Popen(
+            [sys.executable, SIMULATOR, *answers], stdout=subprocess.PIPE, text=True
+        )
+        processes.append(process)
+        return process.stdout.readline().strip()
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+needs_terminals = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
+
+
+@needs_terminals
+def test_four_questions_record_and_the_next_time_the_name_is_enough(tmp_path, run):
+    terminal = Terminal(tmp_path, "record", "--cycles", "2")
+    terminal.answer("Axis and port of each indicator", "X=sim:mitutoyo-mux?pace=0")
+    terminal.answer("When is a reading taken", "timer:1")
+    terminal.answer("File to write", "first")
+    code, seen = terminal.end()
+    assert code == 0
+    assert "speaks mitutoyo-mux" in seen or (tmp_path / "bench.toml").exists()
+    line = "scara-iso record first.csv --gauge 'X=mitutoyo-mux@sim:mitutoyo-mux?pace=0' "
+    assert f"{line}--trigger timer:1" in seen.replace("\r\n", "\n")
+    assert len(read_table(tmp_path / "first.csv")) == 2
+    assert read_bench(tmp_path / "bench.toml") == Bench(
+        ("X=mitutoyo-mux@sim:mitutoyo-mux?pace=0",), "timer:1"
+    )
+    code, _, err = run("record", "second.csv", "--cycles", "2")
+    assert code == 0
+    assert "bench.toml" in err
+    assert len(read_table(tmp_path / "second.csv")) == 2
+
+
+@needs_terminals
+def test_an_instrument_on_a_cable_is_named_and_a_wrong_answer_asked_again(tmp_path, instrument):
+    device = instrument(r"01A+0000.812\r")
+    terminal = Terminal(tmp_path, "record", "--cycles", "2")
+    terminal.answer("Axis and port of each indicator", "Q=1")
+    terminal.until("no axis 'Q'")
+    terminal.answer("Axis and port of each indicator", f"X={device}")
+    terminal.until("speaks mitutoyo-mux")
+    terminal.answer("Unit on the display of X", "furlong")
+    terminal.answer("Unit on the display of X", "mm")
+    terminal.answer("When is a reading taken", "timer:0.1")
+    terminal.answer("File to write")
+    code, seen = terminal.end()
+    assert code == 0
+    assert f"--gauge 'X=mitutoyo-mux?unit=mm@{device}'" in seen
+    assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [0.812, 0.812]
+
+
+def test_without_a_terminal_nothing_is_asked(run, tmp_path):
+    code, out, err = run("record")
+    assert (code, out) == (2, "")
+    assert "--gauge" in err
+    assert run("record", "run.csv")[0] == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bench_beside_the_table_is_used_and_said(run, tmp_path):
+    (tmp_path / "bench.toml").write_text(BENCH)
+    code, out, err = run("record", "run.csv", "--cycles", "2")
+    assert code == 0
+    assert "gauges of bench.toml: X=opto-rs232@sim:?pace=0" in err
+    assert all(json.loads(line) for line in out.splitlines())
+    assert run("record", "b.csv", "--gauge", "Y=opto-rs232@sim:?pace=0", "--trigger", "timer:1",
+               "--cycles", "2") [2] == ""  # fmt: skip
+    assert set(read_table(tmp_path / "b.csv").axes) == {"Y"}
+
+
+def test_a_named_bench_is_used_from_anywhere(run, tmp_path):
+    (tmp_path / "mine.toml").write_text(BENCH)
+    assert run("record", "run.csv", "--cycles", "2", "--bench", "mine.toml")[0] == 0
+    assert run("record", "b.csv", "--bench", "none.toml")[0] == 66
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[gauges]\n",
+        "gauges = 3\n",
+        '[gauges]\nX = "opto-rs232@replay:/etc/passwd"\n',
+        '[gauges]\nX = "opto-rs232@spy:///dev/ttyUSB0?file=/tmp/x"\n',
+        '[gauges]\nX = "opto-rs232@spy:///dev/ttyUSB0"\n',
+        '[gauges]\nX = "opto-rs232@file:///etc/passwd"\n',
+        '[gauges]\nX = "opto-rs232@sim:?model=/etc/passwd"\n',
+        '[gauges]\nX = "opto-rs232@sim:?m%6fdel=/etc/passwd"\n',
+        '[gauges]\nX = "opto-rs232@/dev/tty\\u001b[2J"\n',
+        '[gauges]\nX = 1\n',
+        '[gauges]\nQ = "opto-rs232@sim:"\n',
+        'trigger = "line:spy:///dev/ttyUSB0"\n[gauges]\nX = "opto-rs232@sim:"\n',
+        'trigger = 3\n[gauges]\nX = "opto-rs232@sim:"\n',
+        'hook = "rm"\n[gauges]\nX = "opto-rs232@sim:"\n',
+    ],
+)  # fmt: skip
+def test_a_bench_that_names_a_file_or_is_no_bench_is_refused(run, tmp_path, text):
+    (tmp_path / "bench.toml").write_text(text)
+    with pytest.raises(DataError):
+        read_bench(tmp_path / "bench.toml")
+    code, out, err = run("record", "run.csv", "--trigger", "timer:1")
+    assert (code, out) == (65, "")
+    assert "bench.toml" in err
+    assert "\x1b" not in err
+
+
+@pytest.mark.parametrize(
+    "gauge",
+    [
+        "opto-rs232@socket://192.0.2.1:4001",
+        r"generic?request=MOVE\r@/dev/ttyUSB1",
+        "auto@/dev/ttyUSB1",
+    ],
+)
+def test_a_bench_that_was_not_named_reaches_no_further_than_the_cable(run, tmp_path, gauge):
+    (tmp_path / "bench.toml").write_text(f"[gauges]\nX = '{gauge}'\n")
+    code, out, err = run("record", "run.csv", "--trigger", "timer:1")
+    assert (code, out) == (2, "")
+    assert "--bench bench.toml" in err
+
+
+def test_a_bench_written_is_the_bench_read(tmp_path):
+    bench = Bench((r"X=generic?request=\"?\r&pattern=(?P<value>.*)@/dev/tty 'a'", "Y=auto@COM3"))
+    write_bench(tmp_path / "bench.toml", bench)
+    assert read_bench(tmp_path / "bench.toml") == bench
+    with pytest.raises(UsageError):
+        write_bench(tmp_path / "bench.toml", Bench(("X=opto-rs232@replay:run.raw.jsonl",)))
+
+
+@needs_terminals
+@pytest.mark.parametrize(
+    ("answer", "dialect"),
+    [
+        (r"+000.101\r", "opto-rs232"),
+        (r"+000.101\r\n", "opto-rs232-tesa"),
+        (r"01A+0000.501\r", "mitutoyo-mux"),
+        (r"A+00.501\r\n", "magnescale"),
+    ],
+)
+def test_a_dialect_is_found_by_what_comes(run, tmp_path, instrument, answer, dialect):
+    device = instrument(answer)
+    code, _, err = run("record", "run.csv", "--gauge", f"X=auto?unit=mm@{device}",
+                       "--trigger", "timer:0.01", "--cycles", "2")  # fmt: skip
+    assert code == 0
+    assert f"X: {device} speaks {dialect} (" in err
+    assert dialect in read_table(tmp_path / "run.csv").metadata["indicator"]
+
+
+@needs_terminals
+def test_where_two_dialects_fit_or_none_nothing_is_recorded(run, tmp_path, instrument):
+    both = instrument(r"+000.101mm\r\n")
+    options = ("--trigger", "timer:0.01", "--cycles", "2")
+    code, out, err = run("record", "run.csv", "--gauge", f"X=auto@{both}", *options)
+    assert (code, out) == (69, "")
+    assert "millimar-c1240" in err
+    assert "opto-rs232-tesa" in err
+    silent = instrument("ERR\\r")
+    code, out, err = run("record", "run.csv", "--gauge", f"X=auto@{silent}", *options)
+    assert (code, out) == (69, "")
+    assert "speaks none" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_simulated_indicator_is_found_too():
+    for key in ("mitutoyo-mux", "heidenhain-nd", "maxum"):
+        assert list(detect(f"sim:{key}?pace=0").fits) == [key]
+    with pytest.raises(InstrumentError):
+        detect("/dev/not-there")
+
+
+def test_dialects_are_shown_by_maker(run):
+    code, out, _ = run("ports", "--dialects", "MAHR", "--json")
+    assert code == 0
+    assert set(json.loads(out)["dialects"]) == {"maxum", "millimar", "millimar-c1240"}
+    assert run("ports", "--dialects", "nobody")[0] == 2
+    assert run("ports", "mahr")[0] == 2
+
+
+def test_typed_lines_are_readings_and_commands(run, tmp_path, monkeypatch):
+    typed = "0.812\n0,9\n0.813\nv slipped\n0.814\n\n+00.8150\nx\n0.815\n"
+    code, out, _ = _typed(run, monkeypatch, typed, "--unit", "mm")
+    assert code == 0
+    events = [json.loads(line) for line in out.splitlines()]
+    kinds = [e["event"] for e in events if e["event"] in ("stored", "garbage", "voided", "changed")]
+    assert kinds == ["stored", "garbage", "stored", "voided", "stored", "changed", "garbage",
+                     "stored"]  # fmt: skip
+    assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [0.812, 0.814, 0.815]
+
+
+def test_a_doubled_line_is_refused_within_rearm(run, tmp_path, monkeypatch):
+    code, out, _ = _typed(run, monkeypatch, "0.812\n0.812\n", "--unit", "mm", "--rearm", "5")
+    assert code == 0
+    assert '"refused"' in out
+    assert len(read_table(tmp_path / "run.csv")) == 1
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        (),
+        ("--unit", "mm", "--trigger", "enter"),
+        ("--unit", "mm", "--gauge", "Y=keyboard@keyboard:"),
+    ],
+)
+def test_a_keyboard_needs_its_unit_has_its_own_trigger_and_is_one(
+    run, tmp_path, monkeypatch, options
+):
+    code, _, err = _typed(run, monkeypatch, "0.812\n", *options)
+    assert code == 2
+    assert err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_keyboard_has_its_own_driver(run):
+    assert run("record", "a.csv", "--gauge", "X=opto-rs232@keyboard:")[0] == 2
+    assert run("record", "a.csv", "--gauge", "X=keyboard@/dev/ttyUSB0")[0] == 2
+    assert run("record", "a.csv", "--gauge", "X=auto@keyboard:")[0] == 2
+
+
+def _typed(run, monkeypatch, text, *options):
+    read, write = os.pipe()
+    os.write(write, text.encode())
+    os.close(write)
+    with os.fdopen(read) as stream:
+        monkeypatch.setattr(sys, "stdin", stream)
+        return run(
+            "record", "run.csv", "--gauge", "X=keyboard@keyboard:", "--cycles", "3", *options
+        )
+
+
+@needs_terminals
+def test_a_wedge_types_on_the_screen_and_letters_stay_commands(tmp_path):
+    gauge = ("--gauge", "X=keyboard?unit=mm@keyboard:", "--cycles", "3", "--meta", "robot=r")
+    terminal = Terminal(tmp_path, "record", "run.csv", *gauge, "--rearm", "0.3")
+    terminal.until("Cycle 1")
+    terminal.press("0.812\n0.812\n")
+    terminal.until("not taken")
+    time.sleep(0.4)
+    terminal.press("9.9\x1b-0.81x\x7f3\t")
+    terminal.until("cycle 2 STORED")
+    terminal.press("vslipped\n")
+    terminal.until("voided")
+    terminal.press("q")
+    code, seen = terminal.end()
+    assert code == 0
+    assert "Reading: " in seen or "STORED" in seen
+    assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [0.812]
