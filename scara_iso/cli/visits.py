@@ -9,6 +9,7 @@ import typer
 
 from scara_iso.cli.options import (
     AsJson,
+    ColumnsByPosition,
     DecimalMark,
     ExcelLocale,
     ResolutionOfTable,
@@ -52,6 +53,7 @@ def visits_command(
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
     sheet: Sheet = None,
+    columns: ColumnsByPosition = None,
     output: Output = None,
     excel_locale: ExcelLocale = None,
     json: AsJson = False,
@@ -74,6 +76,7 @@ def visits_command(
         resolution=resolution,
         decimal=decimal,
         sheet=sheet,
+        columns=columns,
     )
     if output is not None:
         write_text(write_table(found.run, find_locale(excel_locale)), output)

@@ -34,6 +34,7 @@ def diagnose(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -52,7 +53,7 @@ def diagnose(
     read, breaks the cycle rule, or is not of the model, and `UsageError` for a pose that is not
     there.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     run = reading.read(table)
     of_one = (pose, model, hold_out, sigma)
@@ -77,6 +78,7 @@ def diagnose_many(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -88,7 +90,7 @@ def diagnose_many(
     They are shared among as many processes as there are cores. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
     each = diagnose_each(tables, model, reading, wanted, seed=seed)
     return Diagnoses(tuple(map(str, tables)), tuple(each))

@@ -112,6 +112,7 @@ def report(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -133,7 +134,7 @@ def report(
     """
     write = None if to is None else _writer(Path(to), excel_locale)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    run, held = _read(table, TableOptions(unit, resolution, decimal, sheet), pose)
+    run, held = _read(table, TableOptions(unit, resolution, decimal, sheet, columns), pose)
     run, restated = restate(run, metadata or {})
     amendment = _amendment(run, supersedes, reason)
     described = None if model is None else read_model(model)

@@ -82,6 +82,7 @@ if TYPE_CHECKING:
         stated_field as stated_field,
     )
     from scara_iso.reporting.streams import visits_report as visits_report
+    from scara_iso.reporting.tables_read import table_report as table_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.whole_test import (
         missing_report as missing_report,
