@@ -10,14 +10,17 @@ from itertools import pairwise
 from scara_iso.tables.blocks import Line
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import Kind, read_name
-from scara_iso.tables.numbers import BLANKS
+from scara_iso.tables.numbers import BLANKS, MINUS
 
 _WHEN = re.compile(
     r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}|[0-9]{1,2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]{1,9})?)?"
 )
-_NUMBER = re.compile(r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?")
-_LABEL = re.compile(r"(?<!\w)([^\W\d_]{1,12}) ?([:=]?) {0,4}$")
+_NUMBER = re.compile(r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?")
+_PAIR = re.compile(r"(?<!\w)([^\W\d_]{1,12}) ?[:=] {0,4}([^\s;)\]:=]{1,40})(?=[\s;)\],]|$)")
+_COUNTED = re.compile(r"(?<!\w)([^\W\d_]{1,12}) {1,4}([0-9]{1,9})(?![\w.,])")
+_WORD = re.compile(r"[^\W\d_]+")
 _LOOSE = " \t,;:=()[]/@#+-"
+_COUNTS = (Kind.CYCLE, Kind.POSE)
 _LONGEST = 1000
 _EPOCH = 1e8
 """Seconds since 1970, and finer counts of them, are above this."""
@@ -52,6 +55,7 @@ def find_labelled(lines: Sequence[str], where: str) -> list[Line]:
     for other in more:
         text = quoted(lines[other[0].line - 1])
         faults.add(f"{text} names an axis too", other[0].line, remedy=_REMEDY)
+    _check_alike(rows, found, faults)
     _check_between(rows, lines, faults)
     _check_others(rows, faults)
     faults.check()
@@ -63,20 +67,38 @@ def find_labelled(lines: Sequence[str], where: str) -> list[Line]:
 def _read(line: int, text: str) -> _Reading | None:
     if len(text) > _LONGEST or not ("=" in text or ":" in text):
         return None
-    text = _WHEN.sub("@", text.strip(BLANKS))
-    named: list[tuple[str, str]] = []
-    others = []
-    for match in _NUMBER.finditer(text):
-        before = text[max(0, match.start() - 20) : match.start()]
-        label = _LABEL.search(before)
-        if label and (label[2] or read_name(label[1]).kind in (Kind.CYCLE, Kind.POSE)):
-            named.append((label[1], match[0]))
-        else:
-            others.append(before[-1:].strip(_LOOSE) + match[0])
-    if not any(read_name(name).kind is Kind.AXIS for name, _ in named):
+    pairs: list[tuple[str, str]] = []
+
+    def take(match: re.Match[str]) -> str:
+        kind = read_name(match[1]).kind
+        counted = match.re is _COUNTED
+        if kind not in _COUNTS if counted else kind is not Kind.AXIS and not _begins(match[2]):
+            return match[0]
+        pairs.append((match[1], match[2].rstrip(",")))
+        return f"{match[1]}= "
+
+    rest = _COUNTED.sub(take, _PAIR.sub(take, _WHEN.sub("@", text.strip(BLANKS))))
+    if not any(read_name(name).kind is Kind.AXIS for name, _ in pairs):
         return None
-    names, numbers = zip(*named, strict=True)
-    return _Reading(line, _NUMBER.sub("#", text), names, numbers, tuple(others))
+    names, numbers = zip(*pairs, strict=True)
+    others = tuple(
+        rest[max(0, m.start() - 1) : m.start()].strip(_LOOSE) + m[0] for m in _NUMBER.finditer(rest)
+    )
+    shape = "".join(_NUMBER.sub("0", rest).split())
+    return _Reading(line, shape, names, numbers, others)
+
+
+def _begins(value: str) -> bool:
+    """Say whether a value begins as a number does."""
+    return value[0].isdecimal() or value[0] in "+-.," or value[0] == MINUS
+
+
+def _check_alike(rows: Sequence[_Reading], found: Sequence[_Reading], faults: Faults) -> None:
+    """Refuse lines that name an axis, say no other words, and are not as the rows are."""
+    words = {*_WORD.findall(rows[0].shape)}
+    for one in found:
+        if one.shape != rows[0].shape and words.issuperset(_WORD.findall(one.shape)):
+            faults.add("names an axis, and is not as the other lines", one.line, remedy=_REMEDY)
 
 
 def _check_between(rows: Sequence[_Reading], lines: Sequence[str], faults: Faults) -> None:

@@ -76,8 +76,12 @@ def count_fitting(rows: Sequence[Row], names: Sequence[str]) -> int:
 
 
 def check_header(rows: Sequence[Row], layout: Layout, faults: Faults) -> None:
-    """Refuse names that the file's own header gives to other fields."""
+    """Refuse names that the file's own header gives to other fields, and rows that lack some."""
     for row in rows:
+        filled = [cell for cell in row.cells if cell.strip()]
+        if row.line < layout.header_line and filled and all(map(parse_cell, filled)):
+            what = f"{len(filled)} numbers above the first row of {layout.width} fields"
+            faults.add(what, row.line, remedy="complete the line, or remove it")
         if row.line >= layout.header_line or not names_an_axis(row.cells):
             continue
         own = read_names(header_cells(row.cells), [""] * len(header_cells(row.cells)))

@@ -131,8 +131,8 @@ def _of_labels(text: str, name: str, options: ReadOptions, encoding: str) -> Run
     lines = text.split("\n")
     if options.columns is None and (rows := find_labelled(lines, name)):
         run = read_rows(rows, name, options, f"numbers with their names, {encoding}")
-        last = rows[-1][0]
-        left = [k for k, line in enumerate(lines[last:], last + 1) if line.strip()]
+        used = {line for line, _ in rows}
+        left = [k for k, line in enumerate(lines, 1) if k not in used and line.strip()]
         notes = [f"line {k}: {quoted(lines[k - 1])} not used" for k in left[:_SHOWN]]
         return replace(run, origin=replace(run.origin, notes=(*run.origin.notes, *notes)))
     raise _no_table([split_head(lines[:HEAD], d) for d in Delimiter], name, options.columns)

@@ -175,6 +175,38 @@ def test_a_row_of_another_width_is_refused_with_columns():
         read_table(b"1 0.1 0.2\n2 0.2\n3 0.1 0.3\n", unit="mm", columns="cycle,X,Y")
 
 
+@pytest.mark.parametrize(
+    ("log", "said"),
+    [
+        ("x=1.234,5 y=0.2\nx=1.334,5 y=0.4\n", "a comma and a point"),
+        ("x=0.1mm y=2um\nx=0.3mm y=4um\n", "unit um against mm"),
+        ("x=0.1 y=nan\nx=0.3 y=0.2\nx=0.3 y=0.2\n", "'nan' is not a number"),
+        ("x=0.1\nx=0.3 y=0.2\nx=0.3 y=0.2\n", "not as the other lines"),
+        ("x=0.1 y=0.2\nx=0.3 y=0.2\nx=0.3\n", "not as the other lines"),
+        ("dx=0.1 x=0.2\ndx=0.3 x=0.2\n", "two columns for X"),
+        ("P1: x=0.1\nP2: x=0.2\n", "another place or pose"),
+        ("at 1.0 x=0.1\nat 2.0 x=0.2\n", "another place or pose"),
+        ("x=0.1\nx=0.2\nrun 2\nx=0.3\n", "does another test begin"),
+    ],
+)
+def test_a_log_that_could_be_read_two_ways_is_refused(log, said):
+    with pytest.raises(DataError, match=said):
+        read_table(log.encode(), unit="mm")
+
+
+def test_a_log_is_read_with_its_counts_signs_and_words_between():
+    log = "visit 1: x = -0.1\ndoor opened\nvisit 2: x= \N{MINUS SIGN}0.2\n"
+    run = read_table(log.encode(), unit="mm")
+    assert run.axes["X"].readings.tolist() == [-0.1, -0.2]
+    assert "line 2: 'door opened' not used" in run.origin.notes
+
+
+def test_a_cut_row_above_named_columns_is_refused():
+    with pytest.raises(DataError, match="1 numbers above the first row") as refused:
+        read_table(b"0.3\n0.1 0.2\n0.1 0.2\n", unit="mm", columns="X,Y")
+    assert "remove it" in refused.value.remedy
+
+
 def test_the_command_shows_each_field_and_writes_the_canonical_table(tmp_path, capsys):
     out = tmp_path / "run.csv"
     assert main(["tables", str(SENT / "markdown.md"), "-o", str(out)]) == 0
