@@ -42,6 +42,19 @@ FARTHEST = 1e9
 
 
 @dataclass(frozen=True, slots=True)
+class TableField:
+    """A column as the file has it, and what it was taken for."""
+
+    header: str
+    kind: str
+    """``axis``, ``cycle``, ``pose``, ``covariate`` and the like."""
+    name: str
+    """Of the axis or the covariate in the run, else empty."""
+    unit: str
+    """Of an axis; else empty."""
+
+
+@dataclass(frozen=True, slots=True)
 class Origin:
     """Where a run came from: shown to the user, never computed with."""
 
@@ -55,6 +68,10 @@ class Origin:
     """Unit that each axis was read in."""
     files: Mapping[str, str] = field(default_factory=dict)
     """The table of each pose, where the run was put together from several."""
+    header_line: int | None = None
+    """Line of the header, where one table was read that has one."""
+    fields: tuple[TableField, ...] = ()
+    """What each field of that table was taken for."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

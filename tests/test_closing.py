@@ -312,8 +312,8 @@ def test_a_sine_through_simulate_is_named_once(call, tmp_path):
     [
         (["--design", "--cycles", "8"], "7 usable cycles"),
         (["--design", "--model", MODEL], "--model does not go with --design"),
-        (["--design", TABLE_1, "--columns", "approach"], "--columns does not go with a table"),
-        ([TABLE_1, "--columns", "approach"], "--columns is for --design"),
+        (["--design", TABLE_1, "--columns", "approach"], "columns 'approach' name no axis"),
+        ([TABLE_1, "--columns", "approach"], "columns 'approach' name no axis"),
     ],
 )
 def test_a_design_says_what_it_cannot_use(call, argv, said):

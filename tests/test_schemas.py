@@ -251,6 +251,7 @@ def documents(tmp_path_factory):
             ),
         ],
         "visits": written("visits", EXAMPLES / "stream.csv", "--poses", "P1,-"),
+        "tables": [*written("tables", full), *written("tables", *two_poses(folder))],
         "test-conditions": written("diagnose", two),
         "test-status": status,
         "simulate": written("simulate", MODEL, "--temperature", "20:24"),

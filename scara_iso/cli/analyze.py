@@ -14,6 +14,7 @@ from scara_iso.cli.options import (
     AllCount,
     AllowGaps,
     AsJson,
+    ColumnsByPosition,
     ConditionName,
     CyclesRun,
     DecimalMark,
@@ -43,6 +44,7 @@ def analyze_command(
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
     sheet: Sheet = None,
+    columns: ColumnsByPosition = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
     all_count: AllCount = False,
@@ -55,7 +57,7 @@ def analyze_command(
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
-    reading = library.TableOptions(unit, resolution, decimal, sheet)
+    reading = library.TableOptions(unit, resolution, decimal, sheet, columns)
     options: dict[str, Any] = {
         "first_cycle_discarded": first_cycle_discarded,
         "cycles": cycles,

@@ -14,6 +14,7 @@ from scara_iso.cli.options import (
     AllCount,
     AllowGaps,
     AsJson,
+    ColumnsByPosition,
     ConditionName,
     CyclesRun,
     DecimalMark,
@@ -49,6 +50,7 @@ def compare_command(
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
     sheet: Sheet = None,
+    columns: ColumnsByPosition = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
     all_count: AllCount = False,
@@ -74,6 +76,7 @@ def compare_command(
     check_outputs([plot], named(tables))
     read: dict[str, Any] = {
         "unit": unit, "resolution": resolution, "decimal": decimal, "sheet": sheet,
+        "columns": columns,
         "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
         "all_count": all_count, "allow_gaps": allow_gaps,
     }  # fmt: skip

@@ -74,7 +74,12 @@ Sigma = Annotated[
     ),
 ]
 Columns = Annotated[
-    str | None, typer.Option(help="Columns of the planned test: approach,temperature_C.")
+    str | None,
+    typer.Option(
+        metavar="X,Y,..",
+        help="What each field of a row is, where no header says it; - leaves one out. With "
+        "--design and no table: the plan's columns, approach,temperature_C.",
+    ),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of the shuffles.", min=0)]
 
@@ -110,7 +115,7 @@ def diagnose_command(
     from scara_iso.diagnosis import CyclesWanted
     from scara_iso.library import TableOptions, one_test
 
-    reading = TableOptions(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     named = tables or []
     if design:
@@ -119,8 +124,6 @@ def diagnose_command(
         _refuse_beside_design(model, hold_out, save_model, plot)
         show_design(named, reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json)
         return
-    if columns is not None:
-        raise UsageError("--columns is for --design", remedy="a table names its own columns")
     files = _Files(model, hold_out, save_model, plot, sigma)
     files.check(named)
     check_outputs([plot, save_model], [*files_of(named), model, hold_out])

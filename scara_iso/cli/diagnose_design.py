@@ -34,10 +34,6 @@ def show_design(
     """Write what a test like that of a table, or of the options, will find."""
     if len(tables) > 1:
         raise UsageError("--design takes one table at most")
-    if tables and columns is not None:
-        raise UsageError(
-            "--columns does not go with a table", remedy="the plan has the table's columns"
-        )
     if sigma is not None and not 0 < sigma < math.inf:
         raise UsageError(f"--sigma {sigma:g}: not a positive, finite length")
     plan = (

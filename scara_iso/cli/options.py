@@ -43,6 +43,14 @@ DecimalMark = Annotated[
     str | None, typer.Option("--decimal", help="',' or '.', where the table can be read two ways.")
 ]
 Sheet = Annotated[str | None, typer.Option("--sheet", help="Sheet of an .xlsx file.")]
+ColumnsByPosition = Annotated[
+    str | None,
+    typer.Option(
+        "--columns",
+        metavar="X,Y,..",
+        help="What each field of a row is, where no header says it; - leaves one out.",
+    ),
+]
 FirstDiscarded = Annotated[
     bool, typer.Option("--first-cycle-discarded", help="The table lacks its first cycle already.")
 ]

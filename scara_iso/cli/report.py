@@ -17,6 +17,7 @@ from scara_iso.cli.options import (
     AllCount,
     AllowGaps,
     AsJson,
+    ColumnsByPosition,
     ConditionName,
     CyclesRun,
     DecimalMark,
@@ -80,6 +81,7 @@ def report_command(
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
     sheet: Sheet = None,
+    columns: ColumnsByPosition = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
     all_count: AllCount = False,
@@ -97,7 +99,7 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    reading = library.TableOptions(unit, resolution, decimal, sheet)
+    reading = library.TableOptions(unit, resolution, decimal, sheet, columns)
     options: dict[str, Any] = {
         "model": model,
         "pose": pose,

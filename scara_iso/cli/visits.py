@@ -9,6 +9,7 @@ import typer
 
 from scara_iso.cli.options import (
     AsJson,
+    ColumnsByPosition,
     DecimalMark,
     ExcelLocale,
     Full,
@@ -56,6 +57,7 @@ def visits_command(
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
     sheet: Sheet = None,
+    columns: ColumnsByPosition = None,
     output: Output = None,
     excel_locale: ExcelLocale = None,
     full: Full = False,
@@ -79,6 +81,7 @@ def visits_command(
         resolution=resolution,
         decimal=decimal,
         sheet=sheet,
+        columns=columns,
     )
     if output is not None:
         write_text(write_table(found.run, find_locale(excel_locale)), output)

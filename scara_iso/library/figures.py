@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +19,7 @@ def analyze(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -33,15 +34,15 @@ def analyze(
     test, with test.toml, gives its parts under ``condition`` (``v50-l100``; it may be left out
     where there is one only). Limits, decision and number of cycles are those of test.toml unless
     given, and parts that are missing are deviations; `NoInputError` where all are.
-    Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``
-    and ``sheet`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``, ``all_count`` and
+    Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``,
+    ``sheet`` and ``columns`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``, ``all_count`` and
     ``allow_gaps`` say which cycles count. ``limits`` are in mm (degrees for an angle) by figure
     (``X``, ``XY``...), the empty name for every length; ``decision`` is ``interval`` (a limit is
     kept or broken where the whole 95 % interval says so) or ``simple`` (RP alone).
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     options: dict[str, Any] = {
         "first_cycle_discarded": first_cycle_discarded,
         "cycles": cycles,

@@ -41,6 +41,7 @@ class TableOptions:
     resolution: float | None = None
     decimal: str | None = None
     sheet: str | None = None
+    columns: str | Sequence[str] | None = None
 
     def read(self, tables: Tables) -> Run:
         """Return the run of a table, or of those of one test.
@@ -85,10 +86,10 @@ class TableOptions:
 
     def _read_one(self, table: Table) -> Run:
         if isinstance(table, Run):
-            self._refuse("a Run", ("unit", "resolution", "decimal", "sheet"))
+            self._refuse("a Run", ("unit", "resolution", "decimal", "sheet", "columns"))
             return table
         if is_frame(table):
-            self._refuse("a data frame", ("decimal", "sheet"))
+            self._refuse("a data frame", ("decimal", "sheet", "columns"))
             return Run.from_frame(table, unit=self.unit, resolution=self.resolution)
         return read_table(table, **asdict(self))
 

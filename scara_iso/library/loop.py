@@ -35,6 +35,7 @@ def diagnose(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -53,7 +54,7 @@ def diagnose(
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     if (measured := reading.measured(table, condition)) is not None:
         table, cycles = measured.readings, cycles or measured.cycles
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
@@ -80,6 +81,7 @@ def diagnose_many(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -91,7 +93,7 @@ def diagnose_many(
     They are shared among as many processes as there are cores. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
     each = diagnose_each(tables, model, reading, wanted, seed=seed)
     return Diagnoses(tuple(map(str, tables)), tuple(each))

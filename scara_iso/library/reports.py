@@ -122,6 +122,7 @@ def report(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -150,7 +151,7 @@ def report(
         "limits": limits,
         "decision": decision,
     }
-    reading = TableOptions(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     if (measured := reading.measured(table, condition)) is not None:
         run, held = _at(measured.readings, pose, str(measured.folder.path)), _held_files(measured)
         options, cycles = measured.merged_with(options), cycles or measured.cycles

@@ -24,6 +24,7 @@ def compare(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -42,7 +43,7 @@ def compare(
     ``exchangeability``, in mm. The method is that of docs/compare.md. Raises one error with the
     faults of all tables, and `UsageError` for fewer than two.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet)
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
 
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):

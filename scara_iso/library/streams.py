@@ -26,6 +26,7 @@ def visits(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
 ) -> StreamVisits:
     """Return the visits of a stream: a row for each sample, time_s and the axes as columns.
 
@@ -33,11 +34,11 @@ def visits(
     shortest rest that is a visit [s]; ``still`` the largest range of the readings within a window
     at rest and ``band`` the half width of the limit band (7.4), both in mm (degrees where there are
     angles only); without them both are found from the stream. ``poses`` names the rests in turn,
-    ``-`` one that is no pose. ``unit``, ``resolution``, ``decimal`` and ``sheet`` are as in
-    `read_table`. Raises `DataError` for what cannot be read or told apart.
+    ``-`` one that is no pose. ``unit``, ``resolution``, ``decimal``, ``sheet`` and
+    ``columns`` are as in `read_table`. Raises `DataError` for what cannot be read or told apart.
     """
     wanted = Wanted(dwell, still, band, tuple(poses))
-    options = TableOptions(unit, resolution, decimal, sheet)
+    options = TableOptions(unit, resolution, decimal, sheet, columns)
     run, digest = _read(stream, options)
     found = find_visits(run, wanted)
     source = {} if digest is None else {"stream_sha256": digest}

@@ -99,6 +99,7 @@ if TYPE_CHECKING:
         visits_brief as visits_brief,
         visits_report as visits_report,
     )
+    from scara_iso.reporting.tables_read import table_report as table_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.whole_test import (
         missing_report as missing_report,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
-from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run
+from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run, TableField
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
@@ -19,6 +19,8 @@ from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.statements import Scale, is_of_axes, read_scales
 from scara_iso.tables.text import Row
 
+_NOTES = 50
+
 
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
@@ -28,6 +30,7 @@ class ReadOptions:
     resolution: float | None
     decimal: str | None
     sheet: str | None
+    columns: tuple[str, ...] | None = None
 
 
 def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions, how: str) -> Run:
@@ -52,16 +55,35 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
-    notes += [
-        f"column {c.position + 1} {quoted(layout.header[c.position])} not used"
-        for c in layout.of(Kind.COMMENT)
-    ] + body.notes
+    notes += (
+        [
+            f"column {c.position + 1} {quoted(layout.header[c.position])} not used"
+            for c in layout.of(Kind.COMMENT)
+        ]
+        + columns.beside[:_NOTES]
+        + body.notes
+    )
     understood = "; ".join(
         part for part in (how, _said_columns(run, scales, lines), run.origin.understood) if part
     )
     notes[:0] = _said_numbers(columns, run)
     units = {name: scales[name].unit.name for name in run.axes}
-    return replace(run, origin=Origin(faults.where, understood, tuple(notes), units))
+    origin = Origin(
+        source=faults.where,
+        understood=understood,
+        notes=tuple(notes),
+        units=units,
+        header_line=None if options.columns else layout.header_line or None,
+        fields=tuple(_field(column, layout, units) for column in layout.columns),
+    )
+    return replace(run, origin=origin)
+
+
+def _field(column: Column, layout: Layout, units: Mapping[str, str]) -> TableField:
+    named = column.kind in (Kind.AXIS, Kind.COMMAND, Kind.COVARIATE)
+    unit = units.get(column.name, "") if column.kind in (Kind.AXIS, Kind.COMMAND) else ""
+    header, name = layout.header[column.position], column.name if named else ""
+    return TableField(header, column.kind.value, name, unit)
 
 
 def _check_layout(layout: Layout, faults: Faults) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from scara_iso.tables.columns import Cell
+from scara_iso.tables.columns import Cell, is_words
 from scara_iso.tables.faults import KEPT, Faults, quoted
 from scara_iso.tables.layout import (
     Layout,
@@ -22,6 +22,7 @@ from scara_iso.tables.text import Row
 _NOTES = 50
 _STRANGE = 30_000
 """Cells in rows that are not readings, beyond which a file is not read on: a few seconds' work."""
+_ONE_HEADER = "name each column in one header row, right above the first row of readings"
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
 
 
@@ -34,6 +35,8 @@ class Body:
         self.notes: list[str] = []
         self.repeats: list[int] = []
         self.footer: int | None = None
+        if layout.words_below:
+            faults.first_remedy = _ONE_HEADER
         self._cycle = next((c.position for c in layout.of(Kind.CYCLE)), None)
         self._blocks = [0]
         self._labels: set[str] = set()
@@ -157,6 +160,9 @@ class Body:
             )
             return
         extra = [k for k, cell in enumerate(cells[width:], width) if _is_filled(cell)]
+        if extra and all(is_words(cells[k]) for k in extra):
+            self.note(f"line {line}: {quoted(str(cells[extra[0]]))} beside the table not used")
+            extra = []
         if extra:
             self.faults.add(
                 f"{max(extra) + 1} fields, the header has {width}",
@@ -196,4 +202,4 @@ def _ragged(found: int, width: int) -> str:
             "if these are decimal commas in a comma-separated table, export it with semicolons; "
             "else make the fields as many as the header's"
         )
-    return "make the fields of each row as many as the header's"
+    return "make the fields of each row as many as the header's; remove a line that is no reading"

@@ -36,6 +36,7 @@ class Columns:
         self.lines: list[IntArray] = []
         self.marks: dict[Mark, tuple[int, int, str]] = {}
         self.units: dict[Column, dict[str, int]] = {}
+        self.beside: list[str] = []
         self._parts: dict[Column, list[npt.NDArray[np.generic]]] = {c: [] for c in layout.columns}
 
     def add_clean(self, columns: Sequence[Sequence[str]], first_line: int) -> bool:
@@ -128,8 +129,7 @@ class Columns:
                 return np.array(stamps, dtype=object)
             case Kind.NAMELESS:
                 for cell, line in pairs:
-                    if not isinstance(cell, str) or cell.strip(BLANKS):
-                        self._fault(column, f"{_text(cell)} in a column without a name", line)
+                    self._nameless(column, cell, line)
         return np.empty(0)
 
     def _number(self, column: Column, cell: Cell, line: int) -> float:
@@ -139,7 +139,9 @@ class Columns:
         number = parse_cell(cell, self.decimal)
         strange = _is_sized(column) and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
-            self._fault(column, _not_a_number(cell), line)
+            besides = column.kind is Kind.COVARIATE
+            remedy = "remove the column, or call it comment" if besides else ""
+            self.faults.add(_not_a_number(cell), line, column.position + 1, remedy=remedy)
             return 0.0
         self._note_mark(column, number, cell, line)
         self._note_unit(column, number.unit, line)
@@ -187,6 +189,14 @@ class Columns:
         if stamp is None:
             self._fault(column, f"{_text(cell)} is not an ISO 8601 time", line)
         return stamp
+
+    def _nameless(self, column: Column, cell: Cell, line: int) -> None:
+        if is_words(cell):
+            self.beside.append(f"line {line}: {_text(cell)} beside the table not used")
+        elif not isinstance(cell, str) or cell.strip(BLANKS):
+            what = f"{_text(cell)} in a column without a name"
+            remedy = "name the column in the header, or remove what is in it"
+            self.faults.add(what, line, column.position + 1, remedy=remedy)
 
     def _fault(self, column: Column, message: str, line: int) -> None:
         self.faults.add(message, line, column.position + 1)
@@ -242,6 +252,12 @@ def _is_sized(column: Column) -> bool:
 
 def _are_counts(values: FloatArray) -> bool:
     return bool(np.all((values >= 0) & (values < _LARGEST) & (values == np.floor(values))))
+
+
+def is_words(cell: Cell) -> bool:
+    """Say whether a cell is a remark: it begins with a letter and spells no number."""
+    text = cell.strip(BLANKS) if isinstance(cell, str) else ""
+    return text[:1].isalpha() and parse_cell(text) is None
 
 
 def _text(cell: Cell) -> str:

@@ -22,6 +22,8 @@ class Faults:
         self.total = 0
         self._kept: list[Fault] = []
         self._remedy = ""
+        self.first_remedy = ""
+        """Goes before those of the faults."""
 
     def add(
         self, message: str, line: int | None = None, column: int | None = None, *, remedy: str = ""
@@ -33,7 +35,7 @@ class Faults:
         self.total += 1
         self._remedy = self._remedy or remedy
         if len(self._kept) < KEPT:
-            self._kept.append(Fault(message, line, column))
+            self._kept.append(Fault(message, line or None, column))  # a log has no header
         if self.total == _MOST:
             self.check()
 
@@ -48,7 +50,7 @@ class Faults:
         raise DataError(
             f"cannot be read as {self.what}: {count}{more}",
             where=self.where,
-            remedy=self._remedy or "correct the file, or export it again",
+            remedy=self.first_remedy or self._remedy or "correct the file, or export it again",
             faults=faults,
         )
 

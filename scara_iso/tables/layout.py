@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import (
+    COVARIATES,
     LONGEST_NAME,
     Column,
     Kind,
     clean,
+    names_a_footer,
     read_name,
     read_names,
     read_unit,
@@ -25,7 +27,10 @@ HEAD = 200
 COLUMNS = 1000
 """Columns that a table may have."""
 _ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
-_STROKES = "-=_+*|"
+_BETWEEN = str.maketrans(",|", "  ")
+_ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
+_BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
+_STROKES = "-=_+*|:"
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
 _LONGEST_KEY = 61
 
@@ -48,6 +53,8 @@ class Layout:
     data_line: int
     sure: bool
     """Whether a row of numbers follows the header."""
+    words_below: bool = False
+    """Whether a row of words follows it: a heading of two rows."""
 
     @property
     def width(self) -> int:
@@ -74,11 +81,19 @@ def find_layout(rows: Sequence[Row]) -> Layout | None:
         if not names_an_axis(row.cells):
             continue
         layout = _layout(rows, k)
+        if layout.width > 1 and _is_one_field(rows, k):
+            continue
         if layout.sure or layout.width > COLUMNS:
             return layout
         if best is None or layout.known > best.known:
             best = layout
     return best
+
+
+def _is_one_field(rows: Sequence[Row], k: int) -> bool:
+    """Say whether all rows below are one field that another delimiter parts."""
+    below = [r for r in rows[k + 1 :] if r.text and not is_rule(r.text)]
+    return bool(below) and all(len(r.cells) == 1 and _BETWEEN_CELLS.search(r.text) for r in below)
 
 
 def header_cells(cells: Sequence[str]) -> list[str]:
@@ -87,6 +102,19 @@ def header_cells(cells: Sequence[str]) -> list[str]:
     if names and re.match(r"# ?\w", names[0]):
         names[0] = names[0].lstrip("# ")
     return names
+
+
+_RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
+
+
+def runs_across(rows: Sequence[Row]) -> Row | None:
+    """Return the first row that names runs side by side, as ISO 230-2 has them: ``Run 1 Run 2``."""
+    for row in rows:
+        short = (clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME)
+        named = [text for text in short if _RUN.fullmatch(text)]
+        if len(named) > 1 and not all(map(parse_cell, named)):
+            return row
+    return None
 
 
 def names_an_axis(cells: Sequence[str]) -> bool:
@@ -115,9 +143,23 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
         settle(column, names[column.position], first[column.position])
         for column in read_names(names, _padded(units, len(names)))
     )
+    columns = tuple(_remarks(c, rows[below:] if below is not None else []) for c in columns)
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
+    words = any(map(clean, cells)) and not any(parse_cell(cell) for cell in cells)
     fits = _trimmed(cells) <= len(names) <= len(cells)
-    return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits)
+    return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits, words)
+
+
+def _remarks(column: Column, rows: Sequence[Row]) -> Column:
+    """Return a column of no known name as a comment where some cells are words and others empty.
+
+    Words in every row may be a label that counts: a state, a pose.
+    """
+    if column.kind is not Kind.COVARIATE or column.name in COVARIATES:
+        return column
+    found = [r.cells[column.position].strip() for r in rows if len(r.cells) > column.position]
+    words = all(text[0].isalpha() and not parse_cell(text) for text in found if text)
+    return replace(column, kind=Kind.COMMENT) if words and not all(found) else column
 
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:
@@ -145,7 +187,7 @@ def is_comment(text: str) -> bool:
 
 def is_rule(text: str) -> bool:
     """Return whether a row is a ruled line, of three strokes or more in every cell."""
-    cells = text.replace(",", " ").split()
+    cells = text.translate(_BETWEEN).split()
     return bool(cells) and all(len(cell) > 2 and not cell.strip(_STROKES) for cell in cells)
 
 
@@ -175,7 +217,7 @@ def read_preamble(
             _add(statements, *statement, row.line, faults)
         elif not row.text or row.text.startswith("#") or is_rule(row.text):
             continue
-        elif sum(parse_cell(cell) is not None for cell in row.cells) > 1:
+        elif not _is_labelled(row) and sum(parse_cell(c) is not None for c in row.cells) > 1:
             faults.add(
                 "numbers before the header: two tables in one file?",
                 row.line,
@@ -184,6 +226,15 @@ def read_preamble(
         else:
             notes.append(f"line {row.line}: {quoted(row.text)} not used")
     return statements, notes
+
+
+def _is_labelled(row: Row) -> bool:
+    """Say whether a row is a label's, as ``USL, 0.1, 0.1`` or LabVIEW's ``Samples`` above a table.
+
+    Such a row says something of the columns and is no reading.
+    """
+    first = clean(row.cells[0])
+    return names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
 
 
 def read_statement(row: Row) -> tuple[str, str] | None:

@@ -44,7 +44,17 @@ class Column:
 
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
-_AXIS_WORD = re.compile(r"(?:axis|achse)[ _-]*|[ _-]*(?:axis|achse)$")
+_AXIS_WORD = re.compile(
+    r"(?:axis|achse|messwert|messung|istwert|wert|anzeige|ablesung|reading|measured|measurement|"
+    r"value|dial|gauge|indicator|messuhr|taster|delta|abweichung|deviation)[ _-]+"
+    r"|(?:axis|achse)[ _-]*|[dδ∆](?=(?:[xyz]|theta)$)"
+    r"|[ _-]*(?:axis|achse)$|[ _-]+(?:reading|messwert|wert)$"
+)
+"""Words that stand with an axis. ``X_Value`` is the abscissa of LabVIEW's files, no reading."""
+_INSTRUMENT = re.compile(
+    r"(?:dial|gauge|indicator|probe|sensor|channel|ch|messuhr|taster|kanal) ?[0-9]{0,3}"
+    r" ?[\[(]([^\[\]()]*)[\])]"
+)
 _COMMAND = re.compile(r"command[ _]([^ _].*)", re.IGNORECASE)
 _CYCLE_PROPER = {"cycle", "zyklus"}
 _CYCLE = _CYCLE_PROPER | {
@@ -71,6 +81,8 @@ _COVARIATES = {
     "temperatur_c": "temperature_C", "payload_kg": "payload_kg",
     "speed": "speed",
 }  # fmt: skip
+COVARIATES = frozenset(_COVARIATES.values())
+"""Covariates that have a meaning, so their cells must be numbers."""
 _SPLITS = (
     re.compile(r"(.*?) ?[\[({<]([^\[\](){}<>]*)[\])}>]"),
     re.compile(r"(.+?) ?(?:/|,| in )(.+)"),
@@ -118,10 +130,15 @@ def read_name(text: str, unit_below: str = "") -> Column:
         name, unit = (match[1], match[2].strip()) if match else (text, "")
         if pattern and (match is None or (pattern is not _SPLITS[0] and not read_unit(unit))):
             continue
-        axis = _AXES.get(_AXIS_WORD.sub("", name.lower()))
-        if axis:
+        if axis := _axis(name.lower()):
             return Column(Kind.AXIS, axis, _one_of(unit, unit_below))
     return _other_column(text, unit_below)
+
+
+def _axis(name: str) -> str | None:
+    """Return the axis that a name without its unit means: ``x``, ``messwert x``, ``dial 1 (x)``."""
+    instrument = _INSTRUMENT.fullmatch(name)
+    return _AXES.get(_AXIS_WORD.sub("", instrument[1] if instrument else name, count=1))
 
 
 def _one_of(unit: str, below: str) -> str:
@@ -176,7 +193,9 @@ def settle(column: Column, name: str, first: str) -> Column:
     if column.kind is Kind.APPROACH:
         labelled = read_direction(first) is not None
         return replace(column, kind=Kind.DIRECTION if labelled else Kind.COVARIATE)
-    if column.kind is not Kind.OPEN:
+    if column.kind is Kind.TIMESTAMP and parse_cell(first) is None:
+        return column
+    if column.kind not in (Kind.OPEN, Kind.TIMESTAMP):
         return column
     if parse_cell(first) is not None:
         return replace(column, kind=Kind.COVARIATE, name=clean(name))
@@ -184,9 +203,18 @@ def settle(column: Column, name: str, first: str) -> Column:
     return replace(column, kind=kind, name=clean(name))
 
 
+_GERMAN = re.compile(
+    r"([0-9]{1,2})\.([0-9]{1,2})\.([0-9]{4}),? ([0-9]{1,2}:[0-9]{2}(?::[0-9]{2}(?:\.[0-9]{1,6})?)?)"
+)
+
+
 def read_timestamp(text: str) -> datetime | None:
-    """Return the instant of an ISO 8601 date and time, or None."""
+    """Return the instant of a date and time, ISO 8601 or day.month.year, or None."""
     text = text.strip(BLANKS)
+    german = _GERMAN.fullmatch(text)
+    if german:
+        day, month, year, time = german.groups()
+        text = f"{year}-{month:0>2}-{day:0>2}T{time:0>5}"
     try:
         return datetime.fromisoformat(text) if text.isascii() and len(text) > 10 else None
     except ValueError:

@@ -4,23 +4,32 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from statistics import median_low
 
 import numpy as np
 
-from scara_iso.errors import UsageError
+from scara_iso.errors import DataError, UsageError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.blocks import Line, find_blocks, has_blocks
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
-from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble
+from scara_iso.tables.labelled import find_labelled
+from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble, runs_across
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark, count_decimals
-from scara_iso.tables.sheets import NO_HEADER, read_blocks, read_workbook
+from scara_iso.tables.positions import (
+    check_header,
+    column_names,
+    count_fitting,
+    place_columns,
+    suggest_columns,
+)
+from scara_iso.tables.sheets import NO_HEADER, read_blocks, read_rows, read_workbook
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     LINE_LIMIT,
@@ -35,6 +44,8 @@ from scara_iso.tables.text import (
 )
 
 _ABOVE = 200
+_ONE_A_ROW = "write a row for each reading: pose,approach,cycle,X with the target as its pose"
+_SHOWN = 20
 
 
 def read_table(
@@ -44,13 +55,15 @@ def read_table(
     resolution: float | None = None,
     decimal: str | None = None,
     sheet: str | None = None,
+    columns: str | Sequence[str] | None = None,
 ) -> Run:
     """Return the `Run` that a table holds: text in any usual spelling, or an .xlsx workbook.
 
     ``source`` is a path, ``-`` for standard input, bytes or a binary file. ``unit`` and
     ``resolution`` (in that unit) stand for the file's statements of that name; ``decimal``, "," or
     ".", says how to read numbers that can be read two ways, and lets the other mark group
-    thousands; ``sheet`` names the sheet of a workbook.
+    thousands; ``sheet`` names the sheet of a workbook; ``columns`` names the fields of a row in
+    turn where no header does, ``-`` one to leave out: ``"cycle,X,Y,-"``, or a sequence.
 
     Readings come in mm, or degrees where their unit is an angle. `Axis` holds what the file
     states as unit, resolution, indicator_uncertainty and command_X; ``Run.metadata`` every other
@@ -64,7 +77,8 @@ def read_table(
         raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
     if resolution is not None and not 0 < resolution < math.inf:
         raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
-    options = ReadOptions(unit, resolution, decimal, sheet)
+    named = None if columns is None else column_names(columns)
+    options = ReadOptions(unit, resolution, decimal, sheet, named)
     data, name = read_bytes(source)
     if not data.strip():
         raise refuse(name, "the file is empty", remedy=NO_HEADER)
@@ -85,8 +99,15 @@ def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
     head = next(chunks(text), (1, [""]))[1][:HEAD]
     _check_length(1, head, faults)
     faults.check()
-    delimiter, rows, layout = _understand(head, name)
-    if has_blocks(rows) and (blocks := find_blocks(_split_all(text, delimiter, name))):
+    understood = _understand(head, options.columns)
+    if understood is None:
+        return _of_labels(text, name, options, encoding)
+    delimiter, rows, layout = understood
+    if not layout.sure and (across := runs_across(rows)):
+        raise refuse(name, f"line {across.line} names runs side by side", remedy=_ONE_A_ROW)
+    if options.columns is not None:
+        check_header(rows, layout, faults)
+    elif has_blocks(rows) and (blocks := find_blocks(_split_all(text, delimiter, name))):
         return read_blocks(blocks, name, options, f"{delimiter.value}, {encoding}")
     columns = Columns(layout, options.decimal, faults)
     body = Body(layout, faults)
@@ -103,6 +124,18 @@ def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
     if delimiter is Delimiter.COMMA and not columns.marks and options.decimal is None:
         _check_split(run, layout, name)
     return run
+
+
+def _of_labels(text: str, name: str, options: ReadOptions, encoding: str) -> Run:
+    """Return the run of a log that names its numbers, or say why the file is no table."""
+    lines = text.split("\n")
+    if options.columns is None and (rows := find_labelled(lines, name)):
+        run = read_rows(rows, name, options, f"numbers with their names, {encoding}")
+        used = {line for line, _ in rows}
+        left = [k for k, line in enumerate(lines, 1) if k not in used and line.strip()]
+        notes = [f"line {k}: {quoted(lines[k - 1])} not used" for k in left[:_SHOWN]]
+        return replace(run, origin=replace(run.origin, notes=(*run.origin.notes, *notes)))
+    raise _no_table([split_head(lines[:HEAD], d) for d in Delimiter], name, options.columns)
 
 
 def _split_all(text: str, delimiter: Delimiter, name: str) -> list[Line]:
@@ -164,23 +197,32 @@ def _check_length(first: int, lines: list[str], faults: Faults) -> None:
             faults.add(f"a line of {len(text)} characters", line)
 
 
-def _understand(head: list[str], name: str) -> tuple[Delimiter, list[Row], Layout]:
-    """Return the delimiter under which a header and a row below it name and hold most."""
+def _understand(
+    head: list[str], names: Sequence[str] | None
+) -> tuple[Delimiter, list[Row], Layout] | None:
+    """Return the delimiter under which a header and a row below it name and hold most.
+
+    With the columns' ``names`` it is the one under which most rows have as many fields.
+    """
     stated = stated_delimiter(head[0])
     best: tuple[tuple[bool, int], Delimiter, list[Row], Layout] | None = None
     for delimiter in (stated,) if stated else Delimiter:
         rows = split_head(["", *head[1:]] if stated else head, delimiter)
-        layout = find_layout(rows)
+        layout = place_columns(rows, names) if names else find_layout(rows)
         score = (layout.sure, layout.known) if layout else (False, 0)
+        score = (True, count_fitting(rows, names)) if names else score
         if layout and (best is None or score > best[0]):
             best = (score, delimiter, rows, layout)
-    if best is None:
-        raise refuse(
-            name,
-            f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines",
-            remedy=NO_HEADER,
-        )
-    return best[1:]
+    return best[1:] if best else None
+
+
+def _no_table(tables: Sequence[Sequence[Row]], name: str, names: Sequence[str] | None) -> DataError:
+    if any(map(runs_across, tables)):
+        return refuse(name, "a column for each run", remedy=_ONE_A_ROW)
+    what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
+    if names:
+        what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"
+    return refuse(name, what, remedy=suggest_columns(tables) or NO_HEADER)
 
 
 def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:

@@ -13,6 +13,7 @@ from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, listed, quoted, refuse, together
 from scara_iso.tables.layout import HEAD, Layout, find_layout
 from scara_iso.tables.parts import Part, merge, pose_in
+from scara_iso.tables.positions import check_header, place_columns, suggest_columns
 from scara_iso.tables.text import Row
 
 NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
@@ -24,17 +25,20 @@ def read_workbook(data: bytes, name: str, options: ReadOptions) -> Run:
 
     found: dict[str, Sequence[Line]] = {}
     names: list[str] = []
+    heads: list[list[Row]] = []
     for title, cells in read_sheets(data, name):
         names.append(title)
         rows: Sequence[Line] = list(enumerate(cells, 1))
-        if options.sheet in (None, title) and _find_table(rows):
-            found[title] = rows
+        if options.sheet in (None, title):
+            heads.append(_head(rows))
+            if _find_table(rows, options.columns):
+                found[title] = rows
     if len(found) == 1:
         ((title, rows),) = found.items()
         return _read_sheet(rows, name, options, f"workbook, sheet {quoted(title)}")
     parts, left = _poses_of(found, name, options)
     if len(parts) < 2:
-        raise _which_sheet(name, names, list(found), options.sheet)
+        raise _which_sheet(name, names, list(found), options, suggest_columns(heads))
     unused = [f"sheet {quoted(title)} names no pose: not used" for title in left]
     return merge(parts, name, notes=unused)
 
@@ -44,7 +48,7 @@ def read_blocks(blocks: Sequence[Block], name: str, options: ReadOptions, how: s
     parts, errors = [], []
     for block in blocks:
         try:
-            run = _read_rows(block.rows, f"{name}, block of {block.pose}", options, how)
+            run = read_rows(block.rows, f"{name}, block of {block.pose}", options, how)
             parts.append(Part(run, f"block of {block.pose}", "", "the name above it", block.pose))
         except DataError as error:
             errors.append(error)
@@ -80,17 +84,20 @@ def _poses_of(
 
 
 def _read_sheet(rows: Sequence[Line], name: str, options: ReadOptions, how: str) -> Run:
-    if blocks := find_blocks(rows):
+    if options.columns is None and (blocks := find_blocks(rows)):
         return read_blocks(blocks, name, options, how)
-    return _read_rows(rows, name, options, how)
+    return read_rows(rows, name, options, how)
 
 
-def _read_rows(rows: Sequence[Line], name: str, options: ReadOptions, how: str) -> Run:
-    table = _find_table(rows)
+def read_rows(rows: Sequence[Line], name: str, options: ReadOptions, how: str) -> Run:
+    """Return the run of one table; ``how`` says how the file was split into rows of cells."""
+    table = _find_table(rows, options.columns)
     if table is None:
         raise refuse(name, "no header that names an axis X, Y, Z or theta", remedy=NO_HEADER)
     head, layout = table
     faults = Faults(name)
+    if options.columns is not None:
+        check_header(head, layout, faults)
     columns = Columns(layout, options.decimal, faults)
     body = Body(layout, faults)
     below = ((line, cells) for line, cells in rows if line >= layout.data_line)
@@ -98,11 +105,17 @@ def _read_rows(rows: Sequence[Line], name: str, options: ReadOptions, how: str) 
     return assemble(head, columns, body, options, how)
 
 
-def _find_table(rows: Sequence[Line]) -> tuple[list[Row], Layout] | None:
-    texts = [(line, [_as_text(cell) for cell in cells]) for line, cells in rows[:HEAD]]
-    head = [Row(line, cells, _joined(cells), line) for line, cells in texts]
-    layout = find_layout(head)
+def _find_table(
+    rows: Sequence[Line], names: Sequence[str] | None
+) -> tuple[list[Row], Layout] | None:
+    head = _head(rows)
+    layout = place_columns(head, names) if names else find_layout(head)
     return (head, layout) if layout else None
+
+
+def _head(rows: Sequence[Line]) -> list[Row]:
+    texts = [(line, [_as_text(cell) for cell in cells]) for line, cells in rows[:HEAD]]
+    return [Row(line, cells, _joined(cells), line) for line, cells in texts]
 
 
 def _as_text(cell: Cell) -> str:
@@ -113,7 +126,10 @@ def _joined(cells: list[str]) -> str:
     return ", ".join(cell.strip() for cell in cells if cell.strip())
 
 
-def _which_sheet(name: str, names: list[str], found: list[str], asked: str | None) -> DataError:
+def _which_sheet(
+    name: str, names: list[str], found: list[str], options: ReadOptions, suggested: str
+) -> DataError:
+    asked = options.sheet
     if asked is not None and asked not in names:
         return refuse(
             name,
@@ -122,7 +138,9 @@ def _which_sheet(name: str, names: list[str], found: list[str], asked: str | Non
         )
     if not found:
         return refuse(
-            name, "no sheet with a header that names an axis X, Y, Z or theta", remedy=NO_HEADER
+            name,
+            "no sheet with a header that names an axis X, Y, Z or theta",
+            remedy=suggested or NO_HEADER,
         )
     return refuse(
         name,

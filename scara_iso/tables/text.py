@@ -97,12 +97,14 @@ class Delimiter(Enum):
     TAB = "tab-separated"
     SEMICOLON = "semicolon-separated"
     COMMA = "comma-separated"
+    BAR = "in columns ruled with |"
     WIDE_BLANKS = "separated by two or more blanks"
     BLANKS = "separated by blanks"
 
 
 _CHARACTER = {
-    Delimiter.TAB: "\t", Delimiter.SEMICOLON: ";", Delimiter.COMMA: ",", Delimiter.BLANKS: " ",
+    Delimiter.TAB: "\t", Delimiter.SEMICOLON: ";", Delimiter.COMMA: ",", Delimiter.BAR: "|",
+    Delimiter.BLANKS: " ",
 }  # fmt: skip
 _ENDS = {d: BLANKS + _CHARACTER.get(d, "") for d in Delimiter}
 _SEP = re.compile(r'"?sep=([,;\t])"?[,;\t]*', re.IGNORECASE)
@@ -134,6 +136,8 @@ def split_lines(lines: list[str], delimiter: Delimiter) -> list[list[str]]:
         return [[_unquoted(cell) for cell in _WIDE.split(line.strip(BLANKS))] for line in lines]
     if delimiter is Delimiter.BLANKS:
         lines = [_GLUE.sub("", line.translate(_ANY_BLANK).strip(" ")) for line in lines]
+    if delimiter is Delimiter.BAR:
+        return [_between_bars(line) for line in lines]
     character = _CHARACTER[delimiter]
     if '"' not in "".join(lines):
         sep = None if delimiter is Delimiter.BLANKS else character
@@ -144,12 +148,18 @@ def split_lines(lines: list[str], delimiter: Delimiter) -> list[list[str]]:
     return cells
 
 
+def _between_bars(line: str) -> list[str]:
+    """Return the cells of a row of Markdown or of a console's table, its outer bars taken off."""
+    line = line.strip(BLANKS)
+    return [cell.strip(BLANKS) for cell in line.removeprefix("|").removesuffix("|").split("|")]
+
+
 def split_columns(
     lines: list[str], delimiter: Delimiter, width: int
 ) -> Sequence[Sequence[str]] | None:
     """Return the columns of lines that have ``width`` cells each, or None where they have not."""
     character = _CHARACTER.get(delimiter)
-    if character is None or delimiter is Delimiter.BLANKS or '"' in "".join(lines):
+    if character is None or delimiter in (Delimiter.BLANKS, Delimiter.BAR) or '"' in "".join(lines):
         try:
             rows = split_lines(lines, delimiter)
         except csv.Error:

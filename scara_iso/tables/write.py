@@ -61,6 +61,8 @@ def _check_names(run: Run) -> None:
 
 def _names_a_covariate(name: str) -> bool:
     read = read_name(text_cell(name))
+    if read.kind in (Kind.OPEN, Kind.TIMESTAMP):  # of numbers, so it is read as numbers again
+        return True
     return read.name == name and read.kind in (Kind.COVARIATE, Kind.APPROACH) and not read.unit
 
 

@@ -124,7 +124,8 @@ def test_path_standard_input_bytes_and_file_give_the_same(tmp_path, monkeypatch)
         assert_same(read_table(source), TABLE)
 
 
-FILES = sorted((Path(__file__).parents[1] / "fixtures" / "tables").iterdir())
+FOLDER = Path(__file__).parents[1] / "fixtures" / "tables"
+FILES = sorted(path for path in FOLDER.iterdir() if path.is_file())
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)

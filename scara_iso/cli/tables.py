@@ -1,0 +1,57 @@
+"""``scara-iso tables``: what is understood of a table, and the canonical table from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from scara_iso.cli.options import (
+    AsJson,
+    ColumnsByPosition,
+    DecimalMark,
+    ExcelLocale,
+    ResolutionOfTable,
+    Sheet,
+    Tables,
+    UnitOfTable,
+)
+from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
+
+Output = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Write the table in its canonical form.")
+]
+
+
+def tables_command(
+    table: Tables,
+    *,
+    unit: UnitOfTable = None,
+    resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
+    sheet: Sheet = None,
+    columns: ColumnsByPosition = None,
+    output: Output = None,
+    excel_locale: ExcelLocale = None,
+    json: AsJson = False,
+) -> None:
+    """Show what is understood of a table, field by field, or why it is refused and what to do.
+
+    Example: scara-iso tables examples/fum_scara_table1.csv -o run.csv
+    """
+    from scara_iso.library import TableOptions
+    from scara_iso.tables import find_locale, write_table
+
+    check_outputs([output], table)
+    run = TableOptions(unit, resolution, decimal, sheet, columns).read(table)
+    if output is not None:
+        write_text(write_table(run, find_locale(excel_locale)), output)
+    if json:
+        from scara_iso.render import table_json
+
+        write_json(table_json(run))
+    else:
+        from scara_iso.reporting import table_report
+
+        write_report(table_report(run))

@@ -1,0 +1,131 @@
+"""Logs whose lines name their numbers: ``probe at 97,2 is z=1.320``, ``x: 0.112 y: 0.811``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from scara_iso.tables.blocks import Line
+from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.names import Kind, read_name
+from scara_iso.tables.numbers import BLANKS, MINUS
+
+_WHEN = re.compile(
+    r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}|[0-9]{1,2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]{1,9})?)?"
+)
+_NUMBER = re.compile(r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?")
+_PAIR = re.compile(r"(?<!\w)([^\W\d_]{1,12}) ?[:=] {0,4}([^\s;)\]:=]{1,40})(?=[\s;)\],]|$)")
+_COUNTED = re.compile(r"(?<!\w)([^\W\d_]{1,12}) {1,4}([0-9]{1,9})(?![\w.,])")
+_WORD = re.compile(r"[^\W\d_]+")
+_LOOSE = " \t,;:=()[]/@#+-"
+_COUNTS = (Kind.CYCLE, Kind.POSE)
+_LONGEST = 1000
+_EPOCH = 1e8
+"""Seconds since 1970, and finer counts of them, are above this."""
+_REMEDY = "leave the lines of one test in the file, one line for each reading"
+
+
+@dataclass(frozen=True, slots=True)
+class _Reading:
+    """A line: its text with # for numbers, the names and numbers of it, the numbers without one."""
+
+    line: int
+    shape: str
+    names: tuple[str, ...]
+    numbers: tuple[str, ...]
+    others: tuple[str, ...]
+
+
+def find_labelled(lines: Sequence[str], where: str) -> list[Line]:
+    """Return a header and the rows of a log, none where fewer than two lines alike name an axis.
+
+    Raises `DataError` for a log of two kinds of readings, of several places, or of two tests.
+    """
+    found = [one for k, text in enumerate(lines, 1) if (one := _read(k, text)) is not None]
+    shapes: dict[str, list[_Reading]] = {}
+    for one in found:
+        shapes.setdefault(one.shape, []).append(one)
+    several = [group for group in shapes.values() if len(group) > 1]
+    if not several:
+        return []
+    rows, *more = several
+    faults = Faults(where)
+    for other in more:
+        text = quoted(lines[other[0].line - 1])
+        faults.add(f"{text} names an axis too", other[0].line, remedy=_REMEDY)
+    _check_alike(rows, found, faults)
+    _check_between(rows, lines, faults)
+    _check_others(rows, faults)
+    faults.check()
+    above = [(k, [text]) for k, text in enumerate(lines[: rows[0].line - 1], 1)]
+    table = [(one.line, list(one.numbers)) for one in rows]
+    return [*above, (rows[0].line - 1, list(rows[0].names)), *table]
+
+
+def _read(line: int, text: str) -> _Reading | None:
+    if len(text) > _LONGEST or not ("=" in text or ":" in text):
+        return None
+    pairs: list[tuple[str, str]] = []
+
+    def take(match: re.Match[str]) -> str:
+        kind = read_name(match[1]).kind
+        counted = match.re is _COUNTED
+        if kind not in _COUNTS if counted else kind is not Kind.AXIS and not _begins(match[2]):
+            return match[0]
+        pairs.append((match[1], match[2].rstrip(",")))
+        return f"{match[1]}= "
+
+    rest = _COUNTED.sub(take, _PAIR.sub(take, _WHEN.sub("@", text.strip(BLANKS))))
+    if not any(read_name(name).kind is Kind.AXIS for name, _ in pairs):
+        return None
+    names, numbers = zip(*pairs, strict=True)
+    others = tuple(
+        rest[max(0, m.start() - 1) : m.start()].strip(_LOOSE) + m[0] for m in _NUMBER.finditer(rest)
+    )
+    shape = "".join(_NUMBER.sub("0", rest).split())
+    return _Reading(line, shape, names, numbers, others)
+
+
+def _begins(value: str) -> bool:
+    """Say whether a value begins as a number does."""
+    return value[0].isdecimal() or value[0] in "+-.," or value[0] == MINUS
+
+
+def _check_alike(rows: Sequence[_Reading], found: Sequence[_Reading], faults: Faults) -> None:
+    """Refuse lines that name an axis, say no other words, and are not as the rows are."""
+    words = {*_WORD.findall(rows[0].shape)}
+    for one in found:
+        if one.shape != rows[0].shape and words.issuperset(_WORD.findall(one.shape)):
+            faults.add("names an axis, and is not as the other lines", one.line, remedy=_REMEDY)
+
+
+def _check_between(rows: Sequence[_Reading], lines: Sequence[str], faults: Faults) -> None:
+    """Refuse numbers between the readings: another test may begin there."""
+    for one, following in pairwise(rows):
+        for k in range(one.line, following.line - 1):
+            if _NUMBER.search(_WHEN.sub("@", lines[k])):
+                what = f"{quoted(lines[k])} between readings: does another test begin?"
+                faults.add(what, k + 1, remedy=_REMEDY)
+                break
+
+
+def _check_others(rows: Sequence[_Reading], faults: Faults) -> None:
+    """Refuse numbers without a name that change as no count and no clock does: places, poses."""
+    for texts in zip(*(one.others for one in rows), strict=True):
+        if len(set(texts)) == 1 or _is_count(texts) or all(map(_is_instant, texts)):
+            continue
+        k = next(k for k, text in enumerate(texts) if text != texts[0])
+        what = f"{texts[k]} where line {rows[0].line} has {texts[0]}: another place or pose?"
+        remedy = "leave the lines of one place in the file"
+        faults.add(what, rows[k].line, remedy=remedy)
+
+
+def _is_count(texts: Sequence[str]) -> bool:
+    whole = all(text.isdecimal() for text in texts)
+    return whole and all(int(after) == int(before) + 1 for before, after in pairwise(texts))
+
+
+def _is_instant(text: str) -> bool:
+    return text[:1].isdecimal() and float(text.replace(",", ".")) > _EPOCH

@@ -1,0 +1,223 @@
+"""What technicians send is read to its numbers, or refused with the one thing to do, which works.
+
+The files are made after the manner of each program: tests/fixtures/tables/sent/README.md.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from scara_iso.cli import main
+from scara_iso.cli.output import as_options
+from scara_iso.errors import DataError, UsageError
+from scara_iso.tables import read_table
+
+SENT = Path(__file__).parents[1] / "fixtures" / "tables" / "sent"
+X = [0.112, 0.113, -0.108, 0.112, 1.110]
+Y = [0.811, 0.812, 0.811, 0.810, 0.811]
+Z = [0.360, 0.361, 0.359, 0.360, 0.362]
+INCH = 25.4
+
+READ = {
+    "excel_notes_beside.xlsx": ({}, {"X": X, "Y": Y}),
+    "excel_pose_blocks.xlsx": ({}, {"X": X + Y, "Y": Y + X}),
+    "excel_sheets.xlsx": ({}, {"X": X + Y}),
+    "fanuc_us_dates.csv": ({}, {"X": [INCH * x for x in X], "Y": [INCH * y for y in Y]}),
+    "markdown.md": ({}, {"X": X, "Y": Y, "Z": Z}),
+    "tracker_german.txt": ({}, {"X": X, "Y": Y, "Z": Z}),
+}
+"""Read as they are."""
+UNIT, FIELDS, ONE_HEADER = "unit=mm", "columns=", "in one header row"
+REFUSED = {
+    "excel_merged_heading.xlsx": (UNIT, {"X": X, "Y": Y, "Z": Z}),
+    "klipper.log": (UNIT, {"Z": Z}),
+    "marlin_m48.log": (UNIT, {"Z": Z}),
+    "robot_controller.log": (UNIT, {"X": X, "Y": Y, "Z": Z}),
+    "tracker.csv": (UNIT, {"X": X, "Y": Y, "Z": Z}),
+    "gauge_app.csv": ("columns=-,X,-", {"X": X}),
+    "keyence.csv": ("columns=-,-,X,Y", {"X": X, "Y": Y}),
+    "labview.lvm": ("columns=-,X,Y,-", {"X": X, "Y": Y}),
+    "marker.csv": ("columns=-,X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
+    "numpy.txt": ("columns=X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
+    "oscilloscope.csv": ("columns=-,X,Y", {"X": X, "Y": Y}),
+    "oscilloscope_head.csv": ("columns=-,X", {"X": X}),
+    "rostopic.csv": ("columns=-,-,X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
+    "rtde.csv": ("columns=-,X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
+    "usb_wedge.txt": ("columns=X", {"X": X}),
+}
+"""Refused; the option that the remedy names reads them."""
+EDITED = {
+    "bed_mesh.log": ("lines of one place", lambda t: t.split("\n")[0] + "\n" + t.split("\n")[0]),
+    "cmm_report.txt": ("begin with a header row", lambda _: "cycle,X,Y\n1,0.112,0.811\n"),
+    "excel_summary_beside.xlsx": ("remove the column", lambda _: "n,X\n1,0.112\n"),
+    "excel_two_rows_of_headings.xlsx": (ONE_HEADER, lambda _: "n;X;Abw.;Y\n1;0,1;0;0,8\n"),
+    "grbl_probe.log": ("begin with a header row", lambda _: "cycle,Z\n1,0.360\n"),
+    "iso230.csv": ("a row for each reading", lambda _: "pose,approach,cycle,X\nT1,+x,1,0.001\n"),
+    "klipper_two_tests.log": ("lines of one test", lambda t: "\n".join(t.split("\n")[:3])),
+    "marlin_m114.log": ("one column for each axis", lambda t: re.sub(" Count.*", "", t)),
+    "matlab.m": ("begin with a header row", lambda _: "X,Y\n0.112,0.811\n"),
+    "psql.txt": ("remove a line", lambda t: t.replace("(5 rows)\n", "")),
+    "readings.json": ("begin with a header row", lambda _: "X,Y\n0.112,0.811\n"),
+    "robot_controller_poses.log": ("lines of one place", lambda t: "\n".join(t.split("\n")[::2])),
+    "spc_export.csv": ("leave one table", lambda t: t[t.index("Sample;") :]),
+}
+"""Refused; with the file as the remedy says it is read."""
+
+
+def assert_readings(run, expected):
+    assert set(run.axes) == set(expected)
+    for name, readings in expected.items():
+        assert run.axes[name].readings.tolist() == pytest.approx(readings, rel=1e-15)
+
+
+def test_every_file_is_here_and_on_the_pages():
+    files = {path.name for path in SENT.iterdir()} - {"README.md"}
+    assert files == {*READ, *REFUSED, *EDITED}
+    page = (SENT.parents[3] / "docs" / "tables.md").read_text(encoding="utf-8")
+    for name in files:
+        assert f"`{name}`" in (SENT / "README.md").read_text(encoding="utf-8")
+        assert f"`{name}`" in page
+
+
+@pytest.mark.parametrize("name", READ)
+def test_read_as_it_is(name):
+    options, expected = READ[name]
+    assert_readings(read_table(SENT / name, **options), expected)
+
+
+def option_in(remedy):
+    """Return the option that a remedy names, as a keyword."""
+    key, value = re.search(r"`(unit|columns)=([^`]+)`", remedy).groups()
+    return {key: value}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_the_option_that_a_refusal_names_reads_the_file(name):
+    wanted, expected = REFUSED[name]
+    with pytest.raises(DataError) as refused:
+        read_table(SENT / name)
+    assert f"`{wanted}`" in refused.value.remedy
+    options = option_in(refused.value.remedy)
+    if "unit" not in options:  # gauges whose file states none are asked next
+        with pytest.raises(DataError) as refused:
+            read_table(SENT / name, **options)
+        options |= option_in(refused.value.remedy)
+    assert_readings(read_table(SENT / name, **options), expected)
+
+
+@pytest.mark.parametrize("name", EDITED)
+def test_what_a_refusal_says_to_do_is_enough(name, tmp_path):
+    wanted, edit = EDITED[name]
+    with pytest.raises(DataError) as refused:
+        read_table(SENT / name, unit="mm")
+    assert wanted in refused.value.remedy
+    text = "" if name.endswith(".xlsx") else (SENT / name).read_text(encoding="utf-8")
+    assert len(read_table(edit(text).encode(), unit="mm")) > 0
+
+
+HEADINGS = [
+    "X", "Messwert X", "Wert X", "dX", "Dial 1 (X)", "dial X", "Messuhr X", "X Messwert",
+    "Dial 2 (X) [mm]", "X-Achse",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("head", HEADINGS)
+def test_a_heading_names_its_axis(head):
+    run = read_table(f"cycle;{head}\n1;0,112\n2;0,113\n".encode(), unit="mm")
+    assert run.axes["X"].readings.tolist() == [0.112, 0.113]
+
+
+def test_words_in_some_rows_are_a_comment_and_in_every_row_refused():
+    data = b"cycle,X,Wetter\n1,0.1,\n2,0.2,door opened\n"
+    run = read_table(data, unit="mm")
+    assert "column 3 'Wetter' not used" in run.origin.notes
+    full = data.replace(b"0.1,", b"0.1,dry")
+    with pytest.raises(DataError) as refused:
+        read_table(full, unit="mm")
+    assert "call it comment" in refused.value.remedy
+    assert len(read_table(full.replace(b"Wetter", b"comment"), unit="mm")) == 2
+
+
+def test_two_headings_of_one_axis_are_refused():
+    with pytest.raises(DataError, match="two columns for X"):
+        read_table(b"cycle,X,dX\n1,0.112,0.1\n", unit="mm")
+
+
+def test_an_abscissa_is_no_axis():
+    assert set(read_table(b"X_Value,Y\n1,0.2\n2,0.3\n", unit="mm").axes) == {"Y"}
+
+
+def test_columns_that_the_header_names_otherwise_are_refused():
+    with pytest.raises(DataError, match="Y by the header") as refused:
+        read_table(b"Y,X\n0.1,0.2\n0.2,0.3\n", unit="mm", columns="X,Y")
+    assert "leave `columns=` out" in refused.value.remedy
+    run = read_table(b"Y,X\n0.1,0.2\n0.2,0.3\n", unit="mm")
+    assert run.axes["X"].readings.tolist() == [0.2, 0.3]
+
+
+@pytest.mark.parametrize("columns", ["", "-", "a,b", "X,", "X,,Y", []])
+def test_columns_without_an_axis_are_refused(columns):
+    with pytest.raises(UsageError, match="name no axis"):
+        read_table(b"0.1,0.2\n", unit="mm", columns=columns)
+
+
+def test_columns_are_a_sequence_too_and_give_cycle_and_pose():
+    data = b"1 P1 0.1 9\n2 P1 0.2 9\n"
+    run = read_table(data, unit="mm", columns=["cycle", "pose", "X", "-"])
+    assert run.axes["X"].readings.tolist() == [0.1, 0.2]
+    assert run.cycle.tolist() == [1, 2]
+    assert run.pose.tolist() == ["P1", "P1"]
+
+
+def test_a_row_of_another_width_is_refused_with_columns():
+    with pytest.raises(DataError, match="2 fields, the header has 3"):
+        read_table(b"1 0.1 0.2\n2 0.2\n3 0.1 0.3\n", unit="mm", columns="cycle,X,Y")
+
+
+@pytest.mark.parametrize(
+    ("log", "said"),
+    [
+        ("x=1.234,5 y=0.2\nx=1.334,5 y=0.4\n", "a comma and a point"),
+        ("x=0.1mm y=2um\nx=0.3mm y=4um\n", "unit um against mm"),
+        ("x=0.1 y=nan\nx=0.3 y=0.2\nx=0.3 y=0.2\n", "'nan' is not a number"),
+        ("x=0.1\nx=0.3 y=0.2\nx=0.3 y=0.2\n", "not as the other lines"),
+        ("x=0.1 y=0.2\nx=0.3 y=0.2\nx=0.3\n", "not as the other lines"),
+        ("dx=0.1 x=0.2\ndx=0.3 x=0.2\n", "two columns for X"),
+        ("P1: x=0.1\nP2: x=0.2\n", "another place or pose"),
+        ("at 1.0 x=0.1\nat 2.0 x=0.2\n", "another place or pose"),
+        ("x=0.1\nx=0.2\nrun 2\nx=0.3\n", "does another test begin"),
+    ],
+)
+def test_a_log_that_could_be_read_two_ways_is_refused(log, said):
+    with pytest.raises(DataError, match=said):
+        read_table(log.encode(), unit="mm")
+
+
+def test_a_log_is_read_with_its_counts_signs_and_words_between():
+    log = "visit 1: x = -0.1\ndoor opened\nvisit 2: x= \N{MINUS SIGN}0.2\n"
+    run = read_table(log.encode(), unit="mm")
+    assert run.axes["X"].readings.tolist() == [-0.1, -0.2]
+    assert "line 2: 'door opened' not used" in run.origin.notes
+
+
+def test_a_cut_row_above_named_columns_is_refused():
+    with pytest.raises(DataError, match="1 numbers above the first row") as refused:
+        read_table(b"0.3\n0.1 0.2\n0.1 0.2\n", unit="mm", columns="X,Y")
+    assert "remove it" in refused.value.remedy
+
+
+def test_the_command_shows_each_field_and_writes_the_canonical_table(tmp_path, capsys):
+    out = tmp_path / "run.csv"
+    assert main(["tables", str(SENT / "markdown.md"), "-o", str(out)]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"2 +Messwert X +axis X +mm +0\.112 +1\.11", shown)
+    assert "ruled line" in shown
+    assert_readings(read_table(out), {"X": X, "Y": Y, "Z": Z})
+
+
+def test_the_command_says_why_not_and_what_to_do(capsys):
+    assert main(["tables", str(SENT / "rtde.csv")]) == 65
+    assert "--columns -,X,Y,Z" in capsys.readouterr().err
+    assert main(["tables", str(SENT / "rtde.csv"), "--columns", "-,X,Y,Z", "--unit", "mm"]) == 0
+    assert as_options("`columns=-,X,Y,Z`") == "--columns -,X,Y,Z"
