@@ -11,7 +11,7 @@ from scara_iso.reporting.analysis import cycles_said
 from scara_iso.reporting.blocks import Block, Signature, Text
 from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words
 from scara_iso.reporting.limits import RULES, conformity
-from scara_iso.reporting.result_table import Part, result_tables
+from scara_iso.reporting.result_table import ResultPart, result_tables
 from scara_iso.reporting.stated import method, not_stated, parties, stated_field
 from scara_iso.reporting.words import words
 
@@ -51,7 +51,7 @@ def front_page(
     yield from (facts for facts in parties(run) if facts.rows)
     yield from conformity(analysis)
     labels = [pose.label for pose in analysis.poses]
-    yield from result_tables([Part(analysis.characteristics)], labels)
+    yield from result_tables([ResultPart(analysis.characteristics)], labels)
     yield Text(_rule(analysis))
     yield Text(f"Method: {method(run)}. {cycles_said(analysis)}")
     yield from _deviations(analysis)

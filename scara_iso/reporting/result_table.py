@@ -28,7 +28,7 @@ _Key = tuple[tuple[tuple[str, str], ...], str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ResultPart:
     """What was measured under one set of conditions, such as ``{"velocity": "50 %"}``."""
 
     characteristics: Sequence[Characteristic]
@@ -41,7 +41,7 @@ class _Row:
     of: Mapping[_Column, Characteristic]
 
 
-def result_tables(parts: Sequence[Part], poses: Sequence[str | None]) -> Iterator[Block]:
+def result_tables(parts: Sequence[ResultPart], poses: Sequence[str | None]) -> Iterator[Block]:
     """Yield pose by characteristic, and below it what is of no single pose, or at few of them.
 
     ``poses`` are the labels of those that were measured. Of one pose alone each characteristic has
@@ -64,7 +64,7 @@ def result_tables(parts: Sequence[Part], poses: Sequence[str | None]) -> Iterato
         yield _list(names, _that_decide(others), poses)
 
 
-def _rows(part: Part, poses: Sequence[str | None]) -> Iterator[_Row]:
+def _rows(part: ResultPart, poses: Sequence[str | None]) -> Iterator[_Row]:
     labels = tuple(part.conditions.values())
     for pose in poses:
         found = {(c.code, c.of): c for c in part.characteristics if c.pose == pose}
