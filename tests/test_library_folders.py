@@ -117,7 +117,8 @@ def test_tests_are_compared_under_each_condition(two_conditions, tmp_path, capsy
     for seed in range(6):
         record(other, 10 * seed + 500)
     found = scara_iso.compare(two_conditions, other, condition="v100-l100")
-    assert len(found.pairs[0].means) == 10
+    assert [(mean.pose, mean.figure) for mean in found.pairs[0].means] == [("P1", "X"), ("P1", "Y")]
+    assert any("P2, P3, P4, P5: not compared" in one.message for one in found.pairs[0].findings)
     capsys.readouterr()
     assert main(["compare", str(two_conditions), str(other), "--json"]) == 0
     shown = capsys.readouterr()

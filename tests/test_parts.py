@@ -15,7 +15,7 @@ from scara_iso import Run, read_table
 from scara_iso.cli import main
 from scara_iso.errors import DataError, NoInputError
 from scara_iso.render.json import pose_json
-from scara_iso.tables import Part, merge, pose_in, write_table
+from scara_iso.tables import PosePart, merge, pose_in, write_table
 
 HEAD = {"unit": "mm", "resolution": "0.001", "robot": "FUM SCARA", "payload": "2 kg"}
 POSES = ("P1", "P2", "P3", "P4", "P5")
@@ -283,14 +283,17 @@ def test_an_empty_folder_and_missing_tables_are_no_input(tmp_path):
 
 def test_a_given_pose_goes_before_and_contradiction_is_refused(folder):
     run = read_table(folder / "P1.csv")
-    parts = [Part(run, "a.csv", "", "test.toml", "A"), Part(run, "b.csv", "P7.csv", pose="B")]
+    parts = [
+        PosePart(run, "a.csv", "", "test.toml", "A"),
+        PosePart(run, "b.csv", "P7.csv", pose="B"),
+    ]
     merged = merge(parts, "acceptance")
     assert list(dict.fromkeys(merged.pose.tolist())) == ["A", "B"]
     assert merged.origin.source == "acceptance"
     assert merged.origin.files == {"A": "a.csv", "B": "b.csv"}
     stated = read_table(io.BytesIO(table(1, pose="P1").encode()))
     with pytest.raises(DataError, match="1 fault"):
-        merge([parts[0], Part(stated, "c.csv", pose="P2")], "acceptance")
+        merge([parts[0], PosePart(stated, "c.csv", pose="P2")], "acceptance")
 
 
 def test_statements_that_differ_keep_their_pose(folder):
@@ -377,7 +380,7 @@ def test_a_test_split_into_tables_and_merged_is_itself(run):
     parts = []
     for pose, rows in run.rows_by_pose():
         text = write_table(run.take(rows)).encode()
-        parts.append(Part(read_table(text), f"{pose}.csv", f"{pose}.csv"))
+        parts.append(PosePart(read_table(text), f"{pose}.csv", f"{pose}.csv"))
     merged = merge(parts, "test")
     for (pose, mine), (label, theirs) in zip(
         run.rows_by_pose(), merged.rows_by_pose(), strict=True

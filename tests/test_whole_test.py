@@ -310,6 +310,24 @@ def test_what_was_struck_is_in_the_report(folder):
     assert "P1-v100-l100: the plunger stuck" in page
 
 
+@pytest.mark.parametrize(
+    ("stated", "state"),
+    [("velocity=500 mm/s", "faulty"), ("velocity=25 % of rated", "faulty"),
+     ("payload=2 kg", "faulty"), ("velocity=2000 mm/s", "done"),
+     ("payload=as on the plate", "done")],
+)  # fmt: skip
+def test_a_part_under_other_conditions_than_its_name_is_not_mixed(folder, stated, state, capsys):
+    edit(folder, "# rated_payload_kg = 5", "rated_payload_kg = 5")
+    edit(folder, "# rated_velocity_mm_s = 2000", "rated_velocity_mm_s = 2000")
+    record(folder, 1, "--meta", stated)
+    assert states(folder)["P1-v100-l100"] == state
+    capsys.readouterr()
+    assert main(["analyze", str(folder)]) == (65 if state == "faulty" else 0)
+    key, _, text = stated.partition("=")
+    said = f"{key} is '{text}', and the part is at 100 % of the rated one"
+    assert (said in " ".join(capsys.readouterr().err.split())) == (state == "faulty")
+
+
 def test_a_part_of_another_unit_is_said_and_not_mixed(folder):
     """A hand-made table in inches beside a recorded one in mm: all figures are in mm."""
     record(folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from datetime import date
 
@@ -9,6 +10,8 @@ from scara_iso.acceptance.whole_test import COUNTS, Condition, Instrument, Part,
 from scara_iso.run import Run
 
 NOT_STATED = "not stated"
+_SAME_PERCENT = 1.0
+"""Of the rated one: a speed or a load that a person rounds is still the planned one."""
 
 
 def metadata_of(part: Part, test: WholeTest, axes: Collection[str]) -> dict[str, str]:
@@ -38,9 +41,31 @@ def why_not_of(run: Run, part: Part, test: WholeTest) -> list[str]:
         for key, text in wanted.items()
         if text and run.metadata.get(key, text).strip() != text
     ]
+    faults += _other_condition(run, part.condition, test)
     if labels and labels != [part.pose]:
         faults.append(f"its poses are {', '.join(labels[:5])}, and it is of {part.pose}")
     return faults
+
+
+def _other_condition(run: Run, condition: Condition, test: WholeTest) -> Iterator[str]:
+    """Yield velocity or load where a table's head states another share of the rated one."""
+    robot = test.robot
+    for key, wanted, rated, unit in (
+        ("velocity", condition.velocity, robot.rated_velocity_mm_s, "mm/s"),
+        ("payload", condition.load, robot.rated_payload_kg, "kg"),
+    ):
+        text = run.metadata.get(key, "").strip()
+        share = _share(text, rated, unit)
+        if share is not None and abs(share - wanted) > _SAME_PERCENT:
+            yield f"{key} is {text!r}, and the part is at {wanted:g} % of the rated one"
+
+
+def _share(text: str, rated: float | None, unit: str) -> float | None:
+    """Return per cent of the rated one; None where a text states neither that nor a size."""
+    if found := re.search(r"([0-9]+(?:\.[0-9]+)?) ?%", text):
+        return float(found[1])
+    found = re.fullmatch(rf"([0-9]+(?:\.[0-9]+)?) ?{re.escape(unit)}", text)
+    return 100 * float(found[1]) / rated if found and rated else None
 
 
 def other_instruments(own: Mapping[str, str], of_test: Mapping[str, str]) -> str:

@@ -13,7 +13,7 @@ from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.frames import FRAME, is_frame
 from scara_iso.library.conditions import ConditionRun, read_condition
 from scara_iso.run import Run
-from scara_iso.tables import Part, Source, listed, merge, read_table, together
+from scara_iso.tables import PosePart, Source, listed, merge, read_table, together
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -147,10 +147,10 @@ def _natural(name: str) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdecimal() else (0, part) for part in parts]
 
 
-def _part(k: int, run: Run) -> Part:
+def _part(k: int, run: Run) -> PosePart:
     source = run.origin.source
     name = f"table {k}" if source in _NAMELESS else source
-    return Part(run, name, Path(source).name)
+    return PosePart(run, name, Path(source).name)
 
 
 def _named(names: Iterable[str]) -> str:

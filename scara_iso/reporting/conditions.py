@@ -19,7 +19,7 @@ from scara_iso.iso9283 import (
 )
 from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.dossier import Dossier
-from scara_iso.reporting.result_table import Part
+from scara_iso.reporting.result_table import ResultPart
 from scara_iso.run import Axis, Origin, Run
 
 _Labels = Mapping[str | None, str]
@@ -63,10 +63,10 @@ def joined(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
     )
 
 
-def _part(chapter: Chapter) -> Part:
+def _part(chapter: Chapter) -> ResultPart:
     analysis = chapter.dossier.analysis
     labels = tuple(pose.label for pose in analysis.poses)
-    return Part(analysis.characteristics, labels, chapter.conditions)
+    return ResultPart(analysis.characteristics, labels, chapter.conditions)
 
 
 def _refuse_other_axes(chapters: Sequence[Chapter]) -> None:

@@ -17,7 +17,7 @@ from scara_iso.reporting.figures import courses, planes, predictions
 from scara_iso.reporting.front import Amendment, front_page
 from scara_iso.reporting.interpretation import interpretation
 from scara_iso.reporting.provenance import Provenance, provenance
-from scara_iso.reporting.result_table import Part
+from scara_iso.reporting.result_table import ResultPart
 from scara_iso.reporting.stated import conditions, remarks, stated_field
 from scara_iso.reporting.uncertainty import budget_blocks
 from scara_iso.robot import Gearbox
@@ -41,7 +41,7 @@ class Dossier:
     """By the number of the joint, with the reach from it to the tool [m] where it is known."""
     amendment: Amendment | None = None
     """Which report it replaces."""
-    parts: tuple[Part, ...] = ()
+    parts: tuple[ResultPart, ...] = ()
     """The results by condition, where there are several; a pose is then called by its part."""
 
 

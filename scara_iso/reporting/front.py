@@ -11,7 +11,7 @@ from scara_iso.reporting.analysis import cycles_said
 from scara_iso.reporting.blocks import Block, Signature, Text
 from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words
 from scara_iso.reporting.limits import RULES, conformity
-from scara_iso.reporting.result_table import Part, result_tables
+from scara_iso.reporting.result_table import ResultPart, result_tables
 from scara_iso.reporting.stated import method, not_stated, parties, stated_field
 from scara_iso.reporting.words import words
 
@@ -35,7 +35,7 @@ def front_page(
     analysis: Analysis,
     diagnoses: Mapping[str | None, Diagnosis | Failure],
     amendment: Amendment | None,
-    parts: Sequence[Part] = (),
+    parts: Sequence[ResultPart] = (),
 ) -> Iterator[Block]:
     """Yield who tested what for whom, the result, the rule, what deviates, what was found.
 
@@ -55,7 +55,7 @@ def front_page(
     yield from (facts for facts in parties(run) if facts.rows)
     yield from conformity(analysis)
     labels = [pose.label for pose in analysis.poses]
-    yield from result_tables(parts or [Part(analysis.characteristics, labels)])
+    yield from result_tables(parts or [ResultPart(analysis.characteristics, labels)])
     yield Text(_rule(analysis))
     yield Text(f"Method: {method(run)}. {cycles_said(analysis)}")
     yield from _deviations(analysis)

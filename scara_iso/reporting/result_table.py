@@ -28,7 +28,7 @@ _Key = tuple[tuple[tuple[str, str], ...], str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ResultPart:
     """What was measured under one set of conditions, such as ``{"velocity": "50 %"}``.
 
     ``poses`` are the labels of those that were measured.
@@ -45,7 +45,7 @@ class _Row:
     of: Mapping[_Column, Characteristic]
 
 
-def result_tables(parts: Sequence[Part]) -> Iterator[Block]:
+def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:
     """Yield pose by characteristic, and below it what is of no single pose, or at few of them.
 
     Of one pose alone each characteristic has a row. What `_COVERED_BY` another figure is left to
@@ -69,7 +69,7 @@ def result_tables(parts: Sequence[Part]) -> Iterator[Block]:
         yield _list(names, _that_decide(others), poses)
 
 
-def _rows(part: Part) -> Iterator[_Row]:
+def _rows(part: ResultPart) -> Iterator[_Row]:
     labels = tuple(part.conditions.values())
     for pose in part.poses:
         found = {(c.code, c.of): c for c in part.characteristics if c.pose == pose}

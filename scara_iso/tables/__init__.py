@@ -31,7 +31,7 @@ if TYPE_CHECKING:
         parse_cell as parse_cell,
         parse_clean as parse_clean,
     )
-    from scara_iso.tables.parts import Part as Part, merge as merge, pose_in as pose_in
+    from scara_iso.tables.parts import PosePart as PosePart, merge as merge, pose_in as pose_in
     from scara_iso.tables.read import read_table as read_table
     from scara_iso.tables.source import Source as Source, read_bytes as read_bytes
     from scara_iso.tables.statements import is_of_axes as is_of_axes

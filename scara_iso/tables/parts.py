@@ -34,7 +34,7 @@ _MOST_NAMED = 6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Part:
+class PosePart:
     """A table of one test; ``name`` is what messages call it.
 
     ``pose`` is the one that is known for it; else its own statement counts, or ``title``, which may
@@ -62,7 +62,7 @@ def pose_alone(text: str) -> str | None:
     return stated[1].strip() if stated else f"P{whole[1]}" if whole else None
 
 
-def merge(parts: Sequence[Part], where: str, *, notes: Sequence[str] = ()) -> Run:
+def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -> Run:
     """Return the run of all parts, each row with its pose; ``where`` names them together.
 
     Raises one `DataError` with what is wrong with any part: no pose or one that another part has,
@@ -100,7 +100,7 @@ class _Labelled:
         return {k: v for k, v in self.run.metadata.items() if k != "pose"}
 
 
-def _labelled(part: Part) -> _Labelled:
+def _labelled(part: PosePart) -> _Labelled:
     run, given = part.run, part.pose or pose_in(part.title)
     stated = [str(label) for label, _ in run.rows_by_pose() if label is not None]
     of_head = run.metadata.get("pose", "").strip()
@@ -121,7 +121,7 @@ def _labelled(part: Part) -> _Labelled:
     return _Labelled(run, part.name, said, (Fault(f"{part.name}: {what}"),))
 
 
-def _is_of(part: Part, given: str, stated: Sequence[str]) -> bool:
+def _is_of(part: PosePart, given: str, stated: Sequence[str]) -> bool:
     """Say whether a table's own poses are the given one; a title may mean something else by P1."""
     if part.pose is None and (len(stated) > 1 or not all(map(pose_alone, stated))):
         return True

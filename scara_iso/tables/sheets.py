@@ -12,7 +12,7 @@ from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, listed, quoted, refuse, together
 from scara_iso.tables.layout import HEAD, Layout, find_layout
-from scara_iso.tables.parts import Part, merge, pose_in
+from scara_iso.tables.parts import PosePart, merge, pose_in
 from scara_iso.tables.positions import check_header, place_columns, suggest_columns
 from scara_iso.tables.text import Row
 
@@ -49,7 +49,9 @@ def read_blocks(blocks: Sequence[Block], name: str, options: ReadOptions, how: s
     for block in blocks:
         try:
             run = read_rows(block.rows, f"{name}, block of {block.pose}", options, how)
-            parts.append(Part(run, f"block of {block.pose}", "", "the name above it", block.pose))
+            parts.append(
+                PosePart(run, f"block of {block.pose}", "", "the name above it", block.pose)
+            )
         except DataError as error:
             errors.append(error)
     if errors:
@@ -59,9 +61,9 @@ def read_blocks(blocks: Sequence[Block], name: str, options: ReadOptions, how: s
 
 def _poses_of(
     sheets: dict[str, Sequence[Line]], name: str, options: ReadOptions
-) -> tuple[list[Part], list[str]]:
+) -> tuple[list[PosePart], list[str]]:
     """Return the sheets that name a pose, and those that do not; raises the faults of the first."""
-    parts: list[Part] = []
+    parts: list[PosePart] = []
     left: list[str] = []
     errors: list[DataError] = []
     for title, rows in sheets.items():
@@ -75,7 +77,7 @@ def _poses_of(
                 left.append(title)
             continue
         if pose_in(title) or run.pose is not None or "pose" in run.metadata:
-            parts.append(Part(run, f"sheet {quoted(title)}", title, "the sheet's name"))
+            parts.append(PosePart(run, f"sheet {quoted(title)}", title, "the sheet's name"))
         else:
             left.append(title)
     if errors and len(errors) + len(parts) > 1:
