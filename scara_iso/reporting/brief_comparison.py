@@ -97,21 +97,31 @@ def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str,
     if not changed:
         before, after = pair.before.cycles.used, pair.after.cycles.used
         cycles = f"{before}" if before == after else f"{before} and {after}"
-        return (f"{what}: no change that {cycles} cycles can show",)
+        live = [one for one in contrasts if is_live(one)]
+        whole = next((one for one in live if one.figure == "XY"), live[0] if live else None)
+        least = [_values(whole)] if whole is not None else []
+        return (f"{what}: no change that {cycles} cycles can show", *least)
     first, *others = [_changed(one) for one in sorted(changed, key=lambda one: one.p_value)]
     return (f"{what}: {first}", *others)
 
 
 def _changed(one: Contrast) -> str:
+    """Return a change that is shown, with the way it goes."""
+    if one.ratio is None or one.ratio_interval is None:
+        return _values(one)
+    way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
+    return _values(one, f" {way}")
+
+
+def _values(one: Contrast, way: str = "") -> str:
     U = U_of_change(one)
     if one.ratio is None or one.ratio_interval is None:
         between = str(ends_said(one.interval, U, sign="+")).replace("..", ", ")
         return f"{figure_name(one)} {rounded(one.difference, U, sign='+')} {one.unit} [{between}]"
-    way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
     ratio, ends = ratio_said(one)
     values = f"{rounded(one.before, U)} to {rounded(one.after, U)} {one.unit}"
     between = str(ends).replace("..", ", ")
-    return f"{figure_name(one)} {way}, {values}, {ratio} [{between}]"
+    return f"{figure_name(one)}{way} {values}, {ratio} [{between}]"
 
 
 def _next(pair: Pair, table: str) -> NextStep:
