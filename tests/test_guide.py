@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from scara_iso import read_table
-from scara_iso.acquisition import Bench, detect, read_bench, write_bench
+from scara_iso.acquisition import RememberedBench, detect, read_bench, write_bench
 from scara_iso.cli import main
 from scara_iso.errors import DataError, InstrumentError, UsageError
 
@@ -105,7 +105,7 @@ def test_four_questions_record_and_the_next_time_the_name_is_enough(tmp_path, ru
     line = "scara-iso record first.csv --gauge 'X=mitutoyo-mux@sim:mitutoyo-mux?pace=0' "
     assert f"{line}--trigger timer:1" in seen.replace("\r\n", "\n")
     assert len(read_table(tmp_path / "first.csv")) == 2
-    assert read_bench(tmp_path / "bench.toml") == Bench(
+    assert read_bench(tmp_path / "bench.toml") == RememberedBench(
         ("X=mitutoyo-mux@sim:mitutoyo-mux?pace=0",), "timer:1"
     )
     code, _, err = run("record", "second.csv", "--cycles", "2")
@@ -202,11 +202,15 @@ def test_a_bench_that_was_not_named_reaches_no_further_than_the_cable(run, tmp_p
 
 
 def test_a_bench_written_is_the_bench_read(tmp_path):
-    bench = Bench((r"X=generic?request=\"?\r&pattern=(?P<value>.*)@/dev/tty 'a'", "Y=auto@COM3"))
+    bench = RememberedBench(
+        (r"X=generic?request=\"?\r&pattern=(?P<value>.*)@/dev/tty 'a'", "Y=auto@COM3")
+    )
     write_bench(tmp_path / "bench.toml", bench)
     assert read_bench(tmp_path / "bench.toml") == bench
     with pytest.raises(UsageError):
-        write_bench(tmp_path / "bench.toml", Bench(("X=opto-rs232@replay:run.raw.jsonl",)))
+        write_bench(
+            tmp_path / "bench.toml", RememberedBench(("X=opto-rs232@replay:run.raw.jsonl",))
+        )
 
 
 @needs_terminals

@@ -11,7 +11,7 @@ from scara_iso.faces import face
 if TYPE_CHECKING:
     from scara_iso.acquisition.bench_file import (
         BENCH_FILE as BENCH_FILE,
-        Bench as Bench,
+        RememberedBench as RememberedBench,
         read_bench as read_bench,
         write_bench as write_bench,
     )

@@ -18,7 +18,7 @@ from scara_iso.files import read_toml
 BENCH_FILE = "bench.toml"
 _HEAD = (
     "# The indicators of this bench, for scara-iso record. Edit it freely: docs/recording.md",
-    "# An axis is DRIVER?OPTIONS@PORT, as behind --gauge AXIS=",
+    "# An axis is DRIVER?OPTIONS@PORT; DRIVER is a key of docs/indicators.md",
 )
 _REMEDY = 'write a section [gauges] with lines such as X = "opto-rs232@/dev/ttyUSB0"'
 _PLAIN = frozenset({"unit", "channel", "baud", "bits", "parity", "stop"})
@@ -26,7 +26,7 @@ _PLAIN = frozenset({"unit", "channel", "baud", "bits", "parity", "stop"})
 
 
 @dataclass(frozen=True, slots=True)
-class Bench:
+class RememberedBench:
     """The gauges as ``AXIS=DRIVER@PORT``, and the trigger where one is remembered."""
 
     gauges: tuple[str, ...]
@@ -43,7 +43,7 @@ class Bench:
         )
 
 
-def read_bench(path: Path) -> Bench:
+def read_bench(path: Path) -> RememberedBench:
     """Return what the file remembers; nothing in it is opened.
 
     Raises `NoInputError`, and `DataError` for an unknown key, a gauge that is not valid, or one
@@ -55,7 +55,7 @@ def read_bench(path: Path) -> Bench:
     if unknown or not isinstance(gauges, dict) or not isinstance(trigger, str | None):
         what = f"unknown: {', '.join(unknown)}" if unknown else "not gauges and a trigger"
         raise DataError(what, where=str(path), remedy=_REMEDY)
-    bench = Bench(_texts(gauges, path), trigger)
+    bench = RememberedBench(_texts(gauges, path), trigger)
     try:
         _check(bench)
     except UsageError as error:
@@ -63,7 +63,7 @@ def read_bench(path: Path) -> Bench:
     return bench
 
 
-def write_bench(path: Path, bench: Bench) -> None:
+def write_bench(path: Path, bench: RememberedBench) -> None:
     """Write the file anew; raises as `write_file`."""
     _check(bench)
     lines = [*_HEAD]
@@ -84,7 +84,7 @@ def _texts(gauges: Mapping[str, object], path: Path) -> tuple[str, ...]:
     return tuple(f"{axis}={text}" for axis, text in gauges.items())
 
 
-def _check(bench: Bench) -> None:
+def _check(bench: RememberedBench) -> None:
     """Raise `UsageError` for what is no gauge or trigger, or names a file."""
     if not all(text.isprintable() for text in (*bench.gauges, bench.trigger or "")):
         raise UsageError("characters that no port's name has", remedy=_REMEDY)

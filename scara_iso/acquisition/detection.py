@@ -95,7 +95,7 @@ def _undecided(name: str, found: Detected) -> InstrumentError:
         return InstrumentError(
             f"more than one dialect fits: {found}",
             where=f"gauge {name}",
-            remedy="`scara-iso ports --dialects` says which is your instrument's: "
+            remedy="`scara-iso ports` lists the drivers and their instruments: "
             f"{name}={next(iter(found.fits))}@{found.address}",
         )
     return InstrumentError(

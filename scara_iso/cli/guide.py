@@ -12,9 +12,9 @@ from typing import TypeVar
 from scara_iso.acquisition import (
     AUTO,
     BENCH_FILE,
-    Bench,
     Detected,
     Device,
+    RememberedBench,
     detect,
     find_dialect,
     list_devices,
@@ -58,7 +58,7 @@ def guide(options: RecordOptions) -> RecordOptions:
     trigger = options.trigger or _ask_trigger(gauges, bench.trigger if bench else None)
     table = _ask_table()
     if bench is None:
-        _remember(options.bench or table.parent / BENCH_FILE, Bench(gauges, trigger))
+        _remember(options.bench or table.parent / BENCH_FILE, RememberedBench(gauges, trigger))
     return replace(options, table=table, gauges=gauges, trigger=trigger)
 
 
@@ -197,7 +197,7 @@ def _table(answer: str) -> Path:
     return path
 
 
-def _remember(path: Path, bench: Bench) -> None:
+def _remember(path: Path, bench: RememberedBench) -> None:
     """Write `bench.toml`; a bench that is no use again, or a disk that fails, stops nothing."""
     try:
         write_bench(path, bench)

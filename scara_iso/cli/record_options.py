@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from scara_iso.acquisition import BENCH_FILE, Bench, name_dialects, read_bench
+from scara_iso.acquisition import BENCH_FILE, RememberedBench, name_dialects, read_bench
 from scara_iso.errors import UsageError
 from scara_iso.reporting import printable
 
@@ -58,7 +58,7 @@ def complete(options: RecordOptions) -> RecordOptions:
     return replace(options, gauges=name_dialects(bench.gauges, say), usual_trigger=bench.trigger)
 
 
-def usual_bench(options: RecordOptions) -> Bench | None:
+def usual_bench(options: RecordOptions) -> RememberedBench | None:
     """Return the bench that the options name, or that lies beside the table; say which it is.
 
     What was found and not named may be another's: a server in it, or a request of its own, is
