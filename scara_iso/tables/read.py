@@ -134,7 +134,8 @@ def _of_labels(text: str, name: str, options: ReadOptions, encoding: str) -> Run
         used = {line for line, _ in rows}
         left = [k for k, line in enumerate(lines, 1) if k not in used and line.strip()]
         notes = [f"line {k}: {quoted(lines[k - 1])} not used" for k in left[:_SHOWN]]
-        return replace(run, origin=replace(run.origin, notes=(*run.origin.notes, *notes)))
+        origin = replace(run.origin, header_line=None, notes=(*run.origin.notes, *notes))
+        return replace(run, origin=origin)
     raise _no_table([split_head(lines[:HEAD], d) for d in Delimiter], name, options.columns)
 
 
