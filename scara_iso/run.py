@@ -46,6 +46,7 @@ class TableField:
     """A column as the file has it, and what it was taken for."""
 
     header: str
+    """What the header says of it."""
     kind: str
     """``axis``, ``cycle``, ``pose``, ``covariate`` and the like."""
     name: str

@@ -133,7 +133,7 @@ def test_a_movement_along_joint_1_names_the_joint(call, tmp_path):
 
 def test_it_is_said_on_the_terminal_and_drawn(call, tmp_path):
     picture = tmp_path / "d.svg"
-    code, out, err = call("diagnose", TABLE_1, "--plot", picture)
+    code, out, err = call("diagnose", TABLE_1, "--full", "--plot", picture)
     assert (code, err) == (0, "")
     assert "explained: step or linear drift on Y" in out
     assert "confirm:" in out
@@ -341,5 +341,5 @@ def test_a_long_plan_finds_less_than_the_shortest_step_of_a_short_one():
 def test_an_unexplained_course_is_not_called_scatter(call, tmp_path):
     vee = "\n".join(f"{j},{abs(j - 16) ** 2 + j % 3}" for j in range(1, 32))
     (tmp_path / "vee.csv").write_text(f"# unit: um\n# resolution: 1\ncycle,X\n{vee}\n")
-    out = call("diagnose", tmp_path / "vee.csv")[1]
+    out = call("diagnose", tmp_path / "vee.csv", "--full")[1]
     assert "unexplained" in out.split("what RP is made of")[1].splitlines()[1]

@@ -27,7 +27,8 @@ def dataclasses_of_the_package():
 HOLD_STATE = {
     "Settings",
     "Stream",
-}  # what this call of the program was asked for; a place in a file
+    "_Sheet",
+}  # what this call of the program was asked for; places in a file
 KINDS = sorted(set(dataclasses_of_the_package()), key=lambda kind: kind.__qualname__)
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import scara_iso
 from scara_iso.cli import main
-from scara_iso.render import diagnosis_json, save_figure
+from scara_iso.render import poses_diagnosis_json, save_figure
 
 ROOT = Path(scara_iso.__file__).parent
 SOURCES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in ROOT.rglob("*.py")}
@@ -133,7 +133,14 @@ def test_a_result_with_a_picture_gives_a_figure(result):
     if hasattr(result, "plot"):
         assert isinstance(result.plot(), Figure)
     else:
-        assert type(result).__name__ in {"Analysis", "Backlash", "Diagnoses", "Run", "TestReport"}
+        assert type(result).__name__ in {
+            "Analysis",
+            "Backlash",
+            "Diagnoses",
+            "DiagnosisOfPoses",
+            "Run",
+            "TestReport",
+        }
 
 
 def test_poses_are_found_by_number_and_by_name(poses):
@@ -146,15 +153,14 @@ def test_poses_are_found_by_number_and_by_name(poses):
 
 def test_a_diagnosis_of_several_poses_is_what_the_command_says(poses, capsys):
     found = scara_iso.diagnose(poses)
-    assert found.names == ("P1", "P2")
-    assert found["P2"] is found[1]
+    assert list(found.poses) == ["P1", "P2"]
+    assert found["P2"] is found[1] is found.poses["P2"]
     with pytest.raises(KeyError, match="there is P1, P2"):
         found["P3"]
     assert main(["diagnose", str(poses), "--json"]) == 0
-    tables = json.loads(capsys.readouterr().out)["tables"]
-    own = [{"table": f"pose {name}", **diagnosis_json(one)} for name, one in
-           zip(found.names, found, strict=True)]  # fmt: skip
-    assert json.loads(json.dumps(own)) == tables
+    assert json.loads(capsys.readouterr().out) == json.loads(
+        json.dumps(poses_diagnosis_json(found))
+    )
     assert isinstance(scara_iso.diagnose(poses, pose="P1"), scara_iso.Diagnosis)
 
 
@@ -173,6 +179,6 @@ def test_a_command_writes_the_figure_that_the_function_returns(command, drawn, t
 
 
 def test_several_poses_are_not_drawn_as_one(poses, tmp_path, capsys):
-    assert main(["diagnose", str(poses), "--plot", str(tmp_path / "a.svg")]) == 65
-    assert "2 poses, of which one is diagnosed at a time" in capsys.readouterr().err
+    assert main(["diagnose", str(poses), "--plot", str(tmp_path / "a.svg")]) == 2
+    assert "--plot is for one pose, and there are 2" in capsys.readouterr().err
     assert not (tmp_path / "a.svg").exists()

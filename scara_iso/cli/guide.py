@@ -41,7 +41,7 @@ def record_guided(options: RecordOptions) -> None:
     try:
         record_as_asked(options)
     finally:
-        _write(f"The same without questions: {command_line(options)}")
+        _write(f"The same without questions: {without_questions(options)}")
 
 
 def guide(options: RecordOptions) -> RecordOptions:
@@ -62,7 +62,7 @@ def guide(options: RecordOptions) -> RecordOptions:
     return replace(options, table=table, gauges=gauges, trigger=trigger)
 
 
-def command_line(options: RecordOptions) -> str:
+def without_questions(options: RecordOptions) -> str:
     """Return the command line that does the same without a question."""
     words = ["scara-iso", "record", str(options.table)]
     for gauge in options.gauges:

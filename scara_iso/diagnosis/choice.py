@@ -16,7 +16,7 @@ from scara_iso.diagnosis.evidence import (
     log_bayes_of_course,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet
-from scara_iso.diagnosis.on_dial import Readings, on_dial
+from scara_iso.diagnosis.on_dial import DialReadings, on_dial
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, SURE
 from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels
 from scara_iso.diagnosis.verdict import Rival
@@ -75,7 +75,7 @@ def choose(
     hypotheses: HypothesisSet,
     views: Views,
     beside: Sequence[Weighed] = (),
-    readings: Readings | None = None,
+    readings: DialReadings | None = None,
     log_change: Mapping[str, float] | None = None,
 ) -> Choice[Form]:
     """Return the posterior over effects for the views of one residual.

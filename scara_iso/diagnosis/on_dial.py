@@ -26,7 +26,7 @@ from scara_iso.run import FloatArray
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Readings:
+class DialReadings:
     """Residual readings (n, axes), half a division of each (n, axes), and the known scatter.
 
     ``known`` (axes,) is 0 where the scatter is not known; ``half`` 0 where there is no dial.
@@ -85,7 +85,7 @@ def on_dial(
     views: Views,
     log_evidence: FloatArray,
     log_bf: FloatArray,
-    readings: Readings,
+    readings: DialReadings,
 ) -> OnDial:
     """Return what changes in ``log_evidence`` (amplitudes, members) of a set.
 

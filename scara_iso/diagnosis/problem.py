@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
-from scara_iso.diagnosis.on_dial import Readings
+from scara_iso.diagnosis.on_dial import DialReadings
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import NEIGHBOURS
 from scara_iso.effects import Chain, Effect, Shape, Spread
@@ -115,7 +115,7 @@ class Remainder:
     basis: FloatArray
     views: Views
     values: FloatArray
-    readings: Readings
+    readings: DialReadings
     members: tuple[Hypothesis, ...]
 
     def set_of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
@@ -135,7 +135,7 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
     half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
     known = np.zeros(values.shape[1]) if problem.sigma is None else problem.sigma
     views = views_of(values, basis, problem.directions, problem.sigma)
-    return Remainder(rows, basis, views, values, Readings(values, half, known), members)
+    return Remainder(rows, basis, views, values, DialReadings(values, half, known), members)
 
 
 def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:

@@ -200,6 +200,14 @@ class DiagnosisOfPoses(Displayed):
     notes: tuple[str, ...] = ()
     """How the tables were read, one line each."""
 
+    def __getitem__(self, at: int | str) -> Diagnosis:
+        """Return the diagnosis of a pose by its number or its name."""
+        if not isinstance(at, str):
+            return list(self.poses.values())[at]
+        if at not in self.poses:
+            raise KeyError(f"no pose {at!r}: there is {', '.join(self.poses)}")
+        return self.poses[at]
+
     @property
     def verdict(self) -> Verdict:
         """Unexplained where any pose is, else explained where any is."""

@@ -36,8 +36,11 @@ class LoopFit:
     """What a loop is made of: compliance [mm/N], half the play [mm], friction [N]."""
 
     compliance: float
+    """Slope of the branches [mm/N]."""
     half_play: float
+    """Half of the play [mm]."""
     friction: float
+    """Coulomb's friction, one side [N]."""
     covariance: FloatArray
     """Of these three in this order, shape (3, 3): chance, and a shape that the model misses."""
     freedom: int
@@ -45,7 +48,9 @@ class LoopFit:
     residual: float
     """Standard deviation of the residual [mm]."""
     readings: int
+    """Number of readings used."""
     loops: int
+    """Number of loops."""
     run_in: int
     """Readings before the first end of the loop, which do not count."""
     deflection: float

@@ -19,12 +19,17 @@ class ForceLoop:
     """Forces [N] and the readings at them [mm], shape (n,), in the order in which they were."""
 
     force: FloatArray
+    """Force of each step [N], shape (steps,)."""
     reading: FloatArray
+    """Reading at each step [mm], shape (steps,)."""
     resolution: float | None = None
+    """The dial's division [mm]; None where not stated."""
     uncertainty: float | None = None
     """Standard uncertainty of the indicator."""
     source: str = ""
+    """File that it was read from."""
     notes: tuple[str, ...] = ()
+    """How it was read, one line each."""
 
 
 def turns(force: FloatArray) -> IntArray:

@@ -37,8 +37,9 @@ def analyze(
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``,
     ``sheet`` and ``columns`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``,
     ``all_count`` and ``allow_gaps`` say which cycles count. ``limits`` are in mm (degrees for an
-    angle) by figure (``X``, ``XY``...), the empty name for every length; ``decision`` is ``interval`` (a limit is
-    kept or broken where the whole 95 % interval says so) or ``simple`` (RP alone).
+    angle) by figure (``X``, ``XY``...), the empty name for every length; ``decision`` is
+    ``interval`` (a limit is kept or broken where the whole 95 % interval says so) or ``simple``
+    (RP alone).
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """

@@ -28,7 +28,9 @@ class Amendment:
     """Which report this one replaces, and why (ISO/IEC 17025:2017, 7.8.8)."""
 
     supersedes: str
+    """Number of the report that it stands in place of."""
     reason: str
+    """Why it does."""
 
 
 def front_page(

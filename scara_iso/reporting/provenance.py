@@ -14,8 +14,11 @@ class InputFile:
     """A file that the report was made of, and the SHA-256 of its bytes in hex."""
 
     role: str
+    """What it is to the report, such as ``table`` or ``model``."""
     name: str
+    """Path or name of the file."""
     sha256: str
+    """SHA-256 of its bytes, in hex."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +26,9 @@ class Restated:
     """What was stated for the report and not in the table; ``before`` is what it overrides."""
 
     key: str
+    """Name of the field."""
     text: str
+    """What it was given."""
     before: str | None = None
 
     def __str__(self) -> str:
@@ -36,9 +41,13 @@ class Provenance:
     """Files, program and command of a report, and what was stated for it alone."""
 
     files: tuple[InputFile, ...]
+    """What the report was made of."""
     version: str
+    """Of this program."""
     command: str
+    """The call that made the report."""
     restated: tuple[Restated, ...] = ()
+    """Fields that the call stated or overrode."""
 
 
 def provenance(made: Provenance, origin: Origin) -> Iterator[Block]:

@@ -35,8 +35,10 @@ class ResultPart:
     """
 
     characteristics: Sequence[Characteristic]
+    """The figures under these conditions."""
     poses: Sequence[str | None]
     conditions: Mapping[str, str] = field(default_factory=dict)
+    """By name, as they are shown."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,9 +35,11 @@ class Visit:
     approach: Mapping[str, int]
     """By axis: +1 where the reading rose to the pose, -1 where it fell, 0 where it hardly moved."""
     stabilisation_s: Mapping[str, float | None]
+    """By axis [s]; None where it cannot be told."""
     overshoot: Mapping[str, float | None]
     """Both by axis, None where the axis hardly moved or the stream is too slow."""
     pose: str | None = None
+    """Label; None where the stream has one pose."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +47,13 @@ class Doubt:
     """A stretch of the stream that is not plainly a visit, or a visit that is not plainly one."""
 
     code: str
+    """Kind of doubt, a word."""
     start: float
+    """Begin of the stretch [s]."""
     end: float
+    """End of the stretch [s]."""
     message: str
+    """What is doubtful, in a sentence."""
     counted: bool
     """Whether it is among the visits nevertheless."""
 
@@ -59,7 +65,9 @@ class Rule:
     dwell_s: float
     """Shortest rest that is a visit."""
     window_s: float
+    """Length of the sliding window [s]."""
     samples_in_window: int
+    """How many samples the window holds."""
     still: float
     """Largest range of the readings within a window at rest."""
     still_stated: bool

@@ -55,6 +55,7 @@ class Rated:
     """What the maker rates the robot for, to which a test's percentages refer; None: not stated."""
 
     load_kg: float | None = None
+    """Rated load; None where not stated."""
     velocity_mm_s: float | None = None
     """Of the tool along a line."""
 
