@@ -61,5 +61,5 @@ def test_a_hostile_code_does_no_harm(code, capsys):
 
 
 def test_the_findings_say_how_to_read_more(capsys):
-    assert main(["analyze", "examples/fum_scara_table1.csv"]) == 0
+    assert main(["analyze", "examples/fum_scara_table1.csv", "--full"]) == 0
     assert "scara-iso explain CODE" in capsys.readouterr().out

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from scara_iso import iso9283
-from scara_iso.acceptance import FILE, Condition, Folder, lacking, read_folder, run_under
-from scara_iso.acquisition import raw_path
 from scara_iso.errors import NoInputError, UsageError
 from scara_iso.iso9283 import Analysis
 from scara_iso.run import Run
+
+if TYPE_CHECKING:
+    from scara_iso.acceptance import Condition, Folder
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,6 +56,9 @@ class ConditionRun:
 
     def files(self) -> Iterator[tuple[str, Path]]:
         """Yield what the run is made of: test.toml, tables, raw files."""
+        from scara_iso.acceptance import FILE
+        from scara_iso.acquisition import raw_path
+
         yield "test", self.folder.path / FILE
         yield from ((f"table {table.name}", table) for table in self.tables)
         raws = [raw for raw in map(raw_path, self.tables) if raw.exists()]
@@ -82,7 +86,9 @@ def read_conditions(
     Raises `DataError` for a part that is of another robot, damaged, or there twice, and
     `UsageError` for no such condition.
     """
-    found = folder if isinstance(folder, Folder) else read_folder(Path(folder))
+    from scara_iso.acceptance import lacking, read_folder, run_under  # and with it all of recording
+
+    found = read_folder(Path(folder)) if isinstance(folder, str | Path) else folder
     conditions = {one.name: one for one in found.test.conditions()}
     if condition is not None and condition not in conditions:
         raise UsageError(
@@ -112,6 +118,8 @@ def read_condition(folder: str | Path, condition: str | None) -> ConditionRun:
 
     `UsageError` where there are several and none is named: they are never mixed.
     """
+    from scara_iso.acceptance import read_folder
+
     found = read_folder(Path(folder))
     names = [one.name for one in found.test.conditions()]
     if condition is None and len(names) > 1:
