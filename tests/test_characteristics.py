@@ -302,6 +302,22 @@ def test_terminal_and_json_show_it(rng, tmp_path, capsys):
     assert x["limit"] == {"limit": 0.5, "verdict": "pass", "rule": "interval"}
 
 
+@pytest.mark.parametrize(
+    ("division", "seed", "limit"), [(0.003, 1, 0.025), (0.005, 33, 0.02), (0.01, 30, 0.03)]
+)
+def test_the_verdict_of_the_whole_is_the_gravest_of_any_figure(division, seed, limit):
+    drawn = np.random.default_rng(seed).normal(0, 0.004, (31, 2)).T
+    axes = {
+        name: Axis(name, np.round(x / division) * division, resolution=division)
+        for name, x in zip("XY", drawn, strict=True)
+    }
+    analysis = analyze(Run(np.arange(1, 32), axes), limits={"XY": limit})
+    radial, eq_23 = (one.limit for one in analysis.characteristics if one.limit)
+    assert eq_23.RP > radial.RP, "the larger one alone would decide"
+    assert (radial.verdict.value, eq_23.verdict.value) == ("not-provable", "pass")
+    assert analysis.conformity.value == "not-provable"
+
+
 def test_distance_accuracy_against_students_interval_of_the_distances(rng):
     run = two_poses(rng, apart=40.0, resolution=0.001)
     found = by_name(analyze(run), "AD")

@@ -62,15 +62,24 @@ def check_limits(
 
 
 def binding(characteristics: Iterable[Characteristic]) -> tuple[LimitCheck, ...]:
-    """Return the comparisons by pose and figure: of XY that of the larger of 7.2.2 and eq. 23."""
+    """Return the comparisons by pose and figure.
+
+    Of XY that of 7.2.2 or eq. 23 with the graver verdict; where both have the same, of the larger.
+    """
     largest: dict[tuple[str | None, str], Characteristic] = {}
     for one in sorted(characteristics, key=_between_poses):
         other = largest.setdefault((one.pose, one.name), one)
-        if one.estimate.value > other.estimate.value:
+        if _weight(one) > _weight(other):
             largest[one.pose, one.name] = one
     poses = list(dict.fromkeys(pose for pose, _ in largest))
     found = sorted(largest.values(), key=lambda one: (poses.index(one.pose), _rank(one.of)))
     return tuple(one.limit for one in found if one.limit is not None)
+
+
+def _weight(found: Characteristic) -> tuple[int, float]:
+    verdict = Conformity.PASS if found.limit is None else found.limit.verdict
+    order = (Conformity.PASS, Conformity.NOT_PROVABLE, Conformity.FAIL)
+    return order.index(verdict), found.estimate.value
 
 
 def _between_poses(one: Characteristic) -> bool:

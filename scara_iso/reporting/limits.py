@@ -9,7 +9,7 @@ from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, L
 from scara_iso.reporting.blocks import Interval, Number, Section, Table, Text
 from scara_iso.reporting.digits import decimals, places_that_decide
 
-_FIGURES = "In mm; XY by the larger of its two figures; an angle in degrees, by ± 3 s. "
+_FIGURES = "In mm; XY by the graver verdict of its two figures; an angle in degrees, by ± 3 s. "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "

@@ -1,7 +1,7 @@
 """The paper's figure of a plane: root sum of squares of the axes' repeatability.
 
 The paper's eq. 23 combines RP of X and of Y. The standard's own figure of the plane is the radial
-RP (7.2.2). A limit on XY holds for both, so that the larger decides.
+RP (7.2.2). A limit on XY holds for both, so that the graver verdict decides.
 """
 
 from __future__ import annotations
