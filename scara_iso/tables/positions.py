@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 from scara_iso.errors import UsageError
@@ -22,6 +24,7 @@ from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.text import Row
 
 SKIPPED = "-"
+_BRACKETS = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]")
 _MOST = 40
 """Fields that a suggestion names."""
 
@@ -45,7 +48,9 @@ def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
     for row in fitting:
         if not _is_like(row, fitting[-1]):
             continue  # LabVIEW's "Samples 5 5" above its columns
-        settled = (settle(c, names[c.position], row.cells[c.position]) for c in columns)
+        above = [one for one in rows if one.line < row.line]
+        found = (settle(c, names[c.position], row.cells[c.position]) for c in columns)
+        settled = (_with_unit(column, above) for column in found)
         return Layout(tuple(settled), _header(names), row.line, row.line, sure=True)
     return None
 
@@ -82,7 +87,10 @@ def check_header(rows: Sequence[Row], layout: Layout, faults: Faults) -> None:
         if row.line < layout.header_line and filled and all(map(parse_cell, filled)):
             what = f"{len(filled)} numbers above the first row of {layout.width} fields"
             faults.add(what, row.line, remedy="complete the line, or remove it")
-        if row.line >= layout.header_line or not names_an_axis(row.cells):
+        if row.line >= layout.header_line:
+            continue
+        _check_units(row, layout, faults)
+        if not names_an_axis(row.cells):
             continue
         own = read_names(header_cells(row.cells), [""] * len(header_cells(row.cells)))
         stated = {c.name: c.position for c in layout.of(Kind.AXIS)}
@@ -92,6 +100,29 @@ def check_header(rows: Sequence[Row], layout: Layout, faults: Faults) -> None:
                 what = f"{column.name} by the header, and `columns=` says it is field {k + 1}"
                 remedy = "leave `columns=` out, or remove the header"
                 faults.add(what, row.line, column.position + 1, remedy=remedy)
+
+
+def _unit_above(row: Row, column: Column) -> str:
+    """Return the unit in brackets that a heading of the file gives the field, or nothing."""
+    cell = row.cells[column.position] if column.position < len(row.cells) else ""
+    found = _BRACKETS.search(cell) if len(cell) <= LONGEST_NAME else None
+    return found[1].strip() if found and read_unit(found[1]) is not None else ""
+
+
+def _with_unit(column: Column, above: Sequence[Row]) -> Column:
+    """Return an axis with the unit of the file's own heading, where `columns=` states none."""
+    stated = [unit for row in above if (unit := _unit_above(row, column))]
+    lacks = column.kind is Kind.AXIS and not column.unit and stated
+    return replace(column, unit=stated[-1]) if lacks else column
+
+
+def _check_units(row: Row, layout: Layout, faults: Faults) -> None:
+    """Refuse a unit in the file's own heading of an axis other than `columns=` states."""
+    for column in layout.of(Kind.AXIS):
+        unit = _unit_above(row, column)
+        if unit and read_unit(unit) != read_unit(column.unit):
+            what = f"{quoted(unit)} heads {column.name}, and `columns=` states {column.unit}"
+            faults.add(what, row.line, column.position + 1, remedy="name the unit that is true")
 
 
 def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:

@@ -100,9 +100,10 @@ def test_the_option_that_a_refusal_names_reads_the_file(name):
     assert f"`{wanted}`" in refused.value.remedy
     options = option_in(refused.value.remedy)
     if "unit" not in options:  # gauges whose file states none are asked next
-        with pytest.raises(DataError) as refused:
+        try:
             read_table(SENT / name, **options)
-        options |= option_in(refused.value.remedy)
+        except DataError as asked:
+            options |= option_in(asked.remedy)
     assert_readings(read_table(SENT / name, **options), expected)
 
 
@@ -221,3 +222,13 @@ def test_the_command_says_why_not_and_what_to_do(capsys):
     assert "--columns -,X,Y,Z" in capsys.readouterr().err
     assert main(["tables", str(SENT / "rtde.csv"), "--columns", "-,X,Y,Z", "--unit", "mm"]) == 0
     assert as_options("`columns=-,X,Y,Z`") == "--columns -,X,Y,Z"
+
+
+def test_a_unit_in_the_files_own_heading_is_not_overruled_in_silence():
+    rows = b"T(s),OUT1(um)\n1,0.5\n2,0.6\n3,0.5\n"
+    for columns in ("-,X", "-,X_um"):
+        assert read_table(rows, columns=columns).axes["X"].readings[0] == 0.0005
+        with pytest.raises(DataError, match="unit um against mm"):
+            read_table(rows, unit="mm", columns=columns)
+    with pytest.raises(DataError, match="'um' heads X"):
+        read_table(rows, columns="-,X_mm")
