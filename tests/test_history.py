@@ -358,7 +358,7 @@ def test_a_changed_last_line_is_a_doubt_and_a_torn_one_is_none():
 def test_a_recording_that_has_no_gauge_has_no_cycle():
     history = taken(session(gauges={}))
     assert history.complete_rows().shape == (0,)
-    assert (history.cycle, history.readings()) == (1, {})
+    assert (history.visit, history.readings()) == (1, {})
 
 
 def test_what_the_user_states_of_an_indicator_goes_to_its_axis():

@@ -40,7 +40,7 @@ COMMANDS = (
     ("report", "report poses.xlsx --cycles 4"),
     ("report", "report one.xlsx --model model.toml"),
     ("diagnose", "diagnose one.xlsx --model model.toml"),
-    ("diagnose-many", "diagnose poses.xlsx one.xlsx"),
+    ("diagnose-many", "diagnose one.xlsx nowhere.csv"),
     ("compare", "compare one.xlsx two.xlsx"),
     ("plan", "plan model.toml"),
     ("simulate", "simulate model.toml"),
@@ -85,7 +85,9 @@ def numbers(found):
 def test_a_command_writes_strict_json(schema, command, folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     main([*command.split(), "--json"])
-    (line,) = capsys.readouterr().out.splitlines()
+    out, err = capsys.readouterr()
+    assert out, err
+    (line,) = out.splitlines()
     validator(schema).validate(strict(line))
 
 

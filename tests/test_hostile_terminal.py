@@ -185,7 +185,7 @@ def test_the_screen_of_a_recording(gauge, code, end, sent, folder, monkeypatch):
     monkeypatch.chdir(folder)
     monkeypatch.setattr("scara_iso.cli.record_screen.REDRAW_S", -1)
     wire = f"X={gauge}?unit=mm@replay:{NAME}.wire"
-    words = ["--gauge", wire, "--trigger", "data", "--cycles", "2", "--rearm", "0"]
+    words = ["--gauge", wire, "--trigger", "data", "--cycles", "2", "--rearm", "0", "--quiet"]
     meta = [f"--meta=k{n}={text[:500]}" for n, text in enumerate(WORDS)]
     found, shown = sent("record", f"{gauge}{NAME}", *words, *meta, terminal=True, width=90)
     shown = CURSOR.sub("", STYLE.sub("", shown))

@@ -111,7 +111,7 @@ def test_analyze_says_that_a_table_was_edited(run, tmp_path):
     table = tmp_path / "run.csv"
     table.write_text(table.read_text().replace("\n31,0.", "\n31,1."))
     assert edits(run) == ["run.csv was changed after it was recorded"]
-    assert "was changed" in run("analyze", "run.csv")[1]
+    assert "recording edited" in run("analyze", "run.csv")[1]
 
 
 def edits(run):

@@ -37,14 +37,14 @@ def events(folder, name):
 def test_a_recorded_stream_is_recorded_once_and_not_gone_on_with(stream):
     run_session(stream, replayed(stream), trigger="data", cycles=3)
     assert read_table(stream / "run.csv").axes["X"].readings.tolist() == [0.123, 0.124, 0.125]
-    with pytest.raises(UsageError, match="a recorded stream starts again"):
+    with pytest.raises(UsageError, match="a recorded stream cannot be resumed"):
         run_session(stream, replayed(stream), trigger="data", cycles=4, resume=True)
     assert kept(stream) == {1: 0.123, 2: 0.124, 3: 0.125}
 
 
 @pytest.mark.parametrize("stable", [2, 3])
 def test_a_recorded_stream_is_not_asked_twice(stream, stable):
-    with pytest.raises(UsageError, match="not asked twice") as refused:
+    with pytest.raises(UsageError, match="cannot be asked again") as refused:
         run_session(stream, replayed(stream), trigger="data", stable=stable)
     assert "stable=" in refused.value.remedy
     assert not raw_path(stream / "run.csv").exists()
@@ -104,7 +104,7 @@ def silent(tmp_path, monkeypatch):
 
 def test_without_a_reading_nothing_is_left_and_what_to_try_is_said(tmp_path, monkeypatch):
     error = silent(tmp_path, monkeypatch)
-    assert error.what == "no reading was recorded, and nothing is left behind"
+    assert error.what == "no reading was recorded, and no file is kept"
     assert "probe=PORT" in error.remedy
     assert list(tmp_path.iterdir()) == []
 

@@ -14,7 +14,7 @@ from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, listed, quoted, refuse
 from scara_iso.tables.layout import is_comment, read_statement
-from scara_iso.tables.names import clean, read_unit
+from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
@@ -52,7 +52,7 @@ class ColumnNames:
         text = clean(str(cell))
         if text.lower() in known:
             return known[text.lower()], ""
-        match = _WITH_UNIT.fullmatch(text)
+        match = _WITH_UNIT.fullmatch(text) if len(text) <= LONGEST_NAME else None
         name = known.get(match[1].lower()) if match else None
         unit = (match[2] or match[3]) if match else ""
         if name not in self.with_unit or (match and match[3] and read_unit(unit) is None):
