@@ -450,7 +450,8 @@ def test_numbers_are_whole_where_somebody_computes_and_rounded_where_somebody_re
     header = ["95 % interval, low", "95 % interval, high"]
     rows = list(csv.reader(io.StringIO(found["csv"].decode())))
     above = next(row for row in rows if row[:2] == ["axis", "mean"])
-    of_x = dict(zip(above, next(row for row in rows if row[:1] == ["X"]), strict=False))
+    below = rows[rows.index(above) :]
+    of_x = dict(zip(above, next(row for row in below if row[:1] == ["X"]), strict=True))
     assert [float(of_x[name]) for name in header] == [low, high]
     assert (float(of_x["RP"]), float(of_x["U/RP"])) == (axis["RP"], 2 * axis["uncertainty_ratio"])
     book = [list(row) for row in openpyxl.load_workbook(io.BytesIO(found["xlsx"]))["Report"]]
