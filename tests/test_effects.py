@@ -261,6 +261,13 @@ def test_without_its_column_it_searches_nothing(name):
     assert searched == (name not in through | {"resolution"})
 
 
+def test_a_load_that_varies_hides_a_gap_that_grows():
+    side = np.resize([1.0, -1.0], 32)
+    for payload, hidden in ((np.full(32, 2.0), False), (np.repeat([0.0, 4.0, 8.0, 16.0], 8), True)):
+        conditions = Conditions(np.arange(32), {"approach": side, "payload_kg": payload})
+        assert (BY_NAME["gap_growth"].forms(conditions) == ()) is hidden
+
+
 @on_readings
 def test_its_weights_are_positive_and_its_rivals_known(effect):
     assert effect.weight > 0

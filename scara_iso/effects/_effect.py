@@ -54,6 +54,8 @@ class Effect(ABC):
     confirm_by: str
     needs: tuple[str, ...] = ()
     """Recorded columns through which it acts; one that ends in ``*`` leaves open which."""
+    hidden_by: tuple[str, ...] = ()
+    """Recorded columns that, where they vary, move the readings in ways it cannot be told from."""
     direction: Direction = Direction.FREE
     weight: float = 1.0
     """Prior weight among all effects in the choice of a name."""
@@ -131,6 +133,8 @@ class KnownCourse(Effect):
     def forms(self, conditions: Conditions) -> tuple[Form, ...]:
         """Return the shapes of every combination of the parameters' grids."""
         if not all(conditions.named(pattern) for pattern in self.needs):
+            return ()
+        if any(np.ptp(conditions.covariates.get(name, 0.0)) > 0 for name in self.hidden_by):
             return ()
         return tuple(
             Shape(self.columns(conditions, **values), values, weight)
