@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.origin import TableField
 from scara_iso.reporting.blocks import Block, Cell, Facts, Number, Report, Section, Table, Text
-from scara_iso.run import Run, TableField
+from scara_iso.run import Run
 
 _MOST = 100
 

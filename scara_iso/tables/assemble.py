@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
-from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run, TableField
+from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
