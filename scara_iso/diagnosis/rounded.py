@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.normal import normal_cdf
 from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL, MISFIT
 from scara_iso.effects import Chain, Shape
 from scara_iso.run import FloatArray
@@ -223,10 +224,8 @@ def _reading(
 
 
 def _gaussian(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    from scipy.special import ndtr  # noqa: PLC0415 - heavy, and of use only where there is structure
-
     density = np.exp(-0.5 * x**2) / np.sqrt(2 * np.pi)
-    return ndtr(-np.abs(x)), density, -x * density
+    return normal_cdf(-np.abs(x)), density, -x * density
 
 
 def _student(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
