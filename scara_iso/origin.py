@@ -38,3 +38,10 @@ class Origin:
     """Line of the header, where one table was read that has one."""
     fields: tuple[TableField, ...] = ()
     """What each field of that table was taken for."""
+    sheet: str = ""
+    """The one of a workbook that was read."""
+
+    @property
+    def row_name(self) -> str:
+        """What a line of the file is called: ``row`` in a sheet, else ``line``."""
+        return "row" if self.sheet else "line"

@@ -65,7 +65,9 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         + body.notes
     )
     understood = "; ".join(
-        part for part in (how, _said_columns(run, scales, lines), run.origin.understood) if part
+        part
+        for part in (how, _said_columns(run, scales, lines, faults.row), run.origin.understood)
+        if part
     )
     notes[:0] = _said_numbers(columns, run)
     units = {name: scales[name].unit.name for name in run.axes}
@@ -76,6 +78,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         units=units,
         header_line=None if options.columns else layout.header_line or None,
         fields=tuple(_field(column, layout, units) for column in layout.columns),
+        sheet=faults.sheet,
     )
     return replace(run, origin=origin)
 
@@ -258,7 +261,7 @@ def _check_repeats(run: Run, lines: IntArray, repeats: list[int], faults: Faults
             )
 
 
-def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray) -> str:
+def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray, row: str) -> str:
     units = {name: scales[name].unit.name for name in run.axes}
     parts = [
         f"{' '.join(name for name in units if units[name] == unit)} in {unit}"
@@ -267,7 +270,7 @@ def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray) -> str:
     labelled = {"pose": run.pose, "approach": run.direction}
     also = [name for name, labels in labelled.items() if labels is not None] + list(run.covariates)
     text = ", ".join(parts) + (f"; also {', '.join(map(_short, also))}" if also else "")
-    return f"{text}; {len(lines)} rows (lines {lines[0]}-{lines[-1]})"
+    return f"{text}; {len(lines)} rows ({row}s {lines[0]}-{lines[-1]})"
 
 
 def _short(name: str) -> str:
