@@ -524,3 +524,10 @@ def test_a_simulation_that_cannot_be_meant(call, argv):
     code, out, err = call("simulate", MODEL, *argv)
     assert (code, out) == (2, "")
     assert len(err.splitlines()) <= 3
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_list_says_of_a_command_what_its_own_help_begins_with(call, monkeypatch, name):
+    monkeypatch.setenv("COLUMNS", "200")
+    listed = {name: said for commands in GROUPS.values() for name, said in commands.items()}
+    assert f"  {listed[name]}\n" in call(name, "--help")[1]

@@ -19,6 +19,7 @@ from typer._completion_classes import completion_init
 from typer.core import TyperGroup
 
 from scara_iso import __version__
+from scara_iso.cli.groups import COMMANDS, GROUPS
 from scara_iso.cli.output import as_options, settings
 from scara_iso.errors import ScaraIsoError, UsageError
 
@@ -30,40 +31,6 @@ CANNOT_WRITE = 74
 _ANYWHERE = ("--debug", "--no-color")
 _HELP = ("-h", "--help")
 
-GROUPS = {
-    "Measure": {
-        "test": "The whole test as a folder: make one, and see how far it is.",
-        "plan": "Plan the test: largest cube in the workspace, diagonal plane, P1 to P5 with joint "
-        "angles.",
-        "ports": "List serial ports, the dialects of indicators, or what comes out of one port.",
-        "record": "Record indicators into a table for analyze; every stored reading is safe on the "
-        "disk.",
-        "visits": "Turn a stream of 50 to 500 samples a second into one reading for each visit.",
-    },
-    "Understand": {
-        "tables": "Show what is understood of a table, field by field, or why it is refused and "
-        "what to do.",
-        "analyze": "Repeatability of each pose, axis and plane, with intervals and findings.",
-        "diagnose": "Close the loop: residual, the effect that explains it, error before and "
-        "after.",
-        "compare": "Compare runs with the first: means and RP, with intervals, a test, and its "
-        "power.",
-        "push": "Take lost motion, friction and stiffness of a joint from a force loop and a dial.",
-        "backlash": "Deviation of the load through a gear's backlash, by the paper's model.",
-    },
-    "Report": {
-        "report": "Write the test report: result, pictures, every intermediate value, diagnosis, "
-        "raw data.",
-    },
-    "Learn": {
-        "demo": "Walk through the paper's Table I: analysis, backlash, what of the print follows "
-        "from it.",
-        "explain": "Say what a finding, a characteristic or an effect means, and what to do.",
-        "simulate": "Write readings of a model with scatter, effects and rounding, as a table.",
-    },
-}
-"""The commands, each with the first sentence of its own help: the list is shown without them."""
-COMMANDS = {name: f"scara_iso.cli.{name}" for names in GROUPS.values() for name in names}
 WELCOME = """\
 scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
 

@@ -56,14 +56,8 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
-    notes += (
-        [
-            f"column {c.position + 1} {quoted(layout.header[c.position])} not used"
-            for c in layout.of(Kind.COMMENT)
-        ]
-        + columns.beside[:_NOTES]
-        + body.notes
-    )
+    notes += [f"{_column(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
+    notes += columns.beside[:_NOTES] + body.notes
     understood = "; ".join(
         part
         for part in (how, _said_columns(run, scales, lines, faults.row), run.origin.understood)
@@ -81,6 +75,10 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         sheet=faults.sheet,
     )
     return replace(run, origin=origin)
+
+
+def _column(layout: Layout, column: Column) -> str:
+    return f"column {column.position + 1} {quoted(layout.header[column.position])}"
 
 
 def _field(column: Column, layout: Layout, units: Mapping[str, str]) -> TableField:
