@@ -21,7 +21,8 @@ def common_step(readings: FloatArray) -> float:
 
     A coarse dial of which nothing is stated would pass for two levels.
     """
-    distances = np.diff(np.unique(readings))
+    distances = np.diff(np.sort(readings))
+    distances = distances[distances > 0]
     if not len(distances) or distances.min() < _EXACT * np.ptp(readings):
         return 0.0
     steps = (readings - readings.min()) / distances.min()

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from scara_iso.display import Displayed
 from scara_iso.errors import DataError
 from scara_iso.frames import FRAME, axis_attributes, make_frame, numbers_of, refuse_without_unit
+from scara_iso.origin import Origin
 from scara_iso.pose_columns import (
     Commanded,
     arrival_at,
@@ -39,40 +40,6 @@ AXES = ("X", "Y", "Z", "theta")
 
 FARTHEST = 1e9
 """Largest reading, in mm or degrees, that a dial could show."""
-
-
-@dataclass(frozen=True, slots=True)
-class TableField:
-    """A column as the file has it, and what it was taken for."""
-
-    header: str
-    """What the header says of it."""
-    kind: str
-    """``axis``, ``cycle``, ``pose``, ``covariate`` and the like."""
-    name: str
-    """Of the axis or the covariate in the run, else empty."""
-    unit: str
-    """Of an axis; else empty."""
-
-
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """Where a run came from: shown to the user, never computed with."""
-
-    source: str = ""
-    """File name, ``-`` for standard input, or what made the run."""
-    understood: str = ""
-    """One line: how the reader understood the file."""
-    notes: tuple[str, ...] = ()
-    """What the reader met and did not use, such as footer rows, one line each."""
-    units: Mapping[str, str] = field(default_factory=dict)
-    """Unit that each axis was read in."""
-    files: Mapping[str, str] = field(default_factory=dict)
-    """The table of each pose, where the run was put together from several."""
-    header_line: int | None = None
-    """Line of the header, where one table was read that has one."""
-    fields: tuple[TableField, ...] = ()
-    """What each field of that table was taken for."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -127,7 +94,7 @@ class Run(Displayed):
     """Other columns by name, each of shape (rows,)."""
     metadata: Mapping[str, str] = field(default_factory=dict)
     lines: IntArray | None = None
-    origin: Origin = Origin()
+    origin: Origin = field(default_factory=Origin)
     """Where the run came from; never computed with."""
     direction: npt.NDArray[np.str_] | None = None
     """Labels of the directions of approach; None where none are named."""

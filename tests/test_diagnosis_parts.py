@@ -11,13 +11,8 @@ from scara_iso.diagnosis.choice import two_states
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.hypotheses import (
-    Hypothesis,
-    build,
-    constant,
-    extended,
-    hypotheses_of,
-)
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.hypothesis_set import build, constant, extended
 from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects

@@ -12,7 +12,8 @@ from scara_iso.acceptance.folder import FAULTY, UNFINISHED, Folder, PartState
 from scara_iso.acceptance.whole_test import Condition
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
-from scara_iso.run import Axis, Origin, Run
+from scara_iso.origin import Origin
+from scara_iso.run import Axis, Run
 
 _OF_A_PART = {"part", "pose", "doubts"}
 """Lines that the merged run says in another way."""

@@ -20,7 +20,7 @@ _Gauge = Annotated[
     typer.Option(
         metavar="AXIS=DRIVER@PORT",
         help="An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
-        "a URL such as socket://HOST:PORT, replay:FILE, sim:, or keyboard:. "
+        "a URL such as socket://HOST:PORT, ble:ADDRESS, replay:FILE, sim:, or keyboard:. "
         "DRIVER auto tries those that fit.",
     ),
 ]

@@ -11,7 +11,6 @@ import numpy as np
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.result import Diagnosis, Found
-from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
@@ -94,6 +93,8 @@ def close_the_loop(
     )
     if model is None:
         return found
+    from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
+
     reversals = diagnose_run_reversals(used, model, seed=seed)
     notes = (*found.notes, *_as_declared(found, model), *_doubts(model, run))
     found = replace(found, notes=notes, reversals=reversals)

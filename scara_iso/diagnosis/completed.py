@@ -14,7 +14,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.hypothesis_set import constant, extended
+from scara_iso.diagnosis.normal import normal_cdf
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Foretold
@@ -125,13 +126,11 @@ def scatter_draws(residual: Residual, fitted: Fit, rng: np.random.Generator) -> 
 
 def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
     """Return scatters in divisions and their posterior given residuals y (n,) on the dial."""
-    from scipy.special import ndtr  # noqa: PLC0415 - heavy
-
     size = max(float(y.std(ddof=1)), 0.3)
     s = np.geomspace(LEAST_ON_DIAL, 3 * size, _SCATTERS)[:, np.newaxis, np.newaxis]
     level = y.mean() + np.linspace(-1, 1, _LEVELS)[:, np.newaxis] * max(0.6, size)
     apart = -np.abs(y - level)
-    p = np.maximum(ndtr((apart + 0.5) / s) - ndtr((apart - 0.5) / s), 1e-300)
+    p = np.maximum(normal_cdf((apart + 0.5) / s) - normal_cdf((apart - 0.5) / s), 1e-300)
     log = power * np.log(p).sum(axis=2)
     weight = np.exp(log - log.max()).sum(axis=1)
     return s[:, 0, 0], weight / weight.sum()

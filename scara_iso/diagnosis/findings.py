@@ -9,7 +9,7 @@ import numpy as np
 from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.direction import match
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.hypothesis_set import constant, extended
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import ByAxis, Found, Shares

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
-from scara_iso.diagnosis.hypotheses import HypothesisSet
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE
 from scara_iso.diagnosis.two_state import Emissions
 from scara_iso.run import FloatArray, IntArray

@@ -11,14 +11,8 @@ from itertools import combinations
 import numpy as np
 
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
-from scara_iso.diagnosis.hypotheses import (
-    Hypothesis,
-    HypothesisSet,
-    build,
-    constant,
-    extended,
-    hypotheses_of,
-)
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant, extended
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.errors import DataError

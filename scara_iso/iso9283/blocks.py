@@ -74,7 +74,8 @@ def _count_faults(run: Run, block: IntArray, rows: IntArray) -> Iterator[Fault]:
     for k in np.flatnonzero(same & (steps != 1)):
         line = None if run.lines is None else int(run.lines[rows[k + 1]])
         before, here = run.cycle[rows[k]], run.cycle[rows[k + 1]]
-        yield Fault(f"visit {here} comes after visit {before} of the same block", line=line)
+        what = f"visit {here} comes after visit {before} of the same block"
+        yield Fault(what, line=line, sheet=run.origin.sheet)
 
 
 def visits_of_blocks(block: IntArray, rows: IntArray) -> list[IntArray]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -18,7 +17,6 @@ from scara_iso.diagnosis import (
 from scara_iso.errors import ScaraIsoError
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.inputs import TableOptions, Tables
-from scara_iso.library.models import described
 from scara_iso.reporting import Failure
 from scara_iso.robot import Model, read_model
 from scara_iso.run import Run
@@ -65,7 +63,7 @@ def diagnose(
         return DiagnosisOfPoses(found, run.origin.notes if run.origin.files else ())
     return close_the_loop(
         run,
-        None if model is None else described(model),
+        model if model is None or isinstance(model, Model) else read_model(model),
         wanted,
         hold_out=None if hold_out is None else reading.read(hold_out),
         sigma=sigma,
@@ -108,6 +106,8 @@ def diagnose_each(
     seed: int,
 ) -> Iterator[Diagnosis | Failure]:
     """Yield the diagnoses of `diagnose_many`, as they come."""
+    from concurrent.futures import ProcessPoolExecutor
+
     work = partial(_diagnose_one, model=model, reading=reading, wanted=wanted, seed=seed)
     with ProcessPoolExecutor() as pool:
         yield from pool.map(work, tables)

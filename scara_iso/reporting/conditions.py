@@ -17,10 +17,11 @@ from scara_iso.iso9283 import (
     Poses,
     not_recorded,
 )
+from scara_iso.origin import Origin
 from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.dossier import Dossier
 from scara_iso.reporting.result_table import ResultPart
-from scara_iso.run import Axis, Origin, Run
+from scara_iso.run import Axis, Run
 
 _Labels = Mapping[str | None, str]
 """Of each pose of a condition: its label among those of all conditions."""

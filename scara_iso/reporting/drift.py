@@ -9,7 +9,6 @@ import numpy as np
 from scara_iso.iso9283 import Analysis, Characteristic, DriftCourse, drift_courses
 from scara_iso.reporting.blocks import (
     Block,
-    DriftPicture,
     Figure,
     Headline,
     Number,
@@ -135,6 +134,8 @@ def _table(course: DriftCourse) -> Table:
 def _picture(course: DriftCourse) -> Iterator[Block]:
     if course.hours is None:
         return
+    from scara_iso.reporting.plotted import DriftPicture  # noqa: PLC0415 - for drift tests only
+
     lengths = [name for name, axis in course.pose.axes.items() if axis.unit == "mm"]
     moved = {name: course.means[name] - course.means[name][0] for name in lengths}
     fit = course.fit

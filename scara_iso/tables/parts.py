@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.errors import DataError, Fault
+from scara_iso.origin import Origin
 from scara_iso.pose_columns import Commanded
-from scara_iso.run import Axis, FloatArray, Origin, Run
+from scara_iso.run import Axis, FloatArray, Run
 from scara_iso.tables.faults import listed, quoted
 
 _POSE = re.compile(r"(?<![a-z0-9])(?:p|pose|point|punkt)[ _.-]?0*([1-9][0-9]{0,2})(?![a-z0-9])")

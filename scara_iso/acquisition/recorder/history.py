@@ -22,8 +22,9 @@ from scara_iso.acquisition.recorder.sizes import sizes_of_axis
 from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
+from scara_iso.origin import Origin
 from scara_iso.quantities import Dimension
-from scara_iso.run import Axis, Origin, Run
+from scara_iso.run import Axis, Run
 
 _SHOWN = 10
 _DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)

@@ -16,9 +16,10 @@ from scara_iso.effects import (
     find_gear_effects,
 )
 from scara_iso.errors import UsageError
+from scara_iso.origin import Origin
 from scara_iso.robot.arm import project
 from scara_iso.robot.model.parts import DeclaredEffect, Model
-from scara_iso.run import Axis, FloatArray, Origin, Run
+from scara_iso.run import Axis, FloatArray, Run
 
 _PLANE = {"X": (1.0, 0.0), "Y": (0.0, 1.0)}
 """What the indicators of the plane see, in the base frame."""
