@@ -72,6 +72,7 @@ def _found(
     moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
     return Found(
         effect=effect.name,
+        units={p.name: p.unit for p in effect.parameters},
         axes=moved,
         joint=where.name,
         angles=where.angles,

@@ -56,6 +56,8 @@ class Found:
     """Share of each axis' variance that it takes; those of all effects add up to `Shares`."""
     left_open: Mapping[str, ByAxis] = field(default_factory=dict)
     """What a model must state beside ``parameters``: the scatter where a change of it begins."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """Unit of each parameter; one that begins with ``reading`` is that of the axis."""
     poses: tuple[str, ...] = ()
     """The poses at which it acts, of a test of several."""
 

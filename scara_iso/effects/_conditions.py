@@ -42,8 +42,13 @@ class Conditions:
         return np.asarray((seconds - seconds[0]) / np.median(np.diff(seconds)))
 
     def named(self, pattern: str) -> tuple[str, ...]:
-        """Return the columns, but the clock, whose name fits a pattern such as ``temperature*``."""
-        names = (name for name in self.covariates if name != CLOCK)
+        """Return the columns whose name fits a pattern such as ``temperature*``.
+
+        The clock fits its own name only.
+        """
+        names = (
+            name for name in self.covariates if CLOCK not in (name, pattern) or name == pattern
+        )
         return tuple(name for name in names if fits(name, pattern))
 
     def without(self, names: set[str]) -> Conditions:

@@ -132,20 +132,22 @@ class KnownCourse(Effect):
         """Return the shapes of every combination of the parameters' grids."""
         if not all(conditions.named(pattern) for pattern in self.needs):
             return ()
-        return tuple(
+        shapes = (
             Shape(self.columns(conditions, **values), values, weight)
             for values, weight in combinations(self.parameters, conditions)
         )
+        return tuple(shape for shape in shapes if np.isfinite(shape.columns).all())
 
     def near(self, conditions: Conditions, parameters: Values, /) -> tuple[Form, ...]:
         """Return the shapes near one, along each parameter whose grid is coarse."""
-        return tuple(
+        shapes = (
             Shape(self.columns(conditions, **changed), changed)
             for parameter in self.parameters
             if parameter.grid is not None and not parameter.text
             for value in parameter.grid(conditions).near(float(parameters[parameter.name])).tolist()
             for changed in [{**parameters, parameter.name: value}]
         )
+        return tuple(shape for shape in shapes if np.isfinite(shape.columns).all())
 
     def course(self, conditions: Conditions, parameters: Values, /) -> Shape | None:
         """Return the shape of searched parameters; None for an accident of one test."""

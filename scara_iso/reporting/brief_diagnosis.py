@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from scara_iso.diagnosis import UNKNOWN, Diagnosis, DiagnosisOfPoses, Found, Verdict
+from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import (
     Block,
     Headline,
@@ -96,7 +97,7 @@ def _sizes(found: Found) -> list[str]:
     sizes = found.parameters.get("size")
     errors = found.standard_errors.get("size", {}) if bounded else {}
     by_axis = sizes if isinstance(sizes, Mapping) else {}
-    unit = unit_of(found.effect, "size")
+    unit = unit_of(found, "size")
     said = [
         f"{_size(axis, size, errors.get(axis))} {_length(axis)} {unit}".rstrip()
         for axis, size in by_axis.items()
@@ -143,7 +144,8 @@ def _repeatability(diagnosis: Diagnosis) -> Headline:
 def _next(diagnosis: Diagnosis, again: Again) -> NextStep:
     if diagnosis.verdict is Verdict.NOTHING:
         return NextStep(f"scara-iso report {again()}", "the report to sign")
-    if diagnosis.verdict is Verdict.UNEXPLAINED:
+    explained = {effect.name for effect in find_effects()}
+    if diagnosis.verdict is Verdict.UNEXPLAINED or diagnosis.effects[0].effect not in explained:
         return NextStep(f"scara-iso diagnose {again(plot='course.svg')}", "look at the course")
     effect = diagnosis.effects[0].effect
     return NextStep(f"scara-iso explain {effect}", "what it means, and how to be sure")

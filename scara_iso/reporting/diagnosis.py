@@ -13,7 +13,6 @@ from scara_iso.diagnosis import (
     Rival,
     Verdict,
 )
-from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -188,10 +187,10 @@ def parameters_said(found: Found, only: Iterable[str] | None = None) -> str:
 def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
     if not isinstance(value, Mapping):
         said = value if isinstance(value, str) else f"{value:.3g}"
-        return f"{words(name)} {said} {unit_of(found.effect, name)}".rstrip()
+        return f"{words(name)} {said} {unit_of(found, name)}".rstrip()
     errors = found.standard_errors.get(name, {})
     parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
-    return f"{words(name)} {', '.join(parts)} {unit_of(found.effect, name)}".rstrip()
+    return f"{words(name)} {', '.join(parts)} {unit_of(found, name)}".rstrip()
 
 
 def _size(axis: str, size: float, error: float | None) -> str:
@@ -201,13 +200,10 @@ def _size(axis: str, size: float, error: float | None) -> str:
     return f"{axis} {rounded(size, error, sign='+')} ± {rounded(error, error)}"
 
 
-def unit_of(effect: str, parameter: str) -> str:
+def unit_of(found: Found, parameter: str) -> str:
     """Return the unit of a parameter, as far as it is not that of the reading."""
-    units = (
-        p.unit for e in find_effects() if e.name == effect
-        for p in e.parameters if p.name == parameter
-    )  # fmt: skip
-    return next(units, "").replace("reading/", "per ").removeprefix("reading")
+    unit = found.units.get(parameter, "")
+    return unit.replace("reading/", "per ").removeprefix("reading")
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:

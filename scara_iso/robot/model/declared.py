@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from scara_iso.effects import Effect, GearEffect, Parameter, find_effects, find_gear_effects
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator
@@ -13,13 +13,17 @@ def declared_effects(
     entries: object,
     indicators: Mapping[str, Indicator],
     gearboxes: Mapping[int, Gearbox],
+    own: Iterable[Effect],
     faults: KeyFaults,
 ) -> Iterator[DeclaredEffect]:
-    """Yield the effects of the ``[[effect]]`` tables; what is wrong with one goes to ``faults``."""
+    """Yield the effects of the ``[[effect]]`` tables; what is wrong with one goes to ``faults``.
+
+    ``own`` are those that may be declared beside the catalogue's.
+    """
     if not isinstance(entries, list):
         faults.add("effect", "write each effect as [[effect]]")
         return
-    known: dict[object, Effect | GearEffect] = {e.name: e for e in find_effects()}
+    known: dict[object, Effect | GearEffect] = {e.name: e for e in find_effects(own)}
     known |= {e.name: e for e in find_gear_effects()}
     for k, entry in enumerate(entries, 1):
         where = f"effect {k}"

@@ -34,7 +34,7 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
     `UsageError` for an effect that lacks a parameter or needs a column that the procedure does not
     have.
     """
-    known = {effect.name: effect for effect in find_effects()}
+    known = {effect.name: effect for effect in find_effects(model.own)}
     axes = {}
     for name, indicator in model.indicators.items():
         readings = np.full(len(procedure), indicator.level)
@@ -79,7 +79,14 @@ def course(
                 remedy="record it, simulate it, or take the effect out of the model",
             )
     # A course that is not random draws nothing: any generator gives the same.
-    return effect.series(procedure, values, np.random.default_rng(0) if rng is None else rng)
+    found = effect.series(procedure, values, np.random.default_rng(0) if rng is None else rng)
+    if not np.isfinite(found).all():
+        cycle = int(procedure.cycle[np.flatnonzero(~np.isfinite(found))[0]])
+        raise UsageError(
+            f"effect {declared.name} has no finite value at cycle {cycle}",
+            remedy="change its formula or its parameters",
+        )
+    return found
 
 
 def _values(effect: Effect, declared: DeclaredEffect, axis: str) -> dict[str, float | str]:

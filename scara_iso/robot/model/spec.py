@@ -20,9 +20,10 @@ def parse_effect(text: str, model: Model) -> DeclaredEffect:
     """
     head, _, tail = text.partition(":")
     name, _, axes = head.partition("@")
-    effect = next((e for e in find_effects() if e.name == name.strip()), None)
+    every = find_effects(model.own)
+    effect = next((e for e in every if e.name == name.strip()), None)
     if effect is None:
-        known = ", ".join(sorted(e.name for e in find_effects()))
+        known = ", ".join(sorted(e.name for e in every))
         raise UsageError(f"unknown effect {name!r}", remedy=f"use one of {known}")
     values = _values(text, tail, effect)
     return DeclaredEffect(effect.name, _by_axis(values, effect, _axes(axes, model)))
