@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         Repeatabilities as Repeatabilities,
         Series as Series,
         Shares as Shares,
+        UnexplainedCourse as UnexplainedCourse,
     )
     from scara_iso.diagnosis.reversals import (
         GearDiagnosis as GearDiagnosis,

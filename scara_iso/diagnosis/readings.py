@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.diagnosis.beyond import courses_of
 from scara_iso.diagnosis.completed import foretold, scatter_draws
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
@@ -81,7 +83,7 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     drawn = scatter_draws(problem.residual, fitted, rng)
     groups = _groups(run, predicted or {}, problem.residual)
     next_test = foretold(problem, fitted, catalogue, groups, drawn, rng)
-    return _diagnosis(
+    found = _diagnosis(
         problem,
         fitted,
         stages,
@@ -91,6 +93,9 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
         found_effects(problem, fitted, stages, catalogue),
         _named(problem.residual, np.quantile(drawn, 0.5, axis=0)),
     )
+    if found.verdict is not Verdict.UNEXPLAINED:
+        return found
+    return replace(found, courses=tuple(courses_of(problem.residual, fitted, rng)))
 
 
 def _groups(

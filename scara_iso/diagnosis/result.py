@@ -143,6 +143,23 @@ class Shares:
     """The rest."""
 
 
+@dataclass(frozen=True, slots=True)
+class UnexplainedCourse:
+    """What is left unexplained in one axis: how it goes, and a formula if one foretells it."""
+
+    axis: str
+    """Where it is."""
+    words: str
+    """What it does over the cycles; empty where no smooth course is there."""
+    formula: str | None
+    """In ``k``, the cycle's number, in the unit of the axis; None where none foretells cycles that
+    it has not seen."""
+    held_out_rms: ByAxis
+    """Error on unseen cycles ``without`` the formula, and ``with_formula``, chosen in each fold."""
+    p_value: float | None
+    """Share of random orders of the cycles that a formula foretells as well."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Diagnosis(Plotted):
     """What was found in one pose's readings."""
@@ -167,6 +184,8 @@ class Diagnosis(Plotted):
     """Of the variance, by axis."""
     series: Series
     """Readings and predictions over the cycles."""
+    courses: tuple[UnexplainedCourse, ...] = ()
+    """What the unexplained looks like, where the verdict is that."""
     scatter: ByAxis = field(default_factory=dict)
     """Standard deviation of each axis beside effects and rounding."""
     flags: tuple[Flag, ...] = ()

@@ -55,6 +55,7 @@ def _of_one_pose(diagnosis: Diagnosis) -> Json:
         **picked(diagnosis, f"verdict {_CHANCE}"),
         "effects": [_found(found) for found in diagnosis.effects],
         "candidates": each(diagnosis.candidates, _RIVAL),
+        "courses": each(diagnosis.courses, "axis words formula held_out_rms p_value"),
         "error": {
             "before": picked(diagnosis.error_before, "rms held_out_rms"),
             "after": picked(diagnosis.error_after, "rms held_out_rms"),

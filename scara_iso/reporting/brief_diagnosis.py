@@ -19,7 +19,12 @@ from scara_iso.reporting.blocks import (
     Text,
 )
 from scara_iso.reporting.brief import digits_of, first_three
-from scara_iso.reporting.diagnosis import parameters_said, rivals_said, sureness, unit_of
+from scara_iso.reporting.diagnosis import (
+    parameters_said,
+    rivals_said,
+    sureness,
+    unit_of,
+)
 from scara_iso.reporting.digits import U_of_scatter, rounded
 from scara_iso.reporting.words import words
 from scara_iso.run import FloatArray
@@ -156,6 +161,7 @@ def _why(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Text(f"Likely: {found.cause}")
         yield Text(f"To be sure: {found.confirm_by}")
     near = [rival for rival in diagnosis.candidates if rival.effect != UNKNOWN]
+    yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
     if diagnosis.verdict is Verdict.UNEXPLAINED and near:
         yield Text(f"Nearest known effects: {rivals_said(near)}")
     if diagnosis.verdict is Verdict.NOTHING:

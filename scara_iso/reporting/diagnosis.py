@@ -26,6 +26,7 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, rounded
 from scara_iso.reporting.reversals import reversals_section
+from scara_iso.reporting.unexplained import courses_said
 from scara_iso.reporting.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
@@ -143,6 +144,7 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
             )
             if diagnosis.candidates:
                 yield Text(f"nearest: {rivals_said(diagnosis.candidates)}")
+            yield from map(Text, courses_said(diagnosis))
 
 
 def sureness(found: Found) -> str:
