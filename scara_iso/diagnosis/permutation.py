@@ -8,7 +8,7 @@ permuted ones by chance. After a fit the residuals are permuted (Freedman and La
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,7 @@ _BLOCK = 32
 """Orders compared at once: as many as leave the work in the processor's cache."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class OrderTest:
     """Statistic of the run, and the share of orders with one as large: its p-value."""
 
@@ -32,6 +32,12 @@ class OrderTest:
     p_value: float
     at_floor: bool
     """No permutation came as far: the chance is at most p."""
+    of_orders: FloatArray = field(default_factory=lambda: np.empty(0))
+    """Statistics of the orders that were looked at."""
+
+    def limit(self, level: float) -> float:
+        """Return the statistic that a share ``level`` of the orders reach."""
+        return float(np.quantile(self.of_orders, 1 - level)) if len(self.of_orders) else -np.inf
 
 
 def order_test(
@@ -55,12 +61,21 @@ def order_test(
     orders = np.array([np.arange(n), *(rng.permutation(n) for _ in range(permutations))])
     persistent = _persistence(emissions, orders)
     observed = float(log_statistic(hypotheses, views, orders[:1], persistent[:1])[0])
-    as_large = np.zeros(0, dtype=bool)
-    while len(as_large) < permutations and as_large.sum() < ENOUGH:
-        block = slice(1 + len(as_large), 1 + len(as_large) + _BLOCK)
+    found = np.empty(0)
+    while len(found) < permutations and (found >= observed - _EQUAL).sum() < ENOUGH:
+        block = slice(1 + len(found), 1 + len(found) + _BLOCK)
         statistics = log_statistic(hypotheses, views, orders[block], persistent[block])
-        as_large = np.concatenate([as_large, statistics >= observed - _EQUAL])
-    return OrderTest(observed, _p_value(as_large), not as_large.any())
+        found = np.concatenate([found, statistics])
+    as_large = found >= observed - _EQUAL
+    return OrderTest(observed, _p_value(as_large), not as_large.any(), found)
+
+
+def order_statistic(
+    hypotheses: HypothesisSet, views: Views, emissions: Sequence[Emissions] = ()
+) -> float:
+    """Return the statistic of `order_test` of the cycles as they are."""
+    as_is = np.arange(len(views.columns))[np.newaxis]
+    return float(log_statistic(hypotheses, views, as_is, _persistence(emissions, as_is))[0])
 
 
 def _persistence(emissions: Sequence[Emissions], orders: IntArray) -> FloatArray:

@@ -77,7 +77,7 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, catalogue, second)
+        unseen = on_second_run(fitted, catalogue, problem.residual.conditions, second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
     measured, before, after, removed = (repeatabilities(course) for course in courses)
     drawn = scatter_draws(problem.residual, fitted, rng)
@@ -172,8 +172,9 @@ def _cross_validated(
     )  # fmt: skip
     changes = [stage.choice.log_change for stage in stages if stage.choice]
     return cross_validated(
-        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes
-    )
+        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes,
+        limits=[stage.limit for stage in stages],
+    )  # fmt: skip
 
 
 def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:

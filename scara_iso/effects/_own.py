@@ -6,8 +6,8 @@
     [effect.parameters]
     tau = { from = 20, to = 600, unit = "s" }
 
-``k`` is the number of the cycle, ``t`` the time since the first one that counts, in seconds (from
-``time_s``); what else is no parameter is a recorded column. The readings of each axis move in
+``k`` is the number of the cycle, ``t`` the time since the first one in seconds (from ``time_s``);
+what else is no parameter is a recorded column. The readings of each axis move in
 proportion to ``size``, which every axis has for itself: it stands in the formula or before it.
 """
 
@@ -195,7 +195,6 @@ def _columns(
     columns = formula.names - {_CYCLE, _TIME, *values}
     values |= {name: conditions.covariates[name] for name in columns}
     values[_CYCLE] = conditions.cycle.astype(np.float64)
-    if _TIME in formula.names:
-        clock = conditions.covariates[CLOCK]
-        values[_TIME] = clock - clock[0]
+    if (seconds := conditions.seconds) is not None:
+        values[_TIME] = seconds
     return as_column(np.broadcast_to(formula.value(values), len(conditions)))

@@ -30,6 +30,8 @@ from scara_iso.reporting.unexplained import courses_said
 from scara_iso.reporting.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
+_SECONDS = "_s"
+"""Ends the name of a time that is given in seconds beside that in cycles."""
 _DUST = 1e-9
 """Share of a size below which its standard error is the rounding of the arithmetic."""
 _UNITS = "lengths in mm, angles in degrees"
@@ -183,13 +185,19 @@ def _effect(found: Found) -> Iterator[Block]:
 def parameters_said(found: Found, only: Iterable[str] | None = None) -> str:
     """Return the parameters of an effect with their units, and with standard errors."""
     names = found.parameters if only is None else only
-    return ", ".join(_parameter(name, found.parameters[name], found) for name in names)
+    return ", ".join(
+        _parameter(name, found.parameters[name], found)
+        for name in names
+        if name.removesuffix(_SECONDS) not in found.parameters or not name.endswith(_SECONDS)
+    )
 
 
 def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
     if not isinstance(value, Mapping):
         said = value if isinstance(value, str) else f"{value:.3g}"
-        return f"{words(name)} {said} {unit_of(found, name)}".rstrip()
+        seconds = found.parameters.get(f"{name}{_SECONDS}")
+        beside = f" ({seconds:.3g} s)" if isinstance(seconds, float) else ""
+        return f"{words(name)} {said} {unit_of(found, name)}".rstrip() + beside
     errors = found.standard_errors.get(name, {})
     parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
     return f"{words(name)} {', '.join(parts)} {unit_of(found, name)}".rstrip()

@@ -33,15 +33,30 @@ def declared_effects(
             continue
         effect, joint = known[name], entry.get("joint")
         values = {key: entry[key] for key in entry if key not in ("name", "joint")}
-        only(values, {p.name for p in effect.parameters}, where, faults)
-        for parameter in effect.parameters:
-            _check(parameter, values, indicators, where, faults)
+        _check_parameters(effect, values, indicators, where, faults)
         _check_axes(values, where, faults)
         if isinstance(effect, GearEffect) and joint not in [*gearboxes]:
             faults.add(f"{where}.joint", "give the number of a joint that has a gearbox")
         elif joint is not None and (joint not in (1, 2) or isinstance(joint, bool)):
             faults.add(f"{where}.joint", "1 or 2")
         yield DeclaredEffect(name, values, joint)
+
+
+def _check_parameters(
+    effect: Effect | GearEffect,
+    values: Mapping[str, object],
+    indicators: Mapping[str, Indicator],
+    where: str,
+    faults: KeyFaults,
+) -> None:
+    seconds = {p.in_seconds: p for p in effect.parameters if p.timed}
+    only(values, {p.name for p in effect.parameters} | {*seconds}, where, faults)
+    for parameter in effect.parameters:
+        if parameter.name in values or parameter.in_seconds not in values:
+            _check(parameter, values, indicators, where, faults)
+    for in_seconds, parameter in seconds.items():
+        if in_seconds in values and (wrong := why_not(parameter, values[in_seconds])):
+            faults.add(f"{where}.{in_seconds}", wrong)
 
 
 def _check(

@@ -60,7 +60,7 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
 
 def is_random(effect: Effect, declared: DeclaredEffect, axis: str) -> bool:
     """Return whether chance draws the course of an effect anew in every test."""
-    return effect.is_random(_values(effect, declared, axis))
+    return effect.is_random(_given(effect, declared, axis))
 
 
 def course(
@@ -71,7 +71,7 @@ def course(
     rng: np.random.Generator | None = None,
 ) -> FloatArray:
     """Return what one effect adds to the readings of one axis, shape (n,), in the axis' unit."""
-    values = _values(effect, declared, axis)
+    values = _values(effect, declared, axis, procedure)
     for column in effect.columns_needed(values):
         if column not in procedure.covariates or not effect.takes(column):
             raise UsageError(
@@ -89,14 +89,28 @@ def course(
     return found
 
 
-def _values(effect: Effect, declared: DeclaredEffect, axis: str) -> dict[str, float | str]:
-    missing = [p.name for p in effect.parameters if p.name not in declared.parameters]
+def _given(effect: Effect, declared: DeclaredEffect, axis: str) -> dict[str, float | str]:
+    values = declared.on_axis(axis)
+    missing = [p.name for p in effect.parameters if not {p.name, p.in_seconds} & set(values)]
     if missing:
         raise UsageError(
             f"effect {declared.name}: {', '.join(missing)} not given",
             remedy=f"it takes {', '.join(p.name for p in effect.parameters)}",
         )
-    return declared.on_axis(axis)
+    return values
+
+
+def _values(
+    effect: Effect, declared: DeclaredEffect, axis: str, procedure: Conditions
+) -> dict[str, float | str]:
+    values = effect.at_pace(procedure, _given(effect, declared, axis))
+    lacking = [p for p in effect.parameters if p.name not in values]
+    if lacking:
+        raise UsageError(
+            f"effect {declared.name} gives {lacking[0].in_seconds}, and the test has no time_s",
+            remedy=f"record time_s, or give {lacking[0].name} in cycles too",
+        )
+    return values
 
 
 def _reversal(model: Model, procedure: Conditions, axis: str) -> FloatArray:
