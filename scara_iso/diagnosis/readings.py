@@ -22,6 +22,7 @@ from scara_iso.diagnosis.result import (
     Repeatabilities,
     Series,
     Shares,
+    UnseenRP,
 )
 from scara_iso.diagnosis.search import Stage, find
 from scara_iso.diagnosis.tuning import (
@@ -32,6 +33,7 @@ from scara_iso.diagnosis.tuning import (
     SEED,
     WORTH_CHAINS,
 )
+from scara_iso.diagnosis.unseen import of_other_half, of_second_run
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
@@ -83,13 +85,20 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     drawn = scatter_draws(problem.residual, fitted, rng)
     groups = _groups(run, predicted or {}, problem.residual)
     next_test = foretold(problem, fitted, catalogue, groups, drawn, rng)
+    other: UnseenRP | None
+    if held_out is None:
+        here = (run, predicted)
+        other = of_other_half(problem, stages, len(terms), catalogue, groups, here, rng)
+    else:
+        there = (held_out.unwrapped(), held_out_predicted)
+        other = of_second_run(problem, fitted, catalogue, groups, there, rng)
     found = _diagnosis(
         problem,
         fitted,
         stages,
         unseen,
         courses[:3],
-        Repeatabilities(measured, before, after, removed, next_test),
+        Repeatabilities(measured, before, after, removed, next_test, other),
         found_effects(problem, fitted, stages, catalogue),
         _named(problem.residual, np.quantile(drawn, 0.5, axis=0)),
     )

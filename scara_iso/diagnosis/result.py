@@ -98,6 +98,25 @@ class Foretold:
     """Upper end."""
 
 
+SECOND = "the second table"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class UnseenRP:
+    """RP of cycles that the fit did not see, and what the models foretold of it."""
+
+    of: str
+    """Which cycles: those of the second table, or every other one, the model from the rest."""
+    cycles: int
+    """How many."""
+    measured: ByAxis
+    """Of their readings [mm, deg]."""
+    model_before: ByAxis
+    """Of what the model as it was predicts there."""
+    completed: Mapping[str, Foretold]
+    """As the completed model foretells it for as many cycles."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Repeatabilities:
     """RP measured, of the model before and after, and of the readings with the effects removed.
@@ -115,6 +134,8 @@ class Repeatabilities:
     """Of the readings with the effects subtracted."""
     completed: Mapping[str, Foretold] = field(default_factory=dict)
     """Of the next test, by axis and in XY, as the completed model foretells it."""
+    unseen: UnseenRP | None = None
+    """Of unseen cycles; None where there are too few to leave half of them out."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

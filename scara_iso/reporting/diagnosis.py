@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from scara_iso.diagnosis import (
+    SECOND,
     Diagnosis,
     DiagnosisOfPoses,
     Found,
-    Repeatabilities,
     Rival,
     Verdict,
 )
@@ -24,7 +24,8 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
-from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, rounded
+from scara_iso.reporting.digits import p_equals, p_value, rounded
+from scara_iso.reporting.foretold import next_test, of_scatter, unseen_cycles
 from scara_iso.reporting.reversals import reversals_section
 from scara_iso.reporting.unexplained import courses_said
 from scara_iso.reporting.words import words
@@ -218,18 +219,21 @@ def unit_of(found: Found, parameter: str) -> str:
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
     before, after = diagnosis.error_before, diagnosis.error_after
-    n = len(diagnosis.series.cycle)
+    n, unseen = len(diagnosis.series.cycle), diagnosis.repeatability.unseen
+    second = unseen is not None and unseen.of == SECOND
     yield Table(
         ("rms error", "before", "after", "held out, before", "held out, after"),
         tuple(
             (
                 axis,
-                *(_of_scatter(rms, n) for rms in (before.rms[axis], after.rms[axis])),
-                *(_of_scatter(error.held_out_rms[axis], n) for error in (before, after)),
+                *(of_scatter(rms, n) for rms in (before.rms[axis], after.rms[axis])),
+                *(of_scatter(error.held_out_rms[axis], n) for error in (before, after)),
             )
             for axis in before.rms
         ),
-        "held out: on cycles that the fit did not see, the choice of effect repeated",
+        "held out: on the second table"
+        if second
+        else "held out: on cycles that the fit did not see, the choice of effect repeated",
     )
     RP = diagnosis.repeatability
     columns = (RP.measured, RP.model_before, RP.model_after, RP.with_effect_removed)
@@ -238,7 +242,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
         tuple(
             (
                 name,
-                *(_of_scatter(column[name], n) if name in column else "" for column in columns),
+                *(of_scatter(column[name], n) if name in column else "" for column in columns),
             )
             for name in RP.measured
         ),
@@ -252,24 +256,9 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             "a mean between two levels are nearly equal and hide in S_l",
             "quiet",
         )
-    yield _next_test(RP, n)
-
-
-def _next_test(RP: Repeatabilities, n: int) -> Table:
-    """Return what the completed model foretells of the next test beside what was measured."""
-    return Table(
-        ("RP of the next test", "measured", "completed model", "95 % from", "to"),
-        tuple(
-            (name, *(_of_scatter(v, n) for v in (RP.measured[name], one.value, one.low, one.high)))
-            for name, one in RP.completed.items()
-        ),
-        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
-        "new test of 30 cycles, its own sampling included",
-    )
-
-
-def _of_scatter(figure: float, n: int) -> Number:
-    return rounded(figure, U_of_scatter(figure, n))
+    yield next_test(RP, n)
+    if RP.unseen is not None:
+        yield unseen_cycles(RP.unseen)
 
 
 def _shares(diagnosis: Diagnosis) -> Table:
