@@ -181,7 +181,7 @@ def alarm(task):
 
 def families(pool, runs):
     """Print false alarms by distribution, number of cycles and of axes."""
-    print("\n## False alarms [%], sigma 1 division, by cycles: 1 / 3 / 6 axes")
+    print(f"\n## False alarms [%], sigma 1 division, by cycles; axes {AXIS_COUNTS}")
     print(f"{'scatter':10s}" + "".join(f"{n:>15}" for n in LENGTHS))
     every = {}
     for kind in FAMILIES:
@@ -454,7 +454,10 @@ def main():
     parser.add_argument("--only", nargs="*", choices=TABLES, default=list(TABLES))
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--lengths", nargs="*", type=int, default=LENGTHS, help="of families")
+    parser.add_argument("--axes", nargs="*", type=int, default=AXIS_COUNTS, help="of families")
     options = parser.parse_args()
+    globals().update(LENGTHS=options.lengths, AXIS_COUNTS=options.axes)
     globals()["SEED"] = options.seed
     print(f"seed {SEED}, {options.runs} runs a cell, n = {N}")
     with Pool(options.processes, initializer=os.nice, initargs=(10,)) as pool:

@@ -15,8 +15,9 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.hypotheses import HypothesisSet
-from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE
+from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE, WIDENING_SHARE
 from scara_iso.diagnosis.two_state import Emissions
+from scara_iso.diagnosis.widening import widening
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-9
@@ -46,11 +47,13 @@ def order_test(
     rng: np.random.Generator,
     *,
     emissions: Sequence[Emissions] = (),
+    spreading: FloatArray | None = None,
     permutations: int = PERMUTATIONS,
 ) -> OrderTest:
     """Return the test of the views' cycles against ``permutations`` of them.
 
-    ``emissions`` are those of each axis that may show two states.
+    ``emissions`` are those of each axis that may show two states, ``spreading`` (n, axes) the
+    residuals whose scatter may change.
 
     Axes stay together: one order serves all. Exact at any level when the set's basis is the
     constant pose; p is at least 1 / (permutations + 1). It ends with the ENOUGHth order whose
@@ -59,31 +62,40 @@ def order_test(
     """
     n = len(views.columns)
     orders = np.array([np.arange(n), *(rng.permutation(n) for _ in range(permutations))])
-    persistent = _persistence(emissions, orders)
-    observed = float(log_statistic(hypotheses, views, orders[:1], persistent[:1])[0])
+    beside = _beside(emissions, spreading, orders)
+    observed = float(log_statistic(hypotheses, views, orders[:1], beside[:1])[0])
     found = np.empty(0)
     while len(found) < permutations and (found >= observed - _EQUAL).sum() < ENOUGH:
         block = slice(1 + len(found), 1 + len(found) + _BLOCK)
-        statistics = log_statistic(hypotheses, views, orders[block], persistent[block])
+        statistics = log_statistic(hypotheses, views, orders[block], beside[block])
         found = np.concatenate([found, statistics])
     as_large = found >= observed - _EQUAL
     return OrderTest(observed, _p_value(as_large), not as_large.any(), found)
 
 
 def order_statistic(
-    hypotheses: HypothesisSet, views: Views, emissions: Sequence[Emissions] = ()
+    hypotheses: HypothesisSet,
+    views: Views,
+    emissions: Sequence[Emissions] = (),
+    spreading: FloatArray | None = None,
 ) -> float:
     """Return the statistic of `order_test` of the cycles as they are."""
     as_is = np.arange(len(views.columns))[np.newaxis]
-    return float(log_statistic(hypotheses, views, as_is, _persistence(emissions, as_is))[0])
+    beside = _beside(emissions, spreading, as_is)
+    return float(log_statistic(hypotheses, views, as_is, beside)[0])
 
 
-def _persistence(emissions: Sequence[Emissions], orders: IntArray) -> FloatArray:
-    """Return the evidence that states persist, for each order, beside that of the set."""
-    if not emissions:
-        return np.zeros(len(orders))
-    ratios = [each.persistence(orders) for each in emissions]
-    return np.asarray(PERSISTENCE_SHARE * np.mean(ratios, axis=0))
+def _beside(
+    emissions: Sequence[Emissions], spreading: FloatArray | None, orders: IntArray
+) -> FloatArray:
+    """Return the evidence beside that of the set: that states persist, and that scatter changes."""
+    evidence = np.zeros(len(orders))
+    if emissions:
+        ratios = [each.persistence(orders) for each in emissions]
+        evidence += PERSISTENCE_SHARE * np.mean(ratios, axis=0)
+    if spreading is not None:
+        evidence += WIDENING_SHARE * widening(spreading, orders)
+    return evidence
 
 
 def _p_value(as_large: npt.NDArray[np.bool_]) -> float:

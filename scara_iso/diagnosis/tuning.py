@@ -44,6 +44,9 @@ ENOUGH = 50
 PERSISTENCE_SHARE = 0.08
 """Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
 
+WIDENING_SHARE = 0.1
+"""Weight of scatter that changes, by ranks, over that of all hypotheses (undeclared.py)."""
+
 SIMULATIONS = 1999
 """Simulations of the marginal tests' null."""
 
