@@ -122,6 +122,19 @@ def test_an_amplified_set_is_that_of_larger_variances(rng):
     np.testing.assert_allclose(log_bayes(small.amplified(13.0), y), log_bayes(large, y), atol=1e-6)
 
 
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_a_process_that_moves_nothing_is_no_hypothesis(place, rng):
+    ramp = np.arange(N)
+    moving = [Process(np.exp(-np.abs(np.subtract.outer(ramp, ramp)) / b)) for b in (2.0, 5.0)]
+    forms = [*moving[:place], Process(np.ones((N, N))), *moving[place:]]
+    y = rng.normal(size=(N, 2))
+    y -= y.mean(axis=0)
+    found = set_of([Hypothesis("any", form, 1.0) for form in forms])
+    alone = set_of([Hypothesis("any", form, 1.0) for form in moving])
+    np.testing.assert_allclose(log_bayes(found, y), log_bayes(alone, y))
+    assert found.amplified(13.0).penalty == pytest.approx(alone.amplified(13.0).penalty)
+
+
 def test_a_set_ignores_what_is_already_fitted(rng):
     trend = np.arange(N, dtype=float)[:, None]
     basis = extended(constant(N), trend)

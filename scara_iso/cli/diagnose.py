@@ -21,6 +21,7 @@ from scara_iso.cli.options import (
     DecimalMark,
     FirstDiscarded,
     Full,
+    OwnEffectsFile,
     ResolutionOfTable,
     Sheet,
     UnitOfTable,
@@ -88,6 +89,7 @@ def diagnose_command(
     tables: Tables = None,
     *,
     model: ModelOption = None,
+    effects: OwnEffectsFile = None,
     hold_out: HoldOut = None,
     save_model: SaveModel = None,
     plot: Plot = None,
@@ -122,31 +124,48 @@ def diagnose_command(
         from scara_iso.cli.diagnose_design import show_design
 
         _refuse_beside_design(model, hold_out, save_model, plot)
-        show_design(named, reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json)
+        show_design(
+            named, reading, wanted, sigma=sigma, columns=columns, effects=effects, seed=seed,
+            as_json=json,
+        )  # fmt: skip
         return
-    files = _Files(model, hold_out, save_model, plot, sigma)
+    files = _Files(model, effects, hold_out, save_model, plot, sigma)
     files.check(named)
-    check_outputs([plot, save_model], [*files_of(named), model, hold_out])
+    check_outputs([plot, save_model], [*files_of(named), model, effects, hold_out])
+    show = partial(_How, full=full, as_json=json)
     if (folder := test_folder(named, condition, reading)) is not None:
-        from scara_iso.cli.conditions import diagnose_folder
-
-        def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
-            counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
-            again = partial(command_line, [folder], {"condition": one.condition.name})
-            how = _How(again, full=full, as_json=json, write=write)
-            _diagnose_run(run, files, reading, counting, how, seed=seed)
-
-        diagnose_folder(folder, condition, diagnose)
+        _diagnose_folder(folder, condition, files, reading, wanted, show, seed=seed)
         return
     run = one_test(named, reading)
     if run is None:
         from scara_iso.cli.diagnose_many import show_many
 
-        show_many(named, model, reading, wanted, seed=seed, as_json=json)
+        show_many(named, (model, effects), reading, wanted, seed=seed, as_json=json)
     else:
-        again = partial(command_line, named, asdict(reading) | asdict(wanted))
-        how = _How(again, full=full, as_json=json)
+        options = asdict(reading) | asdict(wanted) | {"effects": effects}
+        how = show(partial(command_line, named, options))
         _diagnose_run(run, files, reading, wanted, how, seed=seed)
+
+
+def _diagnose_folder(
+    folder: str,
+    condition: str | None,
+    files: _Files,
+    reading: TableOptions,
+    wanted: CyclesWanted,
+    show: Callable[..., _How],
+    *,
+    seed: int,
+) -> None:
+    from scara_iso.cli.conditions import diagnose_folder
+
+    def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
+        counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
+        options = {"condition": one.condition.name, "effects": files.effects}
+        how = show(partial(command_line, [folder], options), write=write)
+        _diagnose_run(run, files, reading, counting, how, seed=seed)
+
+    diagnose_folder(folder, condition, diagnose)
 
 
 def _refuse_beside_design(
@@ -163,6 +182,7 @@ class _Files:
     """What the diagnosis of one table takes and writes beside it."""
 
     model: str | None
+    effects: str | None
     hold_out: str | None
     save_model: Path | None
     plot: Path | None
@@ -221,6 +241,7 @@ def _diagnose_run(
             f"{files.of_one_pose} is for one pose, and there are {len(labels)}",
             remedy=f"name it: --pose {labels[0]}",
         )
+    own = library.defined(files.effects or ())
     diagnosis = library.diagnose(
         run,
         files.model,
@@ -228,6 +249,7 @@ def _diagnose_run(
         hold_out=None if files.hold_out is None else reading.read(files.hold_out),
         seed=seed,
         sigma=files.sigma,
+        own_effects=own,
     )
     if isinstance(diagnosis, DiagnosisOfPoses):
         _write_poses(diagnosis, run.origin.source, how)
@@ -235,7 +257,7 @@ def _diagnose_run(
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)
     if files.save_model is not None and files.model is not None:
-        said = save_model(diagnosis, files.model, files.save_model)
+        said = save_model(diagnosis, files.model, files.save_model, own)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     _write(diagnosis, run.origin.source, how)
 

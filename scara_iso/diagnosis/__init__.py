@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses, holm as holm
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
+        SECOND as SECOND,
+        ByAxis as ByAxis,
         Diagnosis as Diagnosis,
         DiagnosisOfPoses as DiagnosisOfPoses,
         Error as Error,
@@ -41,6 +43,8 @@ if TYPE_CHECKING:
         Repeatabilities as Repeatabilities,
         Series as Series,
         Shares as Shares,
+        UnexplainedCourse as UnexplainedCourse,
+        UnseenRP as UnseenRP,
     )
     from scara_iso.diagnosis.reversals import (
         GearDiagnosis as GearDiagnosis,

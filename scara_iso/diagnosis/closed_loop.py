@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import numpy as np
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.result import Diagnosis, Found
-from scara_iso.effects import Conditions, Effect, find_effects
+from scara_iso.effects import Conditions, Effect, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
 from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict, read_model
@@ -73,15 +73,17 @@ def close_the_loop(
     hold_out: Run | None = None,
     seed: int,
     sigma: float | None = None,
+    own: Sequence[OwnEffect] = (),
 ) -> Diagnosis:
     """Return what ``model`` (None: a constant pose) leaves unexplained in the rows that count.
 
-    ``sigma`` is the known scatter of the readings in mm, of every axis in mm. Errors as in
-    `CyclesWanted.take` and `diagnosis.diagnose`, and `DataError` for a model that has none of the
-    run's axes.
+    ``own`` are effects of the user's beside those of the model; ``sigma`` is the known scatter of
+    the readings in mm, of every axis in mm. Errors as in `CyclesWanted.take` and
+    `diagnosis.diagnose`, and `DataError` for a model that has none of the run's axes.
     """
     used = wanted.take(run)
     second = None if hold_out is None else wanted.take(hold_out)
+    known_own = _all_own(own, model)
     found = diagnose_readings(
         used,
         _predicted(model, used),
@@ -90,7 +92,9 @@ def close_the_loop(
         held_out_predicted=None if second is None else _predicted(model, second),
         directions={} if model is None else directions_of(model),
         sigma={name: sigma for name, axis in used.axes.items() if sigma and axis.unit == "mm"},
+        effects=find_effects(known_own),
     )
+    found = replace(found, notes=(*_not_looked_for(known_own, used), *found.notes))
     if model is None:
         return found
     from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
@@ -99,6 +103,23 @@ def close_the_loop(
     notes = (*found.notes, *_as_declared(found, model), *_doubts(model, run))
     found = replace(found, notes=notes, reversals=reversals)
     return _with_gone(found, model, used, seed=seed)
+
+
+def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, ...]:
+    """Return the user's effects, those of the model among them, each once."""
+    known = {one.name: one for one in (*own, *(() if model is None else model.own))}
+    return tuple(known.values())
+
+
+def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:
+    """Yield which of the user's effects cannot show in a run, and why."""
+    for one in own:
+        missing = [name for name in one.needs if name not in run.covariates]
+        forms = one.forms(Conditions(run.cycle, run.covariates))
+        if missing:
+            yield f"{one.name}: not looked for; the table has no column {', '.join(missing)}"
+        elif not any(np.ptp(form.columns) > 0 for form in forms if isinstance(form, Shape)):
+            yield f"{one.name}: not looked for; its formula moves nothing in these cycles"
 
 
 def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagnosis:
@@ -112,8 +133,9 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
         return found
     known = replace(model, effects=(*model.effects, *on_gear))
     left = diagnose_readings(
-        used, _predicted(known, used), seed=seed, directions=directions_of(model)
-    )
+        used, _predicted(known, used), seed=seed, directions=directions_of(model),
+        effects=find_effects(model.own),
+    )  # fmt: skip
     still = {one.effect for one in left.effects}
     gone = tuple(one.effect for one in found.effects if one.effect not in still)
     effects = {effect.name: effect for effect in find_effects()}
@@ -129,7 +151,7 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
 
 def _as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
     """Yield which effects the model declares already: chance draws them anew in every test."""
-    effects = {effect.name: effect for effect in find_effects()}
+    effects = {effect.name: effect for effect in find_effects(model.own)}
     again = {one.effect for one in found.effects}
     for one in model.effects:
         effect = effects.get(one.name)
@@ -150,12 +172,19 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
         yield f"the model is that of {model.robot}, the table is of {robot}: is it the right one?"
 
 
-def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
-    """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979)."""
+def close_the_loop_at_poses(
+    run: Run, wanted: CyclesWanted, *, seed: int, own: Sequence[OwnEffect] = ()
+) -> dict[str, Diagnosis]:
+    """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979).
+
+    ``own`` are effects of the user's.
+    """
     run = run.unwrapped()
     found = diagnose_poses(
         run.take(np.concatenate(wanted.used(run).rows)),
-        lambda single, level: diagnose_readings(single, seed=seed, level=level),
+        lambda single, level: diagnose_readings(
+            single, seed=seed, level=level, effects=find_effects(own)
+        ),
     )
     return {str(pose): diagnosis for pose, diagnosis in found.items()}
 
@@ -219,17 +248,21 @@ def declared(found: Found) -> DeclaredEffect:
     return DeclaredEffect(found.effect, {**found.parameters, **found.left_open})
 
 
-def save_model(diagnosis: Diagnosis, model: str, to: Path) -> tuple[str, ...]:
+def save_model(
+    diagnosis: Diagnosis, model: str, to: Path, own: Sequence[OwnEffect] = ()
+) -> tuple[str, ...]:
     """Write ``model`` with what was found to ``to``; return what of it was declared.
 
-    An effect that does not recur is left out. Raises as `declare`.
+    An effect that does not recur is left out; ``own`` are the user's effects beside the model's.
+    Raises as `declare`.
     """
-    known = {effect.name: effect for effect in find_effects()}
+    described = read_model(model, own)
+    known = {effect.name: effect for effect in find_effects(described.own)}
     recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
     effects = declarations(replace(diagnosis, effects=recurring))
-    dials = read_model(model).indicators
+    dials = described.indicators
     scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
-    declare(model, effects, to, scatter)
+    declare(model, effects, to, scatter, described.own)
     said = [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
     said += [
         f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"

@@ -72,6 +72,8 @@ def _found(
     moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
     return Found(
         effect=effect.name,
+        units={p.name: p.unit for p in effect.parameters}
+        | {p.in_seconds: "s" for p in effect.parameters if p.timed},
         axes=moved,
         joint=where.name,
         angles=where.angles,
@@ -112,7 +114,8 @@ def _parameters(
             for a in np.flatnonzero(term.moves):
                 for name, value in effect.linear.sizes(coefficients[:, a]).items():
                     sizes.setdefault(name, {})[residual.axes[a]] = value
-            return {**form.parameters, **sizes}
+            seconds = effect.timed(residual.conditions, form.parameters)
+            return {**form.parameters, **seconds, **sizes}
         case Spread():
             return dict(form.parameters)
         case Process():

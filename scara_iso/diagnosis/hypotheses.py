@@ -20,7 +20,7 @@ from scara_iso.diagnosis.tuning import (
     SMOOTH_WEIGHT,
     UNKNOWN,
 )
-from scara_iso.effects import Chain, Conditions, Effect, Form, FoundBy, Process, Shape
+from scara_iso.effects import Chain, Conditions, Effect, Form, FoundBy, OwnEffect, Process, Shape
 from scara_iso.run import FloatArray
 
 _EVERY = "*"
@@ -53,9 +53,11 @@ class Hypothesis:
 def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis, ...]:
     """Return every hypothesis about readings taken under ``conditions``, the unknown included.
 
-    An effect of any column takes those through which no other effect acts.
+    An effect of any column takes those through which no other effect acts. What a user wrote takes
+    no other hypothesis away.
     """
-    others = [effect for effect in effects if _EVERY not in effect.needs]
+    catalogue = [effect for effect in effects if not isinstance(effect, OwnEffect)]
+    others = [effect for effect in catalogue if _EVERY not in effect.needs]
     free = conditions.without(
         {name for name in conditions.covariates if any(effect.takes(name) for effect in others)}
     )
@@ -64,7 +66,7 @@ def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hy
         for effect in effects
         for hypothesis in _of_effect(effect, free if _EVERY in effect.needs else conditions)
     ]
-    recorded = {effect.name for effect in effects if effect.needs}
+    recorded = {effect.name for effect in catalogue if effect.needs}
     return (
         *_not_recorded(known, recorded),
         *_unknown(conditions),

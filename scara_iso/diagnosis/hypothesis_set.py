@@ -141,12 +141,14 @@ def _process_group(
     covariance = np.stack([c for _, c in chosen])[:, rows[:, np.newaxis], rows]
     values, vectors = np.linalg.eigh(projector @ covariance @ projector)
     keep = values > _LEAST_EIGENVALUE
-    shrink = [v[k] / (1 + v[k]) for v, k in zip(values, keep, strict=True)]
+    said = [i for i in range(len(chosen)) if keep[i].any()]
+    shrink = [values[i][keep[i]] / (1 + values[i][keep[i]]) for i in said]
+    columns = [np.empty((len(rows), 0)), *(vectors[i][:, keep[i]] for i in said)]
     return _Group(
-        members=tuple(m for m, _ in chosen),
-        vectors=np.concatenate([u[:, k] for u, k in zip(vectors, keep, strict=True)], axis=1),
-        shrink=np.concatenate(shrink),
-        widths=tuple(int(k.sum()) for k in keep),
+        members=tuple(chosen[i][0] for i in said),
+        vectors=np.concatenate(columns, axis=1),
+        shrink=np.concatenate([np.empty(0), *shrink]),
+        widths=tuple(len(s) for s in shrink),
         penalty=np.array([-np.log1p(-s).sum() for s in shrink]),
     )
 

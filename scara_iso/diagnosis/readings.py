@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.diagnosis.beyond import courses_of
 from scara_iso.diagnosis.completed import foretold, scatter_draws
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
@@ -20,6 +22,7 @@ from scara_iso.diagnosis.result import (
     Repeatabilities,
     Series,
     Shares,
+    UnseenRP,
 )
 from scara_iso.diagnosis.search import Stage, find
 from scara_iso.diagnosis.tuning import (
@@ -30,6 +33,7 @@ from scara_iso.diagnosis.tuning import (
     SEED,
     WORTH_CHAINS,
 )
+from scara_iso.diagnosis.unseen import of_other_half, of_second_run
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
@@ -75,22 +79,32 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, catalogue, second)
+        unseen = on_second_run(fitted, catalogue, problem.residual.conditions, second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
     measured, before, after, removed = (repeatabilities(course) for course in courses)
     drawn = scatter_draws(problem.residual, fitted, rng)
     groups = _groups(run, predicted or {}, problem.residual)
     next_test = foretold(problem, fitted, catalogue, groups, drawn, rng)
-    return _diagnosis(
+    other: UnseenRP | None
+    if held_out is None:
+        here = (run, predicted)
+        other = of_other_half(problem, stages, len(terms), catalogue, groups, here, rng)
+    else:
+        there = (held_out.unwrapped(), held_out_predicted)
+        other = of_second_run(problem, fitted, catalogue, groups, there, rng)
+    found = _diagnosis(
         problem,
         fitted,
         stages,
         unseen,
         courses[:3],
-        Repeatabilities(measured, before, after, removed, next_test),
+        Repeatabilities(measured, before, after, removed, next_test, other),
         found_effects(problem, fitted, stages, catalogue),
         _named(problem.residual, np.quantile(drawn, 0.5, axis=0)),
     )
+    if found.verdict is not Verdict.UNEXPLAINED:
+        return found
+    return replace(found, courses=tuple(courses_of(problem.residual, fitted, rng)))
 
 
 def _groups(
@@ -167,8 +181,9 @@ def _cross_validated(
     )  # fmt: skip
     changes = [stage.choice.log_change for stage in stages if stage.choice]
     return cross_validated(
-        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes
-    )
+        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes,
+        limits=[stage.limit for stage in stages],
+    )  # fmt: skip
 
 
 def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:

@@ -110,6 +110,27 @@ class Effect(ABC):
         fixed = [name for name in self.needs if not is_open(name)]
         return (*fixed, *(str(name) for name in named if name is not None))
 
+    def timed(self, conditions: Conditions, values: Values) -> dict[str, float]:
+        """Return the times among ``values`` in seconds; none where no clock was recorded."""
+        interval = conditions.interval
+        if interval is None:
+            return {}
+        times = [p for p in self.parameters if p.timed and p.name in values]
+        return {p.in_seconds: float(values[p.name]) * interval for p in times}
+
+    def at_pace(self, conditions: Conditions, values: Values) -> dict[str, float | str]:
+        """Return ``values`` with the times that are given in seconds in cycles of these conditions.
+
+        Where no clock was recorded they stay what they are in cycles.
+        """
+        interval = conditions.interval
+        seconds = {p.in_seconds: p.name for p in self.parameters if p.timed}
+        kept = {name: value for name, value in values.items() if name not in seconds}
+        if interval is None:
+            return kept
+        given = {name: float(values[s]) for s, name in seconds.items() if s in values}
+        return kept | {name: value / interval for name, value in given.items()}
+
     def takes(self, column: str) -> bool:
         """Return whether the effect may act through a column of this name."""
         return any(fits(column, pattern) for pattern in self.needs)
@@ -136,20 +157,22 @@ class KnownCourse(Effect):
             return ()
         if any(np.ptp(conditions.covariates.get(name, 0.0)) > 0 for name in self.hidden_by):
             return ()
-        return tuple(
+        shapes = (
             Shape(self.columns(conditions, **values), values, weight)
             for values, weight in combinations(self.parameters, conditions)
         )
+        return tuple(shape for shape in shapes if np.isfinite(shape.columns).all())
 
     def near(self, conditions: Conditions, parameters: Values, /) -> tuple[Form, ...]:
         """Return the shapes near one, along each parameter whose grid is coarse."""
-        return tuple(
+        shapes = (
             Shape(self.columns(conditions, **changed), changed)
             for parameter in self.parameters
             if parameter.grid is not None and not parameter.text
             for value in parameter.grid(conditions).near(float(parameters[parameter.name])).tolist()
             for changed in [{**parameters, parameter.name: value}]
         )
+        return tuple(shape for shape in shapes if np.isfinite(shape.columns).all())
 
     def course(self, conditions: Conditions, parameters: Values, /) -> Shape | None:
         """Return the shape of searched parameters; None for an accident of one test."""

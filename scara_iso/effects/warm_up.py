@@ -33,7 +33,7 @@ EFFECT = KnownCourse(
         Parameter("size", "A", "reading", "travel from the first cycle to steady temperature"),
         Parameter(
             "tau", "τ", "cycles", "time constant; in median intervals if time_s is there", above=0,
-            grid=_tau,
+            grid=_tau, timed=True,
         ),
     ),
     cause="motors, gears and links were still reaching their running temperature",

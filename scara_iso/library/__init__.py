@@ -29,7 +29,11 @@ if TYPE_CHECKING:
         diagnose_many as diagnose_many,
         one_test as one_test,
     )
-    from scara_iso.library.models import plan as plan, simulate as simulate
+    from scara_iso.library.models import (
+        defined as defined,
+        plan as plan,
+        simulate as simulate,
+    )
     from scara_iso.library.pushes import push as push
     from scara_iso.library.recordings import Nobody as Nobody, record as record
     from scara_iso.library.reports import (

@@ -12,17 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from scara_iso import iso9283
 from scara_iso.diagnosis import (
-    SEED,
     CyclesWanted,
-    Diagnosis,
-    close_the_loop,
-    close_the_loop_at_poses,
 )
 from scara_iso.disk import write_file
 from scara_iso.display import Displayed
-from scara_iso.errors import ScaraIsoError, UsageError
+from scara_iso.errors import UsageError
 from scara_iso.frames import is_frame
-from scara_iso.iso9283 import Analysis, DecisionRule, poses_in_cycles
+from scara_iso.iso9283 import Analysis, DecisionRule
 from scara_iso.library.conditions import ConditionRun
 from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest
@@ -35,18 +31,18 @@ from scara_iso.library.inputs import (
     tables_of,
     together_as,
 )
+from scara_iso.library.loop import diagnose_analysis
 from scara_iso.library.statements import restate
 from scara_iso.render import find_format
 from scara_iso.reporting import (
     Amendment,
     Dossier,
-    Failure,
     InputFile,
     Provenance,
     document,
     stated_field,
 )
-from scara_iso.robot import Gearbox, Model, read_model
+from scara_iso.robot import Gearbox, Model, read_effects, read_model
 from scara_iso.run import Run
 from scara_iso.tables import find_locale, read_bytes, write_table
 
@@ -114,6 +110,7 @@ def report(
     *,
     condition: str | None = None,
     model: str | Path | None = None,
+    own_effects: str | Path | None = None,
     to: str | Path | None = None,
     pose: str | None = None,
     limits: Mapping[str, float] | None = None,
@@ -135,7 +132,8 @@ def report(
 ) -> TestReport:
     """Return the report of a test: result, pictures, every intermediate value, diagnosis, raw data.
 
-    ``model`` is a model file: diagnosis and backlash with it. ``to`` also writes the report, as
+    ``model`` is a model file: diagnosis and backlash with it; ``own_effects`` the file of the
+    user's effects. ``to`` also writes the report, as
     `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made.
     ``metadata`` fills or overrides what the table states, and the report says which; ``supersedes``
     is the number of the report in whose place this one stands, for ``reason``. The other options,
@@ -160,13 +158,15 @@ def report(
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
     run, restated = restate(run, metadata or {})
     amendment = _amendment(run, supersedes, reason)
-    described = None if model is None else read_model(model)
+    own = () if own_effects is None else read_effects(own_effects)
+    described = None if model is None else read_model(model, own)
     analysis = iso9283.analyze(run, **options)
-    held += () if model is None else (_held("model", str(model), Path(model).read_bytes()),)
+    for role, file in (("model", model), ("effects", own_effects)):
+        held += () if file is None else (_held(role, str(file), Path(file).read_bytes()),)
     dossier = Dossier(
         analysis=analysis if measured else compared_with_its_manifest(analysis, table),
         provenance=Provenance(tuple(file for file, _ in held), _version(), command, restated),
-        diagnoses=_diagnoses(analysis, described, wanted),
+        diagnoses=diagnose_analysis(analysis, described, wanted, own),
         gearboxes={} if described is None else _gearboxes(described),
         amendment=amendment,
     )
@@ -268,24 +268,6 @@ def _at(run: Run, pose: str | None, name: str) -> Run:
         )
     run = run.take(rows[pose])
     return replace(run, metadata={**run.metadata, "pose": pose})
-
-
-def _diagnoses(
-    analysis: Analysis, model: Model | None, wanted: CyclesWanted
-) -> dict[str | None, Diagnosis | Failure]:
-    """Return the diagnosis of each pose; too few cycles for one are said, a wrong model raises."""
-    labels = [pose.label for pose in poses_in_cycles(analysis)]
-    if not labels:  # a drift test is its own course
-        return {}
-    try:
-        if len(labels) > 1:  # a model file describes one pose
-            found = close_the_loop_at_poses(analysis.run, wanted, seed=SEED)
-            return {label: found[str(label)] for label in labels}
-        return {labels[0]: close_the_loop(analysis.run, model, wanted, seed=SEED)}
-    except ScaraIsoError as error:
-        if model is not None:
-            raise
-        return dict.fromkeys(labels, Failure(error.headline, error.exit_code))
 
 
 def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
