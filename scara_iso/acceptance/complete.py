@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from scara_iso.acceptance.stated import NOT_STATED, command_of, metadata_of, other_instruments
 from scara_iso.acceptance.whole_test import Part, WholeTest
+from scara_iso.iso9283 import DRIFT_CODES
 from scara_iso.run import Axis, Run
 
 
@@ -16,10 +19,18 @@ def completed(run: Run, part: Part, test: WholeTest) -> Run:
     lines = {k: v for k, v in of_test.items() if not k.startswith(("command_", "indicator_unc"))}
     axes = {name: _axis(axis, part, test) for name, axis in run.axes.items()}
     other = other_instruments(own, of_test)
-    said = {"characteristics": ", ".join(test.schedule.characteristics)}
-    said["instrument_of_the_test"] = other
+    said = {"characteristics": ", ".join(_planned(part, test)), "instrument_of_the_test": other}
     of_whole = {key: text for key, text in said.items() if text}
-    return replace(run, metadata={**lines, **own, **of_whole}, axes=axes)
+    pose = np.full(len(run), part.pose) if part.beside else run.pose
+    return replace(run, metadata={**lines, **own, **of_whole}, axes=axes, pose=pose)
+
+
+def _planned(part: Part, test: WholeTest) -> list[str]:
+    """Return the characteristics that a part has to give; a drift test gives its own alone."""
+    planned = test.schedule.characteristics
+    if test.drift is None:
+        return list(planned)
+    return [code for code in planned if (code in DRIFT_CODES) == bool(part.beside)]
 
 
 def _axis(axis: Axis, part: Part, test: WholeTest) -> Axis:

@@ -24,8 +24,8 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
     What is missing or struck is in its metadata. Raises `DataError` for parts that are faulty, or
     not of the same axes.
     """
-    states = [one for one in folder.parts if one.part.condition == condition]
-    _refuse_faulty(folder, states)
+    states = folder.under(condition)
+    refuse_faulty(folder, states)
     runs = {
         state.part.pose: completed(state.recording.run, state.part, folder.test)
         for state in states
@@ -91,7 +91,8 @@ def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:
     return found
 
 
-def _refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
+def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
+    """Raise `DataError` with what is wrong with each part that is faulty."""
     faults = [Fault(f"{one.part.name}: {one.why}") for one in states if one.state == FAULTY]
     if faults:
         raise DataError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
 from datetime import date, datetime
 from pathlib import Path
@@ -15,10 +15,13 @@ from scara_iso.acceptance.whole_test import (
     COUNTS,
     DISCARDED,
     ONE_SIDE,
+    PUSH,
     CommandPose,
     Cube,
+    DriftTest,
     Instrument,
     People,
+    PushTest,
     RobotTested,
     Schedule,
     Struck,
@@ -38,7 +41,8 @@ _LARGEST = 1e9
 _MOST_CYCLES = 10_000
 _POSE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,20}")
 _SECTIONS = {
-    "robot", "test", "cube", "pose", "limits", "instrument", "people", "environment", "struck"
+    "robot", "test", "cube", "pose", "limits", "instrument", "people", "environment", "struck",
+    "drift", "push",
 }  # fmt: skip
 
 
@@ -77,6 +81,10 @@ def parse_test(document: Mapping[str, Any], faults: KeyFaults) -> WholeTest:
         surroundings=_build(
             Surroundings, section(document, "environment", faults), "environment", faults
         ),
+        drift=_build(DriftTest, section(document, "drift", faults), "drift", faults)
+        if "drift" in document
+        else None,
+        pushes=dict(_pushes(document, faults)),
         struck=_struck(document.get("struck", []), faults),
     )
     _check_together(test, faults)
@@ -110,10 +118,20 @@ def _named(
         if key == "instrument" and name not in AXES:
             faults.add(where, f"no such axis: {', '.join(AXES)}")
         elif not _POSE.fullmatch(name):
-            faults.add(where, "a pose is named by letters and digits, such as P1")
+            faults.add(where, "is named by letters and digits, such as P1")
         else:
             found[name] = _build(kind, section(table, name, faults), where, faults)
     return found
+
+
+def _pushes(document: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[str, PushTest]]:
+    """Yield the push tests by the names of their parts: of ``[push]``, or of ``[push.joint_1]``."""
+    table = section(document, PUSH, faults)
+    if table and all(isinstance(value, dict) for key, value in table.items() if key != "limits"):
+        found = _named(PushTest, document, PUSH, faults)
+        yield from ((f"{PUSH}-{name}", one) for name, one in found.items())
+    elif PUSH in document:
+        yield PUSH, _build(PushTest, table, PUSH, faults)
 
 
 def _limits(table: Mapping[str, Any], faults: KeyFaults) -> dict[str, float]:
@@ -155,6 +173,8 @@ def _check_together(test: WholeTest, faults: KeyFaults) -> None:
     for where, values in (("velocities", test.schedule.velocities), ("loads", test.schedule.loads)):
         if not values or len(set(values)) < len(values):
             faults.add(f"test.{where}", "give one or more, each once")
+    if test.drift is not None and test.drift.pose not in test.poses:
+        faults.add("drift.pose", f"no such pose: {', '.join(test.poses)}")
     if test.schedule.first_cycle == DISCARDED and test.schedule.cycles < 3:
         faults.add("test.cycles", "two or more have to count beside the first")
 
@@ -233,6 +253,12 @@ def _day(value: object) -> date:
     return value
 
 
+def _by_figure(value: object) -> dict[str, float]:
+    if not isinstance(value, dict):
+        raise ValueError("not by figure, such as { dAP = 0.02 }")
+    return {str(figure): _positive(one) for figure, one in value.items()}
+
+
 def _by_axis(value: object) -> dict[str, float]:
     if not isinstance(value, dict) or set(value) - set(AXES):
         raise ValueError("not of axes, such as { X = 0.0 }")
@@ -243,8 +269,9 @@ _KINDS: Mapping[str, Callable[[Any], Any]] = {
     **dict.fromkeys(
         ("name", "serial_number", "model", "solid", "plane", "elbow", "certificate", "operator",
          "laboratory", "address", "location", "customer", "authorized_by", "report_number",
-         "recording", "reason"), _text),
-    **dict.fromkeys(("rated_payload_kg", "rated_velocity_mm_s", "uncertainty"), _positive),
+         "recording", "reason", "pose"), _text),
+    **dict.fromkeys(
+        ("rated_payload_kg", "rated_velocity_mm_s", "uncertainty", "arm_m"), _positive),
     **dict.fromkeys(("dwell_s", "stabilisation_time_s", "warm_up_min"), _not_negative),
     **dict.fromkeys(("x_mm", "y_mm", "z_mm", "theta_deg", "temperature_C"), _number),
     **dict.fromkeys(("calibration_date", "calibration_due", "date"), _day),
@@ -252,8 +279,9 @@ _KINDS: Mapping[str, Callable[[Any], Any]] = {
     "characteristics": _several(_text),
     "velocities": _several(_percent),
     "loads": _several(_percent),
-    "humidity_percent": _percent,
-    "cycles": _whole,
+    **dict.fromkeys(("humidity_percent", "velocity", "load"), _percent),
+    **dict.fromkeys(("cycles", "blocks", "visits"), _whole),
+    "limits": _by_figure,
     "first_cycle": _one_of(DISCARDED, COUNTS),
     "approach": _one_of(ONE_SIDE, BOTH_SIDES),
     "dial_zero": _one_of("command"),

@@ -6,7 +6,14 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from datetime import date
 
-from scara_iso.acceptance.whole_test import COUNTS, Condition, Instrument, Part, WholeTest
+from scara_iso.acceptance.whole_test import (
+    COUNTS,
+    DRIFT,
+    Condition,
+    Instrument,
+    Part,
+    WholeTest,
+)
 from scara_iso.run import Run
 
 NOT_STATED = "not stated"
@@ -88,11 +95,15 @@ def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
     yield "dwell", _said(schedule.dwell_s, "s")
     yield "stabilisation_time", _said(schedule.stabilisation_time_s, "s")
     yield "approached_from", schedule.approach or NOT_STATED
-    yield "warm_up", _said(schedule.warm_up_min, "min") or NOT_STATED
     yield "dial_zero", schedule.dial_zero
     yield "date", _day(schedule.date)
-    if schedule.first_cycle == COUNTS:
-        yield "first_cycle", COUNTS
+    if test.drift is not None and part.beside:
+        yield "test", DRIFT
+        yield "visits_per_block", str(test.drift.visits)
+    else:
+        yield "warm_up", _said(schedule.warm_up_min, "min") or NOT_STATED
+        if schedule.first_cycle == COUNTS:
+            yield "first_cycle", COUNTS
     yield "temperature", _said(around.temperature_C, "C")
     if limits := around.temperature_limits_C:
         yield "temperature_limits", f"{limits[0]:g} .. {limits[1]:g} C"

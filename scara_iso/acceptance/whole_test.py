@@ -13,6 +13,8 @@ from itertools import product
 from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule
 
 DISCARDED, COUNTS = "discarded", "counts"
+DRIFT, PUSH = "drift", "push"
+"""Names of the tests beside the poses, and how those of several push tests begin."""
 ONE_SIDE, BOTH_SIDES = "one side", "both sides"
 
 
@@ -34,15 +36,23 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One pose under one condition: what one recording holds."""
+    """What one recording holds: a pose under a condition, or a test beside the poses."""
 
     pose: str
+    """Empty for a push test."""
     condition: Condition
+    beside: str = ""
+    """Name of a test beside the poses: ``drift``, ``push``, ``push-joint_1``."""
 
     @property
     def name(self) -> str:
         """``P3-v50-l100``, which its files are named by."""
-        return f"{self.pose}-{self.condition.name}"
+        return self.beside or f"{self.pose}-{self.condition.name}"
+
+    @property
+    def is_push(self) -> bool:
+        """Whether it is a table of forces, which is typed and not recorded."""
+        return self.beside.startswith(PUSH)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +87,33 @@ class Schedule:
         """The number for `iso9283.used_cycles`; None where the cycle rule knows it."""
         usual = CYCLES_USED if self.first_cycle == COUNTS else CYCLES_RUN
         return None if self.cycles == usual else self.cycles
+
+
+@dataclass(frozen=True, slots=True)
+class DriftTest:
+    """The drift test (7.6): blocks of visits of a pose over hours, from a cold start."""
+
+    pose: str = "P1"
+    blocks: int = 33
+    visits: int = 10
+    velocity: float = 100.0
+    load: float = 100.0
+    limits: Mapping[str, float] = field(default_factory=dict)
+    """By figure, such as dAP, in mm."""
+
+    @property
+    def part(self) -> Part:
+        """What its recording is called and holds."""
+        return Part(self.pose, Condition(self.velocity, self.load), DRIFT)
+
+
+@dataclass(frozen=True, slots=True)
+class PushTest:
+    """A joint pushed to and fro; ``arm_m`` from it to dial and force [m]."""
+
+    arm_m: float | None = None
+    limits: Mapping[str, float] = field(default_factory=dict)
+    """By figure: lost_motion in arcmin of the joint, lost_motion_mm at the dial."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +202,9 @@ class WholeTest:
     """By axis."""
     people: People = People()
     surroundings: Surroundings = Surroundings()
+    drift: DriftTest | None = None
+    pushes: Mapping[str, PushTest] = field(default_factory=dict)
+    """By the name of the part: ``push``, or ``push-joint_1`` of several."""
     struck: tuple[Struck, ...] = ()
 
     def conditions(self) -> list[Condition]:
@@ -172,7 +212,19 @@ class WholeTest:
         pairs = product(self.schedule.loads, self.schedule.velocities)
         return [Condition(velocity, load) for load, velocity in pairs]
 
+    def visits_of(self, part: Part) -> int:
+        """Return how many cycles of a part are planned: of a drift test, its visits."""
+        if part.beside and self.drift is not None:
+            return self.drift.blocks * self.drift.visits
+        return self.schedule.cycles
+
     def parts(self) -> Iterator[Part]:
-        """Yield what is to be recorded, in order: all poses of a condition, then the next one."""
+        """Yield what is to be recorded, in order: all poses of a condition, then the next one.
+
+        The tests beside the poses come last; a push test is at rest and carries no load.
+        """
         for condition in self.conditions():
             yield from (Part(pose, condition) for pose in self.poses)
+        if self.drift is not None:
+            yield self.drift.part
+        yield from (Part("", Condition(0.0, 0.0), name) for name in self.pushes)

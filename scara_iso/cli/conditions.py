@@ -15,19 +15,20 @@ from scara_iso.cli.options import NOT_WITHIN_LIMITS
 from scara_iso.cli.output import check_outputs, command_line, write_json, write_report
 from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import Conformity
+from scara_iso.iso9283 import Beside, Conformity
 from scara_iso.library import (
     ConditionRun,
     check_format,
     compare,
     join_reports,
+    read_beside,
     read_conditions,
     report,
 )
 
 if TYPE_CHECKING:
+    from scara_iso.acceptance import Folder
     from scara_iso.comparison import Comparison
-    from scara_iso.iso9283 import Analysis
     from scara_iso.library import TestReport
     from scara_iso.reporting import Dossier
     from scara_iso.run import Run
@@ -45,11 +46,12 @@ def analyze_folder(
 ) -> None:
     """Write the analysis of each condition of a test; exit with 1 where a limit is not kept."""
     found = read_conditions(folder, condition)
+    beside = read_beside(found[0].folder) if condition is None else Beside()
     analyses = [one.analysis(**options) for one in found]
     if as_json:
         from scara_iso.render import conditions_json
 
-        write_json(conditions_json(folder, found, analyses))
+        write_json(conditions_json(folder, found, analyses, beside))
     else:
         from scara_iso.reporting import (
             after_analysis,
@@ -66,7 +68,24 @@ def analyze_folder(
             else:
                 again = command_line([folder], {"condition": one.condition.name})
                 write_report(analysis_brief(analysis, after_analysis(analysis, again, again)))
-    _exit_by(analyses)
+        _write_beside(found[0].folder, beside, full=full)
+    verdicts = [None if one is None else one.conformity for one in analyses]
+    _exit_by([*verdicts, beside.conformity])
+
+
+def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:
+    """Write the tests beside the poses; those that are not recorded are named."""
+    if (drift := beside.drift) is not None:
+        again = command_line([drift.run.origin.source], {})
+        following = reporting.after_analysis(drift, again, again)
+        brief = reporting.analysis_brief(drift, following)
+        write_report(reporting.analysis_report(drift) if full else brief)
+    for found in beside.pushes.values():
+        following = reporting.NextStep(f"scara-iso report {folder.path}", "the report of all")
+        brief = reporting.push_brief(found, following)
+        write_report(reporting.push_report(found) if full else brief)
+    if beside.missing:
+        write_report(reporting.missing_report("Beside the poses", beside.missing))
 
 
 def diagnose_folder(
@@ -123,7 +142,8 @@ def report_folder(
             typer.echo(reporting.printable(line), err=as_json)
     if as_json:
         _write_dossiers(found, [one.dossier for one in made])
-    _exit_by([one.analysis for one in made])
+    beside = read_beside(found[0].folder).conformity if condition is None else None
+    _exit_by([*(one.analysis.conformity for one in made), beside])
 
 
 def compare_folders(
@@ -239,7 +259,6 @@ def _say_missing(one: ConditionRun) -> None:
     typer.echo(reporting.printable(f"{one.folder.path}, {one.condition}: {said}"), err=True)
 
 
-def _exit_by(analyses: Sequence[Analysis | None]) -> None:
-    verdicts = {None if analysis is None else analysis.conformity for analysis in analyses}
-    if verdicts - {None, Conformity.PASS}:
+def _exit_by(verdicts: Sequence[Conformity | None]) -> None:
+    if set(verdicts) - {None, Conformity.PASS}:
         raise typer.Exit(NOT_WITHIN_LIMITS)

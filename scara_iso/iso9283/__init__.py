@@ -10,6 +10,7 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze
+    from scara_iso.iso9283.beside import Beside as Beside
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
         used_cycles as used_cycles,
     )
     from scara_iso.iso9283.drift import (
+        DRIFT_CODES as DRIFT_CODES,
         DriftCourse as DriftCourse,
         DriftFit as DriftFit,
         drift_courses as drift_courses,

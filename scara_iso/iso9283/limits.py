@@ -124,6 +124,7 @@ def _check(
         interval=found.estimate.interval,
         decision=decision,
         cycles_wanted=None,
+        unit=found.estimate.unit,
         interval_void=is_void,
     )
     if check.verdict is not Conformity.NOT_PROVABLE:

@@ -15,7 +15,7 @@ from scara_iso.force_loop import ForceLoop, LoopFit, fit_loop
 from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule
 from scara_iso.iso9283.limits import check_limits
-from scara_iso.iso9283.results import Characteristic, LimitCheck
+from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest
 from scara_iso.quantities import Estimate, rounding_uncertainty
 
 if TYPE_CHECKING:
@@ -64,9 +64,7 @@ class PushResult(Displayed):
     @property
     def conformity(self) -> Conformity | None:
         """The verdict on the whole, as that of an analysis; None where no limit was given."""
-        found = {check.verdict for check in self.limits}
-        order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
-        return next((verdict for verdict in order if verdict in found), None)
+        return gravest(self.limits)
 
 
 def _row(found: Characteristic) -> dict[str, str | float]:

@@ -6,6 +6,7 @@ converts itself: `report` says it and `render` shows it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -104,6 +105,8 @@ class LimitCheck:
     cycles_wanted: int | None
     """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
     where it is proven, or where no number of cycles would."""
+    unit: str = "mm"
+    """Of figure, limit and interval."""
     interval_void: bool = False
     """Whether a finding says that the interval does not hold: then it proves nothing inside."""
 
@@ -127,6 +130,13 @@ class LimitCheck:
         if self.interval[0] > self.limit:
             return Conformity.FAIL
         return Conformity.PASS
+
+
+def gravest(checks: Iterable[LimitCheck]) -> Conformity | None:
+    """Return fail where one limit fails, pass where all are kept, None where there is none."""
+    found = {check.verdict for check in checks}
+    order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
+    return next((verdict for verdict in order if verdict in found), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,9 +212,7 @@ class Analysis(Displayed):
         None where no limit was given. A whole that passes has passed each one, so that the risk of
         a wrong pass is that of one figure.
         """
-        found = {check.verdict for check in self.limits}
-        order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
-        return next((verdict for verdict in order if verdict in found), None)
+        return gravest(self.limits)
 
     @property
     def deviations(self) -> tuple[Finding, ...]:

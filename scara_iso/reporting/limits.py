@@ -9,6 +9,7 @@ from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, L
 from scara_iso.reporting.blocks import Interval, Number, Section, Table, Text
 from scara_iso.reporting.digits import decimals, places_that_decide
 
+_USUAL = ("mm", "deg")
 _FIGURES = "In mm; XY by the graver verdict of its two figures; an angle in degrees, by ± 3 s. "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
@@ -53,7 +54,9 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     if open_:
         yield Text(f"NOT PROVABLE with these cycles: {_names(open_)}{_would_prove(open_)}", "warn")
     if analysis.conformity is Conformity.PASS:
-        yield Text(f"PASS: inside the limits {how}", "good")
+        of_others = any(not check.code.startswith("RP") for check in analysis.limits)
+        which = f": {_names(analysis.limits)}" if of_others else ""
+        yield Text(f"PASS: inside the limits {how}{which}", "good")
     void = [check for check in analysis.limits if check.interval_void and not simple]
     if void:
         yield Text(
@@ -141,7 +144,8 @@ def _would_prove(checks: Sequence[LimitCheck]) -> str:
 
 
 def _name(check: LimitCheck) -> str:
-    return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
+    figure = check.figure if check.unit in _USUAL else f"{check.figure} in {check.unit}"
+    return figure if check.pose is None else f"{figure} at {check.pose}"
 
 
 def _names(checks: Sequence[LimitCheck]) -> str:

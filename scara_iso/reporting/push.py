@@ -23,7 +23,7 @@ from scara_iso.reporting.brief import figure_said, first_three
 from scara_iso.reporting.digits import decimals, interval, places_that_decide, rounded
 from scara_iso.reporting.words import words
 
-_BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
+BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
 _MEANING = (
     "lost motion: between the flanks, spring and friction taken off; friction width: between the "
     "ways to and fro on one flank; hysteresis: both together, at no force; deflection: between the "
@@ -72,7 +72,7 @@ def push_brief(found: PushResult, following: NextStep) -> Report:
 def _largest(rows: list[Characteristic], found: PushResult) -> Headline:
     said = []
     for one in rows:
-        if one.code in _BOUGHT_BY:
+        if one.code in BOUGHT_BY:
             unit, ends = one.estimate.unit, one.estimate.interval
             said.append(figure_said(words(one.code), one.estimate.value, ends, unit))
     return Headline(tuple(said) or (f"{found.fit.loops} loops",))

@@ -6,6 +6,7 @@ The table of every recording is made here, after a clean end as after a crash.
 from __future__ import annotations
 
 import math
+import re
 from array import array
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator
@@ -280,4 +281,8 @@ def _merged(first: Record, later: Record) -> Record:
 
 def _indicator(gauge: Record) -> str:
     unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
-    return f"{gauge['dialect']} {gauge['line']} at {gauge['identity']}{unit}"
+    identity = gauge["identity"]
+    if gauge["simulated"]:  # the options of a simulation, such as its seed, are no identity
+        plain = re.sub(r"sim:\S*", "sim:", identity)
+        identity = _THEN.join(dict.fromkeys(plain.split(_THEN)))
+    return f"{gauge['dialect']} {gauge['line']} at {identity}{unit}"
