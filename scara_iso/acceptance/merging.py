@@ -10,6 +10,7 @@ import numpy as np
 from scara_iso.acceptance.complete import completed
 from scara_iso.acceptance.folder import FAULTY, UNFINISHED, Folder, PartState
 from scara_iso.acceptance.whole_test import Condition
+from scara_iso.dial import joined_axis
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
 from scara_iso.run import Axis, Origin, Run
@@ -63,19 +64,7 @@ def runs_as_poses(runs: Mapping[str, Run]) -> Run:
 def _axis(name: str, runs: Mapping[str, Run]) -> Axis:
     axes = [run.axes[name] for run in runs.values()]
     commands = {pose: run.command_of(name, None) for pose, run in runs.items()}
-    return Axis(
-        name,
-        np.concatenate([axis.readings for axis in axes]),
-        axes[0].dimension,
-        _largest([axis.resolution for axis in axes]),
-        _largest([axis.uncertainty for axis in axes]),
-        {pose: value for pose, value in commands.items() if value is not None} or None,
-    )
-
-
-def _largest(sizes: Sequence[float | None]) -> float | None:
-    known = [size for size in sizes if size is not None]
-    return max(known) if len(known) == len(sizes) else None
+    return joined_axis(axes, {pose: one for pose, one in commands.items() if one is not None})
 
 
 def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:

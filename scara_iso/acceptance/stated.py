@@ -15,6 +15,7 @@ from scara_iso.acceptance.whole_test import (
     WholeTest,
 )
 from scara_iso.run import Run
+from scara_iso.tables import stated_corrections
 
 NOT_STATED = "not stated"
 _SAME_PERCENT = 1.0
@@ -145,6 +146,7 @@ def _instruments(used: dict[str, Instrument]) -> Iterator[tuple[str, str]]:
     for axis, one in used.items():
         if one.uncertainty is not None:
             yield f"indicator_uncertainty_{axis}", _plain(one.uncertainty)
+        yield from stated_corrections(one.corrects, axis)
 
 
 def _said(value: float | None, unit: str) -> str:

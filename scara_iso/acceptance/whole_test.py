@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from datetime import date
 from itertools import product
 
+from scara_iso.dial import Correction
 from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule
 
 DISCARDED, COUNTS = "discarded", "counts"
@@ -156,7 +157,11 @@ class Surroundings:
 
 @dataclass(frozen=True, slots=True)
 class Instrument:
-    """The indicator of an axis and its certificate; ``uncertainty`` is standard [mm or deg]."""
+    """The indicator of an axis and its certificate; ``uncertainty`` is standard [mm or deg].
+
+    ``correction`` is the curve, nominal and error, and ``correction_zero`` the place on it at which
+    the display was zeroed; ``alignment_deg`` the angle between plunger and axis.
+    """
 
     name: str = ""
     serial_number: str = ""
@@ -164,6 +169,19 @@ class Instrument:
     calibration_date: date | None = None
     calibration_due: date | None = None
     uncertainty: float | None = None
+    correction: tuple[tuple[float, float], ...] = ()
+    correction_zero: float | None = None
+    correction_uncertainty: float | None = None
+    alignment_deg: float | None = None
+    alignment_u_deg: float | None = None
+
+    @property
+    def corrects(self) -> Correction:
+        """What of it is applied to readings."""
+        return Correction(
+            self.correction, self.correction_zero, self.correction_uncertainty,
+            self.alignment_deg, self.alignment_u_deg,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

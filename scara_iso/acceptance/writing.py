@@ -148,7 +148,8 @@ def _plain(one: Any) -> dict[str, Any]:
         if isinstance(value, Mapping):
             value = {key: _number(each) for key, each in value.items()}
         if isinstance(value, tuple):
-            value = [_number(each) for each in value]
+            value = [[*map(_number, each)] if isinstance(each, tuple) else _number(each)
+                     for each in value]  # fmt: skip
         if value not in (None, "", [], {}):
             found[name] = value if isinstance(value, dict | list | str | date) else _number(value)
     return found
