@@ -60,6 +60,10 @@ class TestReport(Displayed):
     """The bytes that it was made from, by name."""
     tables: tuple[Path, ...] = ()
     """Paths of its tables, where it was read from some."""
+    _pages: dict[tuple[str, str | None], bytes] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    """What `write` made, by ending and locale."""
 
     def __repr__(self) -> str:
         return f"<TestReport of {self.dossier.provenance.files[0].name}>"
@@ -80,7 +84,7 @@ class TestReport(Displayed):
         and as `write_file`.
         """
         path = Path(path)
-        write_file(path, _writer(path, excel_locale)(self.dossier))
+        write_file(path, self._page(path, excel_locale))
         return path
 
     def archive(
@@ -97,9 +101,16 @@ class TestReport(Displayed):
         made = self.dossier.provenance
         document_ = document(self.dossier)
         about = {"report": document_.title, "program": made.version, "command": made.command}
-        page = (name, _writer(Path(name), excel_locale)(self.dossier))
+        page = (name, self._page(Path(name), excel_locale))
         write_file(Path(path), pack(data, page, about))
         return Path(path)
+
+    def _page(self, path: Path, excel_locale: str | None) -> bytes:
+        """Return the bytes of a file with this name; those of a kind are made once."""
+        kind = (path.suffix.lower(), excel_locale)
+        if kind not in self._pages:
+            self._pages[kind] = _writer(path, excel_locale)(self.dossier)
+        return self._pages[kind]
 
 
 def report(
@@ -135,7 +146,8 @@ def report(
     and what ``table`` may be, are those of `analyze`. Errors as in `analyze`, `diagnose` and
     `TestReport.write`.
     """
-    write = None if to is None else _writer(Path(to), excel_locale)
+    if to is not None:
+        check_format(Path(to), excel_locale)
     options: dict[str, Any] = {
         "first_cycle_discarded": first_cycle_discarded,
         "cycles": cycles,
@@ -164,9 +176,11 @@ def report(
         gearboxes={} if described is None else _gearboxes(described),
         amendment=amendment,
     ).with_beside(measured.beside if measured and pose is None else Beside())
-    if to is not None and write is not None:
-        write_file(Path(to), write(dossier))
-    return TestReport(dossier, named(held), measured.tables if measured else tuple(paths_of(table)))
+    tables = measured.tables if measured else tuple(paths_of(table))
+    made = TestReport(dossier, named(held), tables)
+    if to is not None:
+        made.write(to, excel_locale=excel_locale)
+    return made
 
 
 def _amendment(run: Run, supersedes: str | None, reason: str | None) -> Amendment | None:

@@ -13,9 +13,9 @@ from scara_iso.reporting.digits import U_of_scatter, rounded
 from scara_iso.reporting.stated import NOT_STATED
 from scara_iso.run import Axis, Run
 
+_ANGLE = "the angle between the indicator and its axis (cosine error), "
 _OPEN = (
-    "Not in the budget, because no reading shows it: the angle between the indicator and its axis "
-    "(cosine error), the shape and wear of its tip, the stiffness of its stand, the temperature of "
+    "Not in the budget, because no reading shows it: {angle}the shape and wear of its tip, the stiffness of its stand, the temperature of "
     "robot and stand. They add to what is combined here."
 )
 _CORRECTED = (
@@ -76,9 +76,11 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
     )  # fmt: skip
     if any(line.u_calibration is None for line in lines):
         yield Text(_NO_CALIBRATION)
-    yield from _corrections(analysis.run)
+    run = analysis.run
+    yield from _corrections(run)
     yield Text(_WHAT_IT_IS)
-    yield Text(_OPEN)
+    stated = [run.metadata.get(f"corrected_{name}", "") for name in run.axes]
+    yield Text(_OPEN.format(angle="" if all("cosine" in text for text in stated) else _ANGLE))
 
 
 def _corrections(run: Run) -> Iterator[Text]:
