@@ -15,8 +15,8 @@ from scara_iso.run import Axis, Run
 
 _ANGLE = "the angle between the indicator and its axis (cosine error), "
 _OPEN = (
-    "Not in the budget, because no reading shows it: {angle}the shape and wear of its tip, the stiffness of its stand, the temperature of "
-    "robot and stand. They add to what is combined here."
+    "Not in the budget, because no reading shows it: {angle}the shape and wear of its tip, the "
+    "stiffness of its stand, the temperature of robot and stand. They add to what is combined here."
 )
 _CORRECTED = (
     "The calibration of {axes} holds the certificate's own uncertainty, that of its correction "
