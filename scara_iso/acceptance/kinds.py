@@ -7,6 +7,7 @@ from datetime import date, datetime
 from typing import Any
 
 from scara_iso.acceptance.whole_test import BOTH_SIDES, COUNTS, DISCARDED, ONE_SIDE
+from scara_iso.iso9283 import Limit
 from scara_iso.run import AXES
 from scara_iso.toml_keys import is_number
 
@@ -96,10 +97,19 @@ def _points(value: object) -> tuple[tuple[float, ...], ...]:
     return pairs
 
 
-def _by_figure(value: object) -> dict[str, float]:
+def _by_figure(value: object) -> dict[str, Limit]:
     if not isinstance(value, dict):
         raise ValueError("not by figure, such as { dAP = 0.02 }")
-    return {str(figure): _positive(one) for figure, one in value.items()}
+    return {str(figure): _limit(one) for figure, one in value.items()}
+
+
+def _limit(value: object) -> Limit:
+    if not isinstance(value, list):
+        return _positive(value)
+    ends = _several(_not_negative)(value)
+    if len(ends) != 2 or ends[0] >= ends[1]:
+        raise ValueError("not a smallest and a largest value, such as [0.20, 0.24]")
+    return ends
 
 
 def _by_axis(value: object) -> dict[str, float]:

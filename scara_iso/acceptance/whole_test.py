@@ -11,7 +11,7 @@ from datetime import date
 from itertools import product
 
 from scara_iso.dial import Correction
-from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule
+from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule, Limit
 
 DISCARDED, COUNTS = "discarded", "counts"
 DRIFT, PUSH = "drift", "push"
@@ -113,7 +113,7 @@ class PushTest:
     """A joint pushed to and fro; ``arm_m`` from it to dial and force [m]."""
 
     arm_m: float | None = None
-    limits: Mapping[str, float] = field(default_factory=dict)
+    limits: Mapping[str, Limit] = field(default_factory=dict)
     """By figure: lost_motion in arcmin of the joint, lost_motion_mm at the dial."""
 
 

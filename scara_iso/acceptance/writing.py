@@ -146,7 +146,8 @@ def _plain(one: Any) -> dict[str, Any]:
     for name in (item.name for item in fields(one)):
         value = getattr(one, name)
         if isinstance(value, Mapping):
-            value = {key: _number(each) for key, each in value.items()}
+            value = {key: [*map(_number, each)] if isinstance(each, tuple) else _number(each)
+                     for key, each in value.items()}  # fmt: skip
         if isinstance(value, tuple):
             value = [[*map(_number, each)] if isinstance(each, tuple) else _number(each)
                      for each in value]  # fmt: skip

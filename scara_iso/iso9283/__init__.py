@@ -17,7 +17,11 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.checks import in_brief as in_brief
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
-    from scara_iso.iso9283.conformity import Conformity as Conformity, DecisionRule as DecisionRule
+    from scara_iso.iso9283.conformity import (
+        Conformity as Conformity,
+        DecisionRule as DecisionRule,
+        Limit as Limit,
+    )
     from scara_iso.iso9283.cycles import (
         CYCLES_RUN as CYCLES_RUN,
         CYCLES_USED as CYCLES_USED,

@@ -6,6 +6,7 @@ converts itself: `report` says it and `render` shows it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
@@ -107,13 +108,15 @@ class LimitCheck:
     where it is proven, or where no number of cycles would."""
     unit: str = "mm"
     """Of figure, limit and interval."""
+    lower: float | None = None
+    """Smallest value that is allowed; None where only the largest is given."""
     interval_void: bool = False
     """Whether a finding says that the interval does not hold: then it proves nothing inside."""
 
     @property
     def inside(self) -> bool:
-        """Whether RP is at most the limit."""
-        return self.limit >= self.RP
+        """Whether RP is at most the limit, and at least the lower one."""
+        return self.limit >= self.RP and (self.lower is None or self.RP >= self.lower)
 
     @property
     def clear(self) -> bool:
@@ -125,11 +128,13 @@ class LimitCheck:
         """What the rule of `decision` makes of it."""
         if self.decision is DecisionRule.SIMPLE:
             return Conformity.PASS if self.inside else Conformity.FAIL
-        if self.interval is None or self.interval[0] <= self.limit < self.interval[1]:
+        if self.interval is None:
             return Conformity.NOT_PROVABLE
-        if self.interval[0] > self.limit:
+        low, high = self.interval
+        least = -math.inf if self.lower is None else self.lower
+        if low > self.limit or high < least:
             return Conformity.FAIL
-        return Conformity.PASS
+        return Conformity.PASS if least <= low and high <= self.limit else Conformity.NOT_PROVABLE
 
 
 def gravest(checks: Iterable[LimitCheck]) -> Conformity | None:

@@ -16,10 +16,10 @@ from scara_iso.acceptance import (
 from scara_iso.iso9283 import Analysis, Beside, Finding
 from scara_iso.render.json import (
     FINDING,
-    LIMIT,
     analysis_json,
     characteristic_json,
     each,
+    limits_json,
     plain,
 )
 
@@ -70,7 +70,7 @@ def conditions_json(
 def _beside(beside: Beside) -> dict[str, Any]:
     return {
         "characteristics": [characteristic_json(one) for one in beside.characteristics],
-        "limits": each(beside.limits, LIMIT),
+        "limits": limits_json(beside.limits),
         "conformity": plain(beside.conformity),
         "findings": each(beside.findings(), FINDING),
         "missing": list(beside.missing),

@@ -79,6 +79,13 @@ def table_of_limits(checks: Sequence[LimitCheck]) -> Iterator[Section]:
         yield Section("limits", (table,))
 
 
+def limit_cell(check: LimitCheck) -> Number | str:
+    """Return the limit, or the smallest and the largest value that are allowed."""
+    if check.lower is None:
+        return Number(check.limit, ".15g")
+    return f"{check.lower:.15g} to {check.limit:.15g}"
+
+
 def _interval_table(checks: Sequence[LimitCheck]) -> Table:
     rows = []
     for check in checks:
@@ -86,7 +93,7 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
         places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
         RP, *said = (Number(value, f".{places}f") for value in (check.RP, *ends))
         interval = Interval(*said) if said else "none"
-        limit, verdict = Number(check.limit, ".15g"), VERDICTS[check.verdict]
+        limit, verdict = limit_cell(check), VERDICTS[check.verdict]
         rows.append((_name(check), RP, interval, limit, verdict, _wanted(check)))
     header = ("limit of", _figure(checks), "95 % interval", "limit", "verdict", "cycles needed")
     return Table(header, tuple(rows), _FIGURES + _INTERVAL)
@@ -102,7 +109,7 @@ def _simple_table(checks: Sequence[LimitCheck]) -> Table:
             (
                 _name(check),
                 Number(check.RP, f".{places}f"),
-                Number(check.limit, ".15g"),
+                limit_cell(check),
                 guard,
                 VERDICTS[check.verdict] + near,
             )

@@ -21,6 +21,7 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.brief import figure_said, first_three
 from scara_iso.reporting.digits import decimals, interval, places_that_decide, rounded
+from scara_iso.reporting.limits import limit_cell
 from scara_iso.reporting.words import words
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
@@ -109,8 +110,7 @@ def _limits(checks: tuple[LimitCheck, ...]) -> Table:
         places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
         value, *said = (Number(x, f".{places}f") for x in (check.RP, *ends))
         between = Interval(*said) if said else "none"
-        limit = Number(check.limit, ".15g")
-        rows.append((check.figure, value, between, limit, check.verdict.value))
+        rows.append((check.figure, value, between, limit_cell(check), check.verdict.value))
     return Table(
         ("limit of", "figure", "95 % interval", "limit", "verdict"),
         tuple(rows),
