@@ -27,6 +27,7 @@ from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Origin, Run
 
 _SHOWN = 10
+_SEED = re.compile(r"&seed=[^&\s]*|(?<=\?)seed=[^&\s]*&?")
 _DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
 """What a record raises whose values are of another kind or size."""
 _THEN = ", then "
@@ -282,7 +283,7 @@ def _merged(first: Record, later: Record) -> Record:
 def _indicator(gauge: Record) -> str:
     unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
     identity = gauge["identity"]
-    if gauge["simulated"]:  # the options of a simulation, such as its seed, are no identity
-        plain = re.sub(r"sim:\S*", "sim:", identity)
+    if gauge["simulated"]:  # a seed is no identity
+        plain = _SEED.sub("", identity).replace("sim:? ", "sim: ")
         identity = _THEN.join(dict.fromkeys(plain.split(_THEN)))
     return f"{gauge['dialect']} {gauge['line']} at {identity}{unit}"
