@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from test_schemas import validator
 
 import scara_iso
 from scara_iso.acceptance import parse_test, read_folder, toml_of
@@ -124,6 +125,15 @@ def test_one_object_and_one_page_hold_their_figures(whole, tmp_path, capsys):
     assert all(words in rest for words in ("Drift at pose P1", "Push test of joint\\_2"))
     one = said(capsys, "analyze", whole, "--condition", "v100-l100")[1]
     assert {found["code"] for found in one["characteristics"]} == {"RP", "RP_rss"}
+
+
+def test_what_is_written_is_as_its_schema_says(whole, begun, capsys):
+    edit(begun, "velocities = [100]", "velocities = [100, 50]")
+    edit(begun, "lost_motion = 1.2", "lost_motion = [0.1, 1.2]")
+    for name, words in (("analyze", ["analyze"]), ("test-status", ["test", "status"])):
+        for folder in (whole, begun):
+            validator(name).validate(said(capsys, *words, folder)[1])
+    validator("test-conditions").validate(said(capsys, "report", begun)[1])
 
 
 def test_of_several_conditions_they_stand_beside(begun, tmp_path, capsys):

@@ -142,5 +142,13 @@ def test_a_folder_corrects_what_its_instruments_state(tmp_path, capsys):
     again = scara_iso.record(folder, gauge, trigger="timer:2", part="P1-v100-l100", repeat="again")
     assert again.axes["X"].readings == pytest.approx(wanted)
     assert scara_iso.analyze(folder).run.axes["X"].readings == pytest.approx(wanted)
+    scara_iso.record(folder, ["X=opto-rs232@sim:?pace=0&value=0.2&seed=4"], trigger="timer:2")
+    found = scara_iso.analyze(folder)  # two poses, each corrected by its own amounts
+    assert [one.pose for one in found.findings if one.code == "corrected"] == ["P1", "P2"]
     sections = document(scara_iso.report(folder).dossier).sections
-    assert "correction curve" in str([one for one in sections if one.heading.startswith("Uncert")])
+    budget = str([one for one in sections if one.heading.startswith("Uncert")])
+    assert "correction curve" in budget
+    assert "cosine error" not in budget
+    state([[0, 0]])
+    assert main(["test", "status", str(folder)]) == 65
+    assert "instrument.X" in capsys.readouterr().err

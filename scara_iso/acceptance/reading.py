@@ -28,6 +28,7 @@ from scara_iso.acceptance.whole_test import (
 from scara_iso.errors import DataError
 from scara_iso.files import read_toml
 from scara_iso.iso9283 import DecisionRule
+from scara_iso.quantities import Dimension
 from scara_iso.run import AXES
 from scara_iso.toml_keys import KeyFaults, is_number, section
 
@@ -167,6 +168,9 @@ def _check_together(test: WholeTest, faults: KeyFaults) -> None:
     for where, values in (("velocities", test.schedule.velocities), ("loads", test.schedule.loads)):
         if not values or len(set(values)) < len(values):
             faults.add(f"test.{where}", "give one or more, each once")
+    for axis, instrument in test.instruments.items():
+        for said in instrument.corrects.faults(Dimension.LENGTH):  # of theta: as it is read
+            faults.add(f"instrument.{axis}", said)
     if test.drift is not None and test.drift.pose not in test.poses:
         faults.add("drift.pose", f"no such pose: {', '.join(test.poses)}")
     if test.schedule.first_cycle == DISCARDED and test.schedule.cycles < 3:

@@ -140,10 +140,10 @@ def report_folder(
                    if one.run is not None and one.missing]  # fmt: skip
         for line in (*written, *(missing if place else ())):
             typer.echo(reporting.printable(line), err=as_json)
+    beside = read_beside(found[0].folder) if condition is None else Beside()
     if as_json:
-        _write_dossiers(found, [one.dossier for one in made])
-    beside = read_beside(found[0].folder).conformity if condition is None else None
-    _exit_by([*(one.analysis.conformity for one in made), beside])
+        _write_dossiers(found, [one.dossier for one in made], beside)
+    _exit_by([*(one.analysis.conformity for one in made), beside.conformity])
 
 
 def compare_folders(
@@ -232,7 +232,9 @@ def _write_report(
         yield f"{made.archive(packed, name=name, excel_locale=excel_locale)} is written"
 
 
-def _write_dossiers(found: Sequence[ConditionRun], dossiers: Sequence[Dossier]) -> None:
+def _write_dossiers(
+    found: Sequence[ConditionRun], dossiers: Sequence[Dossier], beside: Beside
+) -> None:
     from scara_iso.render import report_json
 
     documents = [report_json(dossier) for dossier in dossiers]
@@ -240,7 +242,7 @@ def _write_dossiers(found: Sequence[ConditionRun], dossiers: Sequence[Dossier]) 
         write_json(documents[0])
         return
     measured = [one for one in found if one.run is not None]
-    _write_conditions(list(map(_of_condition, measured, documents)))
+    _write_conditions(list(map(_of_condition, measured, documents)), beside)
 
 
 def _of_condition(one: ConditionRun, document: Mapping[str, Any]) -> dict[str, Any]:
@@ -249,8 +251,10 @@ def _of_condition(one: ConditionRun, document: Mapping[str, Any]) -> dict[str, A
     return {**named, "result": dict(document)}
 
 
-def _write_conditions(documents: Sequence[Mapping[str, Any]]) -> None:
-    write_json({"schema": "scara-iso/test-conditions/1", "conditions": list(documents)})
+def _write_conditions(documents: Sequence[Mapping[str, Any]], beside: Beside | None = None) -> None:
+    of_others = {} if beside is None else render.beside_json(beside)
+    document = {"schema": "scara-iso/test-conditions/1", "conditions": list(documents)}
+    write_json({**document, **of_others})
 
 
 def _say_missing(one: ConditionRun) -> None:

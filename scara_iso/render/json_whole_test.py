@@ -54,7 +54,9 @@ def conditions_json(
         for one, analysis in zip(conditions, analyses, strict=True)
     ]
     if len(documents) == 1:
-        return {**documents[0], "missing": [*documents[0]["missing"], *beside.missing]}
+        alone = beside_json(beside) if analyses[0] is None else {}
+        missing = [*documents[0]["missing"], *beside.missing]
+        return {**documents[0], **alone, "missing": missing}
     shared = ("schema", "unit", "source")
     return {
         **{key: documents[0][key] for key in shared},
@@ -63,11 +65,14 @@ def conditions_json(
              **{key: value for key, value in document.items() if key not in shared}}
             for one, document in zip(conditions, documents, strict=True)
         ],
-        **(_beside(beside) if beside else {}),
+        **beside_json(beside),
     }  # fmt: skip
 
 
-def _beside(beside: Beside) -> dict[str, Any]:
+def beside_json(beside: Beside) -> dict[str, Any]:
+    """Return the figures and findings of the tests beside the poses; nothing without any."""
+    if not beside:
+        return {}
     return {
         "characteristics": [characteristic_json(one) for one in beside.characteristics],
         "limits": limits_json(beside.limits),

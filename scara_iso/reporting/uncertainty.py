@@ -79,8 +79,15 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
     run = analysis.run
     yield from _corrections(run)
     yield Text(_WHAT_IT_IS)
-    stated = [run.metadata.get(f"corrected_{name}", "") for name in run.axes]
-    yield Text(_OPEN.format(angle="" if all("cosine" in text for text in stated) else _ANGLE))
+    yield Text(
+        _OPEN.format(angle="" if all(_is_aligned(run, name) for name in run.axes) else _ANGLE)
+    )
+
+
+def _is_aligned(run: Run, axis: str) -> bool:
+    """Whether the angle between plunger and axis is stated, and so in the budget."""
+    said = (text for key, text in run.metadata.items() if key.startswith(f"corrected_{axis}"))
+    return any("cosine" in text for text in said)
 
 
 def _corrections(run: Run) -> Iterator[Text]:

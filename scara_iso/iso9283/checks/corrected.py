@@ -19,7 +19,8 @@ _PREFIX = "corrected_"
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield what was corrected of each axis, and by how much."""
     for key, text in measured.run.metadata.items():
-        name = key.removeprefix(_PREFIX)
+        name, _, pose = key.removeprefix(_PREFIX).removesuffix("]").partition("[")
         axis = measured.run.axes.get(name)
         if key.startswith(_PREFIX) and axis is not None and axis.displayed is not None:
-            yield Finding(CODE, "info", f"every reading is corrected: {text}", name)
+            said = f"every reading is corrected: {text}"
+            yield Finding(CODE, "info", said, name, pose or None)
