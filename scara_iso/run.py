@@ -59,9 +59,15 @@ class Axis:
     resolution: float | None = None
     uncertainty: float | None = None
     command: Commanded = None
+    displayed: FloatArray | None = field(default=None, repr=False)
+    """The readings as the dial showed them, where `readings` are corrected; else None."""
+    certified: float | None = None
+    """The part of `uncertainty` that is of the certificate, where corrections add to it."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
+        if self.displayed is not None:
+            object.__setattr__(self, "displayed", _frozen(self.displayed, np.float64))
         if isinstance(self.command, Mapping):
             object.__setattr__(self, "command", MappingProxyType(dict(self.command)))
         for name in ("resolution", "uncertainty"):
@@ -73,6 +79,16 @@ class Axis:
     def unit(self) -> str:
         """Unit of readings and resolution: ``mm`` or ``deg``."""
         return self.dimension.value
+
+    @property
+    def shown(self) -> FloatArray:
+        """The readings on the dial's own divisions: as displayed, shape (rows,)."""
+        return self.readings if self.displayed is None else self.displayed
+
+    def take(self, rows: IntArray) -> Axis:
+        """Return the axis of some of the rows."""
+        displayed = None if self.displayed is None else self.displayed[rows]
+        return replace(self, readings=self.readings[rows], displayed=displayed)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -149,7 +165,7 @@ class Run(Displayed):
         labels = None if self.pose is None else self.pose[rows]
         one_pose = labels is None or len(set(labels.tolist())) == 1
         label = str(labels[0]) if labels is not None and one_pose and len(labels) else None
-        axes = {name: replace(a, readings=a.readings[rows]) for name, a in self.axes.items()}
+        axes = {name: a.take(rows) for name, a in self.axes.items()}
         if one_pose:
             axes = {n: replace(a, command=self.command_of(n, label)) for n, a in axes.items()}
         return replace(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.library.beside import read_beside as read_beside
     from scara_iso.library.conditions import (
         ConditionRun as ConditionRun,
         read_conditions as read_conditions,

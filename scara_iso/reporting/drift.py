@@ -40,7 +40,7 @@ def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
 def _moved(analysis: Analysis, course: DriftCourse) -> list[str]:
     label = course.pose.label
     mine = [one for one in analysis.characteristics if one.pose == label]
-    figures = [_largest(mine, code) for code in ("dAP", "dRP")]
+    figures = [largest_of(mine, code) for code in ("dAP", "dRP")]
     moved = [_said(one) for one in figures if one is not None]
     return [f"drift{'' if label is None else f' at {label}'}: {', '.join(moved[:1])}", *moved[1:]]
 
@@ -68,7 +68,7 @@ def _courses(analysis: Analysis) -> Sequence[DriftCourse]:
     return drift_courses(analysis.run, analysis.poses, analysis.block)
 
 
-def _largest(found: Sequence[Characteristic], code: str) -> Characteristic | None:
+def largest_of(found: Sequence[Characteristic], code: str) -> Characteristic | None:
     """Return the figure in space or in the plane, else the largest of an axis."""
     mine = {one.of: one for one in found if one.code == code}
     whole = next((mine[of] for of in _WHOLE if of in mine), None)

@@ -12,6 +12,7 @@ from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, nu
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
+from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout, Statement, read_preamble
 from scara_iso.tables.names import Column, Kind
@@ -50,7 +51,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
     scales = _scales(columns, statements, options, faults)
     faults.check()
-    run = _run(columns, lines, scales, statements, faults)
+    run = _corrected(_run(columns, lines, scales, statements, faults), faults)
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()
     texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
@@ -196,6 +197,13 @@ def _run(
         origin=Origin(faults.where),
         direction=direction,
     ).unwrapped()
+
+
+def _corrected(run: Run, faults: Faults) -> Run:
+    found, wrong = corrected(run)
+    for fault in wrong:
+        faults.add(fault, remedy="correct the statements above the table, or leave them out")
+    return found
 
 
 def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:

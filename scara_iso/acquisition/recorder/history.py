@@ -6,6 +6,7 @@ The table of every recording is made here, after a clean end as after a crash.
 from __future__ import annotations
 
 import math
+import re
 from array import array
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator
@@ -27,6 +28,7 @@ from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 
 _SHOWN = 10
+_SEED = re.compile(r"&seed=[^&\s]*|(?<=\?)seed=[^&\s]*&?")
 _DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
 """What a record raises whose values are of another kind or size."""
 _THEN = ", then "
@@ -281,4 +283,8 @@ def _merged(first: Record, later: Record) -> Record:
 
 def _indicator(gauge: Record) -> str:
     unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
-    return f"{gauge['dialect']} {gauge['line']} at {gauge['identity']}{unit}"
+    identity = gauge["identity"]
+    if gauge["simulated"]:  # a seed is no identity
+        plain = _SEED.sub("", identity).replace("sim:? ", "sim: ")
+        identity = _THEN.join(dict.fromkeys(plain.split(_THEN)))
+    return f"{gauge['dialect']} {gauge['line']} at {identity}{unit}"
