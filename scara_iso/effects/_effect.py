@@ -112,24 +112,17 @@ class Effect(ABC):
 
     def timed(self, conditions: Conditions, values: Values) -> dict[str, float]:
         """Return the times among ``values`` in seconds; none where no clock was recorded."""
-        interval = conditions.interval
-        if interval is None:
-            return {}
-        times = [p for p in self.parameters if p.timed and p.name in values]
-        return {p.in_seconds: float(values[p.name]) * interval for p in times}
+        times = [p for p in self.parameters if p.timed and p.name in values and conditions.interval]
+        return {p.in_seconds: float(values[p.name]) * (conditions.interval or 0) for p in times}
 
     def at_pace(self, conditions: Conditions, values: Values) -> dict[str, float | str]:
-        """Return ``values`` with the times that are given in seconds in cycles of these conditions.
-
-        Where no clock was recorded they stay what they are in cycles.
-        """
-        interval = conditions.interval
+        """Return ``values`` with times given in seconds in cycles, as far as there is a clock."""
         seconds = {p.in_seconds: p.name for p in self.parameters if p.timed}
         kept = {name: value for name, value in values.items() if name not in seconds}
-        if interval is None:
+        if conditions.interval is None:
             return kept
         given = {name: float(values[s]) for s, name in seconds.items() if s in values}
-        return kept | {name: value / interval for name, value in given.items()}
+        return kept | {name: value / conditions.interval for name, value in given.items()}
 
     def takes(self, column: str) -> bool:
         """Return whether the effect may act through a column of this name."""

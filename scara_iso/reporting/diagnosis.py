@@ -31,6 +31,7 @@ from scara_iso.reporting.unexplained import courses_said
 from scara_iso.reporting.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
+_UNSEEN = "cycles that the fit did not see, the choice of effect repeated"
 _SECONDS = "_s"
 """Ends the name of a time that is given in seconds beside that in cycles."""
 _DUST = 1e-9
@@ -221,6 +222,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
     before, after = diagnosis.error_before, diagnosis.error_after
     n, unseen = len(diagnosis.series.cycle), diagnosis.repeatability.unseen
     second = unseen is not None and unseen.of == SECOND
+    said = "the second table" if second else _UNSEEN
     yield Table(
         ("rms error", "before", "after", "held out, before", "held out, after"),
         tuple(
@@ -231,9 +233,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             )
             for axis in before.rms
         ),
-        "held out: on the second table"
-        if second
-        else "held out: on cycles that the fit did not see, the choice of effect repeated",
+        f"held out: on {said}",
     )
     RP = diagnosis.repeatability
     columns = (RP.measured, RP.model_before, RP.model_after, RP.with_effect_removed)
