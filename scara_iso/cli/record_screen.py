@@ -138,6 +138,8 @@ class Screen:
     def tell(self, said: Said) -> None:
         """Take what the session says."""
         self._take(said)
+        if isinstance(said, Watched):
+            self._warn(said)
         self._sound(said)
         self._stale = True
         self._redraw()
@@ -183,8 +185,6 @@ class Screen:
             case Paused(on=on):
                 self._paused = on
                 self._status = ("paused" if on else "goes on", "plain")
-            case Watched():
-                self._warn(said)
             case Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
                 short = said.cycles < said.planned

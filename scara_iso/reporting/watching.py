@@ -6,7 +6,7 @@ from scara_iso.acquisition import Watched
 from scara_iso.reporting.words import words
 
 _UNKNOWN = "look at robot, fixture and indicator"
-_GOES_ON = "It goes on until you end it; a test stopped early is no ISO 9283 test."
+_YOURS = "The recording goes on, and is yours to end; stopped early, it is no ISO 9283 test"
 
 
 def warning(watched: Watched) -> tuple[str, ...]:
@@ -18,11 +18,12 @@ def warning(watched: Watched) -> tuple[str, ...]:
     since = watched.since or 1
     named = {effect.name: effect for effect in find_effects()}
     effect = named.get(watched.effect or "")
-    likeliest = f"likeliest a {words(effect.name)}" if effect else "nothing known fits yet,"
+    likeliest = f"likeliest {words(effect.name)}" if effect else "nothing known fits yet"
     begun = f"since cycle {since}" if since > 2 else "from the start"
-    strike = f"; strike cycles {since}-{watched.cycle} or" if since > 2 else "; then"
+    do = effect.at_once if effect else _UNKNOWN
+    strike = f"strike cycles {since}-{watched.cycle}, or" if since > 2 else "then"
     return (
-        f"More than scatter: {likeliest} {begun} (evidence {watched.evidence:.3g}, alarm at 20)",
-        f"Now: {effect.at_once if effect else _UNKNOWN}{strike} start again",
-        _GOES_ON,
+        f"More than scatter: {likeliest}, {begun} (evidence {watched.evidence:.3g}, alarm at 20)",
+        f"{do[0].upper()}{do[1:]}; {strike} start again",
+        _YOURS,
     )
