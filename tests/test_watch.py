@@ -185,7 +185,7 @@ def test_a_watch_that_fails_ends_and_the_recording_goes_on(monkeypatch, tmp_path
 def test_exactly_one_test_governs_a_recording(monkeypatch, rng):
     called = []
     monkeypatch.setattr(monitoring, "look", lambda *_: called.append("looks") or 1.0)
-    monkeypatch.setattr(EProcess, "take", lambda *_: called.append("e-process") or 1.0)
+    monkeypatch.setattr(EProcess, "take", lambda *_: called.append("e-process") or np.ones(1))
     for planned, expected in ((31, {"looks"}), (None, {"e-process"}), (500, {"e-process"})):
         called.clear()
         monitor = Monitor(planned=planned, seed=1)
@@ -196,7 +196,7 @@ def test_exactly_one_test_governs_a_recording(monkeypatch, rng):
 
 def test_a_drift_test_has_an_open_length(monkeypatch):
     taken = []
-    monkeypatch.setattr(EProcess, "take", lambda _, ranks: taken.append(ranks) or 1.0)
+    monkeypatch.setattr(EProcess, "take", lambda _, ranks: taken.append(ranks) or np.ones(1))
     watch = Watcher(_job(axes="X", test="drift"), None, lambda _: None)
     say_cycles(watch, [0.1, 0.2, 0.1])
     assert len(taken) == 2
@@ -230,7 +230,7 @@ def test_a_bet_keeps_the_stake_where_nothing_acts(rng):
 
 def test_the_mean_of_the_evidence_stays_one_where_nothing_acts(rng):
     runs = 150
-    found = np.array([[e.take(rank) for rank in rng.random((5, 1))]
+    found = np.array([[e.take(rank)[0] for rank in rng.random((5, 1))]
                       for e in (EProcess(1) for _ in range(runs))])  # fmt: skip
     assert np.allclose(found[:, 0], 1)
     error = found.std(axis=0) / runs**0.5

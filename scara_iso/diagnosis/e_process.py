@@ -35,7 +35,7 @@ _LARGEST_LOG = 300.0
 
 
 class EProcess:
-    """The evidence of several channels, whose mean is an e-process however they hang together.
+    """The evidence of each of several channels; their mean is one too, however they hang together.
 
     `take` wants, reading by reading, each channel's rank among its own readings as a number from 0
     to 1, uniform within the rank.
@@ -48,8 +48,8 @@ class EProcess:
         self._before = np.zeros((courses, len(_GRID)))
         self._taken = 0
 
-    def take(self, ranks: FloatArray) -> float:
-        """Return the evidence with the next reading's ``ranks`` (channels,)."""
+    def take(self, ranks: FloatArray) -> FloatArray:
+        """Return the evidence (channels,) with the next reading's ``ranks`` (channels,)."""
         n = self._taken
         here = _courses_at(n)
         ahead = np.stack([np.interp(_GRID - size, _GRID, _normal()) for size in here])
@@ -63,15 +63,15 @@ class EProcess:
         self._taken = n + 1
         return self._evidence()
 
-    def _evidence(self) -> float:
-        """Return the mean over channels, directions, courses, and the cycles where a step began."""
+    def _evidence(self) -> FloatArray:
+        """Return the mean over directions, courses, and the cycles where a step began."""
         n = self._taken
         begun = _EARLY / (_EARLY + np.arange(n))
         weights = np.append(0.0, begun[:-1] - begun[1:])
-        steps = np.exp(np.minimum(self._steps, _LARGEST_LOG)).mean(axis=(0, 2, 3))
-        courses = np.exp(np.minimum(self._courses, _LARGEST_LOG)).mean(axis=(0, 1))
-        by_step = float(weights @ steps) + float(begun[-1])
-        return _STEP_WEIGHT * by_step + float(_course_weights() @ courses)
+        steps = np.exp(np.minimum(self._steps, _LARGEST_LOG)).mean(axis=(2, 3))
+        courses = np.exp(np.minimum(self._courses, _LARGEST_LOG)).mean(axis=1)
+        by_step = steps @ weights + begun[-1]
+        return np.asarray(_STEP_WEIGHT * by_step + courses @ _course_weights())
 
 
 def _cell(ranks: FloatArray) -> IntArray:

@@ -47,7 +47,12 @@ def look(values: FloatArray, noise: FloatArray, planned: int, rng: np.random.Gen
     hypotheses = _hypotheses(n)
     views = views_of(normal_scores(values, noise), hypotheses.basis)
     p = order_test(hypotheses, views, rng, permutations=_PERMUTATIONS).p_value
-    reached = -_NORMAL.inv_cdf(p) * (n / planned) ** 0.5 if p < 1 else -_BOUNDARY
+    return evidence_of(p, n / planned)
+
+
+def evidence_of(p: float, share: float) -> float:
+    """Return the evidence of a look's p-value after a ``share`` of the readings."""
+    reached = -_NORMAL.inv_cdf(min(p, 0.5)) * share**0.5
     return ALARM * _NORMAL.cdf(-_BOUNDARY) / _NORMAL.cdf(-reached)
 
 

@@ -84,9 +84,14 @@ class Monitor:
         return len(self._values)
 
     @property
+    def evidence(self) -> float:
+        """The largest evidence so far: an alarm from `ALARM` on."""
+        return self._evidence[-1] if self._evidence else _NOTHING
+
+    @property
     def suspicion(self) -> Suspicion:
         """What is known with the last cycle."""
-        evidence = self._evidence[-1] if self._evidence else _NOTHING
+        evidence = self.evidence
         if evidence < ALARM:
             return Suspicion(evidence)
         n = min(self.cycles - 1, _NAMED_FROM)
@@ -98,7 +103,7 @@ class Monitor:
         values, noise = np.array(self._values[1:]), np.array(self._noise[1:])
         if self._planned is None:
             self._e_process = self._e_process or EProcess(values.shape[1])
-            return self._e_process.take(_rank_of_last(values, noise, within))
+            return float(self._e_process.take(_rank_of_last(values, noise, within)).mean())
         if self._evidence[-1] >= ALARM or not is_look(len(values), self._planned):
             return _NOTHING
         rng = np.random.default_rng([self._seed, 0, len(values)])

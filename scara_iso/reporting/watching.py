@@ -6,7 +6,7 @@ from scara_iso.acquisition import Watched
 from scara_iso.reporting.words import words
 
 _UNKNOWN = "look at robot, fixture and indicator"
-_YOURS = "The recording goes on, and is yours to end; stopped early, it is no ISO 9283 test"
+_YOURS = "Nothing stops by itself; a test that is stopped early is no ISO 9283 test"
 
 
 def warning(watched: Watched) -> tuple[str, ...]:
