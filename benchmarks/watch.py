@@ -23,7 +23,7 @@ from scara_iso.diagnosis.looks import ALARM, _hypotheses, evidence_of, is_look, 
 from scara_iso.diagnosis.monitoring import Monitor
 from scara_iso.run import FloatArray
 
-RUNS, ORDERS, FEW_RUNS = 2000, 20_000, 200
+RUNS, ORDERS, FEW_RUNS = 2000, 20_000, 100
 PLANNED = 30
 SIGMA = 0.7
 """Scatter in divisions of the dial, where readings are rounded."""
@@ -117,9 +117,9 @@ def cusum(values: FloatArray) -> FloatArray:
 
 
 @cache
-def cusum_limit() -> float:
-    """Return the limit that 5 % of normal runs of the planned length reach."""
-    values = np.random.default_rng(0).normal(size=(ORDERS, PLANNED))
+def cusum_limit(scatter: str) -> float:
+    """Return the limit that 5 % of runs of the planned length reach in such scatter."""
+    values = SCATTER[scatter](np.random.default_rng(0), (ORDERS, PLANNED))
     return float(np.quantile(cusum(values).max(axis=1), 0.95))
 
 
@@ -135,7 +135,7 @@ def level() -> Iterator[str]:
             looks(values[:, :60], rng).max(axis=1) >= ALARM,
             e_process(values[:, :30], rng).max(axis=1) >= ALARM,
             e_process(values, rng).max(axis=1) >= ALARM,
-            cusum(values[:, :30]).max(axis=1) >= cusum_limit(),
+            cusum(values[:, :30]).max(axis=1) >= cusum_limit("normal"),
             p_values(values[:, :30], rng.random((RUNS, 30))) <= 1 / ALARM,
         ]
         yield f"| {name} | {' | '.join(f'{100 * one.mean():.1f}' for one in found)} |"
@@ -153,7 +153,7 @@ def found() -> Iterator[str]:
         cells = [
             _cell(by_looks >= ALARM, BEGINS[name]),
             _cell(e_process(values, rng) >= ALARM, BEGINS[name]),
-            _cell(cusum(values) >= cusum_limit(), BEGINS[name]),
+            _cell(cusum(values) >= cusum_limit("rounded, 0.7 division"), BEGINS[name]),
         ]
         used = _first(by_looks >= ALARM).mean()
         yield f"| {name} | {' | '.join(cells)} | {100 * fixed.mean():.0f} | {used:.1f} |"
@@ -190,7 +190,7 @@ def axes() -> Iterator[str]:
 def _alarms(together: float, size: float, moved: int, at: int, planned: int | None) -> np.ndarray:
     """Return for each run and reading whether there is an alarm."""
     rng = np.random.default_rng(at)
-    found = np.zeros((FEW_RUNS * (1 if size else 2), PLANNED), dtype=bool)
+    found = np.zeros((FEW_RUNS * (1 if size else 4), PLANNED), dtype=bool)
     for k, row in enumerate(found):
         common = rng.normal(size=(PLANNED + 1, 1)) * together**0.5
         values = common + rng.normal(size=(PLANNED + 1, 3)) * (1 - together) ** 0.5
