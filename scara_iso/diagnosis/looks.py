@@ -26,8 +26,8 @@ MOST_PLANNED = 60
 _FIRST, _EVERY = 10, 2
 _BOUNDARY = 2.05
 """A look after a share t of the readings is an alarm from the normal quantile of p that is this
-over the root of t. All looks together then reach it in 4.0 to 4.5 % of tests of 20 to 60 readings, and
-with several channels in no more than 5 % (benchmarks/watch.py)."""
+over the root of t. All looks together then reach it in 4.0 to 4.5 % of tests of 20 to 60 readings,
+and with several channels in no more than 5 % (benchmarks/watch.py)."""
 _PERMUTATIONS = 1999
 _NORMAL = NormalDist()
 
