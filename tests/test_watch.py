@@ -172,6 +172,13 @@ def test_an_angle_that_passes_zero_is_no_step(rng):
     assert last(turned).evidence > 1
 
 
+def test_an_empty_raw_file_is_gone_on_with(run, tmp_path):
+    (tmp_path / "run.raw.jsonl").write_bytes(b"")
+    code, events = run("run.csv", *X, *TIMER, "--watch", "--resume", "--cycles", "3")
+    assert code == 0
+    assert [event["cycle"] for event in watched(events)] == [1, 2, 3]
+
+
 def test_a_watch_that_fails_ends_and_the_recording_goes_on(monkeypatch, tmp_path):
     monkeypatch.setattr(Monitor, "take", lambda *_: 1 / 0)
     said = []

@@ -44,7 +44,8 @@ class Watcher:
     def __init__(self, job: Job, earlier: History | None, tell: Callable[[Said], None]) -> None:
         """``earlier`` is what a recording that is resumed holds."""
         self._tell = tell
-        self._head = _head_of(job) if earlier is None else _head_in(earlier.first_header)
+        begun = earlier.first_header if earlier else {}
+        self._head = _head_in(begun) if begun else _head_of(job)
         poses = self._head["poses"] or [None]
         self._channels: list[_Channel] = list(product(poses, self._head["axes"]))
         self._values: dict[int, dict[_Channel, float]] = {}
