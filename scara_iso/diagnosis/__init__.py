@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.held_out import HeldOut as HeldOut
     from scara_iso.diagnosis.hypothesis_set import HypothesisSet as HypothesisSet
+    from scara_iso.diagnosis.looks import ALARM as ALARM
     from scara_iso.diagnosis.marginal import marginal_tests as marginal_tests
+    from scara_iso.diagnosis.monitoring import Monitor as Monitor, Suspicion as Suspicion
     from scara_iso.diagnosis.permutation import order_test as order_test
     from scara_iso.diagnosis.planning import (
         Alike as Alike,

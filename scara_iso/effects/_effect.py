@@ -52,6 +52,8 @@ class Effect(ABC):
     parameters: tuple[Parameter, ...]
     cause: str
     confirm_by: str
+    at_once: str = "look at robot, fixture and indicator"
+    """What to do about it while the recording still runs."""
     needs: tuple[str, ...] = ()
     """Recorded columns through which it acts; one that ends in ``*`` leaves open which."""
     hidden_by: tuple[str, ...] = ()

@@ -39,6 +39,7 @@ EFFECT = KnownCourse(
     cause="motors, gears and links were still reaching their running temperature",
     confirm_by="run the robot for 60 minutes before the test, then start once more cold: the "
     "course must vanish and return",
+    at_once="let the robot run warm",
     test_weight=1.3,  # benchmarks/diagnosis.py, table power
     unsettled={
         linear_drift.EFFECT.name: "tau: the run is too short to tell a warm-up from a drift; run "

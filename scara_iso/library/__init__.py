@@ -44,5 +44,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.library.several import compare as compare
     from scara_iso.library.streams import visits as visits
+    from scara_iso.library.watching import Watcher as Watcher
 else:
     __getattr__ = face(__name__)

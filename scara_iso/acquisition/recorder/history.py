@@ -42,6 +42,8 @@ class History:
     def __init__(self, source: str) -> None:
         self.source = source
         self.header: Record = {}
+        self.first_header: Record = {}
+        """As it stands in the file, without what later sessions say."""
         self.tour = Tour()
         self.columns: dict[str, AxisReadings] = {}
         self.times = array("d")
@@ -148,6 +150,7 @@ class History:
         if not self.header:
             self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
             self.tour = Tour(tuple(map(str, record.get("poses", ()))))
+            self.first_header = record
         self.header = _merged(self.header, record) if self.header else record
         self._trigger = str(record["trigger"])
 
