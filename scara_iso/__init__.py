@@ -6,7 +6,8 @@
     0.01404
 
 There is one function for each command, with its options as keywords: `analyze`, `diagnose`,
-`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`, `visits`, `push`.
+`diagnose_many`, `gauge_study`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`,
+`visits`, `push`.
 Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
         compare as compare,
         diagnose as diagnose,
         diagnose_many as diagnose_many,
+        gauge_study as gauge_study,
         plan as plan,
         push as push,
         record as record,
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
         simulate as simulate,
         visits as visits,
     )
+    from scara_iso.measurement_system import GaugeStudy as GaugeStudy
     from scara_iso.robot import Backlash as Backlash, Crossing as Crossing, backlash as backlash
     from scara_iso.run import Axis as Axis, Run as Run
     from scara_iso.tables import read_table as read_table, write_table as write_table
@@ -70,6 +73,7 @@ __all__ = [
     "Diagnoses",
     "Diagnosis",
     "Finding",
+    "GaugeStudy",
     "PosePlan",
     "PoseResult",
     "RadialResult",
@@ -82,6 +86,7 @@ __all__ = [
     "compare",
     "diagnose",
     "diagnose_many",
+    "gauge_study",
     "plan",
     "push",
     "read_table",

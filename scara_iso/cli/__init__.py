@@ -30,12 +30,14 @@ CANNOT_WRITE = 74
 _ANYWHERE = ("--debug", "--no-color")
 
 GROUPS = {
-    "Measure": ("test", "plan", "ports", "record", "visits"),
+    "Measure": ("test", "plan", "ports", "record", "visits", "gauge-study"),
     "Understand": ("tables", "analyze", "diagnose", "compare", "push", "backlash"),
     "Report": ("report",),
     "Learn": ("demo", "explain", "simulate"),
 }
-COMMANDS = {name: f"scara_iso.cli.{name}" for names in GROUPS.values() for name in names}
+COMMANDS = {
+    name: f"scara_iso.cli.{name.replace('-', '_')}" for names in GROUPS.values() for name in names
+}
 WELCOME = """\
 scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
 
@@ -87,7 +89,7 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
         if hasattr(module, f"{name}_app"):
             app.add_typer(getattr(module, f"{name}_app"), name=name)
         else:
-            app.command(name)(getattr(module, f"{name}_command"))
+            app.command(name)(getattr(module, f"{name.replace('-', '_')}_command"))
     return app
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from scara_iso.library.diagnoses import Diagnoses as Diagnoses
     from scara_iso.library.figures import analyze as analyze
     from scara_iso.library.folders import new_test as new_test
+    from scara_iso.library.gauge_studies import gauge_study as gauge_study
     from scara_iso.library.inputs import (
         Table as Table,
         TableOptions as TableOptions,

@@ -224,10 +224,31 @@ class Predictions:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Curve:
+    """Points over a scale, shape (n,) both; ``joined`` by a line or not."""
+
+    name: str
+    x: FloatArray
+    y: FloatArray
+    joined: bool = True
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Chart:
+    """Curves in ``unit`` over one scale, and levels by name; ``ticks`` name 1, 2, 3 and so on."""
+
+    x_label: str
+    unit: str
+    curves: tuple[Curve, ...]
+    levels: Mapping[str, float]
+    ticks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Figure:
     """The data of a picture, one panel for each pose, and in words what is to be seen in it."""
 
-    data: Courses | Planes | Predictions | DriftPicture
+    data: Courses | Planes | Predictions | DriftPicture | Chart
     title: str
     caption: str
 
