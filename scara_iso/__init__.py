@@ -5,9 +5,9 @@
     >>> round(scara_iso.analyze(run).poses[0].axes["X"].RP, 5)
     0.01404
 
-There is one function for each command, with its options as keywords: `analyze`, `diagnose`,
-`diagnose_many`, `gauge_study`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`,
-`visits`, `push`.
+There is one function for each command, with its options as keywords: `analyze`, `analyze_many`,
+`diagnose`, `diagnose_many`, `fleet`, `gauge_study`, `compare`, `report`, `simulate`, `plan`,
+`backlash`, `record`, `visits`, `push`.
 Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
@@ -40,9 +40,11 @@ if TYPE_CHECKING:
         Diagnoses as Diagnoses,
         TestReport as TestReport,
         analyze as analyze,
+        analyze_many as analyze_many,
         compare as compare,
         diagnose as diagnose,
         diagnose_many as diagnose_many,
+        fleet as fleet,
         gauge_study as gauge_study,
         plan as plan,
         push as push,
@@ -82,10 +84,12 @@ __all__ = [
     "TestReport",
     "UsageError",
     "analyze",
+    "analyze_many",
     "backlash",
     "compare",
     "diagnose",
     "diagnose_many",
+    "fleet",
     "gauge_study",
     "plan",
     "push",

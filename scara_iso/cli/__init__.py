@@ -31,7 +31,7 @@ _ANYWHERE = ("--debug", "--no-color")
 
 GROUPS = {
     "Measure": ("test", "plan", "ports", "record", "visits", "gauge-study"),
-    "Understand": ("tables", "analyze", "diagnose", "compare", "push", "backlash"),
+    "Understand": ("tables", "analyze", "diagnose", "compare", "fleet", "push", "backlash"),
     "Report": ("report",),
     "Learn": ("demo", "explain", "simulate"),
 }

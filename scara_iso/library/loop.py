@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from scara_iso.diagnosis import (
 )
 from scara_iso.errors import ScaraIsoError
 from scara_iso.library.diagnoses import Diagnoses
+from scara_iso.library.engines import open_processes
 from scara_iso.library.inputs import TableOptions, Tables
 from scara_iso.library.models import described
 from scara_iso.reporting import Failure
@@ -87,15 +89,17 @@ def diagnose_many(
     all_count: bool = False,
     allow_gaps: bool = False,
     seed: int = SEED,
+    executor: Executor | None = None,
 ) -> Diagnoses:
     """Return the diagnosis of each of several unrelated tables, by number or by file name.
 
-    They are shared among as many processes as there are cores. A table that cannot be diagnosed
+    ``executor`` shares the work, any of `concurrent.futures` (a cluster's too), else as many
+    processes as there are cores; the result is the same. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`.
     """
     reading = TableOptions(unit, resolution, decimal, sheet, columns)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    each = diagnose_each(tables, model, reading, wanted, seed=seed)
+    each = diagnose_each(tables, model, reading, wanted, seed=seed, executor=executor)
     return Diagnoses(tuple(map(str, tables)), tuple(each))
 
 
@@ -106,10 +110,11 @@ def diagnose_each(
     wanted: CyclesWanted,
     *,
     seed: int,
+    executor: Executor | None = None,
 ) -> Iterator[Diagnosis | Failure]:
     """Yield the diagnoses of `diagnose_many`, as they come."""
     work = partial(_diagnose_one, model=model, reading=reading, wanted=wanted, seed=seed)
-    with ProcessPoolExecutor() as pool:
+    with nullcontext(executor) if executor is not None else open_processes() as pool:
         yield from pool.map(work, tables)
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         diagnosis_json as diagnosis_json,
         poses_diagnosis_json as poses_diagnosis_json,
     )
+    from scara_iso.render.json_fleet import fleet_json as fleet_json
     from scara_iso.render.json_gauge_study import gauge_study_json as gauge_study_json
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
