@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         ScaraIsoError as ScaraIsoError,
         UsageError as UsageError,
     )
+    from scara_iso.fleets import FleetSummary as FleetSummary
     from scara_iso.iso9283 import (
         Analysis as Analysis,
         AxisResult as AxisResult,
@@ -75,6 +76,7 @@ __all__ = [
     "Diagnoses",
     "Diagnosis",
     "Finding",
+    "FleetSummary",
     "GaugeStudy",
     "PosePlan",
     "PoseResult",

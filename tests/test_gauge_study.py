@@ -186,7 +186,9 @@ def test_a_dial_that_shows_one_value_has_no_figure_and_says_so(tmp_path, capsys)
     verdicts = {one["criterion"]: one["verdict"] for one in found["criteria"]}
     assert verdicts["Cg"] == "not-provable"
     assert verdicts["resolution/T"] == "fail"
-    assert found["axes"]["X"]["uncertainty"]["parts"]["u_RE"] == pytest.approx(0.01 / math.sqrt(12))
+    assert found["axes"]["X"]["uncertainty_budget"]["parts"]["u_RE"] == pytest.approx(
+        0.01 / math.sqrt(12)
+    )
     assert any("alike" in one["message"] for one in found["findings"])
 
 

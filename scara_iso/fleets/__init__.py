@@ -10,7 +10,7 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.fleets.dispatch import Engine as Engine
-    from scara_iso.fleets.parts import Reading as Reading
+    from scara_iso.fleets.parts import ReadAs as ReadAs
     from scara_iso.fleets.runs import FleetRun as FleetRun, run_fleet as run_fleet
     from scara_iso.fleets.summary import (
         FailedTable as FailedTable,

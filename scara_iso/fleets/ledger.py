@@ -22,7 +22,7 @@ _ANOTHER = "name another folder with -o, or remove this one"
 
 
 @dataclass(frozen=True, slots=True)
-class Done:
+class PartDone:
     """One part that was done: its input, and how many tables it gave."""
 
     part: str
@@ -32,7 +32,7 @@ class Done:
     error: str | None
 
 
-class Ledger:
+class PartLedger:
     """The manifest of an output folder, locked as long as it is open."""
 
     def __init__(self, folder: Path, version: str, options: Mapping[str, Any]) -> None:
@@ -60,7 +60,7 @@ class Ledger:
             self.close()
             raise
 
-    def _read(self, version: str, options: dict[str, Any]) -> dict[str, Done]:
+    def _read(self, version: str, options: dict[str, Any]) -> dict[str, PartDone]:
         data = self._path.read_bytes()
         whole = data[: data.rfind(b"\n") + 1]
         lines = [line for line in whole.splitlines() if line.strip()]
@@ -81,7 +81,7 @@ class Ledger:
                     f"is no manifest of this form, but {head.get('schema')!r}",
                     where=str(self._path), remedy=_ANOTHER,
                 )  # fmt: skip
-            found = {row["part"]: Done(**row) for row in rows}
+            found = {row["part"]: PartDone(**row) for row in rows}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise DataError(
                 f"is no manifest: {error}", where=str(self._path), remedy=_ANOTHER
@@ -96,9 +96,9 @@ class Ledger:
             os.truncate(self._path, len(whole))
         return found
 
-    def add(self, done: Done) -> None:
+    def add(self, done: PartDone) -> None:
         """Note that a part is done, once its result is on the disk."""
-        row = {name: getattr(done, name) for name in Done.__slots__}
+        row = {name: getattr(done, name) for name in PartDone.__slots__}
         self._add(row)
         self.done[done.part] = done
 

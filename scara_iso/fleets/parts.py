@@ -28,7 +28,7 @@ _NAMES = {name.lower(): name for name in AXES}
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ReadAs:
     """How the tables are to be read, where they do not state it."""
 
     unit: str | None = None
@@ -69,7 +69,7 @@ def digest(path: Path) -> str:
     return found.hexdigest()
 
 
-def tables_in(path: Path, reading: Reading) -> Iterator[FleetTable]:
+def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
     """Yield the tables of a part; one that cannot be read is yielded with its error.
 
     Raises `DataError` where the part itself cannot be read.
@@ -88,7 +88,7 @@ def tables_in(path: Path, reading: Reading) -> Iterator[FleetTable]:
         yield _single(path, reading)
 
 
-def _single(path: Path, reading: Reading) -> FleetTable:
+def _single(path: Path, reading: ReadAs) -> FleetTable:
     try:
         run = read_table(path, unit=reading.unit, resolution=reading.resolution)
     except ScaraIsoError as error:
@@ -112,7 +112,7 @@ def _head(path: Path) -> tuple[dict[str, str], str]:
 
 
 def _several(
-    path: Path, sql: str, statements: dict[str, str], reading: Reading
+    path: Path, sql: str, statements: dict[str, str], reading: ReadAs
 ) -> Iterator[FleetTable]:
     frame = fetched(sql, [str(path)], str(path))
     frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
@@ -131,7 +131,7 @@ def _several(
         yield FleetTable(robot, test, _run(rows.drop(columns=keys), attributes, where))
 
 
-def _axes(frame: Any, statements: dict[str, str], reading: Reading) -> dict[str, dict[str, Any]]:
+def _axes(frame: Any, statements: dict[str, str], reading: ReadAs) -> dict[str, dict[str, Any]]:
     """Return unit and resolution of each axis, where they are stated."""
     found: dict[str, dict[str, Any]] = {}
     for name in (name for name in AXES if name in frame.columns):

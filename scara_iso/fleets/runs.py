@@ -12,7 +12,7 @@ from typing import Any
 from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.fleets.database import connect, write_parquet
 from scara_iso.fleets.dispatch import Engine, done_by
-from scara_iso.fleets.ledger import Done, Ledger
+from scara_iso.fleets.ledger import PartDone, PartLedger
 from scara_iso.fleets.parts import digest, parts_of
 from scara_iso.fleets.work import FIGURES, PartResult, Task, examine
 
@@ -42,14 +42,14 @@ def run_fleet(
     """Have every part of ``source`` examined, and leave a Parquet file for each in ``to``.
 
     ``track`` may watch the results as they come. Raises `NoInputError` where no part is there, as
-    `Ledger`, `WriteError` for a full disk, and `DataError` where a worker is of another version.
+    `PartLedger`, `WriteError` for a full disk, `DataError` where a worker is of another version.
     """
     from scara_iso import __version__  # noqa: PLC0415 - the face of all
 
     connect().close()  # before anything is computed
     paths = {path.name: path for path in parts_of(source)}
     options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
-    with closing(Ledger(to, __version__, options)) as ledger:
+    with closing(PartLedger(to, __version__, options)) as ledger:
         (to / RESULTS).mkdir(exist_ok=True)
         missing = [name for name, path in paths.items() if not _is_done(ledger, to, name, path)]
         _forget(to, paths)
@@ -74,7 +74,7 @@ def result_path(to: Path, part: str) -> Path:
     return to / RESULTS / f"{part}.parquet"
 
 
-def _is_done(ledger: Ledger, to: Path, name: str, path: Path) -> bool:
+def _is_done(ledger: PartLedger, to: Path, name: str, path: Path) -> bool:
     done = ledger.done.get(name)
     if done is None or not (done.error or result_path(to, name).exists()):
         return False
@@ -111,12 +111,12 @@ def _version() -> str:
     return __version__
 
 
-def _keep(ledger: Ledger, to: Path, result: PartResult) -> None:
+def _keep(ledger: PartLedger, to: Path, result: PartResult) -> None:
     """Put the result on the disk, then the line that says so."""
     if result.error is None:
         write_parquet(result_path(to, result.part), _columns(result))
     failed = sum(row.error is not None for row in result.rows)
-    ledger.add(Done(result.part, result.sha256, len(result.rows), failed, result.error))
+    ledger.add(PartDone(result.part, result.sha256, len(result.rows), failed, result.error))
 
 
 def _columns(result: PartResult) -> dict[str, tuple[str, list[Any]]]:

@@ -13,7 +13,7 @@ from scara_iso.diagnosis import (
     close_the_loop_at_poses,
 )
 from scara_iso.errors import ScaraIsoError
-from scara_iso.fleets.parts import FleetTable, Reading, digest, tables_in
+from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
 from scara_iso.run import Run
 
 FIGURES = ("X", "Y", "Z", "theta", "XY", "XYZ")
@@ -23,7 +23,7 @@ FIGURES = ("X", "Y", "Z", "theta", "XY", "XYZ")
 class Task:
     """What is to be done with every part."""
 
-    reading: Reading
+    reading: ReadAs
     wanted: CyclesWanted
     seed: int = SEED
 

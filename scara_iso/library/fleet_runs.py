@@ -7,7 +7,7 @@ from pathlib import Path
 
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.errors import UsageError
-from scara_iso.fleets import FleetSummary, PartResult, Reading, Task, run_fleet, summarise
+from scara_iso.fleets import FleetSummary, PartResult, ReadAs, Task, run_fleet, summarise
 from scara_iso.library.engines import LOCAL, engine_of
 from scara_iso.quantities import parse_unit
 
@@ -46,7 +46,7 @@ def fleet(
     if unit is not None:
         parse_unit(unit)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    task = Task(Reading(unit, resolution), wanted, seed)
+    task = Task(ReadAs(unit, resolution), wanted, seed)
     with engine_of(engine, workers) as where:
         run = run_fleet(Path(source), Path(to), task, where, track=track)
     return summarise(run, level)

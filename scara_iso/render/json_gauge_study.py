@@ -63,7 +63,7 @@ def _axis(study: AxisStudy) -> Json:
         found["linearity"] = picked(figures, _LINEARITY)
     else:
         found["stability"] = picked(figures, _STABILITY)
-    found["uncertainty"] = None if study.budget is None else _budget(study.budget)
+    found["uncertainty_budget"] = None if study.budget is None else _budget(study.budget)
     return found
 
 
