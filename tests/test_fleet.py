@@ -221,6 +221,31 @@ def test_a_killed_client_goes_on_where_it_stopped(tmp_path, done):
     assert results(tmp_path / "o") == results(out)
 
 
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except OSError:
+        return False
+    state = Path(f"/proc/{pid}/stat")
+    return not state.exists() or state.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def test_processes_end_with_the_one_that_started_them():
+    program = (
+        "import os, time; from scara_iso.library.engines import open_processes; "
+        "pool = open_processes(1); print(pool.submit(os.getpid).result(), flush=True); "
+        "time.sleep(600)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        [sys.executable, "-c", program], env=environment, stdout=subprocess.PIPE, text=True
+    ) as client:
+        worker = int(client.stdout.readline())
+        assert alive(worker)
+        client.kill()
+    until(lambda: not alive(worker))
+
+
 @pytest.mark.cluster
 def test_a_cluster_whose_worker_and_client_are_killed_gives_the_same(tmp_path):
     distributed = pytest.importorskip("distributed")
