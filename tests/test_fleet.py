@@ -198,7 +198,7 @@ def started(*words):
     )  # fmt: skip
 
 
-def until(condition, seconds=60):
+def until(condition, seconds=180):
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "it did not come"
