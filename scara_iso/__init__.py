@@ -5,8 +5,9 @@
     >>> round(scara_iso.analyze(run).poses[0].axes["X"].RP, 5)
     0.01404
 
-There is one function for each command, with its options as keywords: `analyze`, `diagnose`,
-`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`, `visits`, `push`.
+There is one function for each command, with its options as keywords: `analyze`, `analyze_many`,
+`diagnose`, `diagnose_many`, `fleet`, `gauge_study`, `compare`, `report`, `simulate`, `plan`,
+`backlash`, `record`, `visits`, `push`.
 Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
         ScaraIsoError as ScaraIsoError,
         UsageError as UsageError,
     )
+    from scara_iso.fleets import FleetSummary as FleetSummary
     from scara_iso.iso9283 import (
         Analysis as Analysis,
         AxisResult as AxisResult,
@@ -39,9 +41,12 @@ if TYPE_CHECKING:
         Diagnoses as Diagnoses,
         TestReport as TestReport,
         analyze as analyze,
+        analyze_many as analyze_many,
         compare as compare,
         diagnose as diagnose,
         diagnose_many as diagnose_many,
+        fleet as fleet,
+        gauge_study as gauge_study,
         plan as plan,
         push as push,
         record as record,
@@ -49,6 +54,7 @@ if TYPE_CHECKING:
         simulate as simulate,
         visits as visits,
     )
+    from scara_iso.measurement_system import GaugeStudy as GaugeStudy
     from scara_iso.robot import Backlash as Backlash, Crossing as Crossing, backlash as backlash
     from scara_iso.run import Axis as Axis, Run as Run
     from scara_iso.tables import read_table as read_table, write_table as write_table
@@ -70,6 +76,8 @@ __all__ = [
     "Diagnoses",
     "Diagnosis",
     "Finding",
+    "FleetSummary",
+    "GaugeStudy",
     "PosePlan",
     "PoseResult",
     "RadialResult",
@@ -78,10 +86,13 @@ __all__ = [
     "TestReport",
     "UsageError",
     "analyze",
+    "analyze_many",
     "backlash",
     "compare",
     "diagnose",
     "diagnose_many",
+    "fleet",
+    "gauge_study",
     "plan",
     "push",
     "read_table",

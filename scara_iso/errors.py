@@ -101,6 +101,12 @@ class InstrumentError(ScaraIsoError):
     exit_code = 69
 
 
+class ServiceError(ScaraIsoError):
+    """A service, such as a cluster, that does not answer; exit code 69."""
+
+    exit_code = 69
+
+
 class CannotCreateError(ScaraIsoError):
     """An output file that cannot be created; exit code 73."""
 

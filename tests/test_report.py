@@ -352,7 +352,7 @@ def test_a_spelling_for_excel_wants_a_table(tmp_path, capsys):
 def test_another_ending_names_the_known_ones(tmp_path, capsys):
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.docx")]) == 2
     said = capsys.readouterr().err
-    assert ".csv, .html, .json, .md, .pdf, .xlsx" in said
+    assert ".csv, .dfq, .html, .json, .md, .pdf, .xlsx" in said
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "no" / "out.md")]) == 73
 
 
@@ -490,7 +490,7 @@ def test_the_uncertainty_budget_is_data(tmp_path, monkeypatch):
 
 
 def test_a_format_is_a_file_of_its_folder():
-    assert set(endings()) == {f".{kind}" for kind in KINDS}
+    assert set(endings()) == {".dfq", *(f".{kind}" for kind in KINDS)}  # AQDEF holds readings
     report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
     for ending in endings():
         render = find_format("report", ending.upper())

@@ -21,6 +21,7 @@ from scara_iso.cli import main
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
+GAUGE = Path(__file__).parent / "fixtures" / "gauge"
 MODEL = EXAMPLES / "fum_scara.toml"
 JOINT = ["backlash", "--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
 SCHEMAS = {
@@ -165,6 +166,22 @@ def reversals(path):
     return path
 
 
+def few_robots(folder):
+    """Write a robot that is there twice, and one that has too few cycles."""
+    folder.mkdir()
+    rows = [f"R1,{cycle},{0.001 * (cycle * 7 % 11):.3f}" for cycle in range(1, 32)]
+    lines = ["# unit: mm", "robot,cycle,X", *rows, "R2,1,0.5", ""]
+    for name, of_it in (("a", lines), ("b", lines[:-2])):
+        (folder / f"{name}.csv").write_text("\n".join([*of_it, ""]), encoding="utf-8")
+    return folder
+
+
+def sessions(path):
+    rows = [f"d{k // 3},{0.001 * (k * 7 % 11):.3f}" for k in range(12)]
+    path.write_text("\n".join(["# unit: mm", "day,X", *rows, ""]), encoding="utf-8")
+    return path
+
+
 @pytest.fixture(scope="session")
 def documents(tmp_path_factory):
     """Return what every command writes, by the name of its schema."""
@@ -229,6 +246,13 @@ def documents(tmp_path_factory):
             *written("diagnose", EXAMPLES / "scatter.csv", folder / "none.csv", code=66),
         ],
         "dialects": written("ports", "--dialects"),
+        "fleet": written("fleet", few_robots(folder / "robots"), "-o", folder / "out", code=65),
+        "gauge-study": [
+            *written("gauge-study", EXAMPLES / "dial_type_1.csv", "--tolerance", "0.04"),
+            *written("gauge-study", EXAMPLES / "dial_crossed.csv"),
+            *written("gauge-study", GAUGE / "aiag_linearity.csv"),
+            *written("gauge-study", sessions(folder / "sessions.csv"), "--tolerance", "5"),
+        ],
         "evidence": [evidence(short, folder / "evidence.zip")],
         "explain": [*written("explain"), *written("explain", "trend")],
         "plan": written("plan", MODEL),

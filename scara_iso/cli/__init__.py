@@ -75,7 +75,7 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
         if hasattr(module, f"{name}_app"):
             app.add_typer(getattr(module, f"{name}_app"), name=name)
         else:
-            app.command(name)(getattr(module, f"{name}_command"))
+            app.command(name)(getattr(module, f"{name.replace('-', '_')}_command"))
     return app
 
 

@@ -14,6 +14,8 @@ GROUPS = {
         "record": "Record indicators into a table for analyze; every stored reading is safe on the "
         "disk.",
         "visits": "Turn a stream of 50 to 500 samples a second into one reading for each visit.",
+        "gauge-study": "Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, "
+        "stability.",
     },
     "Understand": {
         "tables": "Show what is understood of a table, field by field, or why it is refused and "
@@ -23,6 +25,8 @@ GROUPS = {
         "after.",
         "compare": "Compare runs with the first: means and RP, with intervals, a test, and its "
         "power.",
+        "fleet": "Diagnose the tables of many robots; say which stand out though all were looked "
+        "at.",
         "push": "Take lost motion, friction and stiffness of a joint from a force loop and a dial.",
         "backlash": "Deviation of the load through a gear's backlash, by the paper's model.",
     },
@@ -37,4 +41,6 @@ GROUPS = {
         "simulate": "Write readings of a model with scatter, effects and rounding, as a table.",
     },
 }
-COMMANDS = {name: f"scara_iso.cli.{name}" for names in GROUPS.values() for name in names}
+COMMANDS = {
+    name: f"scara_iso.cli.{name.replace('-', '_')}" for names in GROUPS.values() for name in names
+}

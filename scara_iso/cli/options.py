@@ -114,32 +114,35 @@ _THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
 
 
 def parse_limits(texts: Sequence[str]) -> dict[str, float]:
-    """Return limits by figure, in any case; a decimal comma is read.
+    """Return limits by figure, as `parse_sizes`."""
+    return parse_sizes("--limit", texts, _LIMIT_REMEDY)
+
+
+def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, float]:
+    """Return sizes by figure or axis, in any case; a decimal comma is read.
 
     `UsageError` for one that is no length, can be read two ways, or is given twice.
     """
-    limits: dict[str, float] = {}
+    sizes: dict[str, float] = {}
     for text in texts:
         figure, equals, number = (part.strip() for part in text.rpartition("="))
         figure = _FIGURES.get(figure.lower(), figure)
         if equals and not figure:
-            raise UsageError(f"--limit {text!r} names no figure", remedy=_LIMIT_REMEDY)
-        value = _length(text, number)
-        if figure in limits:
-            raise UsageError(f"--limit {text!r}: this figure has a limit already")
-        limits[figure] = value
-    return limits
+            raise UsageError(f"{option} {text!r} names no figure", remedy=remedy)
+        value = _length(f"{option} {text!r}", number, remedy)
+        if figure in sizes:
+            raise UsageError(f"{option} {text!r}: this figure has one already")
+        sizes[figure] = value
+    return sizes
 
 
-def _length(text: str, number: str) -> float:
+def _length(said: str, number: str, remedy: str) -> float:
     from scara_iso.quantities import parse_number
 
     if _THOUSANDS.fullmatch(number):
         point, whole = number.replace(",", "."), number.replace(",", "")
-        raise UsageError(
-            f"--limit {text!r} can be read two ways", remedy=f"write {point} or {whole}"
-        )
+        raise UsageError(f"{said} can be read two ways", remedy=f"write {point} or {whole}")
     value = parse_number(_DECIMAL_COMMA.sub(r"\1.\2", number))
     if value is None:
-        raise UsageError(f"--limit {text!r} is not a length", remedy=_LIMIT_REMEDY)
+        raise UsageError(f"{said} is not a length", remedy=remedy)
     return value

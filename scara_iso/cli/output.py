@@ -14,7 +14,7 @@ from scara_iso.disk import write_file
 from scara_iso.errors import CannotCreateError, UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.reporting import Report
+    from scara_iso.reporting import Block, Report
 
 
 @dataclass(slots=True)
@@ -60,20 +60,20 @@ def write_report(report: Report) -> None:
 
 
 def _in_options(report: Report) -> Report:
-    from scara_iso.reporting import Notice, Text
-
     return tuple(
-        replace(
-            section,
-            blocks=tuple(
-                replace(block, text=as_options(block.text))
-                if isinstance(block, Text | Notice)
-                else block
-                for block in section.blocks
-            ),
-        )
-        for section in report
+        replace(section, blocks=tuple(map(_block_in_options, section.blocks))) for section in report
     )
+
+
+def _block_in_options(block: Block) -> Block:
+    from scara_iso.reporting import Notice, Table, Text
+
+    match block:
+        case Text() | Notice():
+            return replace(block, text=as_options(block.text))
+        case Table():
+            return replace(block, note=as_options(block.note))
+    return block
 
 
 def write_text(text: str, path: Path | None) -> None:

@@ -6,15 +6,14 @@ import math
 
 from scara_iso.errors import DataError, Fault, UsageError
 from scara_iso.force_loop.loop import ForceLoop
-from scara_iso.quantities import Dimension, Unit, parse_unit
+from scara_iso.quantities import Dimension, Unit
 from scara_iso.tables import (
     ColumnNames,
-    Mark,
     NamedColumns,
     Source,
-    parse_cell,
     read_columns,
-    read_unit,
+    stated_size,
+    stated_unit,
 )
 
 _REMEDY = "give the columns force_N and reading, with '# unit: mm' above them"
@@ -39,8 +38,8 @@ def read_loop(
         raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
     table = read_columns(source, _COLUMNS)
     faults: list[Fault] = []
-    found = _unit(table, unit, faults)
-    sizes = {key: _size(table, key, found, faults) for key in _SIZES}
+    found = _length(table, unit, faults)
+    sizes = {key: stated_size(table, key, found, faults) for key in _SIZES}
     if faults or found is None:
         count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
         raise DataError(
@@ -60,43 +59,9 @@ def read_loop(
     )
 
 
-def _unit(table: NamedColumns, option: str | None, faults: list[Fault]) -> Unit | None:
-    stated = {
-        "the header": table.units.get("reading"),
-        "# unit": table.statements.get("unit"),
-    }
-    found = {} if option is None else {"`unit=`": parse_unit(option)}
-    for place, text in stated.items():
-        if text is not None:
-            unit = read_unit(text)
-            if unit is None:
-                faults.append(Fault(f"{place}: unknown unit {text[:30]!r}", table.header_line))
-            else:
-                found[place] = unit
-    if not found and not faults:
-        faults.append(Fault("no unit stated for reading", table.header_line))
-    names = {unit.name for unit in found.values()}
-    if len(names) > 1:
-        said = ", ".join(f"{place} {unit.name}" for place, unit in found.items())
-        faults.append(Fault(f"the unit is stated in two ways: {said}", table.header_line))
-    for unit in found.values():
-        if unit.dimension is not Dimension.LENGTH:
-            faults.append(
-                Fault(f"a dial reads lengths, not {unit.name}; state `arm=`", table.header_line)
-            )
-            break
-    return next(iter(found.values()), None)
-
-
-def _size(table: NamedColumns, key: str, unit: Unit | None, faults: list[Fault]) -> float | None:
-    """Return what a statement of a size gives [mm], in the table's unit or in its own."""
-    text = table.statements.get(key)
-    if text is None or unit is None:
-        return None
-    number = parse_cell(text)
-    own = read_unit(number.unit) if number and number.unit else unit
-    doubtful = number is not None and number.mark in (Mark.EITHER, Mark.BOTH)
-    if number is None or own is None or doubtful or not 0 < number.value < math.inf:
-        faults.append(Fault(f"{key}: {text[:30]!r} is not a size above zero"))
-        return None
-    return own.to_base(number.value)
+def _length(table: NamedColumns, unit: str | None, faults: list[Fault]) -> Unit | None:
+    found = stated_unit(table, "reading", unit, faults)
+    if found is not None and found.dimension is not Dimension.LENGTH:
+        said = f"a dial reads lengths, not {found.name}; state `arm=`"
+        faults.append(Fault(said, table.header_line))
+    return found

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 from scara_iso import iso9283
+from scara_iso.errors import ScaraIsoError
 from scara_iso.iso9283 import Analysis, DecisionRule
+from scara_iso.library.engines import open_processes
 from scara_iso.library.inputs import TableOptions, Tables, paths_of
 
 
@@ -59,6 +65,26 @@ def analyze(
         return measured.beside.added_to(analysis)
     analysis = iso9283.analyze(reading.read(table), **options)
     return compared_with_its_manifest(analysis, table)
+
+
+def analyze_many(
+    tables: Sequence[str | Path], *, executor: Executor | None = None, **options: Any
+) -> list[Analysis | ScaraIsoError]:
+    """Return the analysis of each of several unrelated tables, in their order.
+
+    One that cannot be analysed gives its error. ``executor`` shares the work, as of
+    `concurrent.futures`, else processes of this machine; ``options`` are those of `analyze`.
+    """
+    work = partial(_analyze_one, options=options)
+    with nullcontext(executor) if executor is not None else open_processes() as pool:
+        return list(pool.map(work, map(str, tables)))
+
+
+def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoError:
+    try:
+        return analyze(table, **options)
+    except ScaraIsoError as error:
+        return error
 
 
 def compared_with_its_manifest(analysis: Analysis, table: Tables) -> Analysis:

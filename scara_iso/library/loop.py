@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 
@@ -18,6 +20,7 @@ from scara_iso.effects import OwnEffect
 from scara_iso.errors import ScaraIsoError
 from scara_iso.iso9283 import Analysis, poses_in_cycles
 from scara_iso.library.diagnoses import Diagnoses
+from scara_iso.library.engines import open_processes
 from scara_iso.library.inputs import TableOptions, Tables
 from scara_iso.library.models import OwnEffects, defined, described
 from scara_iso.reporting import Failure
@@ -93,15 +96,18 @@ def diagnose_many(
     allow_gaps: bool = False,
     seed: int = SEED,
     own_effects: str | Path | None = None,
+    executor: Executor | None = None,
 ) -> Diagnoses:
     """Return the diagnosis of each of several unrelated tables, by number or by file name.
 
-    They are shared among as many processes as there are cores. A table that cannot be diagnosed
+    ``executor`` shares the work, any of `concurrent.futures` (a cluster's too), else as many
+    processes as there are cores; the result is the same. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects`` is a file.
     """
     reading = TableOptions(unit, resolution, decimal, sheet, columns)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    each = diagnose_each(tables, (model, own_effects), reading, wanted, seed=seed)
+    files = (model, own_effects)
+    each = diagnose_each(tables, files, reading, wanted, seed=seed, executor=executor)
     return Diagnoses(tuple(map(str, tables)), tuple(each))
 
 
@@ -112,15 +118,14 @@ def diagnose_each(
     wanted: CyclesWanted,
     *,
     seed: int,
+    executor: Executor | None = None,
 ) -> Iterator[Diagnosis | Failure]:
     """Yield the diagnoses of `diagnose_many`, as they come.
 
     ``files`` are that of the model and that of the user's effects.
     """
-    from concurrent.futures import ProcessPoolExecutor
-
     work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
-    with ProcessPoolExecutor() as pool:
+    with nullcontext(executor) if executor is not None else open_processes() as pool:
         yield from pool.map(work, tables)
 
 

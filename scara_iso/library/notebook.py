@@ -8,10 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 from scara_iso.comparison import Comparison
 from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses
+from scara_iso.fleets import FleetSummary
 from scara_iso.iso9283 import Analysis, PosePlan, PushResult
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.reports import TestReport
-from scara_iso.render import find_format, plot_comparison, plot_diagnosis, plot_plan
+from scara_iso.measurement_system import GaugeStudy
+from scara_iso.render import (
+    find_format,
+    plot_comparison,
+    plot_diagnosis,
+    plot_gauge_study,
+    plot_plan,
+)
 from scara_iso.reporting import (
     Document,
     Report,
@@ -20,6 +28,8 @@ from scara_iso.reporting import (
     comparison_report,
     diagnosis_report,
     document,
+    fleet_report,
+    gauge_study_report,
     plan_report,
     poses_report,
     push_report,
@@ -41,6 +51,8 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
     Diagnoses: ("Diagnoses", lambda found: summary_report(found.names, found.found)),
     Diagnosis: ("Diagnosis", lambda found: diagnosis_report(found, "")),
     DiagnosisOfPoses: ("Diagnosis of several poses", lambda found: poses_report(found, "")),
+    FleetSummary: ("Fleet", fleet_report),
+    GaugeStudy: ("Gauge study", gauge_study_report),
     PosePlan: ("Plan of the test", plan_report),
     PushResult: ("Push test", push_report),
     Run: ("Readings", readings_report),
@@ -49,6 +61,7 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
 _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
     Comparison: plot_comparison,
     Diagnosis: plot_diagnosis,
+    GaugeStudy: plot_gauge_study,
     PosePlan: plot_plan,
 }
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.render.charts import plot_gauge_study as plot_gauge_study
     from scara_iso.render.comparison_plot import plot_comparison as plot_comparison
     from scara_iso.render.formats import endings as endings, find_format as find_format
     from scara_iso.render.formats.json import report_json as report_json
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
         diagnosis_json as diagnosis_json,
         poses_diagnosis_json as poses_diagnosis_json,
     )
+    from scara_iso.render.json_fleet import fleet_json as fleet_json
+    from scara_iso.render.json_gauge_study import gauge_study_json as gauge_study_json
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json

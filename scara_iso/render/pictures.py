@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scara_iso.render.charts import draw_chart
 from scara_iso.render.plots import AREA, ARM, EDGE, PLANE, SOLID
 from scara_iso.reporting import (
+    Chart,
     Course,
     Courses,
     DriftPicture,
@@ -70,6 +72,8 @@ def picture_size(figure: Figure) -> tuple[float, float]:
     """Return width and height of a figure in inches: half a page, or a page for several poses."""
     if isinstance(figure.data, DriftPicture):
         return (4.4, 2.3)
+    if isinstance(figure.data, Chart):
+        return (_PAGE, 2.9)
     columns, rows = _grid(figure.data)
     if columns == 1:
         return (4.4, 4.0) if isinstance(figure.data, Planes) else (4.4, 2.3)
@@ -101,6 +105,10 @@ def _drawn(figure: Figure) -> Drawing:
     if isinstance(figure.data, DriftPicture):
         drawing = Drawing(figsize=picture_size(figure))
         _draw_drift(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), figure.data)
+        return drawing
+    if isinstance(figure.data, Chart):
+        drawing = Drawing(figsize=picture_size(figure))
+        draw_chart(drawing.add_axes((0.10, 0.16, 0.88, 0.80)), figure.data)
         return drawing
     width, height = picture_size(figure)
     drawing = Drawing(figsize=(width, height))

@@ -65,13 +65,21 @@ if TYPE_CHECKING:
         page_report as page_report,
         pages as pages,
     )
+    from scara_iso.reporting.fleet import fleet_report as fleet_report
     from scara_iso.reporting.front import Amendment as Amendment
+    from scara_iso.reporting.gauge_pictures import study_picture as study_picture
+    from scara_iso.reporting.gauge_study import (
+        gauge_study_brief as gauge_study_brief,
+        gauge_study_report as gauge_study_report,
+    )
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.paper import paper_section as paper_section
     from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
     from scara_iso.reporting.plotted import (
+        Chart as Chart,
         Course as Course,
         Courses as Courses,
+        Curve as Curve,
         DriftPicture as DriftPicture,
         Plane as Plane,
         Planes as Planes,

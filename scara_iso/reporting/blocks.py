@@ -9,7 +9,7 @@ from scara_iso.iso9283 import Severity
 from scara_iso.run import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from scara_iso.reporting.plotted import Courses, DriftPicture, Planes, Predictions
+    from scara_iso.reporting.plotted import Chart, Courses, DriftPicture, Planes, Predictions
 
 Tone = Literal["plain", "quiet", "strong", "good", "warn", "bad"]
 
@@ -150,7 +150,7 @@ class Notice:
 class Figure:
     """The data of a picture, one panel for each pose, and in words what is to be seen in it."""
 
-    data: Courses | Planes | Predictions | DriftPicture
+    data: Courses | Planes | Predictions | DriftPicture | Chart
     title: str
     caption: str
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, Beside, not_measured
+from scara_iso.measurement_system import GaugeStudy
 from scara_iso.reporting.analysis import findings
 from scara_iso.reporting.appendix import appendix
 from scara_iso.reporting.beside import beside_readings, beside_sections, in_short
@@ -72,8 +73,8 @@ class Document:
 
     title: str
     sections: Report
-    source: Dossier | None = None
-    """None where it is not about a whole test."""
+    source: Dossier | GaugeStudy | None = None
+    """None where it is about neither a whole test nor a gauge study."""
     simulated: bool = False
     """Whether the readings are of no dial."""
 

@@ -85,3 +85,24 @@ class Predictions:
     unit: str
     panels: tuple[Prediction, ...]
     span: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Curve:
+    """Points over a scale, shape (n,) both; ``joined`` by a line or not."""
+
+    name: str
+    x: FloatArray
+    y: FloatArray
+    joined: bool = True
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Chart:
+    """Curves in ``unit`` over one scale, and levels by name; ``ticks`` name 1, 2, 3 and so on."""
+
+    x_label: str
+    unit: str
+    curves: tuple[Curve, ...]
+    levels: Mapping[str, float]
+    ticks: tuple[str, ...] = ()

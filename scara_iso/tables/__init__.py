@@ -30,15 +30,14 @@ if TYPE_CHECKING:
         NamedColumns as NamedColumns,
         read_columns as read_columns,
     )
-    from scara_iso.tables.names import read_unit as read_unit
-    from scara_iso.tables.numbers import (
-        Mark as Mark,
-        parse_cell as parse_cell,
-        parse_clean as parse_clean,
-    )
+    from scara_iso.tables.numbers import parse_clean as parse_clean
     from scara_iso.tables.parts import PosePart as PosePart, merge as merge, pose_in as pose_in
     from scara_iso.tables.read import read_table as read_table
     from scara_iso.tables.source import Source as Source, read_bytes as read_bytes
+    from scara_iso.tables.stated_sizes import (
+        stated_size as stated_size,
+        stated_unit as stated_unit,
+    )
     from scara_iso.tables.statements import is_of_axes as is_of_axes
     from scara_iso.tables.write import write_table as write_table
 else:

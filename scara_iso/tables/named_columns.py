@@ -6,7 +6,7 @@ import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -45,10 +45,14 @@ class ColumnNames:
     positive: frozenset[str] = frozenset()
     with_unit: frozenset[str] = frozenset()
     """Columns that may state their unit: ``reading_mm``, ``reading [um]``."""
+    labels: frozenset[str] = frozenset()
+    """Columns of names, which are text: ``operator``."""
+    aliases: Mapping[str, str] = field(default_factory=dict)
+    """Other spellings of a header, in lower case."""
 
     def find(self, cell: Cell) -> tuple[str | None, str]:
         """Return the column that a header cell names, None for another, and the unit it states."""
-        known = {name.lower(): name for name in (*self.needed, *self.optional)}
+        known = {name.lower(): name for name in (*self.needed, *self.optional)} | dict(self.aliases)
         text = clean(str(cell))
         if text.lower() in known:
             return known[text.lower()], ""
@@ -76,6 +80,8 @@ class NamedColumns:
     source: str
     header_line: int
     left_out: tuple[str, ...]
+    labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """The columns of names, as text."""
 
 
 def read_columns(source: Source, names: ColumnNames) -> NamedColumns:
@@ -94,9 +100,12 @@ def read_columns(source: Source, names: ColumnNames) -> NamedColumns:
     if not 2 <= len(rows) <= _MOST_ROWS:
         raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
     faults = Faults(where, names.what)
-    values = _columns(rows, names, faults)
+    (header_line, header), *body = rows
+    found_names = _named(rows[0], names, faults)
+    whole = [row for row in body if _is_whole(row, len(header), faults)]
+    values = _columns(whole, found_names, names, faults)
+    labels = _labels(whole, found_names, names, faults)
     faults.check()
-    (header_line, header), *_ = rows
     stated = dict(names.find(cell) for cell in header)
     return NamedColumns(
         values=values,
@@ -105,6 +114,7 @@ def read_columns(source: Source, names: ColumnNames) -> NamedColumns:
         source=where,
         header_line=header_line,
         left_out=tuple(clean(str(c)) for c in header if names.find(c)[0] is None),
+        labels=labels,
     )
 
 
@@ -164,23 +174,49 @@ def _is_row(cells: Sequence[Cell]) -> bool:
     return any(texts) and not is_comment(texts[0].lstrip('"'))
 
 
-def _columns(rows: _Rows, names: ColumnNames, faults: Faults) -> dict[str, FloatArray]:
-    (header_line, header), *body = rows
-    found = [names.find(cell)[0] for cell in header]
+def _named(
+    header: tuple[int, Sequence[Cell]], names: ColumnNames, faults: Faults
+) -> list[str | None]:
+    """Return the column that each cell of the header names."""
+    line, cells = header
+    found = [names.find(cell)[0] for cell in cells]
     for missing in (n for n in names.needed if n not in found):
-        faults.add(f"column {missing} is missing", header_line, remedy=names.remedy)
+        faults.add(f"column {missing} is missing", line, remedy=names.remedy)
     for name in (n for n in (*names.needed, *names.optional) if found.count(n) > 1):
-        faults.add(f"column {name} is there twice", header_line, remedy=names.remedy)
-    whole = [row for row in body if _is_whole(row, len(header), faults)]
+        faults.add(f"column {name} is there twice", line, remedy=names.remedy)
+    return found
+
+
+def _columns(
+    whole: _Rows, found: Sequence[str | None], names: ColumnNames, faults: Faults
+) -> dict[str, FloatArray]:
     marks: _Marks = {}
     values = {
         name: np.array([_value(name, cells[k], (line, k + 1), names, marks, faults)
                         for line, cells in whole])
         for k, name in enumerate(found)
-        if name
+        if name and name not in names.labels
     }  # fmt: skip
     _check_marks(marks, faults)
     return values
+
+
+def _labels(
+    whole: _Rows, found: Sequence[str | None], names: ColumnNames, faults: Faults
+) -> dict[str, tuple[str, ...]]:
+    labels: dict[str, tuple[str, ...]] = {}
+    for k, name in enumerate(found):
+        if name in names.labels and name is not None:
+            texts = [(line, _label(cells[k])) for line, cells in whole]
+            labels[name] = tuple(text for _, text in texts)
+            for line in (line for line, text in texts if not text):
+                faults.add(f"{name}: the cell is empty", line, k + 1, remedy="write its name")
+    return labels
+
+
+def _label(cell: Cell) -> str:
+    """Return a name as text; a workbook gives 3 as 3.0."""
+    return f"{cell:.15g}" if isinstance(cell, float) else clean(str(cell))
 
 
 def _is_whole(row: tuple[int, Sequence[Cell]], width: int, faults: Faults) -> bool:

@@ -5,16 +5,23 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from scara_iso.errors import UsageError
+from scara_iso.measurement_system import GaugeStudy
 from scara_iso.render.json import Json, analysis_json, to_text
 from scara_iso.render.json_diagnosis import backlash_json, diagnosis_json
+from scara_iso.render.json_gauge_study import gauge_study_json
 from scara_iso.reporting import Document, Dossier, Failure, head, uncertainty_budget
 
 
 def render(document: Document) -> bytes:
-    """Return the object as one line; `UsageError` for what is not about a whole test."""
-    if document.source is None:
-        raise UsageError(f"{document.title}: only the report of a whole test is written as JSON")
-    return f"{to_text(report_json(document.source))}\n".encode()
+    """Return the object as one line; `UsageError` for what is neither a whole test nor a study."""
+    match document.source:
+        case Dossier():
+            found = report_json(document.source)
+        case GaugeStudy():
+            found = gauge_study_json(document.source)
+        case _:
+            raise UsageError(f"{document.title}: only a whole test or a study is written as JSON")
+    return f"{to_text(found)}\n".encode()
 
 
 def report_json(dossier: Dossier) -> Json:

@@ -1,0 +1,92 @@
+"""``scara-iso fleet``: the tables of many robots, on this machine or a cluster."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from scara_iso.cli.options import (
+    AllCount,
+    AllowGaps,
+    AsJson,
+    CyclesRun,
+    FirstDiscarded,
+    Full,
+    ResolutionOfTable,
+    UnitOfTable,
+)
+from scara_iso.cli.output import settings, write_json, write_report
+
+if TYPE_CHECKING:
+    from scara_iso.fleets import PartResult
+
+UNREADABLE = 65
+Source = Annotated[
+    str,
+    typer.Argument(
+        metavar="SOURCE",
+        help="Folder of .parquet or .csv with the columns robot, test, pose, cycle, X, Y, ..; or "
+        "of a table for each robot.",
+    ),
+]
+Output = Annotated[
+    Path,
+    typer.Option("-o", "--output", metavar="DIR", help="Folder of the results; it is gone on."),
+]
+EngineName = Annotated[
+    str,
+    typer.Option("--engine", metavar="WHERE", help="local, or dask://HOST:PORT of a scheduler."),
+]
+Workers = Annotated[
+    int | None, typer.Option(metavar="N", help="Processes of local; else the cores.", min=1)
+]
+Level = Annotated[float, typer.Option(help="False discovery rate among the robots named.")]
+
+
+def fleet_command(
+    source: Source,
+    output: Output,
+    *,
+    engine: EngineName = "local",
+    workers: Workers = None,
+    level: Level = 0.05,
+    unit: UnitOfTable = None,
+    resolution: ResolutionOfTable = None,
+    first_cycle_discarded: FirstDiscarded = False,
+    cycles: CyclesRun = None,
+    all_count: AllCount = False,
+    allow_gaps: AllowGaps = False,
+    full: Full = False,
+    json: AsJson = False,
+) -> None:
+    """Diagnose the tables of many robots; say which stand out though all were looked at.
+
+    Example: scara-iso fleet tables -o results --engine local
+
+    The same command again goes on where one that died stopped.
+    """
+    from scara_iso.library import fleet
+    from scara_iso.render import open_console, track
+
+    def watched(each: Iterator[PartResult], count: int) -> Iterator[PartResult]:
+        return iter(track(each, count, open_console(sys.stderr, no_color=settings.no_color)))
+
+    found = fleet(
+        source, output, engine=engine, workers=workers, level=level, unit=unit,
+        resolution=resolution, first_cycle_discarded=first_cycle_discarded, cycles=cycles,
+        all_count=all_count, allow_gaps=allow_gaps, track=watched,
+    )  # fmt: skip
+    if json:
+        from scara_iso.render import fleet_json
+
+        write_json(fleet_json(found))
+    else:
+        from scara_iso.reporting import fleet_report
+
+        write_report(fleet_report(found, full=full))
+    if found.failed or found.run.failed:
+        raise typer.Exit(UNREADABLE)

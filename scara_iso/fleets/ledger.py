@@ -1,0 +1,120 @@
+"""What is done of a fleet's parts, on the disk: a run that died goes on where it stopped.
+
+A line for each part, added after its result is there. A part counts as done where the bytes that
+it was made from are those of today, and its result is there; all else is done again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from scara_iso.disk import SystemDisk, write_whole
+from scara_iso.errors import CannotCreateError, DataError, WriteError
+
+SCHEMA = "scara-iso/fleet-manifest/1"
+NAME = "manifest.jsonl"
+_ANOTHER = "name another folder with -o, or remove this one"
+
+
+@dataclass(frozen=True, slots=True)
+class PartDone:
+    """One part that was done: its input, and how many tables it gave."""
+
+    part: str
+    sha256: str
+    tables: int
+    failed: int
+    error: str | None
+
+
+class PartLedger:
+    """The manifest of an output folder, locked as long as it is open."""
+
+    def __init__(self, folder: Path, version: str, options: Mapping[str, Any]) -> None:
+        """Open or begin the manifest.
+
+        Raises `DataError` where it is of another version or other options, `CannotCreateError`
+        where it cannot be there or another run has it.
+        """
+        self._disk, self._path = SystemDisk(), folder / NAME
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._file = self._disk.open(self._path, new=False)
+        except BlockingIOError as error:
+            raise CannotCreateError(
+                "another run writes here", where=str(folder), remedy="wait for it"
+            ) from error
+        except OSError as error:
+            raise CannotCreateError(
+                f"cannot be written: {error.strerror}", where=str(folder),
+                remedy="name another folder",
+            ) from error  # fmt: skip
+        try:
+            self.done = self._read(version, dict(options))
+        except BaseException:
+            self.close()
+            raise
+
+    def _read(self, version: str, options: dict[str, Any]) -> dict[str, PartDone]:
+        data = self._path.read_bytes()
+        whole = data[: data.rfind(b"\n") + 1]
+        lines = [line for line in whole.splitlines() if line.strip()]
+        if not lines:
+            others = [path.name for path in self._path.parent.iterdir() if path.name != NAME]
+            if others:
+                self._path.unlink()
+                raise CannotCreateError(
+                    f"is not empty: {others[0]}", where=str(self._path.parent),
+                    remedy="name another folder",
+                )  # fmt: skip
+            self._add({"schema": SCHEMA, "version": version, "options": options})
+            return {}
+        try:
+            head, *rows = map(json.loads, lines)
+            if head.get("schema") != SCHEMA:
+                raise DataError(
+                    f"is no manifest of this form, but {head.get('schema')!r}",
+                    where=str(self._path), remedy=_ANOTHER,
+                )  # fmt: skip
+            found = {row["part"]: PartDone(**row) for row in rows}
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise DataError(
+                f"is no manifest: {error}", where=str(self._path), remedy=_ANOTHER
+            ) from error
+        for key, mine in (("version", version), ("options", options)):
+            if head.get(key) != mine:
+                raise DataError(
+                    f"was begun with {key} {head.get(key)}, and this is {mine}",
+                    where=str(self._path), remedy=_ANOTHER,
+                )  # fmt: skip
+        if len(whole) < len(data):  # a line that a kill left unfinished
+            os.truncate(self._path, len(whole))
+        return found
+
+    def add(self, done: PartDone) -> None:
+        """Note that a part is done, once its result is on the disk."""
+        row = {name: getattr(done, name) for name in PartDone.__slots__}
+        self._add(row)
+        self.done[done.part] = done
+
+    def _add(self, row: Mapping[str, Any]) -> None:
+        self._write(json.dumps(row).encode() + b"\n")
+
+    def _write(self, data: bytes) -> None:
+        try:
+            write_whole(self._disk, self._file, data)
+            self._disk.sync(self._file)
+        except OSError as error:
+            raise WriteError(
+                f"cannot be written: {error.strerror or error}", where=str(self._path),
+                remedy="make room; the same command goes on where it stopped",
+            ) from error  # fmt: skip
+
+    def close(self) -> None:
+        """Let another run have it."""
+        self._disk.close(self._file)

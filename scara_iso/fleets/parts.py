@@ -1,0 +1,163 @@
+"""The parts of a fleet's tables, and the tables of a part.
+
+A part is a Parquet file, or a CSV file, with the columns robot and X, Y, Z or theta, and as they
+are there test, pose, cycle and any other; or a table of one robot as `read_table` takes it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from scara_iso.errors import DataError, NoInputError, ScaraIsoError
+from scara_iso.files import open_file
+from scara_iso.fleets.database import fetched
+from scara_iso.pose_columns import POSE_NAMES
+from scara_iso.quantities import parse_number
+from scara_iso.run import AXES, Run
+from scara_iso.tables import read_table
+
+_ENDINGS = (".csv", ".parquet")
+_HEAD, _BLOCK = 64_000, 1 << 20
+_STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
+_NAMES = {name.lower(): name for name in AXES}
+
+
+@dataclass(frozen=True, slots=True)
+class ReadAs:
+    """How the tables are to be read, where they do not state it."""
+
+    unit: str | None = None
+    resolution: float | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FleetTable:
+    """One table: whose it is, and its readings, or why there are none."""
+
+    robot: str
+    test: str
+    run: Run | ScaraIsoError
+
+
+def parts_of(source: Path) -> list[Path]:
+    """Return the parts in a folder by name; `NoInputError` where there is none."""
+    if not source.is_dir():
+        raise NoInputError("is no folder", where=str(source), remedy="name the folder of the parts")
+    found = sorted(
+        path
+        for path in source.iterdir()
+        if path.suffix.lower() in _ENDINGS and not path.name.startswith(".")
+    )
+    if not found:
+        raise NoInputError(
+            "holds no .csv and no .parquet", where=str(source), remedy="put the parts there"
+        )
+    return found
+
+
+def digest(path: Path) -> str:
+    """Return the SHA-256 of a file; raises as `open_file`."""
+    found = hashlib.sha256()
+    with open_file(path) as file:
+        while block := file.read(_BLOCK):
+            found.update(block)
+    return found.hexdigest()
+
+
+def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
+    """Yield the tables of a part; one that cannot be read is yielded with its error.
+
+    Raises `DataError` where the part itself cannot be read.
+    """
+    if path.suffix.lower() == ".parquet":
+        yield from _several(path, "SELECT * FROM read_parquet(?)", {}, reading)
+        return
+    statements, header = _head(path)
+    if "robot" in [name.strip().strip('"').lower() for name in header.split(",")]:
+        sql = (
+            "SELECT * FROM read_csv(?, header=true, delim=',', comment='#', all_varchar=true, "
+            "ignore_errors=false)"
+        )
+        yield from _several(path, sql, statements, reading)
+    else:
+        yield _single(path, reading)
+
+
+def _single(path: Path, reading: ReadAs) -> FleetTable:
+    try:
+        run = read_table(path, unit=reading.unit, resolution=reading.resolution)
+    except ScaraIsoError as error:
+        return FleetTable(path.stem, "", error)
+    robot = run.metadata.get("serial_number") or run.metadata.get("robot") or path.stem
+    return FleetTable(robot, run.metadata.get("test", path.stem), run)
+
+
+def _head(path: Path) -> tuple[dict[str, str], str]:
+    """Return the ``# key: value`` lines in front of a table, and its header."""
+    with open_file(path) as file:
+        text = file.read(_HEAD).decode("utf-8-sig", "replace")
+    found: dict[str, str] = {}
+    for line in text.splitlines():
+        stated = _STATEMENT.match(line)
+        if stated:
+            found[stated[1].lower().replace(" ", "_")] = stated[2].strip()
+        elif line.strip() and not line.startswith("#"):
+            return found, line
+    return found, ""
+
+
+def _several(
+    path: Path, sql: str, statements: dict[str, str], reading: ReadAs
+) -> Iterator[FleetTable]:
+    frame = fetched(sql, [str(path)], str(path))
+    frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
+    if "robot" not in frame.columns:
+        raise DataError("has no column robot", where=str(path), remedy="name the robot of each row")
+    nameless = int(frame["robot"].isna().sum())
+    if nameless:
+        raise DataError(
+            f"{nameless} rows name no robot", where=str(path), remedy="name the robot of each row"
+        )
+    attributes = {"axes": _axes(frame, statements, reading), "metadata": statements}
+    keys = ["robot", "test"] if "test" in frame.columns else ["robot"]
+    for key, rows in frame.groupby(keys, sort=False, dropna=False):
+        robot, test = (*("" if one != one else str(one) for one in key), "")[:2]  # noqa: PLR0124
+        where = f"{path.name}: {robot} {test}".rstrip()
+        yield FleetTable(robot, test, _run(rows.drop(columns=keys), attributes, where))
+
+
+def _axes(frame: Any, statements: dict[str, str], reading: ReadAs) -> dict[str, dict[str, Any]]:
+    """Return unit and resolution of each axis, where they are stated."""
+    found: dict[str, dict[str, Any]] = {}
+    for name in (name for name in AXES if name in frame.columns):
+        low = name.lower()
+        unit = statements.get(f"unit_{low}", statements.get("unit", reading.unit))
+        if unit is not None:
+            own = statements.get(f"resolution_{low}", statements.get("resolution"))
+            found[name] = {"unit": unit, "resolution": float(own) if own else reading.resolution}
+    return found
+
+
+def _run(rows: Any, attributes: dict[str, Any], where: str) -> Run | ScaraIsoError:
+    rows = rows.dropna(axis=1, how="all").reset_index(drop=True)
+    for name in rows.columns:
+        if rows[name].dtype.kind not in "iuf" and str(name).lower() not in POSE_NAMES:
+            rows[name] = _numbers(rows[name])
+    rows.attrs = attributes
+    try:
+        run = Run.from_frame(rows)
+    except ScaraIsoError as error:
+        error.where = where
+        return error
+    return replace(run, origin=replace(run.origin, source=where))
+
+
+def _numbers(column: Any) -> Any:
+    """Return a column of text as numbers where each cell is one, else as it is: it is refused."""
+    found = [parse_number(str(cell)) for cell in column]
+    return column if None in found else found

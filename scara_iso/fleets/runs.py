@@ -1,0 +1,134 @@
+"""A run over a fleet: each part done once, its result on the disk, whoever dies on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from scara_iso.errors import DataError, ScaraIsoError
+from scara_iso.fleets.database import connect, write_parquet
+from scara_iso.fleets.dispatch import Engine, done_by
+from scara_iso.fleets.ledger import PartDone, PartLedger
+from scara_iso.fleets.parts import digest, parts_of
+from scara_iso.fleets.work import FIGURES, PartResult, Task, examine
+
+RESULTS = "parts"
+
+
+@dataclass(frozen=True, slots=True)
+class FleetRun:
+    """What became of the parts."""
+
+    folder: Path
+    parts: int
+    before: int
+    """Parts that an earlier run had done."""
+    failed: Mapping[str, str]
+    """Parts that could not be read or were given up, with why."""
+
+
+def run_fleet(
+    source: Path,
+    to: Path,
+    task: Task,
+    engine: Engine,
+    *,
+    track: Callable[[Iterator[PartResult], int], Iterator[PartResult]] = lambda each, _: each,
+) -> FleetRun:
+    """Have every part of ``source`` examined, and leave a Parquet file for each in ``to``.
+
+    ``track`` may watch the results as they come. Raises `NoInputError` where no part is there, as
+    `PartLedger`, `WriteError` for a full disk, `DataError` where a worker is of another version.
+    """
+    from scara_iso import __version__  # noqa: PLC0415 - the face of all
+
+    connect().close()  # before anything is computed
+    paths = {path.name: path for path in parts_of(source)}
+    options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
+    with closing(PartLedger(to, __version__, options)) as ledger:
+        (to / RESULTS).mkdir(exist_ok=True)
+        missing = [name for name, path in paths.items() if not _is_done(ledger, to, name, path)]
+        _forget(to, paths)
+        results = _results(missing, paths, task, engine)
+        given_up: dict[str, str] = {}
+        for result in track(results, len(missing)):
+            if result.version != __version__:
+                raise DataError(
+                    f"a worker has scara-iso {result.version}, and this is {__version__}",
+                    where=result.part, remedy="install the same version on all of them",
+                )  # fmt: skip
+            if not result.sha256:  # nothing is kept of it: the next run tries again
+                given_up[result.part] = result.error or "given up"
+                continue
+            _keep(ledger, to, result)
+        failed = {d.part: d.error for d in ledger.done.values() if d.error and d.part in paths}
+    return FleetRun(to, len(paths), len(paths) - len(missing), {**failed, **given_up})
+
+
+def result_path(to: Path, part: str) -> Path:
+    """Return where the result of a part is."""
+    return to / RESULTS / f"{part}.parquet"
+
+
+def _is_done(ledger: PartLedger, to: Path, name: str, path: Path) -> bool:
+    done = ledger.done.get(name)
+    if done is None or not (done.error or result_path(to, name).exists()):
+        return False
+    try:
+        return done.sha256 == digest(path)
+    except ScaraIsoError:
+        return False
+
+
+def _forget(to: Path, paths: Mapping[str, Path]) -> None:
+    """Remove the results of parts that are gone from the source: they are no part of the fleet."""
+    for path in (to / RESULTS).glob("*.parquet"):
+        if path.name.removesuffix(".parquet") not in paths:
+            path.unlink()
+
+
+def _results(
+    names: list[str], paths: Mapping[str, Path], task: Task, engine: Engine
+) -> Iterator[PartResult]:
+    by_path = {str(paths[name].resolve()): name for name in names}
+    for path, found in done_by(engine, partial(examine, task=task), list(by_path)):
+        if isinstance(found, PartResult):
+            yield found
+        elif isinstance(found, ScaraIsoError):
+            raise found
+        else:
+            said = f"given up: {type(found).__name__}: {found}"
+            yield PartResult(by_path[path], "", _version(), (), said)
+
+
+def _version() -> str:
+    from scara_iso import __version__  # noqa: PLC0415 - the face of all
+
+    return __version__
+
+
+def _keep(ledger: PartLedger, to: Path, result: PartResult) -> None:
+    """Put the result on the disk, then the line that says so."""
+    if result.error is None:
+        write_parquet(result_path(to, result.part), _columns(result))
+    failed = sum(row.error is not None for row in result.rows)
+    ledger.add(PartDone(result.part, result.sha256, len(result.rows), failed, result.error))
+
+
+def _columns(result: PartResult) -> dict[str, tuple[str, list[Any]]]:
+    rows = result.rows
+    kinds = {"robot": "VARCHAR", "test": "VARCHAR", "cycles": "INTEGER", "poses": "INTEGER",
+             "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN"}  # fmt: skip
+    columns: dict[str, tuple[str, list[Any]]] = {
+        name: (kind, [getattr(row, name) for row in rows]) for name, kind in kinds.items()
+    }
+    columns["effects"] = ("VARCHAR", [",".join(row.effects) for row in rows])
+    for name in FIGURES:
+        columns[f"RP_{name}"] = ("DOUBLE", [row.RP.get(name) for row in rows])
+    columns["error"] = ("VARCHAR", [row.error for row in rows])
+    columns["part"] = ("VARCHAR", [result.part] * len(rows))
+    return columns

@@ -1,0 +1,185 @@
+"""What is found of a fleet as a whole: which robots stand out, though all were looked at.
+
+Of 10,000 healthy robots 500 would be alarms at 5 %. So the robots are judged together: the false
+discovery rate, the share of false ones among those that are named, is held (Benjamini and Hochberg
+1995). A robot's p-value is the smallest of its tests times their number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scara_iso.display import Displayed
+from scara_iso.fleets.database import connect
+from scara_iso.fleets.runs import RESULTS, FleetRun
+from scara_iso.frames import frame_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+LEVEL = 0.05
+FLOOR = 1 / 950
+"""Smallest p-value of a table: one of 1,000 orders, over the share of the level that it has."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotResult:
+    """What is found of one robot."""
+
+    robot: str
+    tables: int
+    p_value: float
+    """Smallest of its tables times their number, 1 at most."""
+    q_value: float
+    """Smallest false discovery rate at which it is named."""
+    found: bool
+    """Whether it is named at the level asked for."""
+    effects: tuple[str, ...]
+    RP_XY: float | None
+    """Largest of its tables [mm]; None without X and Y."""
+
+
+@dataclass(frozen=True, slots=True)
+class FailedTable:
+    """A table of which there is nothing, and why."""
+
+    part: str
+    robot: str
+    test: str
+    error: str
+
+
+@dataclass(frozen=True, slots=True)
+class TwiceThere:
+    """A test of a robot that several tables claim to be."""
+
+    robot: str
+    test: str
+    parts: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FleetSummary(Displayed):
+    """The fleet: robots by how far they stand out, effects by how many robots show them."""
+
+    run: FleetRun
+    level: float
+    """False discovery rate."""
+    tables: int
+    robots: tuple[RobotResult, ...]
+    """The worst first: by q-value, then by RP in XY."""
+    effects: Mapping[str, int]
+    """Robots that are named, by effect, the most frequent first."""
+    RP_quantiles: Mapping[str, tuple[float, ...]]
+    """By figure, of its tables: 5, 25, 50, 75 and 95 % [mm, deg]."""
+    failed: tuple[FailedTable, ...]
+    twice: tuple[TwiceThere, ...] = ()
+    """Tests that are there more than once: each counts."""
+
+    @property
+    def found(self) -> tuple[RobotResult, ...]:
+        """The robots that are named."""
+        return tuple(one for one in self.robots if one.found)
+
+    @property
+    def too_coarse(self) -> bool:
+        """Whether a few ill robots among so many cannot be named: p-values have a floor."""
+        return bool(self.robots) and FLOOR * len(self.robots) > self.level
+
+    def __repr__(self) -> str:
+        return f"<FleetSummary of {len(self.robots)} robots: {len(self.found)} found>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table, a row for each robot, the worst first."""
+        rows = [
+            {"robot": one.robot, "tables": one.tables, "p_value": one.p_value,
+             "q_value": one.q_value, "found": one.found, "effects": ", ".join(one.effects),
+             "RP_XY": one.RP_XY}
+            for one in self.robots
+        ]  # fmt: skip
+        return frame_of(rows, {})
+
+
+def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
+    """Return the summary of the results that a run has left in its folder."""
+    source = str(run.folder / RESULTS / "*.parquet")
+    connection = connect()
+    try:
+        if not any((run.folder / RESULTS).glob("*.parquet")):
+            return FleetSummary(run, level, 0, (), {}, {}, ())
+        connection.execute(f"CREATE VIEW fleet AS FROM read_parquet({_quoted(source)})")
+        robots = _robots(connection, level)
+        return FleetSummary(
+            run=run,
+            level=level,
+            tables=int(connection.execute("SELECT count(*) FROM fleet").fetchone()[0]),
+            robots=robots,
+            effects=_effects(robots),
+            RP_quantiles=_quantiles(connection),
+            failed=tuple(
+                FailedTable(*row)
+                for row in connection.execute(
+                    "SELECT part, robot, test, error FROM fleet WHERE error IS NOT NULL "
+                    "ORDER BY part, robot, test"
+                ).fetchall()
+            ),
+            twice=_twice(connection),
+        )
+    finally:
+        connection.close()
+
+
+def _robots(connection: Any, level: float) -> tuple[RobotResult, ...]:
+    from scipy.stats import false_discovery_control  # noqa: PLC0415 - scipy for fleets only
+
+    rows = connection.execute(
+        "SELECT robot, count(*), least(min(p_value) * count(*), 1.0), "
+        "string_agg(effects, ',' ORDER BY p_value), max(RP_XY) "
+        "FROM fleet WHERE p_value IS NOT NULL GROUP BY robot ORDER BY robot"
+    ).fetchall()
+    if not rows:
+        return ()
+    q_values = false_discovery_control([row[2] for row in rows], method="bh")
+    found = [
+        RobotResult(robot, tables, p, float(q), bool(q <= level), _names(effects), RP)
+        for (robot, tables, p, effects, RP), q in zip(rows, q_values, strict=True)
+    ]
+    return tuple(sorted(found, key=lambda one: (one.q_value, -(one.RP_XY or 0.0), one.robot)))
+
+
+def _twice(connection: Any) -> tuple[TwiceThere, ...]:
+    rows = connection.execute(
+        "SELECT robot, test, string_agg(part, ',' ORDER BY part) FROM fleet "
+        "GROUP BY robot, test HAVING count(*) > 1 ORDER BY robot, test"
+    ).fetchall()
+    return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
+
+
+def _names(effects: str) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for name in effects.split(",") if name))
+
+
+def _effects(robots: tuple[RobotResult, ...]) -> dict[str, int]:
+    counts: dict[str, int] = {}
+    for name in (name for one in robots if one.found for name in one.effects or ("unknown",)):
+        counts[name] = counts.get(name, 0) + 1
+    return dict(sorted(counts.items(), key=lambda pair: (-pair[1], pair[0])))
+
+
+def _quantiles(connection: Any) -> dict[str, tuple[float, ...]]:
+    found: dict[str, tuple[float, ...]] = {}
+    for name in ("X", "Y", "Z", "theta", "XY", "XYZ"):
+        (ends,) = connection.execute(
+            f'SELECT quantile_cont("RP_{name}", [0.05, 0.25, 0.5, 0.75, 0.95]) FROM fleet'  # noqa: S608
+        ).fetchone()
+        if ends is not None and np.isfinite(ends[0]):
+            found[name] = tuple(map(float, ends))
+    return found
+
+
+def _quoted(path: str) -> str:
+    return "'" + path.replace("'", "''") + "'"

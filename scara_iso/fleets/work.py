@@ -1,0 +1,114 @@
+"""What is done with one part, by whichever process or machine: every table of it is diagnosed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from scara_iso.diagnosis import (
+    SEED,
+    CyclesWanted,
+    Diagnosis,
+    close_the_loop,
+    close_the_loop_at_poses,
+)
+from scara_iso.errors import ScaraIsoError
+from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
+from scara_iso.run import Run
+
+FIGURES = ("X", "Y", "Z", "theta", "XY", "XYZ")
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What is to be done with every part."""
+
+    reading: ReadAs
+    wanted: CyclesWanted
+    seed: int = SEED
+
+
+@dataclass(frozen=True, slots=True)
+class TableRow:
+    """What is found of one table; of several poses the largest RP and the smallest p-value."""
+
+    robot: str
+    test: str
+    cycles: int = 0
+    poses: int = 0
+    verdict: str | None = None
+    p_value: float | None = None
+    """Of all poses together: the smallest times their number, 1 at most (Bonferroni)."""
+    at_floor: bool = False
+    """Nothing drawn came as far: the p-value is a bound."""
+    effects: tuple[str, ...] = ()
+    """Each once."""
+    RP: dict[str, float] = field(default_factory=dict)
+    """By figure [mm, deg]."""
+    error: str | None = None
+    """Why there is nothing of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class PartResult:
+    """What is found of one part."""
+
+    part: str
+    sha256: str
+    version: str
+    """Of the program that worked on it."""
+    rows: tuple[TableRow, ...]
+    error: str | None = None
+    """Why the part could not be read."""
+
+
+def examine(part: str, task: Task) -> PartResult:
+    """Return what is found of a part; what cannot be read is said in it, and raises nothing."""
+    from scara_iso import __version__  # noqa: PLC0415 - the face of all
+
+    path, sha256 = Path(part), ""
+    try:
+        sha256 = digest(path)
+        rows = tuple(_row(table, task) for table in tables_in(path, task.reading))
+    except ScaraIsoError as error:
+        return PartResult(path.name, sha256, __version__, (), str(error))
+    return PartResult(path.name, sha256, __version__, rows)
+
+
+def _row(table: FleetTable, task: Task) -> TableRow:
+    if isinstance(table.run, ScaraIsoError):
+        return TableRow(table.robot, table.test, error=_said(table.run))
+    try:
+        poses = _diagnoses(table.run, task)
+    except ScaraIsoError as error:
+        return TableRow(table.robot, table.test, error=_said(error))
+    smallest = min(poses, key=lambda one: one.p_value)
+    said = [one.verdict.value for one in poses]
+    order = ("unexplained", "explained", "nothing-to-explain")
+    measured = [one.repeatability.measured for one in poses]
+    return TableRow(
+        robot=table.robot,
+        test=table.test,
+        cycles=max(len(one.series.cycle) for one in poses),
+        poses=len(poses),
+        verdict=next(word for word in order if word in said),
+        p_value=min(smallest.p_value * len(poses), 1.0),
+        at_floor=smallest.p_value_at_floor,
+        effects=tuple(dict.fromkeys(one.effect for pose in poses for one in pose.effects)),
+        RP={
+            name: max(found[name] for found in measured if name in found)
+            for name in FIGURES
+            if any(name in found for found in measured)
+        },
+    )
+
+
+def _said(error: ScaraIsoError) -> str:
+    """Return an error with its faults on one line."""
+    return "; ".join(line.strip() for line in str(error).splitlines())
+
+
+def _diagnoses(run: Run, task: Task) -> list[Diagnosis]:
+    if len(list(run.rows_by_pose())) > 1:
+        return list(close_the_loop_at_poses(run, task.wanted, seed=task.seed).values())
+    return [close_the_loop(run, None, task.wanted, seed=task.seed)]

@@ -1,0 +1,88 @@
+"""Where many tables are worked on: processes of this machine, or a cluster of Dask."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from functools import partial
+from multiprocessing.connection import wait
+from threading import Thread
+from typing import Any
+
+from scara_iso.errors import ServiceError, UsageError
+from scara_iso.fleets import Engine
+
+LOCAL, DASK = "local", "dask://"
+_SLOW_TO_IMPORT = ("duckdb", "pandas", "scipy.special", "scara_iso.diagnosis.closed_loop")
+_AHEAD = 2
+"""Parts under way for each process, so that none waits for the next."""
+_PATIENCE = "10s"
+_REMEDY = "use local, or dask://HOST:PORT of a scheduler"
+
+
+def open_processes(workers: int | None = None) -> Executor:
+    """Return a pool of processes that start from nothing: nothing of this one is copied."""
+    methods = multiprocessing.get_all_start_methods()
+    context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+    context.set_forkserver_preload(["scara_iso.fleets.work", *_SLOW_TO_IMPORT])
+    return ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_with_parent)
+
+
+def _leave_with_parent() -> None:
+    """End this process when the one that started it dies: nobody would ever tell it to."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        Thread(target=_leave_after, args=(parent.sentinel,), daemon=True).start()
+
+
+def _leave_after(sentinel: int) -> None:
+    wait([sentinel])
+    os._exit(1)
+
+
+@contextmanager
+def engine_of(name: str, workers: int | None = None) -> Iterator[Engine]:
+    """Yield the engine of a name: ``local``, or ``dask://HOST:PORT`` of a scheduler.
+
+    Raises `UsageError` for another name or without the package for it, `ServiceError` where no
+    scheduler answers.
+    """
+    if name == LOCAL:
+        count = workers or os.cpu_count() or 1
+        yield Engine(partial(open_processes, count), _AHEAD * count)
+    elif name.startswith(DASK):
+        with _cluster(name.removeprefix(DASK)) as engine:
+            yield engine
+    else:
+        raise UsageError(f"`engine={name}`", remedy=_REMEDY)
+
+
+@contextmanager
+def _cluster(address: str) -> Iterator[Engine]:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        remedy = "pip install 'scara-iso[dask]'"
+        raise UsageError("a cluster needs Dask distributed", remedy=remedy) from error
+    host, _, port = address.rpartition(":")
+    if not host or not port.isdecimal():
+        raise UsageError(f"`engine={DASK}{address}`", remedy=_REMEDY)
+    try:
+        client = Client(f"tcp://{address}", timeout=_PATIENCE, set_as_default=False)
+    except (OSError, TimeoutError) as error:
+        raise ServiceError(
+            "no Dask scheduler answers", where=address,
+            remedy="start one: dask scheduler, and dask worker HOST:PORT on each machine",
+        ) from error  # fmt: skip
+    try:
+        yield Engine(lambda: client.get_executor(pure=False), _AHEAD * _threads(client))
+    finally:
+        client.close(timeout=_PATIENCE)
+
+
+def _threads(client: Any) -> int:
+    """Return how many tables the cluster works on at once, as far as it has come up."""
+    return max(sum(map(int, client.nthreads().values())), 1)

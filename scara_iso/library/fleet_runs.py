@@ -1,0 +1,52 @@
+"""`fleet`: the tables of many robots, on one machine or a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from scara_iso.diagnosis import SEED, CyclesWanted
+from scara_iso.errors import UsageError
+from scara_iso.fleets import FleetSummary, PartResult, ReadAs, Task, run_fleet, summarise
+from scara_iso.library.engines import LOCAL, engine_of
+from scara_iso.quantities import parse_unit
+
+LEVEL = 0.05
+
+
+def fleet(
+    source: str | Path,
+    to: str | Path,
+    *,
+    engine: str = LOCAL,
+    workers: int | None = None,
+    unit: str | None = None,
+    resolution: float | None = None,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
+    level: float = LEVEL,
+    seed: int = SEED,
+    track: Callable[[Iterator[PartResult], int], Iterator[PartResult]] = lambda each, _: each,
+) -> FleetSummary:
+    """Return which of many robots stand out, and leave a Parquet file for each part in ``to``.
+
+    ``source`` is a folder of parts: .parquet or .csv with the columns robot, X, Y, Z or theta and
+    as they are there test, pose, cycle and others, or .csv of one robot each. ``engine`` is
+    ``local`` (as many processes as ``workers``, else as there are cores) or ``dask://HOST:PORT``;
+    the result is the same. A part that is done is not done again: the same call goes on where one
+    that died stopped. What cannot be read is listed. ``level`` is the false discovery rate among
+    the robots that are named. The other options are those of `diagnose`, for every table; ``track``
+    may watch the results come. Raises `NoInputError` without parts, `DataError` where ``to`` is of
+    another version or other options, `UsageError`, `ServiceError` for a cluster that is not there.
+    """
+    if not 0 < level < 1:
+        raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
+    if unit is not None:
+        parse_unit(unit)
+    wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
+    task = Task(ReadAs(unit, resolution), wanted, seed)
+    with engine_of(engine, workers) as where:
+        run = run_fleet(Path(source), Path(to), task, where, track=track)
+    return summarise(run, level)

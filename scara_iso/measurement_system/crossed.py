@@ -1,0 +1,245 @@
+"""Type 2 and 3: parts read several times, by several operators or by one. R&R by ANOVA.
+
+    y = mean + part + operator + part x operator + repeatability, all of them random
+
+A negative estimate of a variance is 0. Where part x operator does not show itself (p above 0.25,
+AIAG's), its squares count as repeatability.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.measurement_system.budget import Budget, budget, stated_parts
+from scara_iso.measurement_system.pivots import between, drawn_variance
+from scara_iso.measurement_system.ranges import ByRanges, by_ranges
+from scara_iso.measurement_system.readings import GaugeReadings, Interval, numbered
+from scara_iso.run import FloatArray, IntArray
+
+POOLED_ABOVE = 0.25
+STUDY = 6.0
+"""Standard deviations that a study's variation is wide: 99.73 % of Gaussian scatter."""
+CATEGORIES = 1.41
+"""ndc = 1.41 PV / GRR (AIAG's rounding of the root of 2)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A line of the ANOVA table."""
+
+    name: str
+    squares: float
+    freedom: int
+    mean_square: float
+    F: float | None
+    p_value: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """A standard deviation of the study."""
+
+    name: str
+    """``EV``, ``AV``, ``INT``, ``GRR``, ``PV`` or ``TV``."""
+    sigma: float
+    interval: Interval
+    """95 %, of `sigma`."""
+    contribution: float
+    """Share of the total variance."""
+    of_study: float
+    """Share of the total standard deviation."""
+    of_study_interval: Interval
+    """95 %."""
+    of_tolerance: float | None
+    """6 sigma / T; None without a tolerance."""
+    of_tolerance_interval: Interval | None
+    """95 %."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Crossed:
+    """Figures of a study of parts, in the readings' unit."""
+
+    parts: tuple[str, ...]
+    operators: tuple[str, ...]
+    """Empty where one operator, or a machine, read all."""
+    trials: int
+    cells: FloatArray
+    """Readings, shape (parts, operators or 1, trials)."""
+    anova: tuple[Source, ...]
+    pooled: bool
+    """Whether part x operator counts as repeatability."""
+    components: Mapping[str, Component]
+    ndc_raw: float | None
+    """1.41 PV / GRR; None where nothing scatters."""
+    ndc_interval: Interval | None
+    """95 %, of `ndc_raw`."""
+    ranges: ByRanges
+    """The same by ranges, for comparison."""
+    budget: Budget
+
+    @property
+    def ndc(self) -> int | None:
+        """Number of distinct categories: whole, and at least 1 (AIAG)."""
+        return None if self.ndc_raw is None else max(int(self.ndc_raw), 1)
+
+
+def crossed(readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator) -> Crossed:
+    """Return R&R of a study of parts; `DataError` where it is not balanced.
+
+    AIAG MSA, 4th ed., chapter III B and appendix A. Every part at least twice by every operator.
+    """
+    parts, operators, cells = _cells(readings)
+    p, o, r = cells.shape
+    anova, pooled = _anova(cells)
+    squares = {one.name: one.mean_square for one in anova}
+    point = _variances(squares, (p, o, r), pooled=pooled)
+    drawn = {
+        one.name: drawn_variance(one.mean_square, one.freedom, rng)
+        for one in anova
+        if one.name != "total"
+    }
+    draws = _variances(drawn, (p, o, r), pooled=pooled)
+    sigma = {name: math.sqrt(value) for name, value in point.items()}
+    sigmas = {name: np.sqrt(value) for name, value in draws.items()}
+    ndc = CATEGORIES * sigma["PV"] / sigma["GRR"] if sigma["GRR"] > 0 else None
+    stated = stated_parts(readings.resolution, readings.uncertainty)
+    named = {"EVO": "EV", "AV": "AV", "IA": "INT"}
+    return Crossed(
+        parts=parts,
+        operators=operators,
+        trials=r,
+        cells=cells,
+        anova=anova,
+        pooled=pooled,
+        components={name: _component(name, sigma, sigmas, tolerance) for name in sigma},
+        ndc_raw=ndc,
+        ndc_interval=None if ndc is None else between(CATEGORIES * sigmas["PV"] / sigmas["GRR"]),
+        ranges=by_ranges(cells, tolerance),
+        budget=budget(
+            "MP",
+            {**stated, **{to: sigma[of] for to, of in named.items() if of in sigma}},
+            {to: sigmas[of] for to, of in named.items() if of in sigmas},
+            tolerance,
+            tuple(name for name in ("CAL", "RE", "BI", "LIN") if name not in stated),
+        ),
+    )
+
+
+def _cells(readings: GaugeReadings) -> tuple[tuple[str, ...], tuple[str, ...], FloatArray]:
+    """Return parts, operators and the readings by them, shape (parts, operators or 1, trials)."""
+    labels = readings.part or ()
+    parts, part = numbered(labels)
+    operators, operator = numbered(readings.operator or [""] * len(labels))
+    counts = np.zeros((len(parts), len(operators)), dtype=np.int64)
+    np.add.at(counts, (part, operator), 1)
+    if len(parts) < 2 or counts.min() < 2:
+        raise readings.refuse(
+            "two parts or more are needed, each read twice or more by every operator"
+            + _fewest(counts, parts, operators),
+            "ten parts, three operators, three readings each are usual",
+        )
+    if counts.min() != counts.max():
+        raise readings.refuse(
+            "not every part was read equally often by every operator"
+            + _fewest(counts, parts, operators),
+            "read what is missing, or leave out what is too much in all alike",
+        )
+    order = np.lexsort((np.arange(len(part)), operator, part))
+    cells = readings.values[order].reshape(len(parts), len(operators), int(counts[0, 0]))
+    return parts, operators if len(operators) > 1 else (), cells
+
+
+def _fewest(counts: IntArray, parts: tuple[str, ...], operators: tuple[str, ...]) -> str:
+    """Return which cell has the fewest readings, in words."""
+    i, j = np.unravel_index(int(np.argmin(counts)), counts.shape)
+    by = f" by {operators[j]}" if operators[j] else ""
+    return f": part {parts[i]}{by} has {counts[i, j]}, another {counts.max()}"
+
+
+def _anova(cells: FloatArray) -> tuple[tuple[Source, ...], bool]:
+    """Return the lines of the table, and whether part x operator is counted as repeatability."""
+    p, o, r = cells.shape
+    shifted = cells - cells[0, 0, 0]  # keeps the digits of readings far from zero
+    grand, by_cell = shifted.mean(), shifted.mean(axis=2)
+    by_part, by_operator = by_cell.mean(axis=1), by_cell.mean(axis=0)
+    left = by_cell - by_part[:, np.newaxis] - by_operator + grand
+    squares = {
+        "part": (o * r * ((by_part - grand) ** 2).sum(), p - 1),
+        "operator": (p * r * ((by_operator - grand) ** 2).sum(), o - 1),
+        "part x operator": (r * (left**2).sum(), (p - 1) * (o - 1)),
+        "repeatability": (((shifted - by_cell[..., np.newaxis]) ** 2).sum(), p * o * (r - 1)),
+    }
+    rows = {name: (float(ss), df) for name, (ss, df) in squares.items() if df > 0}
+    total = float(((shifted - grand) ** 2).sum())
+    within, pooled = "repeatability", False
+    if "part x operator" in rows:
+        _, p_value = _f_test(rows["part x operator"], rows["repeatability"])
+        pooled = p_value is not None and p_value > POOLED_ABOVE
+        within = "repeatability" if pooled else "part x operator"
+    if pooled:
+        one, other = rows.pop("part x operator"), rows["repeatability"]
+        rows["repeatability"] = (one[0] + other[0], one[1] + other[1])
+    against = {"part": within, "operator": within, "part x operator": "repeatability"}
+    lines = []
+    for name, (ss, df) in rows.items():
+        F, p_value = _f_test((ss, df), rows[against[name]]) if name in against else (None, None)
+        lines.append(Source(name, ss, df, ss / df, F, p_value))
+    return (
+        *lines,
+        Source("total", total, cells.size - 1, total / (cells.size - 1), None, None),
+    ), pooled
+
+
+def _f_test(one: tuple[float, int], other: tuple[float, int]) -> tuple[float | None, float | None]:
+    from scipy.special import fdtrc  # noqa: PLC0415 - scipy for studies only
+
+    if other[0] == 0:
+        return None, None
+    F = one[0] / one[1] / (other[0] / other[1])
+    return F, float(fdtrc(one[1], other[1], F))
+
+
+def _variances(
+    squares: Mapping[str, float | FloatArray], sizes: tuple[int, int, int], *, pooled: bool
+) -> dict[str, FloatArray]:
+    """Return the variances that mean squares are made of (AIAG's estimators), none below 0."""
+    p, o, r = sizes
+    repeatability = np.asarray(squares["repeatability"])
+    interaction = squares.get("part x operator")
+    beside = repeatability if interaction is None else np.asarray(interaction)
+    found = {"EV": repeatability}
+    if "operator" in squares:
+        found["AV"] = np.maximum((squares["operator"] - beside) / (p * r), 0.0)
+        if not pooled:
+            found["INT"] = np.maximum((beside - repeatability) / r, 0.0)
+    found["GRR"] = np.asarray(sum(found.values()))
+    found["PV"] = np.maximum((squares["part"] - beside) / (o * r), 0.0)
+    return {**found, "TV": found["GRR"] + found["PV"]}
+
+
+def _component(
+    name: str,
+    sigma: Mapping[str, float],
+    sigmas: Mapping[str, FloatArray],
+    tolerance: float | None,
+) -> Component:
+    total = sigma["TV"]
+    ends = between(sigmas[name])
+    share = sigma[name] / total if total > 0 else 0.0
+    shares = sigmas[name] / sigmas["TV"] if total > 0 else np.zeros(1)
+    width = None if tolerance is None else STUDY / tolerance
+    return Component(
+        name=name,
+        sigma=sigma[name],
+        interval=ends,
+        contribution=share**2,
+        of_study=share,
+        of_study_interval=between(shares),
+        of_tolerance=None if width is None else width * sigma[name],
+        of_tolerance_interval=None if width is None else (width * ends[0], width * ends[1]),
+    )

@@ -1,0 +1,28 @@
+"""The summary of a fleet as a JSON object."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scara_iso.render.json import Json, each, picked
+
+if TYPE_CHECKING:
+    from scara_iso.fleets import FleetSummary
+
+_ROBOT = "robot tables p_value q_value found effects RP_XY"
+
+
+def fleet_json(found: FleetSummary) -> Json:
+    """Return the JSON object of ``fleet``, schema ``scara-iso/fleet/1``: every robot is in it."""
+    return {
+        "schema": "scara-iso/fleet/1",
+        "unit": "mm",
+        "folder": str(found.run.folder),
+        "parts": picked(found.run, "count=parts done_before=before failed"),
+        **picked(found, "tables false_discovery_rate=level found_too_coarse=too_coarse effects"),
+        "RP_quantiles": picked(found, "RP_quantiles")["RP_quantiles"],
+        "quantiles": [0.05, 0.25, 0.5, 0.75, 0.95],
+        "robots": each(found.robots, _ROBOT),
+        "twice": each(found.twice, "robot test parts"),
+        "failed": each(found.failed, "part robot test error"),
+    }

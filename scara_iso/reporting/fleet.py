@@ -1,0 +1,95 @@
+"""The report on a fleet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.fleets import FleetSummary, RobotResult
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.digits import four_digits
+from scara_iso.reporting.words import words
+
+_WORST, _FAILURES = 20, 10
+
+
+def fleet_report(found: FleetSummary, *, full: bool = False) -> Report:
+    """Return which robots stand out, by which effects, and what could not be read.
+
+    ``full`` lists every robot and every failure; else the worst of them.
+    """
+    sections = [Section("", tuple(_answer(found)))]
+    shown = found.robots if full else found.robots[: max(_WORST, 0)]
+    if not full:
+        shown = tuple(one for one in shown if one.found) or shown[:5]
+    if shown:
+        left = len(found.robots) - len(shown)
+        note = f"and {left} more: `full=`" if left and not full else ""
+        sections.append(Section("Worst first", (_robots(shown, note),)))
+    if found.effects:
+        sections.append(Section("Effects of the robots found", (_effects(found),)))
+    if found.RP_quantiles:
+        sections.append(Section("RP of the tables", (_RP(found),)))
+    failures = list(_failures(found))
+    if failures:
+        most = len(failures) if full else _FAILURES
+        more = len(failures) - most
+        rows = tuple(failures[:most])
+        note = f"and {more} more: `full=`" if more > 0 else ""
+        table = Table(("part", "robot", "test", "why"), rows, note)
+        sections.append(Section("Nothing of these", (table,)))
+    return tuple(sections)
+
+
+def _answer(found: FleetSummary) -> Iterator[Block]:
+    named = len(found.found)
+    yield Text(f"Found: {named} of {len(found.robots)} robots", "warn" if named else "good")
+    false = found.level * named
+    if named:
+        yield Text(f"of them {false:.1f} by chance at most, on average: false discovery rate "
+                   f"{found.level:g}", "quiet")  # fmt: skip
+    run = found.run
+    done = f"; {run.before} of them were done before" if run.before else ""
+    yield Text(f"{found.tables} tables in {run.parts} parts{done}; results in {run.folder}")
+    count = len(found.failed) + len(run.failed)
+    if count:
+        yield Text(f"! {count} could not be used: they are listed below", "warn")
+    for one in found.twice[:_FAILURES]:
+        yield Text(f"! {one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
+                   "count; remove the one that is too much", "warn")  # fmt: skip
+    if found.too_coarse:
+        yield Text("! among so many robots a few ill ones cannot be named: the smallest p-value "
+                   "of a table is 0.001; look at the first of the list", "warn")  # fmt: skip
+
+
+def _robots(robots: tuple[RobotResult, ...], note: str) -> Table:
+    rows: list[tuple[Cell, ...]] = [
+        (
+            one.robot,
+            Number(one.tables),
+            four_digits(one.p_value),
+            four_digits(one.q_value),
+            "" if one.RP_XY is None else Number(one.RP_XY, ".4f"),
+            ", ".join(map(words, one.effects)) or ("unknown" if one.found else ""),
+        )
+        for one in robots
+    ]
+    return Table(("robot", "tables", "p", "q", "RP XY mm", "effects"), tuple(rows), note)
+
+
+def _effects(found: FleetSummary) -> Table:
+    rows = tuple((words(name), Number(count)) for name, count in found.effects.items())
+    return Table(("effect", "robots"), rows)
+
+
+def _RP(found: FleetSummary) -> Table:  # noqa: N802 - the field's symbol
+    rows: list[tuple[Cell, ...]] = [
+        (name, *(Number(end, ".4f") for end in ends)) for name, ends in found.RP_quantiles.items()
+    ]
+    return Table(
+        ("RP", "5 %", "25 %", "50 %", "75 %", "95 %"), tuple(rows), "mm; an angle in degrees"
+    )
+
+
+def _failures(found: FleetSummary) -> Iterator[tuple[Cell, ...]]:
+    yield from ((part, "", "", error) for part, error in sorted(found.run.failed.items()))
+    yield from ((one.part, one.robot, one.test, one.error) for one in found.failed)

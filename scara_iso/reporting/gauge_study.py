@@ -1,0 +1,294 @@
+"""The report on a gauge study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal
+
+from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.measurement_system import (
+    AxisStudy,
+    Budget,
+    Criterion,
+    Crossed,
+    GaugeStudy,
+    Linearity,
+    Stability,
+    TypeOne,
+)
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Headline,
+    Interval,
+    NextStep,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+)
+from scara_iso.reporting.brief import figure_cells, figure_said, first_three
+from scara_iso.reporting.digits import four_digits
+from scara_iso.reporting.gauge_pictures import study_picture
+
+_KINDS = {
+    "type-1": "type 1: one part, read again and again",
+    "type-2": "type 2: parts by several operators (R&R, ANOVA)",
+    "type-3": "type 3: parts, no operators compared (ANOVA)",
+    "linearity": "linearity: parts of several known sizes",
+    "stability": "stability: one part in several sessions",
+}
+_TONE: dict[Conformity, Literal["good", "bad", "warn"]] = {
+    Conformity.PASS: "good",
+    Conformity.FAIL: "bad",
+    Conformity.NOT_PROVABLE: "warn",
+}
+_SAID = {
+    Conformity.PASS: "PASS: good enough",
+    Conformity.FAIL: "FAIL: NOT good enough",
+    Conformity.NOT_PROVABLE: "NOT PROVABLE with these readings",
+}
+_SHARES = ("resolution/T", "R&R/T", "Q_MS", "Q_MP")
+_COMPONENTS = {
+    "EV": "repeatability, EV", "AV": "operators, AV", "INT": "part x operator", "GRR": "R&R, GRR",
+    "PV": "parts, PV", "TV": "all, TV",
+}  # fmt: skip
+_PARTS = {
+    "CAL": "calibration", "RE": "division", "EVR": "repeatability on one part",
+    "EVO": "repeatability on parts", "BI": "bias", "LIN": "linearity", "AV": "operators",
+    "IA": "part x operator",
+}  # fmt: skip
+
+
+def gauge_study_report(found: GaugeStudy) -> Report:
+    """Return the report: the verdict, each dial's figures with its picture, how they were found."""
+    sections = [Section("", (*_verdict(found), *_remarks(found)))]
+    if found.criteria:
+        sections.append(Section("Criteria", (_criteria(found),)))
+    for name, study in found.axes.items():
+        of = f" {name}" if len(found.axes) > 1 else ""
+        sections.append(Section(f"Figures{of}", (*_figures(study), study_picture(study))))
+        if study.budget is not None:
+            sections.append(Section(f"Uncertainty{of}", tuple(_budget(study.budget, study))))
+    return (*sections, Section("", tuple(_how(found))))
+
+
+def gauge_study_brief(found: GaugeStudy, following: NextStep) -> Report:
+    """Return a gauge study in short: the verdict, what decides it, every warning."""
+    lines: list[Block] = list(_verdict(found))
+    warnings = [said for said in _remarks(found) if said.tone == "warn"]
+    tables = [_criteria(found)] if found.criteria else []
+    behind = Text("figures, ANOVA, uncertainty, picture: `full=`", "quiet")
+    return (
+        Section("", (*first_three(lines, following), *warnings)),
+        Section("", (*tables, behind)),
+    )
+
+
+def _verdict(found: GaugeStudy) -> Iterator[Block]:
+    for verdict in (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS):
+        held = [one for one in found.criteria if one.verdict is verdict]
+        if held and (verdict is not Conformity.PASS or found.conformity is Conformity.PASS):
+            several = len(found.axes) > 1
+            said = ", ".join(f"{one.axis} {one.name}" if several else one.name for one in held)
+            yield Text(f"{_SAID[verdict]}: {said}", _TONE[verdict])
+    for name, study in found.axes.items():
+        yield Headline((f"{name}  {'   '.join(_in_brief(study))}",))
+    for study in found.axes.values():
+        T = (
+            ""
+            if study.tolerance is None
+            else f", tolerance {study.tolerance:g} {study.readings.unit}"
+        )
+        yield Text(f"{study.readings.axis}: {_KINDS[study.kind.value]}{T}", "quiet")
+
+
+def _in_brief(study: AxisStudy) -> Iterator[str]:
+    figures, unit = study.figures, study.readings.unit
+    match figures:
+        case TypeOne():
+            for name, of in (("Cg", ""), ("Cgk", ""), ("s", unit), ("bias", unit)):
+                value = getattr(figures, name)
+                if value is not None:
+                    said = figure_said(name, value, getattr(figures, f"{name}_interval"), of)
+                    yield " ".join(said.split())
+        case Crossed():
+            whole = figures.components["GRR"]
+            if whole.of_tolerance is not None:
+                yield f"R&R {whole.of_tolerance:.1%} of T"
+            yield f"R&R {whole.of_study:.1%} of TV"
+            yield f"ndc {figures.ndc or 'none'}"
+            yield figure_said("GRR", whole.sigma, whole.interval, unit)
+        case Linearity():
+            yield figure_said("slope", figures.slope, figures.slope_interval, "").strip()
+            yield f"largest bias {figures.largest_bias:.3g} {unit}"
+        case Stability():
+            yield f"{len(figures.outside)} of {len(figures.sessions)} sessions outside"
+            yield f"centre {figures.centre:.6g} {unit}"
+
+
+def _remarks(found: GaugeStudy) -> Iterator[Text]:
+    several = len(found.axes) > 1
+    for one in found.remarks:
+        of = f"{one.axis}: " if several and one.axis else ""
+        grave = one.severity == "warning"
+        yield Text(f"{'! ' if grave else '- '}{of}{one.said}", "warn" if grave else "plain")
+
+
+def _criteria(found: GaugeStudy) -> Table:
+    rows = tuple(_criterion(one, several=len(found.axes) > 1) for one in found.criteria)
+    rule = (
+        "by the figure itself, as the guidelines have it; with `decision=interval` all of the "
+        "interval must be on the side of the limit"
+        if found.decision is DecisionRule.SIMPLE
+        else "by the whole 95 % interval; the guidelines take the figure itself: `decision=simple`"
+    )
+    return Table(("criterion", "", "95 % interval", "limit", "of", "verdict"), rows, rule)
+
+
+def _criterion(one: Criterion, *, several: bool) -> tuple[Cell, ...]:
+    name = f"{one.axis} {one.name}" if several else one.name
+    sign = ">=" if one.at_least else "<="
+    spec = ".0%" if one.name in _SHARES else "g"
+    limit = Number(one.limit, spec, mark=f"{sign} ")
+    if one.value is None:
+        return name, "none", "", limit, one.of, one.verdict.value
+    if one.name in _SHARES:
+        value: Cell = Number(one.value, ".1%")
+        ends: Cell = Interval(*(Number(x, ".1%") for x in one.interval)) if one.interval else ""
+    else:
+        value, ends = figure_cells(one.value, one.interval, limit=one.limit)
+    return name, value, ends, limit, one.of, one.verdict.value
+
+
+def _figures(study: AxisStudy) -> Iterator[Block]:
+    figures, unit = study.figures, study.readings.unit
+    match figures:
+        case TypeOne():
+            yield _type_1(figures, unit)
+        case Crossed():
+            yield _anova(figures)
+            yield _components(figures, unit)
+            yield _by_ranges(figures, unit)
+        case Linearity():
+            yield from _linearity(figures, unit)
+        case Stability():
+            yield _stability(figures, unit)
+
+
+def _type_1(figures: TypeOne, unit: str) -> Table:
+    rows: list[tuple[Cell, ...]] = [("readings", Number(figures.n), "", "")]
+    rows.append(("mean", four_digits(figures.mean), "", unit))
+    rows.append(("standard deviation s", *figure_cells(figures.s, figures.s_interval), unit))
+    if figures.bias is not None and figures.reference is not None:
+        rows.append(("reference", four_digits(figures.reference), "", unit))
+        rows.append(("bias", *figure_cells(figures.bias, figures.bias_interval), unit))
+    if figures.t is not None and figures.p_value is not None:
+        rows.append(("t of the bias", four_digits(figures.t), "", ""))
+        rows.append(("p of the bias", four_digits(figures.p_value), "", ""))
+    for name in ("Cg", "Cgk"):
+        value, ends = getattr(figures, name), getattr(figures, f"{name}_interval")
+        if value is not None:
+            rows.append((name, *figure_cells(value, ends), ""))
+    return Table(("figure", "", "95 % interval", "in"), tuple(rows))
+
+
+def _anova(figures: Crossed) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for one in figures.anova:
+        tests: tuple[Cell, Cell] = ("", "")
+        if one.F is not None and one.p_value is not None:
+            tests = (four_digits(one.F), four_digits(one.p_value))
+        squares, mean_square = four_digits(one.squares), four_digits(one.mean_square)
+        rows.append((one.name, squares, Number(one.freedom), mean_square, *tests))
+    pooled = "part x operator has p above 0.25 and counts as repeatability (AIAG)"
+    header = ("source", "squares", "df", "mean square", "F", "p")
+    return Table(header, tuple(rows), pooled if figures.pooled else "")
+
+
+def _components(figures: Crossed, unit: str) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for name, one in figures.components.items():
+        shares: list[Cell] = [Number(one.contribution, ".1%"), Number(one.of_study, ".1%")]
+        if one.of_tolerance is not None:
+            shares.append(Number(one.of_tolerance, ".1%"))
+        sigma, ends = figure_cells(one.sigma, one.interval)
+        rows.append((_COMPONENTS[name], sigma, ends, unit, *shares))
+    header = ("standard deviation", "", "95 % interval", "in", "of variance", "of TV")
+    last = ("6 s of T",) if len(rows[0]) > len(header) else ()
+    ndc = f"number of distinct categories: {figures.ndc or 'none, nothing scatters'}"
+    return Table((*header, *last), tuple(rows), ndc)
+
+
+def _by_ranges(figures: Crossed, unit: str) -> Table:
+    ranges = figures.ranges
+    pairs = (("EV", ranges.EV), ("AV", ranges.AV), ("GRR", ranges.GRR), ("PV", ranges.PV),
+             ("TV", ranges.TV))  # fmt: skip
+    rows = tuple((_COMPONENTS[name], four_digits(value), unit) for name, value in pairs)
+    share = f"R&R {ranges.of_study:.1%} of TV, ndc {ranges.ndc or 'none'}"
+    return Table(("by average and range", "", "in"), rows, f"{share}; for comparison only")
+
+
+def _linearity(figures: Linearity, unit: str) -> Iterator[Table]:
+    rows: list[tuple[Cell, ...]] = []
+    for x, bias, low, high in zip(
+        figures.references, figures.biases, figures.lower, figures.upper, strict=True
+    ):
+        band, places = Interval(Number(low, ".4g"), Number(high, ".4g")), four_digits(bias)
+        rows.append((f"{x:.6g}", places, band, unit))
+    yield Table(("reference", "mean bias", "95 % band of the line", "in"), tuple(rows))
+    slope = figure_cells(figures.slope, figures.slope_interval)
+    lines: list[tuple[Cell, ...]] = [("slope", *slope, _p(figures.slope_p_value))]
+    lines.append(("intercept", four_digits(figures.intercept), "", _p(figures.intercept_p_value)))
+    lines.append(("about the line", four_digits(figures.residual), "", ""))
+    yield Table(("line", "", "95 % interval", "p"), tuple(lines))
+
+
+def _p(value: float | None) -> Cell:
+    return "" if value is None else four_digits(value)
+
+
+def _stability(figures: Stability, unit: str) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for k, name in enumerate(figures.sessions):
+        half = float(figures.half_width[k])
+        limits = Interval(*(Number(figures.centre + side * half, ".6g") for side in (-1, 1)))
+        scatter: Cell = "" if figures.scatters is None else four_digits(figures.scatters[k])
+        out = "outside" if name in figures.outside else ""
+        rows.append((name, Number(figures.means[k], ".6g"), limits, scatter, unit, out))
+    note = f"between sessions beyond that scatter: {figures.between:.3g} {unit}"
+    return Table(("session", "mean", "limits", "s", "in", ""), tuple(rows), note)
+
+
+def _budget(budget: Budget, study: AxisStudy) -> Iterator[Block]:
+    unit = study.readings.unit
+    rows: list[tuple[Cell, ...]] = [
+        (f"u_{name}", _PARTS[name], four_digits(part), unit) for name, part in budget.parts.items()
+    ]
+    low, high = budget.interval
+    rows.append((f"U_{budget.of}", f"2 u, 95 % interval {low:.2g}..{high:.2g}",
+                 four_digits(budget.U), unit))  # fmt: skip
+    rows.append(("T_min", f"tolerance with Q = {budget.limit:.0%}",
+                 four_digits(budget.smallest_tolerance), unit))  # fmt: skip
+    if budget.Q is not None and budget.zone is not None:
+        rows.append((f"Q_{budget.of}", f"2 U / T, at most {budget.limit:.0%}",
+                     Number(budget.Q, ".1%"), ""))  # fmt: skip
+        if budget.C is not None:
+            rows.append((f"C_{budget.of}", "1.33 at least", four_digits(budget.C), ""))
+        rows.append(("T - 2 U", "where a reading proves conformity", four_digits(budget.zone),
+                     unit))  # fmt: skip
+    yield Table(
+        ("VDA 5, ISO 22514-7", "", "", "in"), tuple(rows),
+        "of repeatabilities and division the largest counts; ISO 14253-1: U off both ends",
+    )  # fmt: skip
+
+
+def _how(found: GaugeStudy) -> Iterator[Text]:
+    yield from (Text(note, "quiet") for note in found.notes)
+    yield Text(
+        f"{found.source}: every reading counts, the first too; references are taken as exact. "
+        "AIAG MSA 4th ed. and Bosch booklet 10: Cg = 0.2 T / (6 s), Cgk = (0.1 T - |bias|) / (3 s)"
+        ", ndc = 1.41 PV / GRR. Intervals 95 %: Student, chi-square, generalized pivots",
+        "quiet",
+    )

@@ -1,0 +1,289 @@
+"""Many robots: found and ranked, each part done once, whoever dies on the way."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import duckdb
+import numpy as np
+import pytest
+
+import scara_iso
+from scara_iso.cli import main
+from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError
+from scara_iso.fleets import Engine
+from scara_iso.fleets.dispatch import done_by
+from scara_iso.library.engines import open_processes
+
+ROOT = Path(scara_iso.__file__).parents[1]
+HEAD = "# unit: mm\n# resolution: 0.001\nrobot,test,cycle,X,Y\n"
+
+
+def rows_of(robot, rng, step=0.0, n=31):
+    values = rng.normal(0, 0.003, (n, 2)) + np.where(np.arange(n) < 15, 0, step)[:, None]
+    return [f"{robot},t1,{k},{x:.3f},{y:.3f}" for k, (x, y) in enumerate(values, 1)]
+
+
+def fleet_of(folder, parts=3, robots=4, ill=("R1-2",)):
+    folder.mkdir(exist_ok=True)
+    rng = np.random.default_rng(5)
+    for part in range(parts):
+        names = [f"R{part}-{k}" for k in range(robots)]
+        lines = [row for n in names for row in rows_of(n, rng, 0.03 if n in ill else 0.0)]
+        (folder / f"part{part}.csv").write_text(HEAD + "\n".join(lines) + "\n", encoding="utf-8")
+    return folder
+
+
+def results(folder):
+    found = duckdb.sql(f"FROM read_parquet('{folder}/parts/*.parquet')").fetchall()
+    return sorted(map(repr, found))
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fleet")
+    source = fleet_of(folder / "source")
+    (source / "unreadable.parquet").write_bytes(b"PAR1 and no more")
+    (source / "letters.csv").write_text(HEAD + "R8,t1,1,abc,0\nR9,t1,1,0.5,0.1\n", "utf-8")
+    summary = scara_iso.fleet(source, folder / "out", workers=2)
+    return source, folder / "out", summary
+
+
+def test_the_ill_robot_is_first_and_alone(done):
+    _, _, summary = done
+    assert [one.robot for one in summary.found] == ["R1-2"]
+    assert summary.found[0].effects == ("step",)
+    assert summary.robots[0] is summary.found[0]
+    assert len(summary.robots) == 12
+    assert summary.effects == {"step": 1}
+
+
+def test_what_cannot_be_read_is_listed_and_the_rest_goes_on(done):
+    _, _, summary = done
+    assert list(summary.run.failed) == ["unreadable.parquet"]
+    said = {one.robot: one.error for one in summary.failed}
+    assert "'X' is not numeric" in said["R8"]
+    assert "cycle" in said["R9"]
+
+
+def test_each_table_is_as_diagnose_says(done):
+    source, _, summary = done
+    lines = (source / "part1.csv").read_text("utf-8").splitlines()
+    alone = [line.split(",", 2)[2] for line in lines if line.startswith(("R1-2", "robot"))]
+    table = "# unit: mm\n# resolution: 0.001\n" + "\n".join(alone) + "\n"
+    found = scara_iso.diagnose(table.encode())
+    assert summary.found[0].p_value == found.p_value
+    assert summary.found[0].RP_XY == pytest.approx(found.repeatability.measured["XY"])
+
+
+def test_the_q_values_are_those_of_benjamini_and_hochberg(done):
+    _, _, summary = done
+    p = sorted(one.p_value for one in summary.robots)
+    m = len(p)
+    q = [min(p[j] * m / (j + 1) for j in range(k, m)) for k in range(m)]
+    assert sorted(one.q_value for one in summary.robots) == pytest.approx(q)
+
+
+def test_what_is_done_is_not_done_again(done, capsys):
+    source, out, _ = done
+    before, whole = results(out), (out / "manifest.jsonl").read_bytes()
+    assert main(["fleet", str(source), "-o", str(out), "--json"]) == 65  # some cannot be read
+    found = json.loads(capsys.readouterr().out)
+    assert found["parts"]["done_before"] == found["parts"]["count"] == 5
+    assert (out / "manifest.jsonl").read_bytes() == whole
+    torn = whole[: whole.rfind(b"\n", 0, -1) + 20]  # as a kill may leave it
+    (out / "manifest.jsonl").write_bytes(torn)
+    assert scara_iso.fleet(source, out, workers=1).run.before == 4
+    assert results(out) == before
+
+
+def test_a_manifest_of_another_version_or_other_options_is_refused(tmp_path, done, capsys):
+    source, out, _ = done
+    for change, said in (
+        (b'"version": "0.', b'"version": "9.'),
+        (b'"unit": null', b'"unit": "um"'),
+    ):
+        other = tmp_path / f"other{len(said)}"
+        other.mkdir()
+        head = (out / "manifest.jsonl").read_bytes().replace(change, said, 1)
+        (other / "manifest.jsonl").write_bytes(head)
+        assert main(["fleet", str(source), "-o", str(other), "--json"]) == 65
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        assert "was begun with" in captured.err
+
+
+def test_outputs_that_would_be_lost_are_refused(tmp_path, done):
+    source, _, _ = done
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(CannotCreateError, match="not empty"):
+        scara_iso.fleet(source, tmp_path)
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+    assert main(["fleet", str(tmp_path / "none"), "-o", str(tmp_path / "o")]) == 66
+    assert main(["fleet", str(source), "-o", str(tmp_path / "o"), "--engine", "slurm"]) == 2
+    assert main(["fleet", str(source), "-o", str(tmp_path / "o"), "--level", "5"]) == 2
+
+
+def test_a_cluster_that_is_not_there(tmp_path, done, monkeypatch):
+    pytest.importorskip("distributed")
+    source, _, _ = done
+    monkeypatch.setattr("scara_iso.library.engines._PATIENCE", "1s")
+    with pytest.raises(ServiceError, match="no Dask scheduler"):
+        scara_iso.fleet(source, tmp_path / "o", engine="dask://127.0.0.1:9")
+    with pytest.raises(UsageError):
+        scara_iso.fleet(source, tmp_path / "o", engine="dask://nowhere")
+    assert not (tmp_path / "o").exists()
+
+
+def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path):
+    source = fleet_of(tmp_path / "source", parts=1, robots=2, ill=())
+    for name in ("a", "b"):
+        duckdb.sql(
+            f"COPY (FROM read_csv('{source}/part0.csv', comment='#')) TO '{source}/{name}.parquet'"
+        )
+    (source / "part0.csv").unlink()
+    none = scara_iso.fleet(source, tmp_path / "none", workers=1)
+    assert len(none.failed) == 4
+    assert "unit" in none.failed[0].error
+    found = scara_iso.fleet(source, tmp_path / "out", unit="mm", resolution=0.001, workers=1)
+    assert [(one.robot, one.parts) for one in found.twice] == [
+        ("R0-0", ("a.parquet", "b.parquet")), ("R0-1", ("a.parquet", "b.parquet"))
+    ]  # fmt: skip
+
+
+def dying(part, marks):
+    """Die the first time on 'once', each time on 'always'."""
+    mark = Path(marks, part)
+    if part == "always" or (part == "once" and not mark.exists()):
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return part.upper()
+
+
+def test_killed_processes_lose_and_double_nothing(tmp_path):
+    engine = Engine(partial(open_processes, 2), 4)
+    parts = ["a", "b", "once", "c", "always", "d", "e"]
+    found = list(done_by(engine, partial(dying, marks=tmp_path), parts))
+    assert sorted(part for part, _ in found) == sorted(parts)
+    given_up = {part for part, one in found if isinstance(one, Exception)}
+    assert given_up == {"always"}
+    assert all(one == part.upper() for part, one in found if part not in given_up)
+
+
+def test_many_by_any_executor(tmp_path):
+    source = fleet_of(tmp_path / "s", parts=1, robots=1, ill=())
+    table = tmp_path / "t.csv"
+    rows = (source / "part0.csv").read_text("utf-8").replace("robot,test,", "")
+    table.write_text(rows.replace("R0-0,t1,", ""), encoding="utf-8")
+    with ThreadPoolExecutor(1) as pool:
+        found = scara_iso.diagnose_many([table, tmp_path / "no.csv"], executor=pool)
+        figures = scara_iso.analyze_many([table, tmp_path / "no.csv"], executor=pool)
+    assert found[0].verdict.value == "nothing-to-explain"
+    assert found[1].exit_code == 66
+    assert figures[0].poses[0].axes["X"].RP == scara_iso.analyze(table).poses[0].axes["X"].RP
+    assert isinstance(figures[1], scara_iso.ScaraIsoError)
+
+
+def started(*words):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.Popen(
+        [sys.executable, *words], env=environment, stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def until(condition, seconds=180):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not come"
+        time.sleep(0.05)
+
+
+def lines_of(manifest):
+    return manifest.read_bytes().count(b"\n") if manifest.exists() else 0
+
+
+def test_a_killed_client_goes_on_where_it_stopped(tmp_path, done):
+    source, out, _ = done
+    words = ("-m", "scara_iso", "fleet", str(source), "-o", str(tmp_path / "o"), "--workers", "1")
+    client = started(*words)
+    until(lambda: lines_of(tmp_path / "o" / "manifest.jsonl") >= 3)
+    client.kill()
+    client.wait()
+    summary = scara_iso.fleet(source, tmp_path / "o", workers=1)
+    assert summary.run.before >= 2
+    assert results(tmp_path / "o") == results(out)
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except OSError:
+        return False
+    state = Path(f"/proc/{pid}/stat")
+    return not state.exists() or state.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def test_processes_end_with_the_one_that_started_them():
+    program = (
+        "import os, time; from scara_iso.library.engines import open_processes; "
+        "pool = open_processes(1); print(pool.submit(os.getpid).result(), flush=True); "
+        "time.sleep(600)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        [sys.executable, "-c", program], env=environment, stdout=subprocess.PIPE, text=True
+    ) as client:
+        worker = int(client.stdout.readline())
+        assert alive(worker)
+        client.kill()
+    until(lambda: not alive(worker))
+
+
+@pytest.mark.cluster
+def test_a_cluster_whose_worker_and_client_are_killed_gives_the_same(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    source = fleet_of(tmp_path / "source", parts=8, robots=3)
+    expected = scara_iso.fleet(source, tmp_path / "serial", workers=1)
+    address = tmp_path / "scheduler.json"
+    dask = ("-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard",
+            "--scheduler-file", str(address))  # fmt: skip
+    worker = ("-m", "distributed.cli.dask_worker", "--scheduler-file", str(address),
+              "--nthreads", "1", "--no-dashboard", "--no-nanny")  # fmt: skip
+    processes = [started(*dask)]
+    try:
+        until(address.exists)
+        place = json.loads(address.read_text())["address"].removeprefix("tcp://")
+        processes += [started(*worker), started(*worker)]
+        with distributed.Client(f"tcp://{place}", set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=60)
+        words = ("-m", "scara_iso", "fleet", str(source), "-o", str(tmp_path / "o"),
+                 "--engine", f"dask://{place}")  # fmt: skip
+        manifest = tmp_path / "o" / "manifest.jsonl"
+        client = started(*words)
+        until(lambda: lines_of(manifest) >= 2)
+        processes[1].kill()
+        until(lambda: lines_of(manifest) >= 4)
+        client.kill()
+        client.wait()
+        found = scara_iso.fleet(source, tmp_path / "o", engine=f"dask://{place}")
+        assert 3 <= found.run.before
+        assert results(tmp_path / "o") == results(tmp_path / "serial")
+        assert [one.robot for one in found.found] == [one.robot for one in expected.found]
+    finally:
+        for process in reversed(processes):
+            process.kill()
+            process.wait()
+
+
+def test_another_version_on_a_worker_is_refused(tmp_path, done, monkeypatch):
+    source, _, _ = done
+    monkeypatch.setattr("scara_iso.__version__", "99.0")
+    with pytest.raises(DataError, match="a worker has"):
+        scara_iso.fleet(source, tmp_path / "o", workers=1)
