@@ -6,7 +6,8 @@
     0.01404
 
 There is one function for each command, with its options as keywords: `analyze`, `diagnose`,
-`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`, `visits`, `push`.
+`diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`, `visits`, `push`,
+`selftest`.
 Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
         push as push,
         record as record,
         report as report,
+        selftest as selftest,
         simulate as simulate,
         visits as visits,
     )
@@ -87,6 +89,7 @@ __all__ = [
     "read_table",
     "record",
     "report",
+    "selftest",
     "simulate",
     "visits",
     "write_table",

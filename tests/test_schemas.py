@@ -18,6 +18,8 @@ import scara_iso
 from scara_iso.acquisition.ports.identity import Device
 from scara_iso.acquisition.recorder import events
 from scara_iso.cli import main
+from scara_iso.render import validation_json
+from scara_iso.validation import Installation, ReferenceCheck, Validation
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -163,6 +165,16 @@ def reversals(path):
     return path
 
 
+def validated(*, passing):
+    """Return what `selftest` writes of two references."""
+    checks = (
+        ReferenceCheck("units", "1 inch", "SI Brochure", 25.4, 25.4 if passing else 25.0, 1e-9),
+        ReferenceCheck("streams", "opto-rs232", "manual", "reading 1.2", "reading 1.2"),
+    )
+    on = Installation("0.1.0", {"Python": "3.12"}, "Linux", {"program": "ab", "references": "cd"})
+    return json.loads(json.dumps(validation_json(Validation(checks, on))))
+
+
 @pytest.fixture(scope="session")
 def documents(tmp_path_factory):
     """Return what every command writes, by the name of its schema."""
@@ -250,6 +262,7 @@ def documents(tmp_path_factory):
                 "--meta", "report_number=2", "--supersedes", "1", "--reason", "a mistake",
             ),
         ],
+        "selftest": [validated(passing=True), validated(passing=False)],
         "visits": written("visits", EXAMPLES / "stream.csv", "--poses", "P1,-"),
         "tables": [*written("tables", full), *written("tables", *two_poses(folder))],
         "test-conditions": written("diagnose", two),

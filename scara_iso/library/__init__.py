@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         check_format as check_format,
         report as report,
     )
+    from scara_iso.library.selftests import selftest as selftest
     from scara_iso.library.several import compare as compare
     from scara_iso.library.streams import visits as visits
 else:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json
+    from scara_iso.render.json_validation import validation_json as validation_json
     from scara_iso.render.json_whole_test import (
         conditions_json as conditions_json,
         status_json as status_json,

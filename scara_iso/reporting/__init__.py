@@ -101,6 +101,11 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.tables_read import table_report as table_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
+    from scara_iso.reporting.validation import (
+        validation_brief as validation_brief,
+        validation_document as validation_document,
+        validation_report as validation_report,
+    )
     from scara_iso.reporting.whole_test import (
         missing_report as missing_report,
         status_report as status_report,
