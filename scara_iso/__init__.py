@@ -7,7 +7,7 @@
 
 There is one function for each command, with its options as keywords: `analyze`, `diagnose`,
 `diagnose_many`, `compare`, `report`, `simulate`, `plan`, `backlash`, `record`, `visits`, `push`,
-`selftest`.
+`history`, `selftest`.
 Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
         compare as compare,
         diagnose as diagnose,
         diagnose_many as diagnose_many,
+        history as history,
         plan as plan,
         push as push,
         record as record,
@@ -84,6 +85,7 @@ __all__ = [
     "compare",
     "diagnose",
     "diagnose_many",
+    "history",
     "plan",
     "push",
     "read_table",

@@ -165,6 +165,23 @@ def reversals(path):
     return path
 
 
+def followed(folder):
+    """Write six tests of two poses, an angle among them, and a table that cannot be read."""
+    rng, paths = np.random.default_rng(8), [folder / "2026-00.csv"]
+    paths[0].write_text("cycle,X\n1,a\n", encoding="utf-8")
+    for month in range(1, 7):
+        rows = [
+            f"{pose},{cycle},{x:.3f},{y:.3f},{theta:.3f}"
+            for pose in ("P1", "P2")
+            for cycle, (x, y, theta) in enumerate(rng.normal(0, 0.01, (31, 3)), start=1)
+        ]
+        stated = [f"# date: 2026-0{month}-01", "# unit: mm", "# unit_theta: deg",
+                  f"# payload: {1 + month // 6} kg"]  # fmt: skip
+        paths.append(folder / f"2026-0{month}.csv")
+        paths[-1].write_text("\n".join([*stated, "pose,cycle,X,Y,theta", *rows, ""]), "utf-8")
+    return paths
+
+
 def validated(*, passing):
     """Return what `selftest` writes of two references."""
     checks = (
@@ -261,6 +278,11 @@ def documents(tmp_path_factory):
                 "report", short, "--cycles", "4", "--first-cycle-discarded", "--meta", "robot=A",
                 "--meta", "report_number=2", "--supersedes", "1", "--reason", "a mistake",
             ),
+        ],
+        "history": [
+            *written("history", EXAMPLES / "months", "--limit", "XY=0.02", code=1),
+            *written("history", *followed(folder), "--limit", "theta=0.1", "--limit", "XY=1"),
+            *written("history", EXAMPLES / "months" / "2024-01.csv"),
         ],
         "selftest": [validated(passing=True), validated(passing=False)],
         "visits": written("visits", EXAMPLES / "stream.csv", "--poses", "P1,-"),

@@ -34,7 +34,7 @@ GROUPS = {
     "Understand": ("tables", "analyze", "diagnose", "compare", "push", "backlash"),
     "Report": ("report",),
     "Learn": ("demo", "explain", "simulate"),
-    "Validate": ("selftest",),
+    "Watch and validate": ("history", "selftest"),
 }
 COMMANDS = {name: f"scara_iso.cli.{name}" for names in GROUPS.values() for name in names}
 WELCOME = """\

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
         one_test as one_test,
     )
     from scara_iso.library.models import plan as plan, simulate as simulate
+    from scara_iso.library.months import history as history
+    from scara_iso.library.pages import check_page as check_page, write_page as write_page
     from scara_iso.library.pushes import push as push
     from scara_iso.library.recordings import Nobody as Nobody, record as record
     from scara_iso.library.reports import (

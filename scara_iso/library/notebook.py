@@ -11,6 +11,7 @@ from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses
 from scara_iso.iso9283 import Analysis, PosePlan, PushResult
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.reports import TestReport
+from scara_iso.monitoring import RobotHistory
 from scara_iso.render import find_format, plot_comparison, plot_diagnosis, plot_plan
 from scara_iso.reporting import (
     Document,
@@ -20,16 +21,19 @@ from scara_iso.reporting import (
     comparison_report,
     diagnosis_report,
     document,
+    history_report,
     plan_report,
     poses_report,
     push_report,
     readings_report,
     summary_report,
+    validation_report,
     visits_report,
 )
 from scara_iso.robot import Backlash
 from scara_iso.run import Run
 from scara_iso.streams import StreamVisits
+from scara_iso.validation import Validation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,8 +47,10 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
     DiagnosisOfPoses: ("Diagnosis of several poses", lambda found: poses_report(found, "")),
     PosePlan: ("Plan of the test", plan_report),
     PushResult: ("Push test", push_report),
+    RobotHistory: ("Months of a robot", history_report),
     Run: ("Readings", readings_report),
     StreamVisits: ("Visits of a stream", visits_report),
+    Validation: ("Validation", validation_report),
 }
 _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
     Comparison: plot_comparison,

@@ -11,14 +11,11 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from scara_iso.disk import write_file
 from scara_iso.library.killed import recorder_checks
+from scara_iso.library.pages import check_page, write_page
+from scara_iso.reporting import validation_document
 from scara_iso.validation import Installation, ReferenceCheck, Validation, validate
-
-if TYPE_CHECKING:
-    from scara_iso.reporting import Document
 
 PACKAGES = (
     "jinja2", "matplotlib", "numpy", "openpyxl", "pandas", "pyserial", "python-calamine", "rich",
@@ -38,29 +35,22 @@ def selftest(
     .csv, .xlsx, .pdf); ``tell`` hears each check as it is made. Raises `UsageError` for another
     ending, and as `write_file`.
     """
-    write = None if to is None else _writer(Path(to))
+    if to is not None:
+        check_page(Path(to))
     checks = []
     for check in _every_check():
         checks.append(check)
         if tell is not None:
             tell(check)
     found = Validation(tuple(checks), _installation())
-    if to is not None and write is not None:
-        from scara_iso.reporting import validation_document
-
-        write_file(Path(to), write(validation_document(found)))
+    if to is not None:
+        write_page(validation_document(found), Path(to))
     return found
 
 
 def _every_check() -> Iterator[ReferenceCheck]:
     yield from validate()
     yield from validate({"recorder": recorder_checks})
-
-
-def _writer(path: Path) -> Callable[[Document], bytes]:
-    from scara_iso.render import find_format
-
-    return find_format(path.name, path.suffix)
 
 
 def _installation() -> Installation:

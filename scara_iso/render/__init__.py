@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         diagnosis_json as diagnosis_json,
         poses_diagnosis_json as poses_diagnosis_json,
     )
+    from scara_iso.render.json_history import history_json as history_json
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json

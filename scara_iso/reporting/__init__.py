@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         Block as Block,
         Cell as Cell,
         Charted as Charted,
+        ControlPicture as ControlPicture,
         Course as Course,
         Courses as Courses,
         DriftPicture as DriftPicture,
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
         Figure as Figure,
         Headline as Headline,
         Interval as Interval,
+        MonthsPicture as MonthsPicture,
         NextStep as NextStep,
         Notice as Notice,
         Number as Number,
@@ -73,6 +75,11 @@ if TYPE_CHECKING:
         pages as pages,
     )
     from scara_iso.reporting.front import Amendment as Amendment
+    from scara_iso.reporting.history import (
+        history_brief as history_brief,
+        history_document as history_document,
+        history_report as history_report,
+    )
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.paper import paper_section as paper_section
     from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
