@@ -55,7 +55,7 @@ def _finish(axes: Axes, label: str, days: FloatArray, events: tuple[float, ...])
     axes.margins(x=0.07)
     if np.ptp(days) == 0:
         axes.set_xlim(days[0] - _MONTH, days[0] + _MONTH)
-    locator = dates.AutoDateLocator(maxticks=7)  # type: ignore[no-untyped-call]
+    locator = dates.AutoDateLocator(minticks=3, maxticks=7)  # type: ignore[no-untyped-call]
     formatter = dates.ConciseDateFormatter(locator, show_offset=False)  # type: ignore[no-untyped-call]
     axes.xaxis.set_major_locator(locator)
     axes.xaxis.set_major_formatter(formatter)

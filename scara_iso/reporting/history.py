@@ -82,25 +82,29 @@ def _subject(found: RobotHistory) -> str:
 
 
 def _verdicts(found: RobotHistory) -> Iterator[Text]:
-    """Yield what each figure with a limit, a trend or an alarm amounts to."""
-    silent = []
+    """Yield what limits, charts and trends amount to, the limits first."""
     for one in found.spreads:
-        name = f"{_code(one)} {_name(one)}"
-        limited = _limit_said(one)
-        if limited:
-            yield Text(f"{name}: {limited}", "bad" if one.crossed else "good")
-        said = [*_alarm_said(one), *_trend_said(one)]
-        if said:
-            yield Text(f"{name}: {'; '.join(said)}", "warn")
-        elif not limited:
-            silent.append(name)
+        if limited := _limit_said(one):
+            yield Text(f"{_code(one)} {_name(one)}: {limited}", "bad" if one.crossed else "good")
+    changed = {id(one): "; ".join(_change_said(one)) for one in found.spreads}
+    for one in found.spreads:
+        if said := changed[id(one)]:
+            yield Text(f"{_code(one)} {_name(one)}: {said}", "warn")
     for mean in found.means:
         if mean.chart is not None and mean.chart.alarms:
-            days = _days_of(mean.tests, mean.chart.alarms)
-            said_ = "robot, fixture or the dial's zero moved"
-            yield Text(f"mean {_name(mean)}: outside its limits {days}: {said_}", "plain")
+            at = _alarms_at(mean.tests, mean.chart.alarms)
+            yield Text(f"mean {_name(mean)} moved ({at}): robot, fixture or the dial's zero")
+    silent = [f"{_code(one)} {_name(one)}" for one in found.spreads if not changed[id(one)]]
     if silent:
-        yield Text(f"no change beyond sampling: {', '.join(silent)}", "plain")
+        yield Text(f"no change beyond sampling: {', '.join(silent)}")
+
+
+def _change_said(one: SpreadHistory) -> Iterator[str]:
+    yield from _trend_said(one)
+    charts = (("EWMA", one.ewma), ("CUSUM", one.cusum))
+    spoken = [f"{name} {len(c.alarms)}" for name, c in charts if c is not None and c.alarms]
+    if spoken:
+        yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, one.alarms)}"
 
 
 def _limit_said(one: SpreadHistory) -> str:
@@ -127,12 +131,6 @@ def _until(one: SpreadHistory) -> str:
     return f", likely {date_on(when.likely)}{latest}"
 
 
-def _alarm_said(one: SpreadHistory) -> Iterator[str]:
-    for name, chart in (("EWMA", one.ewma), ("CUSUM", one.cusum)):
-        if chart is not None and chart.alarms:
-            yield f"{name} alarm {_days_of(one.tests, chart.alarms)}"
-
-
 def _trend_said(one: SpreadHistory) -> Iterator[str]:
     if one.trend is not None and one.trend.is_shown:
         trend = one.trend
@@ -143,9 +141,9 @@ def _trend_said(one: SpreadHistory) -> Iterator[str]:
         yield f"{rate} {one.unit} a month [{ends}], begun {since}"
 
 
-def _days_of(tests: tuple[TestFigure, ...], at: tuple[int, ...]) -> str:
-    days = [moment_said(tests[k].when) for k in at]
-    return days[0] if len(days) == 1 else f"{days[0]} and {len(days) - 1} more"
+def _alarms_at(tests: tuple[TestFigure, ...], at: tuple[int, ...]) -> str:
+    first = moment_said(tests[at[0]].when)
+    return first if len(at) == 1 else f"from {first} on"
 
 
 def _now(found: RobotHistory) -> Table:
@@ -195,7 +193,7 @@ def _services(found: RobotHistory) -> Iterator[Block]:
 
 
 def _spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Block]:
-    said = [*_alarm_said(one), *_trend_said(one)]
+    said = list(_change_said(one))
     yield Text(
         "; ".join(said) if said else "no change beyond sampling", "strong" if said else "plain"
     )

@@ -11,10 +11,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from scara_iso.comparison import exchangeability
-from scara_iso.iso9283 import Analysis, Characteristic, analyze, find_characteristics
+from scara_iso.force_loop import read_loop
+from scara_iso.iso9283 import Characteristic, analyze, find_characteristics, push_test
 from scara_iso.tables import read_table
 from scara_iso.validation.references import references
 from scara_iso.validation.result import ReferenceCheck
+
+_ARM = 0.25
+"""From the joint to the dial of the push test [m]."""
 
 
 def vector_checks() -> Iterator[ReferenceCheck]:
@@ -55,9 +59,8 @@ def _compared(
 
 
 def _characteristics(vector: Mapping[str, Any]) -> Sequence[Characteristic]:
-    analyses = [_analysis(name, vector["cycles"]) for name in vector["tables"]]
+    tables = [references("vectors", name).read_bytes() for name in vector["tables"]]
+    if vector["name"] == "push":
+        return push_test(read_loop(tables[0]), arm_m=_ARM).characteristics
+    analyses = [analyze(read_table(table), cycles=vector["cycles"]) for table in tables]
     return exchangeability(analyses, {}) if len(analyses) > 1 else analyses[0].characteristics
-
-
-def _analysis(name: str, cycles: int | None) -> Analysis:
-    return analyze(read_table(references("vectors", name).read_bytes()), cycles=cycles)
