@@ -305,6 +305,18 @@ def test_a_dial_that_stood_still_and_few_tests_have_no_chart(tmp_path):
     assert scara_iso.history(paths[2:5], limits={"X": 1.0}).spreads[0].ewma is None
 
 
+@pytest.mark.parametrize("date", ["9999-12-31", "0001-01-01", "05/06/2026", "soon"])
+def test_a_date_that_cannot_be_is_none(tmp_path, date):
+    with pytest.raises(DataError, match="1 of 1 tables state no date"):
+        scara_iso.history(table(tmp_path, date, name="t"))
+
+
+def test_a_limit_of_what_is_not_followed_is_refused(tmp_path):
+    head = "# dial_zero: command\n# command_X: 0\n"
+    with pytest.raises(UsageError, match="AP: a history follows RP"):
+        scara_iso.history(table(tmp_path, "2026-01-01", more=head), limits={"AP": 1.0})
+
+
 def test_other_conditions_are_noted(tmp_path):
     paths = months(tmp_path, np.ones(3), more="# payload: 2 kg\n")
     paths.append(table(tmp_path, "2026-01-01", more="# payload: 5 kg\n", robot=None))

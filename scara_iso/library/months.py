@@ -11,7 +11,7 @@ from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, analyze, moment_of_test
 from scara_iso.library.inputs import Table, TableOptions, Tables, tables_of
-from scara_iso.monitoring import DatedAnalysis, RobotHistory, follow, read_events
+from scara_iso.monitoring import DatedAnalysis, RobotHistory, follow, is_plausible, read_events
 from scara_iso.reporting import printable
 
 _EVENTS = "events.csv"
@@ -120,11 +120,13 @@ def _refuse_nothing(failed: Sequence[tuple[str, str]], robot: str | None) -> Non
 
 def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
     moments = [(moment_of_test(one.run), one) for one in analyses]
-    missing = [one.run.origin.source for moment, one in moments if moment is None]
-    if missing:
+    found = [DatedAnalysis(when, one) for when, one in moments if when and is_plausible(when)]
+    if len(found) < len(analyses):
+        used = {id(test.analysis) for test in found}
+        missing = [one.run.origin.source for one in analyses if id(one) not in used]
         raise DataError(
             f"{len(missing)} of {len(analyses)} tables state no date that can be read",
             remedy="write '# date: 2026-05-12' above the header of each",
             faults=[Fault(name) for name in missing],
         )
-    return [DatedAnalysis(moment, one) for moment, one in moments if moment is not None]
+    return found

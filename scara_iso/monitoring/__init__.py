@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from scara_iso.monitoring.days import (
         date_on as date_on,
         day_of as day_of,
+        is_plausible as is_plausible,
         moment_said as moment_said,
     )
     from scara_iso.monitoring.events import ServiceEvent as ServiceEvent, read_events as read_events

@@ -5,6 +5,12 @@ from __future__ import annotations
 from datetime import date, datetime
 
 _SECONDS = 86400
+_FIRST, _LAST = 1950, 2150  # years
+
+
+def is_plausible(when: datetime) -> bool:
+    """Return whether a robot can have been tested then: a slip of the pen is no date."""
+    return _FIRST <= when.year <= _LAST
 
 
 def day_of(when: datetime) -> float:

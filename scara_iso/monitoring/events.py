@@ -10,6 +10,7 @@ from pathlib import Path
 from scara_iso.errors import DataError, Fault
 from scara_iso.files import read_file
 from scara_iso.iso9283 import parse_moment
+from scara_iso.monitoring.days import is_plausible
 
 _LARGEST = 1_000_000
 _REMEDY = "two columns: date,what and lines such as 2026-05-12,belt of joint 2 renewed"
@@ -47,7 +48,7 @@ def read_events(path: str | Path) -> tuple[ServiceEvent, ...]:
     for number, line in lines[1:]:
         cells = [cell.strip() for cell in next(csv.reader([line], delimiter=mark))]
         when = parse_moment(cells[0])
-        if when is None or len(cells) < 2 or not cells[1]:
+        if when is None or not is_plausible(when) or len(cells) < 2 or not cells[1]:
             faults.append(Fault(f"{line.strip()[:60]!r} is no date and what was done", number))
         else:
             events.append(ServiceEvent(when, cells[1][:_LONGEST]))

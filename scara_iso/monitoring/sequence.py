@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from scara_iso.comparison import compare, spread
-from scara_iso.errors import DataError, Fault
+from scara_iso.errors import DataError, Fault, UsageError
 from scara_iso.iso9283 import AxisResult, Characteristic, PoseResult, poses_in_cycles
 from scara_iso.monitoring.charts import between_tests, cusum, ewma, individuals, standardised
 from scara_iso.monitoring.days import day_of
@@ -40,21 +40,37 @@ def follow(
 
     ``limits`` are in mm (degrees for an angle) by figure, the empty name for every length; the
     verdicts of single tests are those of the analyses. Raises `DataError` where the tests are of
-    several robots, or one pose was tested twice on one day and no times say which was first.
+    several robots, or one pose was tested twice on one day and no times say which was first;
+    `UsageError` for a limit of what is not followed.
     """
     ordered = tuple(sorted(tests, key=lambda test: test.when))
     robot, serial = _identity(ordered)
     _refuse_twice(ordered)
+    spreads = tuple(_spreads(ordered, events, limits or {}))
+    _refuse_limits(limits or {}, spreads)
     return RobotHistory(
         robot=robot,
         serial=serial,
         tests=ordered,
         events=tuple(events),
-        spreads=tuple(_spreads(ordered, events, limits or {})),
+        spreads=spreads,
         means=tuple(_means(ordered, events)),
         changes=tuple(_changes(ordered, events)),
         notes=tuple(_notes(ordered)),
     )
+
+
+def _refuse_limits(limits: Mapping[str, float], spreads: Sequence[SpreadHistory]) -> None:
+    """Raise `DataError` where nothing is followed, `UsageError` for a limit that none has."""
+    if not spreads:
+        raise DataError("no table has an RP to be followed: a drift test has none")
+    names = dict.fromkeys(one.figure for one in spreads)
+    other = [name for name in limits if name and name not in names]
+    if other:
+        raise UsageError(
+            f"{', '.join(other)}: a history follows RP (of an angle 3 S)",
+            remedy=f"give a limit of {', '.join(names)}",
+        )
 
 
 def _identity(tests: Sequence[DatedAnalysis]) -> tuple[str, str]:

@@ -29,7 +29,7 @@ from scara_iso.reporting.digits import interval, rounded
 from scara_iso.reporting.dossier import Document
 from scara_iso.reporting.month_figures import control_pictures, month_picture
 
-RUN_LENGTH = 370
+RUN_LENGTH = 350
 """Tests between two false alarms of one chart, on average: benchmarks/history.py."""
 _METHOD = (
     "RP is compared as its logarithm, in standard errors: those of its own sampling, or of what "
