@@ -143,6 +143,13 @@ def test_not_knowing_more_widens_the_interval():
     assert trend_of(np.arange(4.0), np.zeros(4), np.ones(4)) is None
 
 
+def test_the_days_are_those_of_their_chances():
+    trend = worn(0.05, 8, error=0.1)
+    found = crossing(trend, 0.044)
+    days = np.array([found.earliest, found.likely, found.latest])
+    assert trend.chance_above(0.044, days) == pytest.approx([0.025, 0.5, 0.975], abs=0.02)
+
+
 # the history
 
 

@@ -32,11 +32,15 @@ class Individuals:
     centre: FloatArray
     """Mean of the stretch that a test belongs to."""
     low: FloatArray
+    """Three standard errors below it."""
     high: FloatArray
+    """Three standard errors above it."""
     moving_range: FloatArray
     """Distance from the test before, NaN at the first of a stretch."""
     range_limit: float
+    """Upper limit of the moving range."""
     sigma: float
+    """Standard error of a value."""
     alarms: tuple[int, ...]
     """Tests, from 0, that lie outside or moved farther than the limit."""
 
@@ -46,9 +50,11 @@ class Ewma:
     """Exponentially weighted mean of standardised values; arrays of shape (tests,)."""
 
     points: FloatArray
+    """The weighted means, in standard errors."""
     limits: FloatArray
     """Upper limit; the lower one is its negative."""
     alarms: tuple[int, ...]
+    """Tests, from 0, that lie outside."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,10 +62,13 @@ class Cusum:
     """One-sided cumulative sums of standardised values; arrays of shape (tests,)."""
 
     up: FloatArray
+    """Sum of what lies above, in standard errors."""
     down: FloatArray
     """As a sum above 0, of what lies below."""
     limit: float
+    """The decision interval."""
     alarms: tuple[int, ...]
+    """Tests, from 0, at which a sum is beyond it."""
 
 
 def moving_range_sigma(values: FloatArray, stretches: Sequence[slice]) -> float | None:

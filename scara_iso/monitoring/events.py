@@ -22,7 +22,9 @@ class ServiceEvent:
     """Something that was done to the robot; tests of that day count as behind it."""
 
     when: datetime
+    """Date, with a time where one is stated."""
     what: str
+    """What was done."""
 
 
 def read_events(path: str | Path) -> tuple[ServiceEvent, ...]:

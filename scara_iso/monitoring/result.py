@@ -25,7 +25,9 @@ class DatedAnalysis:
     """One test, and when it was made."""
 
     when: datetime
+    """Date, with a time where one is stated."""
     analysis: Analysis
+    """Its figures and findings."""
 
     @property
     def source(self) -> str:
@@ -40,10 +42,15 @@ class TestFigure:
     __test__ = False  # no test of ours
 
     when: datetime
+    """When it was measured."""
     source: str
+    """Name of its table."""
     value: float
+    """In the unit of the history."""
     interval: tuple[float, float] | None
+    """95 %; None where so few cycles allow none."""
     n: int
+    """Cycles that count."""
     error: float
     """Standard error by sampling: of the logarithm of a figure of scatter, of a mean itself."""
     verdict: Conformity | None = None
@@ -55,12 +62,15 @@ class SpreadHistory:
     """RP, or 3 S of an angle, at one pose over the tests."""
 
     pose: str | None
+    """Label; None where no table names one."""
     figure: str
     """``X``, ``XY`` and so on."""
     quantity: str
     """``RP`` or ``three_sigma``."""
     unit: str
+    """``mm`` or ``deg``."""
     tests: tuple[TestFigure, ...]
+    """In time order."""
     sampling: float
     """Standard error of a figure's logarithm, by sampling alone."""
     sigma: float
@@ -68,11 +78,15 @@ class SpreadHistory:
     standardised: FloatArray
     """Each test against those before it since the last service, shape (tests,)."""
     ewma: Ewma | None
+    """None for fewer than five tests, or where a figure is 0."""
     cusum: Cusum | None
+    """Likewise."""
     trend: Trend | None
     """Since the last service; None for fewer than five tests."""
     limit: float | None
+    """That was given; None without."""
     crossing: LimitCrossing | None
+    """When the limit is met; None without limit or trend."""
     since_service: int
     """First test, from 0, behind the last service."""
 
@@ -95,9 +109,13 @@ class MeanHistory:
     """The mean of one axis at one pose over the tests: robot, fixture and zero of the dial."""
 
     pose: str | None
+    """Label; None where no table names one."""
     figure: str
+    """Name of the axis."""
     unit: str
+    """``mm`` or ``deg``."""
     tests: tuple[TestFigure, ...]
+    """In time order."""
     chart: Individuals | None
     """None for fewer than five tests."""
 
@@ -107,7 +125,9 @@ class ServiceChange:
     """The last test before a service against the first behind it."""
 
     event: ServiceEvent
+    """What was done."""
     comparison: Comparison
+    """The last test before it against the first behind it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -115,12 +135,19 @@ class RobotHistory(Displayed):
     """Every test of one robot, in time order."""
 
     robot: str
+    """Its name; empty where no table states one."""
     serial: str
+    """Its serial number; empty where no table states one."""
     tests: tuple[DatedAnalysis, ...]
+    """In time order."""
     events: tuple[ServiceEvent, ...]
+    """In time order."""
     spreads: tuple[SpreadHistory, ...]
+    """One for each pose and figure."""
     means: tuple[MeanHistory, ...]
+    """One for each pose and axis."""
     changes: tuple[ServiceChange, ...]
+    """One for each service with a test on both sides."""
     notes: tuple[str, ...] = ()
     """What the history must be read with."""
     unreadable: tuple[tuple[str, str], ...] = ()

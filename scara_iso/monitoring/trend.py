@@ -76,6 +76,7 @@ class LimitCrossing:
     """When the true figure meets a limit, if it goes on as it does; days, as in the trend."""
 
     limit: float
+    """In the unit of the figure."""
     earliest: float | None
     """The chance is 2.5 % from this day on; None: not within the horizon."""
     likely: float | None

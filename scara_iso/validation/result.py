@@ -20,7 +20,9 @@ class ReferenceCheck:
     source: str
     """Where the reference is from."""
     expected: float | str
+    """The reference."""
     obtained: float | str
+    """What this program gives."""
     tolerance: float = 0.0
     """Of a number: how far apart both may lie, in its unit; 0 demands equality."""
 
@@ -52,7 +54,9 @@ class Validation(Displayed):
     """Every reference check, and on what machine it was made."""
 
     checks: tuple[ReferenceCheck, ...]
+    """In the order in which they were made."""
     installation: Installation
+    """What was validated, and on what."""
 
     def __repr__(self) -> str:
         return f"<Validation: {self.verdict}, {len(self.checks)} references>"
