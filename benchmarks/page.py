@@ -21,12 +21,13 @@ def run(
     for name, part in parts.items():
         body = "\n".join(part())
         print(f"{name}\n{body}\n")
-        text = _put(text, name, body) if write else text
+        text = put(text, name, body) if write else text
     if write:
         page.write_text(text, encoding="utf-8")
 
 
-def _put(text: str, name: str, body: str) -> str:
+def put(text: str, name: str, body: str) -> str:
+    """Return the text of a page with ``body`` between the marks of ``name``."""
     begin, end = f"<!-- begin {name} -->\n", f"<!-- end {name} -->"
     if begin not in text:
         raise SystemExit(f"the page has no part {name!r}")

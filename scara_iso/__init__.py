@@ -7,7 +7,7 @@
 
 There is one function for each command, with its options as keywords: `analyze`, `analyze_many`,
 `diagnose`, `diagnose_many`, `fleet`, `gauge_study`, `compare`, `report`, `simulate`, `plan`,
-`backlash`, `record`, `visits`, `push`.
+`backlash`, `record`, `visits`, `push`, `history`, `selftest`.
 Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
@@ -47,10 +47,12 @@ if TYPE_CHECKING:
         diagnose_many as diagnose_many,
         fleet as fleet,
         gauge_study as gauge_study,
+        history as history,
         plan as plan,
         push as push,
         record as record,
         report as report,
+        selftest as selftest,
         simulate as simulate,
         visits as visits,
     )
@@ -93,11 +95,13 @@ __all__ = [
     "diagnose_many",
     "fleet",
     "gauge_study",
+    "history",
     "plan",
     "push",
     "read_table",
     "record",
     "report",
+    "selftest",
     "simulate",
     "visits",
     "write_table",

@@ -42,12 +42,13 @@ def forces(most=100.0, step=10.0, loops=3):
 
 def readings(rng, *, stiffness=500.0, half_play=0.02, friction=6.0, noise=0.0, division=None,
              drift=0.0, **steps):  # fmt: skip
-    """Return forces and the dial's readings [mm]."""
+    """Return forces and the dial's readings [mm]; without a generator there is no noise."""
     force = forces(**steps)
     x = positions(
         tuple(force.tolist()), stiffness=stiffness, half_play=half_play, friction=friction
     )
-    x = x + noise * rng.standard_normal(len(x)) + drift * np.linspace(0, 1, len(x)) + 0.3
+    x = x if rng is None else x + noise * rng.standard_normal(len(x))
+    x = x + drift * np.linspace(0, 1, len(x)) + 0.3
     return force, x if division is None else np.round(x / division) * division
 
 

@@ -15,7 +15,7 @@ from scara_iso.cli import main
 from scara_iso.comparison import ContrastVerdict, compare
 from scara_iso.comparison.dial import largest_bias, through_dial
 from scara_iso.comparison.permutation import mean_error
-from scara_iso.comparison.spread import spread
+from scara_iso.comparison.spreads import spread
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.quantities import Dimension

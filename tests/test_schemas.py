@@ -18,6 +18,8 @@ import scara_iso
 from scara_iso.acquisition.ports.identity import Device
 from scara_iso.acquisition.recorder import events
 from scara_iso.cli import main
+from scara_iso.render import validation_json
+from scara_iso.validation import Installation, ReferenceCheck, Validation
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -182,6 +184,33 @@ def sessions(path):
     return path
 
 
+def followed(folder):
+    """Write six tests of two poses, an angle among them, and a table that cannot be read."""
+    rng, paths = np.random.default_rng(8), [folder / "2026-00.csv"]
+    paths[0].write_text("cycle,X\n1,a\n", encoding="utf-8")
+    for month in range(1, 7):
+        rows = [
+            f"{pose},{cycle},{x:.3f},{y:.3f},{theta:.3f}"
+            for pose in ("P1", "P2")
+            for cycle, (x, y, theta) in enumerate(rng.normal(0, 0.01, (31, 3)), start=1)
+        ]
+        stated = [f"# date: 2026-0{month}-01", "# unit: mm", "# unit_theta: deg",
+                  f"# payload: {1 + month // 6} kg"]  # fmt: skip
+        paths.append(folder / f"2026-0{month}.csv")
+        paths[-1].write_text("\n".join([*stated, "pose,cycle,X,Y,theta", *rows, ""]), "utf-8")
+    return paths
+
+
+def validated(*, passing):
+    """Return what `selftest` writes of two references."""
+    checks = (
+        ReferenceCheck("units", "1 inch", "SI Brochure", 25.4, 25.4 if passing else 25.0, 1e-9),
+        ReferenceCheck("streams", "opto-rs232", "manual", "reading 1.2", "reading 1.2"),
+    )
+    on = Installation("0.1.0", {"Python": "3.12"}, "Linux", {"program": "ab", "references": "cd"})
+    return json.loads(json.dumps(validation_json(Validation(checks, on))))
+
+
 @pytest.fixture(scope="session")
 def documents(tmp_path_factory):
     """Return what every command writes, by the name of its schema."""
@@ -276,6 +305,12 @@ def documents(tmp_path_factory):
                 "--meta", "report_number=2", "--supersedes", "1", "--reason", "a mistake",
             ),
         ],
+        "history": [
+            *written("history", EXAMPLES / "months", "--limit", "XY=0.02", code=1),
+            *written("history", *followed(folder), "--limit", "theta=0.1", "--limit", "XY=1"),
+            *written("history", EXAMPLES / "months" / "2024-01.csv"),
+        ],
+        "selftest": [validated(passing=True), validated(passing=False)],
         "visits": written("visits", EXAMPLES / "stream.csv", "--poses", "P1,-"),
         "tables": [*written("tables", full), *written("tables", *two_poses(folder))],
         "test-conditions": written("diagnose", two),

@@ -40,6 +40,11 @@ GROUPS = {
         "explain": "Say what a finding, a characteristic or an effect means, and what to do.",
         "simulate": "Write readings of a model with scatter, effects and rounding, as a table.",
     },
+    "Watch and validate": {
+        "history": "Follow one robot over months: control charts, trend, when it meets a limit, "
+        "services.",
+        "selftest": "Compare this installation with references: exit 0, or 1 naming what differs.",
+    },
 }
 COMMANDS = {
     name: f"scara_iso.cli.{name.replace('-', '_')}" for names in GROUPS.values() for name in names

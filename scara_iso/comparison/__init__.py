@@ -19,5 +19,6 @@ if TYPE_CHECKING:
         exchangeability as exchangeability,
         refuse_limits as refuse_limits,
     )
+    from scara_iso.comparison.spreads import spread as spread
 else:
     __getattr__ = face(__name__)

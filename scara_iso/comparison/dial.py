@@ -15,7 +15,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from scara_iso.comparison.spread import spread
+from scara_iso.comparison.spreads import spread
 from scara_iso.iso9283 import GAUSSIAN_RP, hidden, standard_deviation, two_divisions
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray

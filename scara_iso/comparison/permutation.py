@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.comparison.spread import spread
+from scara_iso.comparison.spreads import spread
 from scara_iso.run import FloatArray, IntArray
 
 _BLOCK = 2_000_000  # readings permuted at a time

@@ -40,6 +40,10 @@ if TYPE_CHECKING:
         RadialResult as RadialResult,
     )
     from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES, check_limits as check_limits
+    from scara_iso.iso9283.moments import (
+        moment_of_test as moment_of_test,
+        parse_moment as parse_moment,
+    )
     from scara_iso.iso9283.pose_plan import (
         DiagonalPlane as DiagonalPlane,
         PosePlan as PosePlan,

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
         plan as plan,
         simulate as simulate,
     )
+    from scara_iso.library.months import history as history
+    from scara_iso.library.pages import check_page as check_page, write_page as write_page
     from scara_iso.library.pushes import push as push
     from scara_iso.library.recordings import Nobody as Nobody, record as record
     from scara_iso.library.reports import (
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
         check_format as check_format,
         report as report,
     )
+    from scara_iso.library.selftests import selftest as selftest
     from scara_iso.library.several import compare as compare
     from scara_iso.library.streams import visits as visits
     from scara_iso.library.watching import Watcher as Watcher

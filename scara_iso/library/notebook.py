@@ -13,6 +13,7 @@ from scara_iso.iso9283 import Analysis, PosePlan, PushResult
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.reports import TestReport
 from scara_iso.measurement_system import GaugeStudy
+from scara_iso.monitoring import RobotHistory
 from scara_iso.render import (
     find_format,
     plot_comparison,
@@ -30,16 +31,19 @@ from scara_iso.reporting import (
     document,
     fleet_report,
     gauge_study_report,
+    history_report,
     plan_report,
     poses_report,
     push_report,
     readings_report,
     summary_report,
+    validation_report,
     visits_report,
 )
 from scara_iso.robot import Backlash
 from scara_iso.run import Run
 from scara_iso.streams import StreamVisits
+from scara_iso.validation import Validation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,8 +59,10 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
     GaugeStudy: ("Gauge study", gauge_study_report),
     PosePlan: ("Plan of the test", plan_report),
     PushResult: ("Push test", push_report),
+    RobotHistory: ("Months of a robot", history_report),
     Run: ("Readings", readings_report),
     StreamVisits: ("Visits of a stream", visits_report),
+    Validation: ("Validation", validation_report),
 }
 _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
     Comparison: plot_comparison,

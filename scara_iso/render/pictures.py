@@ -14,13 +14,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scara_iso.render.charts import draw_chart
+from scara_iso.render.month_pictures import draw_control, draw_months
 from scara_iso.render.plots import AREA, ARM, EDGE, PLANE, SOLID
 from scara_iso.reporting import (
     Chart,
+    ControlPicture,
     Course,
     Courses,
     DriftPicture,
     Figure,
+    MonthsPicture,
     Plane,
     Planes,
     Prediction,
@@ -41,6 +44,7 @@ _STYLE: dict[str, Any] = {
 }  # fmt: skip
 _PAGE, _LEFT, _ABOVE, _BELOW = 7.1, 0.62, 0.2, 0.36  # [inch]
 Panels = Courses | Planes | Predictions
+OneAxes = DriftPicture | MonthsPicture | ControlPicture
 _BESIDE = 5  # panels of several poses
 _LABEL = 18  # characters of a pose's name above its panel
 _OWN_STYLE = re.compile(r"<metadata>.*?</metadata>|<defs>\s*<style.*?</defs>", re.DOTALL)
@@ -70,7 +74,7 @@ def picture_png(figure: Figure) -> bytes:
 
 def picture_size(figure: Figure) -> tuple[float, float]:
     """Return width and height of a figure in inches: half a page, or a page for several poses."""
-    if isinstance(figure.data, DriftPicture):
+    if isinstance(figure.data, OneAxes):
         return (4.4, 2.3)
     if isinstance(figure.data, Chart):
         return (_PAGE, 2.9)
@@ -102,9 +106,9 @@ def _style(number: int) -> Iterator[None]:
 def _drawn(figure: Figure) -> Drawing:
     from matplotlib.figure import Figure as Drawing  # noqa: PLC0415 - half a second, likewise
 
-    if isinstance(figure.data, DriftPicture):
+    if isinstance(figure.data, OneAxes):
         drawing = Drawing(figsize=picture_size(figure))
-        _draw_drift(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), figure.data)
+        _draw_one(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), figure.data)
         return drawing
     if isinstance(figure.data, Chart):
         drawing = Drawing(figsize=picture_size(figure))
@@ -133,6 +137,16 @@ def _drawn(figure: Figure) -> Drawing:
         panels[k].tick_params(labelsize=7 if columns > 1 else 8)
     _name_axes(figure.data, grid, drawing)
     return drawing
+
+
+def _draw_one(axes: Axes, data: OneAxes) -> None:
+    match data:
+        case DriftPicture():
+            _draw_drift(axes, data)
+        case MonthsPicture():
+            draw_months(axes, data)
+        case ControlPicture():
+            draw_control(axes, data)
 
 
 def _panel(axes: Axes, data: Panels, panel: Course | Plane | Prediction) -> None:

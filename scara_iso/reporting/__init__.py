@@ -72,15 +72,22 @@ if TYPE_CHECKING:
         gauge_study_brief as gauge_study_brief,
         gauge_study_report as gauge_study_report,
     )
+    from scara_iso.reporting.history import (
+        history_brief as history_brief,
+        history_document as history_document,
+        history_report as history_report,
+    )
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.paper import paper_section as paper_section
     from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
     from scara_iso.reporting.plotted import (
         Chart as Chart,
+        ControlPicture as ControlPicture,
         Course as Course,
         Courses as Courses,
         Curve as Curve,
         DriftPicture as DriftPicture,
+        MonthsPicture as MonthsPicture,
         Plane as Plane,
         Planes as Planes,
         Prediction as Prediction,
@@ -111,6 +118,11 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.tables_read import table_report as table_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
+    from scara_iso.reporting.validation import (
+        validation_brief as validation_brief,
+        validation_document as validation_document,
+        validation_report as validation_report,
+    )
     from scara_iso.reporting.watching import warning as warning
     from scara_iso.reporting.whole_test import (
         missing_report as missing_report,

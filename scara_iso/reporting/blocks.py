@@ -9,7 +9,15 @@ from scara_iso.iso9283 import Severity
 from scara_iso.run import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from scara_iso.reporting.plotted import Chart, Courses, DriftPicture, Planes, Predictions
+    from scara_iso.reporting.plotted import (
+        Chart,
+        ControlPicture,
+        Courses,
+        DriftPicture,
+        MonthsPicture,
+        Planes,
+        Predictions,
+    )
 
 Tone = Literal["plain", "quiet", "strong", "good", "warn", "bad"]
 
@@ -150,7 +158,7 @@ class Notice:
 class Figure:
     """The data of a picture, one panel for each pose, and in words what is to be seen in it."""
 
-    data: Courses | Planes | Predictions | DriftPicture | Chart
+    data: Courses | Planes | Predictions | DriftPicture | Chart | MonthsPicture | ControlPicture
     title: str
     caption: str
 

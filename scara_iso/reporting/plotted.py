@@ -106,3 +106,37 @@ class Chart:
     curves: tuple[Curve, ...]
     levels: Mapping[str, float]
     ticks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MonthsPicture:
+    """A figure of one robot by day (since 1970-01-01), with intervals, in ``unit``.
+
+    ``fitted`` is what the trend expects; ``ahead`` are days and figures from the last test on.
+    """
+
+    days: FloatArray
+    values: FloatArray
+    ends: FloatArray
+    """Lower and upper ends, shape (2, tests); NaN where there is no interval."""
+    label: str
+    fitted: FloatArray | None
+    ahead: tuple[FloatArray, FloatArray] | None
+    limit: float | None
+    events: tuple[float, ...]
+    """Days of the services."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ControlPicture:
+    """Lines of a control chart by day, with centre and limits of shape (tests,)."""
+
+    days: FloatArray
+    lines: Mapping[str, FloatArray]
+    centre: FloatArray
+    low: FloatArray
+    high: FloatArray
+    alarms: tuple[int, ...]
+    """Tests, from 0."""
+    label: str
+    events: tuple[float, ...]

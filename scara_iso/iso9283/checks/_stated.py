@@ -65,13 +65,9 @@ class Stated:
         return None if single is None else (single, single)
 
     def day(self) -> date | None:
-        """Return the day of ``2026-05-12``, also with a time, or of ``12.05.2026``; else None."""
-        german = _DAY.fullmatch(self.text)
-        text = f"{german[3]}-{german[2]:>02}-{german[1]:>02}" if german else self.text
-        try:
-            return datetime.fromisoformat(text).date()
-        except ValueError:
-            return None
+        """Return the day of what `parse_moment` reads."""
+        moment = parse_moment(self.text)
+        return None if moment is None else moment.date()
 
     def _size(self, unit: str, units: Units) -> float | None:
         spelled = unit.strip()
@@ -80,6 +76,16 @@ class Stated:
             of_key = (name for name in units if key.endswith(_of_key(name)))
             spelled = next(of_key, "")
         return units.get(spelled)
+
+
+def parse_moment(text: str) -> datetime | None:
+    """Return ``2026-05-12``, also with a time, or ``12.05.2026``, as local time; else None."""
+    german = _DAY.fullmatch(text.strip())
+    spelled = f"{german[3]}-{german[2]:>02}-{german[1]:>02}" if german else text.strip()
+    try:
+        return datetime.fromisoformat(spelled).replace(tzinfo=None)
+    except ValueError:
+        return None
 
 
 def stated(run: Run, keys: Collection[str]) -> Iterator[Stated]:

@@ -15,13 +15,13 @@ from scara_iso.iso9283.results import Finding, Measured
 CODE = "calibration-date"
 _DONE = {"calibration_date", "calibrated"}
 _DUE = {"calibration_due", "calibration_valid_until", "next_calibration"}
-_TEST = {"date", "test_date", "recorded", "started", "timestamp_start"}
+TEST_DATES = {"date", "test_date", "recorded", "started", "timestamp_start"}
 _RULE = "good practice (no clause verified): the indicator is in calibration during the test"
 
 
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning for a calibration that is out of date, or later than the test."""
-    done, due, test = (first(measured.run, keys) for keys in (_DONE, _DUE, _TEST))
+    done, due, test = (first(measured.run, keys) for keys in (_DONE, _DUE, TEST_DATES))
     if done is None and due is None:
         return
     for line in (done, due, test):

@@ -12,6 +12,7 @@ from scara_iso.reporting import (
     Document,
     Facts,
     Figure,
+    MonthsPicture,
     Notice,
     Signature,
     Strip,
@@ -64,6 +65,8 @@ def _figure(figure: Figure) -> Iterator[str]:
     if isinstance(figure.data, Courses):
         for one in figure.data.panels:
             yield f"{_text(one.pose or '')} {_drawn(one.readings)}".strip()
+    elif isinstance(figure.data, MonthsPicture):
+        yield _drawn(figure.data.values)
 
 
 def _drawn(readings: FloatArray) -> str:

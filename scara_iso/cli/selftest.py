@@ -1,0 +1,40 @@
+"""``scara-iso selftest``: whether this program gives the references, on this machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from scara_iso import library, render, reporting
+from scara_iso.cli.options import NOT_WITHIN_LIMITS, AsJson, Full
+from scara_iso.cli.output import check_outputs, write_json, write_report
+
+Record = Annotated[
+    Path | None,
+    typer.Option(
+        "--report", metavar="FILE", help="The record to sign, by its ending: .html .md .csv .xlsx "
+        ".pdf.",
+    ),
+]  # fmt: skip
+
+
+def selftest_command(*, report: Record = None, full: Full = False, json: AsJson = False) -> None:
+    """Compare this installation with references: exit 0, or 1 naming what differs.
+
+    For the record that ISO/IEC 17025 7.11.2 asks for before software is used.
+
+    Example: scara-iso selftest --report validation.html
+    """
+    check_outputs([report], [])
+    found = library.selftest(report)
+    if json:
+        write_json(render.validation_json(found))
+    else:
+        show = reporting.validation_report if full else reporting.validation_brief
+        write_report(show(found))
+    if report is not None:
+        typer.echo(reporting.printable(f"{report} is written"), err=json)
+    if found.verdict != "pass":
+        raise typer.Exit(NOT_WITHIN_LIMITS)

@@ -1,0 +1,132 @@
+"""`history`: every test of one robot, in time order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from scara_iso.acceptance import is_test_folder
+from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
+from scara_iso.iso9283 import Analysis, analyze, moment_of_test
+from scara_iso.library.inputs import Table, TableOptions, Tables, tables_of
+from scara_iso.monitoring import DatedAnalysis, RobotHistory, follow, is_plausible, read_events
+from scara_iso.reporting import printable
+
+_EVENTS = "events.csv"
+
+
+def history(
+    tables: Tables,
+    *,
+    events: str | Path | None = None,
+    robot: str | None = None,
+    limits: Mapping[str, float] | None = None,
+    unit: str | None = None,
+    resolution: float | None = None,
+    decimal: str | None = None,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
+) -> RobotHistory:
+    """Return every test of one robot in time order: figures, control charts, trend, limit, service.
+
+    ``tables`` are paths, runs or pandas tables, one a test, or the path of a folder; each states
+    its date (``# date: 2026-05-12``, or a column `timestamp`). ``events`` is a table with the
+    columns date and what; a folder's own ``events.csv`` is taken unless another is given. ``robot``
+    takes only the tests of that name or serial number. ``limits`` and the other options are those
+    of `analyze`, for each table. A table that cannot be used is listed in ``unreadable``. Raises
+    `DataError` where none can be used, one states no date, or the tests are of several robots or
+    in no order; `NoInputError` for what is not there; `UsageError` for a limit of no figure.
+    """
+    found, beside = _tables(tables, events)
+    reading = TableOptions(unit, resolution, decimal)
+    options: dict[str, Any] = {
+        "first_cycle_discarded": first_cycle_discarded,
+        "cycles": cycles,
+        "all_count": all_count,
+        "allow_gaps": allow_gaps,
+        "limits": limits,
+    }
+    analyses, failed = _analyses(found, reading, options)
+    analyses = [one for one in analyses if robot is None or _is_of(one, robot)]
+    if not analyses:
+        _refuse_nothing(failed, robot)
+    done = () if beside is None else read_events(beside)
+    return replace(follow(_dated(analyses), done, limits), unreadable=tuple(failed))
+
+
+def _tables(tables: Tables, events: str | Path | None) -> tuple[list[Table], Path | None]:
+    """Return the tables, and the file of events: the one given, else that of their folder."""
+    several = tables if isinstance(tables, list | tuple) else [tables]
+    folders = [Path(one) for one in several if isinstance(one, str | Path) and Path(one).is_dir()]
+    for folder in folders:
+        if is_test_folder(str(folder)):
+            raise UsageError(
+                "the folder of a test is one test", where=str(folder),
+                remedy="name a folder of tables, one a test",
+            )  # fmt: skip
+    own = [folder / _EVENTS for folder in folders if (folder / _EVENTS).is_file()]
+    beside = Path(events) if events is not None else next(iter(own), None)
+    aside = {path.resolve() for path in (*own, *([beside] if beside else []))}
+    found = [t for t in tables_of(tables) if not _is_among(t, aside)]
+    if not found:
+        raise NoInputError("no table is there", where=str(folders[0]) if folders else "")
+    return found, beside
+
+
+def _is_among(table: Table, paths: set[Path]) -> bool:
+    return isinstance(table, str | Path) and Path(table).resolve() in paths
+
+
+def _analyses(
+    tables: Sequence[Table], reading: TableOptions, options: Mapping[str, Any]
+) -> tuple[list[Analysis], list[tuple[str, str]]]:
+    found: list[Analysis] = []
+    failed: list[tuple[str, str]] = []
+    for k, table in enumerate(tables, 1):
+        try:
+            found.append(analyze(reading.read(table), **options))
+        except UsageError:
+            raise
+        except ScaraIsoError as error:
+            name = str(table) if isinstance(table, str | Path) else f"table {k}"
+            if isinstance(error, NoInputError) and not Path(name).exists():
+                raise
+            failed.append((name, error.what))
+    return found, failed
+
+
+def _is_of(analysis: Analysis, robot: str) -> bool:
+    keys = ("robot", "item", "serial_number", "robot_serial_number")
+    stated = {analysis.run.metadata.get(key, "").strip().casefold() for key in keys}
+    return robot.strip().casefold() in stated
+
+
+def _refuse_nothing(failed: Sequence[tuple[str, str]], robot: str | None) -> None:
+    if robot is not None:
+        raise DataError(
+            f"no table is of the robot {printable(robot)!r}",
+            remedy="write it as the tables state it: '# robot' or '# serial_number'",
+        )
+    raise DataError(
+        f"none of {len(failed)} tables can be used",
+        remedy="`scara-iso tables FILE` says what is missing",
+        faults=[Fault(f"{name}: {why}") for name, why in failed],
+    )
+
+
+def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
+    moments = [(moment_of_test(one.run), one) for one in analyses]
+    found = [DatedAnalysis(when, one) for when, one in moments if when and is_plausible(when)]
+    if len(found) < len(analyses):
+        used = {id(test.analysis) for test in found}
+        missing = [one.run.origin.source for one in analyses if id(one) not in used]
+        raise DataError(
+            f"{len(missing)} of {len(analyses)} tables state no date that can be read",
+            remedy="write '# date: 2026-05-12' above the header of each",
+            faults=[Fault(name) for name in missing],
+        )
+    return found

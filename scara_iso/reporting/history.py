@@ -1,0 +1,241 @@
+"""The page of one robot over months: what changed first, then every figure with its charts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import PurePath
+
+from scara_iso.monitoring import (
+    MeanHistory,
+    RobotHistory,
+    SpreadHistory,
+    TestFigure,
+    date_on,
+    day_of,
+    moment_said,
+)
+from scara_iso.reporting.blocks import (
+    Block,
+    Headline,
+    Number,
+    Report,
+    Result,
+    Section,
+    Table,
+    Text,
+)
+from scara_iso.reporting.comparison import headline
+from scara_iso.reporting.digits import interval, rounded
+from scara_iso.reporting.dossier import Document
+from scara_iso.reporting.month_figures import control_pictures, month_picture
+
+RUN_LENGTH = 350
+"""Tests between two false alarms of one chart, on average: benchmarks/history.py."""
+_METHOD = (
+    "RP is compared as its logarithm, in standard errors: those of its own sampling, or of what "
+    "neighbouring tests differ by where that is more. Each test stands against the mean of those "
+    "before it since the last service. EWMA (weight 0.2, limit 2.86) and CUSUM (slack 0.5, "
+    f"decision 4.77) give a false alarm in about {RUN_LENGTH} tests each. Trend and limit: growth "
+    "at an even rate from an unknown day on; every interval holds 95 %."
+)
+
+
+def history_document(found: RobotHistory) -> Document:
+    """Return the page of a robot."""
+    title = f"Months of {found.robot or 'a robot that is not named'}"
+    end = Section("", (Text(f"End of {title}", "quiet"),))
+    simulated = any(test.analysis.run.metadata.get("simulated") for test in found.tests)
+    return Document(title, (*history_report(found), end), simulated=simulated)
+
+
+def history_brief(found: RobotHistory) -> Report:
+    """Return the answer: a line for each figure that changed or has a limit."""
+    blocks: list[Block] = [Headline((_subject(found),)), *_verdicts(found), *_left_out(found)]
+    return (Section("", tuple(blocks)), Section("", (_now(found),)))
+
+
+def history_report(found: RobotHistory) -> Report:
+    """Return everything that is known of a robot over months."""
+    return tuple(_sections(found))
+
+
+def _sections(found: RobotHistory) -> Iterator[Section]:
+    head: list[Block] = [Text(_subject(found), "strong"), *_verdicts(found), _now(found)]
+    yield Section("", (*head, *_left_out(found)))
+    if found.events:
+        rows = tuple((moment_said(event.when), event.what) for event in found.events)
+        yield Section("Service", (Table(("date", "what was done"), rows), *_services(found)))
+    for spread in found.spreads:
+        name = f"{_code(spread)} {_name(spread)}"
+        yield Section(name, tuple(_spread(found, spread)), name)
+    for mean in found.means:
+        name = f"Mean {_name(mean)}"
+        yield Section(name, tuple(_mean(found, mean)), name)
+    yield Section("Method", (Text(_METHOD, "quiet"),))
+
+
+def _subject(found: RobotHistory) -> str:
+    first, last = found.tests[0].when, found.tests[-1].when
+    name = found.robot or "a robot that is not named"
+    serial = f", serial {found.serial}" if found.serial else ""
+    return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
+
+
+def _verdicts(found: RobotHistory) -> Iterator[Text]:
+    """Yield what limits, charts and trends amount to, the limits first."""
+    for one in found.spreads:
+        if limited := _limit_said(one):
+            yield Text(f"{_code(one)} {_name(one)}: {limited}", "bad" if one.crossed else "good")
+    changed = {id(one): "; ".join(_change_said(one)) for one in found.spreads}
+    for one in found.spreads:
+        if said := changed[id(one)]:
+            yield Text(f"{_code(one)} {_name(one)}: {said}", "warn")
+    for mean in found.means:
+        if mean.chart is not None and mean.chart.alarms:
+            at = _alarms_at(mean.tests, mean.chart.alarms)
+            yield Text(f"mean {_name(mean)} moved ({at}): robot, fixture or the dial's zero")
+    silent = [f"{_code(one)} {_name(one)}" for one in found.spreads if not changed[id(one)]]
+    if silent:
+        yield Text(f"no change beyond sampling: {', '.join(silent)}")
+
+
+def _change_said(one: SpreadHistory) -> Iterator[str]:
+    yield from _trend_said(one)
+    charts = (("EWMA", one.ewma), ("CUSUM", one.cusum))
+    spoken = [f"{name} {len(c.alarms)}" for name, c in charts if c is not None and c.alarms]
+    if spoken:
+        yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, one.alarms)}"
+
+
+def _limit_said(one: SpreadHistory) -> str:
+    if one.limit is None:
+        return ""
+    limit = f"limit {one.limit:g} {one.unit}"
+    if one.crossed:
+        return f"{limit} CROSSED, last {_last(one)}"
+    when = one.crossing
+    if when is None:
+        return f"{limit} kept, last {_last(one)}; too few tests since the service for a forecast"
+    if when.earliest is None:
+        return f"{limit} kept; not before {date_on(when.horizon)}"
+    if when.earliest <= day_of(one.tests[-1].when):
+        return f"{limit} may be met already, last {_last(one)}{_until(one)}"
+    return f"{limit} kept; not before {date_on(when.earliest)}{_until(one)}"
+
+
+def _until(one: SpreadHistory) -> str:
+    when = one.crossing
+    if when is None or when.likely is None:
+        return ""
+    latest = "" if when.latest is None else f", by {date_on(when.latest)}"
+    return f", likely {date_on(when.likely)}{latest}"
+
+
+def _trend_said(one: SpreadHistory) -> Iterator[str]:
+    if one.trend is not None and one.trend.is_shown:
+        trend = one.trend
+        U = (trend.interval[1] - trend.interval[0]) / 2
+        ends = interval(trend.interval)
+        since = f"{date_on(trend.onset[0])} to {date_on(trend.onset[1])}"
+        rate = rounded(trend.per_month, U, sign="+")
+        yield f"{rate} {one.unit} a month [{ends}], begun {since}"
+
+
+def _alarms_at(tests: tuple[TestFigure, ...], at: tuple[int, ...]) -> str:
+    first = moment_said(tests[at[0]].when)
+    return first if len(at) == 1 else f"from {first} on"
+
+
+def _now(found: RobotHistory) -> Table:
+    rows = tuple(
+        (
+            f"{_code(one)} {_name(one)} [{one.unit}]",
+            Number(len(one.tests)),
+            _result(one.tests[0]),
+            _result(one.tests[-1]),
+            Number(one.sigma, ".0%"),
+        )
+        for one in found.spreads
+    )
+    note = (
+        "error: of one test, by its own sampling, or as neighbouring tests differ if that is more"
+    )
+    return Table(("figure", "tests", "first", "last", "error"), rows, note)
+
+
+def _result(test: TestFigure, unit: str = "") -> Result:
+    return Result(rounded(test.value, _U(test), unit=unit), interval(test.interval))
+
+
+def _last(one: SpreadHistory) -> str:
+    return str(_result(one.tests[-1], one.unit))
+
+
+def _left_out(found: RobotHistory) -> Iterator[Text]:
+    for name, why in found.unreadable:
+        yield Text(f"left out: {name}: {why}", "warn")
+    for note in found.notes:
+        yield Text(note, "warn")
+
+
+def _services(found: RobotHistory) -> Iterator[Block]:
+    for change in found.changes:
+        (pair,) = change.comparison.pairs
+        names = [PurePath(one.run.origin.source).name for one in (pair.before, pair.after)]
+        text = f"{moment_said(change.event.when)}, {change.event.what}: {headline(pair)}"
+        yield Text(f"{text} ({names[0]} against {names[1]})")
+    compared = {id(change.event) for change in found.changes}
+    for event in found.events:
+        if id(event) not in compared:
+            yield Text(
+                f"{moment_said(event.when)}, {event.what}: no test on both sides of it", "quiet"
+            )
+
+
+def _spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Block]:
+    said = list(_change_said(one))
+    yield Text(
+        "; ".join(said) if said else "no change beyond sampling", "strong" if said else "plain"
+    )
+    if limited := _limit_said(one):
+        yield Text(limited, "bad" if one.crossed else "good")
+    yield month_picture(found, one)
+    yield from control_pictures(found, one)
+    yield _every_test(one)
+
+
+def _mean(found: RobotHistory, one: MeanHistory) -> Iterator[Block]:
+    if one.chart is None:
+        yield Text("fewer than five tests: no chart", "quiet")
+    else:
+        yield from control_pictures(found, one)
+    yield _every_test(one)
+
+
+def _every_test(one: SpreadHistory | MeanHistory) -> Table:
+    alarms = one.alarms if isinstance(one, SpreadHistory) else one.chart.alarms if one.chart else ()
+    rows = tuple(
+        (
+            moment_said(test.when),
+            rounded(test.value, _U(test)),
+            interval(test.interval),
+            Number(test.n),
+            test.verdict.value if test.verdict is not None else "",
+            "alarm" if k in alarms else "",
+            PurePath(test.source).name,
+        )
+        for k, test in enumerate(one.tests)
+    )
+    return Table(("date", f"[{one.unit}]", "95 % interval", "n", "limit", "charts", "table"), rows)
+
+
+def _U(test: TestFigure) -> float:  # noqa: N802 - GUM's symbol
+    return 0.0 if test.interval is None else (test.interval[1] - test.interval[0]) / 2
+
+
+def _code(one: SpreadHistory) -> str:
+    return "RP" if one.quantity == "RP" else "3 S"
+
+
+def _name(one: SpreadHistory | MeanHistory) -> str:
+    return one.figure if one.pose is None else f"{one.pose} {one.figure}"

@@ -1,0 +1,345 @@
+"""Tables and every characteristic of them, for the self test: `python tests/oracles/vectors.py`.
+
+Readings are whole divisions of a seeded `random.Random`; figures are sums in plain Python, and
+quantiles scipy's. Nothing of the program is used.
+"""
+
+# ruff: noqa: S311 - the generator makes readings
+
+import json
+import math
+import random
+import sys
+from decimal import Decimal
+from itertools import combinations
+from pathlib import Path
+from statistics import NormalDist, mean, stdev
+
+from scipy.optimize import curve_fit
+from scipy.stats import t as student, ttest_ind
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import push_rig
+
+from oracles.scatter import limits, rp, rss, three_sigma
+
+FOLDER = Path(__file__).parents[2] / "scara_iso" / "validation" / "data" / "vectors"
+GAUSSIAN = {1: 2.60632, 2: 3.21872, 3: 3.61609}
+ERROR = {1: 0.74737, 2: 0.57371, 3: 0.49973}
+SUMS = "plain sums (tests/oracles/vectors.py) of ISO 9283 {}"
+LIMITS = SUMS + ", interval as in docs/repeatability.md"
+
+
+def table(head, columns):
+    """Return a canonical table; the columns are texts of equal number."""
+    stated = [f"# {line}" for line in head]
+    rows = [",".join(row) for row in zip(*columns.values(), strict=True)]
+    return "\n".join([*stated, ",".join(columns), *rows, ""])
+
+
+def divisions(rng, n, sigma, about=0):
+    """Return whole divisions scattered about a number of them."""
+    return [about + round(rng.gauss(0, sigma)) for _ in range(n)]
+
+
+def texts(counts, places=3):
+    return [f"{count / 10**places:.{places}f}" for count in counts]
+
+
+def figure(code, of, value, interval=None, *, pose=None, unit="mm", clause="", tolerance=1e-9):
+    source = (LIMITS if interval else SUMS).format(clause)
+    return {
+        "code": code, "pose": pose, "of": of, "unit": unit, "value": value,
+        "interval": interval and list(interval), "tolerance": tolerance, "source": source,
+    }  # fmt: skip
+
+
+def with_calibration(value, ends, U):
+    low, high = ends
+    return max(value - math.hypot(value - low, U), 0.0), value + math.hypot(high - value, U)
+
+
+def student_mean(values, reading_u, value):
+    reach = float(student.ppf(0.975, len(values) - 1)) * stdev(values) / math.sqrt(len(values))
+    reach = math.hypot(reach, 2 * reading_u)
+    return value - reach, value + reach
+
+
+def scatter(of, components, steps, U=0.0):
+    """Return RP of components in mm with its interval."""
+    q = len(components)
+    ends = limits(rp, GAUSSIAN[q], ERROR[q], components, steps)
+    value = rp(components)
+    return figure("RP", of, value, with_calibration(value, ends, U), clause="7.2.2", tolerance=2e-8)
+
+
+def one_pose():
+    """X, Y, Z in mm with a calibrated dial on its command pose, theta in degrees."""
+    rng = random.Random(1)
+    counts = {"X": divisions(rng, 31, 6, 112), "Y": divisions(rng, 31, 9, -40),
+              "Z": divisions(rng, 31, 5, 360), "theta": divisions(rng, 31, 8, 20)}  # fmt: skip
+    head = ["unit: mm", "unit_theta: deg", "resolution: 0.001", "indicator_uncertainty: 0.0005",
+            "dial_zero: command", "command_X: 0.1", "command_Y: 0", "command_Z: 0.4"]  # fmt: skip
+    columns = {"cycle": [str(k) for k in range(1, 32)], **{n: texts(c) for n, c in counts.items()}}
+    used = {name: [count / 1000 for count in found[1:]] for name, found in counts.items()}
+    found = [scatter(of, [used[a] for a in of], [0.001] * len(of), 0.001)
+             for of in ("X", "Y", "Z", "XY", "XYZ")]  # fmt: skip
+    value, root = rss([used["X"], used["Y"]]), math.sqrt(2)
+    ends = limits(rss, root * GAUSSIAN[1], ERROR[1] / root, [used["X"], used["Y"]], [0.001] * 2)
+    found.append(figure("RP_rss", "XY", value, with_calibration(value, ends, 0.001),
+                        clause="the paper's eq. 23", tolerance=2e-8))  # fmt: skip
+    value = three_sigma([used["theta"]])
+    ends = limits(three_sigma, 3.0, math.sqrt(0.5), [used["theta"]], [0.001])
+    found.append(figure("RP_a", "theta", value, ends, unit="deg", clause="7.2.2", tolerance=2e-8))
+    reading_u = math.hypot(0.001 / math.sqrt(12), 0.0005)
+    command = {"X": 0.1, "Y": 0.0, "Z": 0.4}
+    off = {name: mean(used[name]) - at for name, at in command.items()}
+    for name, value in off.items():
+        ends = student_mean(used[name], reading_u, value)
+        found.append(figure("AP", name, value, ends, clause="7.2.1", tolerance=1e-6))
+    found.append(figure("AP", "XYZ", math.hypot(*off.values()), clause="7.2.1"))
+    return {"one_pose.csv": table(head, columns)}, None, found
+
+
+def two_poses_in_inches():
+    """P1 and P2 in each cycle on one scale, in inches: RD and AD."""
+    rng = random.Random(2)
+    at = {"P1": {"X": 0, "Y": 0}, "P2": {"X": 15748, "Y": 7874}}
+    counts = {n: [rng.gauss(0, 4) + at[p][n] for _ in range(31) for p in at] for n in "XY"}
+    counts = {n: [round(count) for count in found] for n, found in counts.items()}
+    head = ["unit: inch", "resolution: 0.0001", "dial_zero: command",
+            *(f"command_{n}[{p}]: {at[p][n] / 1e4:.4f}" for p in at for n in "XY")]  # fmt: skip
+    columns = {"pose": ["P1", "P2"] * 31, "cycle": [str(k) for k in range(1, 32) for _ in at],
+               **{n: texts(c, 4) for n, c in counts.items()}}  # fmt: skip
+
+    def mm(count):
+        return float(Decimal(count) * Decimal("0.0001") * Decimal("25.4"))
+
+    apart = {n: [mm(b - a) for a, b in zip(c[2::2], c[3::2], strict=True)]
+             for n, c in counts.items()}  # fmt: skip
+    commanded = {n: mm(at["P2"][n]) for n in "XY"}
+    step, found = 0.00254, []
+    D = {"X": apart["X"], "Y": apart["Y"],
+         "XY": [math.hypot(x, y) for x, y in zip(apart["X"], apart["Y"], strict=True)]}  # fmt: skip
+    D_c = {**commanded, "XY": math.hypot(*commanded.values())}
+    reading_u = math.sqrt(2) * step / math.sqrt(12)
+    for of, distances in D.items():
+        ends = limits(three_sigma, 3.0, math.sqrt(0.5), [distances], [math.sqrt(2) * step])
+        found.append(figure("RD", of, three_sigma([distances]), ends, pose="P1-P2", clause="7.3",
+                            tolerance=2e-8))  # fmt: skip
+        value = mean(distances) - D_c[of]
+        ends = student_mean(distances, reading_u, value)
+        found.append(figure("AD", of, value, ends, pose="P1-P2", clause="7.3", tolerance=1e-6))
+    return {"two_poses.csv": table(head, columns)}, None, found
+
+
+def three_directions():
+    """One pose approached along +x, +y and +z: vAP."""
+    rng = random.Random(3)
+    ways = {"+x": (0, 0), "+y": (30, -5), "+z": (8, 22)}
+    rows = [[w, k, round(rng.gauss(x, 5)), round(rng.gauss(y, 5))]
+            for k in range(1, 32) for w, (x, y) in ways.items()]  # fmt: skip
+    columns = {"approach": [r[0] for r in rows], "cycle": [str(r[1]) for r in rows],
+               "X": texts(r[2] for r in rows), "Y": texts(r[3] for r in rows)}  # fmt: skip
+    used = {w: [(r[2] / 1000, r[3] / 1000) for r in rows if r[0] == w and r[1] > 1] for w in ways}
+    centres = [tuple(map(mean, zip(*found, strict=True))) for found in used.values()]
+    pairs = list(combinations(centres, 2))
+    found = [
+        figure("vAP", "X", max(abs(a[0] - b[0]) for a, b in pairs), clause="7.2.3"),
+        figure("vAP", "Y", max(abs(a[1] - b[1]) for a, b in pairs), clause="7.2.3"),
+        figure("vAP", "XY", max(math.dist(a, b) for a, b in pairs), clause="7.2.3"),
+    ]
+    head = ["unit: mm", "resolution: 0.001"]
+    return {"three_directions.csv": table(head, columns)}, None, found
+
+
+def two_directions():
+    """One pose approached from two sides along one axis: vAP with Welch's interval."""
+    rng, sides = random.Random(8), {"+x": (0, 5), "+y": (30, 9)}
+    rows = [(side, k, round(rng.gauss(*law))) for k in range(1, 32) for side, law in sides.items()]
+    columns = {"approach": [r[0] for r in rows], "cycle": [str(r[1]) for r in rows],
+               "X": texts(r[2] for r in rows)}  # fmt: skip
+    one, other = ([r[2] / 1000 for r in rows if r[0] == side and r[1] > 1] for side in sides)
+    value = abs(mean(other) - mean(one))
+    ends = ttest_ind(other, one, equal_var=False).confidence_interval()
+    reach = math.hypot((ends.high - ends.low) / 2, 2 * math.sqrt(2) * 0.001 / math.sqrt(12))
+    found = [figure("vAP", "X", value, (value - reach, value + reach), clause="7.2.3",
+                    tolerance=2e-8)]  # fmt: skip
+    return {"two_directions.csv": table(["unit: mm", "resolution: 0.001"], columns)}, None, found
+
+
+def drift():
+    """Sixteen blocks of ten visits over five hours that warm up: dAP, dRP, steady_after."""
+    rng, tau, blocks = random.Random(4), 0.8, range(16)
+    rows = [[b, v, 1200 * b + 12 * v] for b in blocks for v in range(1, 11)]
+    moved = [1 - math.exp(-r[2] / 3600 / tau) for r in rows]
+    x = [round(rng.gauss(60 * m, 4)) for m in moved]
+    y = [round(rng.gauss(-25 * m, 4)) for m in moved]
+    columns = {"block": [str(r[0]) for r in rows], "cycle": [str(r[1]) for r in rows],
+               "time_s": [str(r[2]) for r in rows], "X": texts(x), "Y": texts(y)}  # fmt: skip
+    of = {n: [[c / 1000 for c in counts[10 * b : 10 * b + 10]] for b in blocks]
+          for n, counts in (("X", x), ("Y", y))}  # fmt: skip
+    groups = {"X": [[b] for b in of["X"]], "Y": [[b] for b in of["Y"]],
+              "XY": [list(b) for b in zip(of["X"], of["Y"], strict=True)]}  # fmt: skip
+    found = []
+    for name, group in groups.items():
+        centres = [tuple(map(mean, block)) for block in group]
+        largest = max(math.dist(centres[0], one) for one in centres)
+        found.append(figure("dAP", name, largest, clause="7.6"))
+        scatters = [rp(block) for block in group]
+        change = max(abs(one - scatters[0]) for one in scatters)
+        found.append(figure("dRP", name, change, clause="7.6"))
+    found.append(figure("steady_after", "XY", _steady(of), unit="h", clause="7.6", tolerance=0.01))
+    return {"drift.csv": table(["unit: mm", "resolution: 0.001"], columns)}, None, found
+
+
+def _steady(of):
+    """Return the hours after which a tenth is left, by least squares of both axes together."""
+    hours = [(1200 * b + 12 * 5.5 - 12) / 3600 for b in range(16)]
+    means = [mean(block) for block in of["X"]] + [mean(block) for block in of["Y"]]
+
+    def course(t, c, a, d, e, tau):
+        decay = [math.exp(-h / tau) for h in t[:16]]
+        return [c + a * one for one in decay] + [d + e * one for one in decay]
+
+    (_, _, _, _, tau), _ = curve_fit(course, hours * 2, means, (0.06, -0.06, -0.02, 0.02, 1.0))
+    return math.log(10) * float(tau)
+
+
+def arrivals():
+    """Three arrivals that count, each with its stabilisation time and overshoot."""
+    times, beyond = ["0.150", "0.120", "0.180", "0.144"], ["0.0210", "0.0150", "0.0330", "0.0240"]
+    columns = {"cycle": ["1", "2", "3", "4"], "X": ["0.010", "0.012", "0.009", "0.013"],
+               "stabilisation_X_s": times, "overshoot_X_mm": beyond}  # fmt: skip
+    head = ["unit: mm", "resolution: 0.001", "stream_rate_hz: 500"]
+    found = []
+    for code, clause, values, u, unit in (
+        ("stabilisation_time", "7.4", times, math.sqrt(2 / 12) / 500, "s"),
+        ("overshoot", "7.5", beyond, 0.001 / math.sqrt(12), "mm"),
+    ):
+        used = [float(value) for value in values[1:]]
+        low, high = student_mean(used, u, mean(used))
+        ends = max(low, 0.0), high
+        found.append(figure(code, "X", mean(used), ends, unit=unit, clause=clause, tolerance=1e-9))
+    return {"arrivals.csv": table(head, columns)}, 4, found
+
+
+def force():
+    """A spring of 500 N/mm behind no play and no friction, in three loops: 0.2 mm/100 N."""
+    up = list(range(-100, 101, 20))
+    steps = [0, 20, 40, 60, 80, *(up[::-1] + up[1:-1]) * 3, 100]
+    columns = {
+        "cycle": [str(k) for k in range(1, len(steps) + 1)],
+        "X": [f"{0.5 + F / 500:.3f}" for F in steps],
+        "force_N": list(map(str, steps)),
+    }
+    found = [figure("compliance", "X", 0.2, unit="mm/100 N", clause="10", tolerance=1e-4)]
+    head = ["unit: mm", "resolution: 0.001", "covariates: force_N"]
+    return {"force.csv": table(head, columns)}, len(steps), found
+
+
+def robots():
+    """Three robots that run one program: exchangeability."""
+    rng = random.Random(5)
+    places, tables, centres = ((0, 0), (10, 4), (40, -12)), {}, []
+    for serial, (x, y) in zip("ABC", places, strict=True):
+        X, Y = divisions(rng, 31, 5, x), divisions(rng, 31, 5, y)
+        head = ["unit: mm", "resolution: 0.001", f"serial_number: {serial}", "dial_zero: fixture"]
+        columns = {"cycle": [str(k) for k in range(1, 32)], "X": texts(X), "Y": texts(Y)}
+        tables[f"robot_{serial}.csv"] = table(head, columns)
+        centres.append((mean(X[1:]) / 1000, mean(Y[1:]) / 1000))
+    pairs = list(combinations(centres, 2))
+    found = [figure("exchangeability", of, max(math.dist([a[k] for k in axes], [b[k] for k in axes])
+                                               for a, b in pairs), clause="7.7")
+             for of, axes in (("X", [0]), ("Y", [1]), ("XY", [0, 1]))]  # fmt: skip
+    return tables, None, found
+
+
+def coarse_dial():
+    """Dials of 0.01 on two divisions: RP anywhere from 0 to what stays hidden in them."""
+    rng = random.Random(6)
+    counts = {n: [rng.choice((50, 51)) for _ in range(31)] for n in ("X", "Y", "Z", "theta")}
+    columns = {
+        "cycle": [str(k) for k in range(1, 32)],
+        **{n: texts(c, 2) for n, c in counts.items()},
+    }
+    used = {n: [count / 100 for count in c[1:]] for n, c in counts.items()}
+    found = [_hidden("RP", of, rp, GAUSSIAN[len(of)], ERROR[len(of)], [used[a] for a in of])
+             for of in ("X", "XY", "XYZ")]  # fmt: skip
+    found.append(_hidden("RP_a", "theta", three_sigma, 3.0, math.sqrt(0.5), [used["theta"]]))
+    head = ["unit: mm", "unit_theta: deg", "resolution: 0.01"]
+    return {"coarse_dial.csv": table(head, columns)}, None, found
+
+
+def _hidden(code, of, measure, gaussian, error, components):
+    inside = NormalDist().inv_cdf((1 + 0.05 ** (1 / 30)) / 2)
+    value = measure(components)
+    high = max(value * _upper(error / math.sqrt(29)), gaussian * 0.02 / 2 / inside)
+    unit = "deg" if of == "theta" else "mm"
+    return figure(code, of, value, (0.0, high), unit=unit, clause="7.2.2", tolerance=2e-8)
+
+
+def past_a_full_turn():
+    """Theta about 0 and 360 degrees: the scatter of hundredths, not of a turn."""
+    rng = random.Random(7)
+    counts = divisions(rng, 31, 8)
+    columns = {"cycle": [str(k) for k in range(1, 32)],
+               "theta": texts(count % 360_000 for count in counts)}  # fmt: skip
+    value = three_sigma([[count / 1000 for count in counts[1:]]])
+    found = [figure("RP_a", "theta", value, unit="deg", clause="7.2.2")]
+    return {"past_a_full_turn.csv": table(["unit: deg", "resolution: 0.001"], columns)}, None, found
+
+
+def push():
+    """A joint of 500 N/mm with 0.04 mm of play and 6 N of friction, pushed at 0.25 m."""
+    stiffness, half_play, friction, arm = 500.0, 0.02, 6.0, 250.0
+    force, reading = push_rig.readings(
+        None, stiffness=stiffness, half_play=half_play, friction=friction
+    )
+    columns = {"force_N": [f"{F:g}" for F in force], "reading": [f"{x:.6f}" for x in reading]}
+    arcmin = 60 * math.degrees(1 / arm)
+    play, width = 2 * half_play, 2 * friction / stiffness
+    figures = {
+        ("lost_motion", "reading", "mm"): play,
+        ("friction_width", "reading", "mm"): width,
+        ("hysteresis", "reading", "mm"): play + width,
+        ("compliance", "reading", "mm/100 N"): 100 / stiffness,
+        ("friction_force", "reading", "N"): friction,
+        ("lost_motion", "joint", "arcmin"): play * arcmin,
+        ("hysteresis", "joint", "arcmin"): (play + width) * arcmin,
+        ("friction_torque", "joint", "N m"): friction * arm / 1000,
+        ("stiffness", "joint", "N m/arcmin"): stiffness * arm / 1000 / arcmin,
+    }
+    clause = "10 and service manuals"
+    found = [
+        figure(code, of, value, unit=unit, clause=clause, tolerance=2e-5 * value)
+        for (code, of, unit), value in figures.items()
+    ]
+    return {"push.csv": table(["unit: mm"], columns)}, None, found
+
+
+def _upper(error):
+    z = NormalDist().inv_cdf(0.975)
+    return math.exp(z * error + (z**2 + 2) / 3 * error**2)
+
+
+VECTORS = (one_pose, two_poses_in_inches, three_directions, two_directions, drift, arrivals, force,
+           robots, coarse_dial, past_a_full_turn, push)  # fmt: skip
+
+
+def made():
+    """Return the bytes of every file by its name."""
+    described, files = [], {}
+    for vector in VECTORS:
+        tables, cycles, figures = vector()
+        files |= {name: text.encode() for name, text in tables.items()}
+        name = vector.__name__.replace("_", " ")
+        described.append(
+            {"name": name, "tables": list(tables), "cycles": cycles, "figures": figures}
+        )
+    return {**files, "vectors.json": (json.dumps(described, indent=1) + "\n").encode()}
+
+
+if __name__ == "__main__":
+    for name, data in made().items():
+        (FOLDER / name).write_bytes(data)

@@ -1,0 +1,360 @@
+"""One robot over months: chart points against capstat-core, trend, limits, and what is refused."""
+
+import errno
+import json
+import math
+from datetime import datetime
+
+import numpy as np
+import pytest
+from capstat_core import control_charts, time_weighted
+from hypothesis import given, strategies as st
+
+import scara_iso
+from scara_iso.cli import main
+from scara_iso.disk import SystemDisk
+from scara_iso.errors import DataError, NoInputError, UsageError
+from scara_iso.monitoring import charts, crossing, read_events, trend_of
+
+HEAD = "# unit: mm\n# resolution: 0.0001\n"
+MONTH = 365.25 / 12
+
+
+def table(folder, date, *, sigma=0.005, seed=0, name=None, robot="A", x=0.4, more="", pose=None):
+    """Write a test of 31 cycles; the same seed gives the same shape of scatter."""
+    rng = np.random.default_rng(seed)
+    rows = [f"{c},{v:.4f}" for c, v in enumerate(x + sigma * rng.standard_normal(31), 1)]
+    stated = HEAD + (f"# date: {date}\n" if date else "") + (f"# robot: {robot}\n" if robot else "")
+    stated += (f"# pose: {pose}\n" if pose else "") + more
+    path = folder / f"{name or date[:10]}.csv"
+    path.write_text("\n".join([f"{stated}cycle,X", *rows, ""]), encoding="utf-8")
+    return str(path)
+
+
+def months(folder, levels, **options):
+    """Write a table a month, whose sigma is each level times 0.005."""
+    return [
+        table(
+            folder, f"{2024 + k // 12}-{k % 12 + 1:02d}-05", sigma=0.005 * level, seed=k, **options
+        )
+        for k, level in enumerate(levels)
+    ]
+
+
+# the charts
+
+
+def test_individuals_and_moving_ranges_are_those_of_an_independent_library(rng):
+    values = rng.normal(0.4, 0.01, 30)
+    mine = charts.individuals(values, np.zeros(30), [slice(0, 30)])
+    pair = control_charts.i_mr_chart(values)
+    assert mine.centre == pytest.approx(pair.location.limits.center)
+    assert mine.low == pytest.approx(pair.location.limits.lower)
+    assert mine.high == pytest.approx(pair.location.limits.upper)
+    assert mine.moving_range[1:] == pytest.approx(pair.dispersion.points)
+    assert mine.range_limit == pytest.approx(pair.dispersion.limits.upper)
+
+
+def test_ewma_and_cusum_are_those_of_an_independent_library(rng):
+    z = rng.normal(0.3, 1, 40)
+    whole = [slice(0, 40)]
+    mine = charts.ewma(z, whole)
+    other = time_weighted.ewma_chart(z, target=0, sigma=1, lmbda=charts.LAMBDA, L=charts.WIDTH)
+    assert mine.points == pytest.approx(other.points)
+    assert mine.limits == pytest.approx(other.upper)
+    assert mine.alarms == other.violations
+    sums = charts.cusum(z, whole)
+    theirs = time_weighted.cusum_chart(z, target=0, sigma=1, k=charts.SLACK, h=charts.DECISION)
+    assert sums.up == pytest.approx(theirs.upper)
+    assert sums.down == pytest.approx(np.abs(theirs.lower))
+    assert sums.alarms == theirs.violations
+
+
+@given(st.lists(st.tuples(st.floats(-1, 1), st.floats(0.1, 1)), min_size=2, max_size=12))
+def test_a_value_stands_against_the_weighted_mean_of_those_before(pairs):
+    values, sigma = map(np.array, zip(*pairs, strict=True))
+    found = charts.standardised(values, sigma, [slice(0, len(values))])
+    assert found[0] == 0
+    for k in range(1, len(values)):
+        weights = [1 / s**2 for s in sigma[:k]]
+        mean = sum(w * v for w, v in zip(weights, values[:k], strict=True)) / sum(weights)
+        error = math.sqrt(sigma[k] ** 2 + 1 / sum(weights))
+        assert found[k] == pytest.approx((values[k] - mean) / error, abs=1e-9)
+
+
+def test_a_service_begins_every_chart_anew(rng):
+    z = rng.normal(0, 1, 20)
+    apart = [slice(0, 8), slice(8, 20)]
+    alone = charts.cusum(z[8:], [slice(0, 12)])
+    assert charts.cusum(z, apart).up[8:] == pytest.approx(alone.up)
+    assert charts.ewma(z, apart).points[8:] == pytest.approx(
+        charts.ewma(z[8:], [slice(0, 12)]).points
+    )
+
+
+def test_limits_are_never_narrower_than_the_sampling_error():
+    """Twelve tests that happen to agree do not make a thirteenth an alarm: 10 % is no news."""
+    logs = np.log(0.013) + 0.001 * (-1.0) ** np.arange(13)
+    logs[-1] += math.log(1.1)
+    sampling, whole = np.full(13, 0.137), [slice(0, 13)]
+    sigma = charts.between_tests(logs, sampling, whole)
+    assert sigma == pytest.approx(0.137, rel=1e-3)
+    z = charts.standardised(logs, sigma, whole)
+    assert abs(z[-1]) < 1
+    assert not charts.ewma(z, whole).alarms
+    assert not charts.cusum(z, whole).alarms
+    means = charts.individuals(logs, sampling, whole)
+    assert means.sigma == pytest.approx(0.137)
+    assert not means.alarms
+
+
+# trend and limit
+
+
+def worn(growth, onset, tests=24, error=0.01):
+    days = MONTH * np.arange(tests)
+    logs = np.log(0.02 * (1 + growth * np.maximum(np.arange(tests) - onset, 0)))
+    return trend_of(days, logs, np.full(tests, error))
+
+
+def test_a_trend_without_noise_is_found_again():
+    trend = worn(0.05, 8)
+    assert trend.is_shown
+    assert trend.per_month == pytest.approx(0.02 * 0.05, rel=0.05)
+    assert trend.onset[0] <= 8 * MONTH <= trend.onset[1]
+    found = crossing(trend, 0.02 * (1 + 0.05 * 24))  # month 32 is met
+    assert found.earliest < 32 * MONTH < found.latest
+    assert found.likely == pytest.approx(32 * MONTH, abs=MONTH)
+    assert trend.level(trend.days)[-1] == pytest.approx(0.02 * 1.75, rel=0.02)
+
+
+def test_no_growth_is_no_trend_and_meets_no_limit():
+    trend = worn(0.0, 0)
+    assert not trend.is_shown
+    found = crossing(trend, 0.04)
+    assert (found.earliest, found.likely, found.latest) == (None, None, None)
+    assert found.horizon == pytest.approx(3 * 23 * MONTH)
+
+
+def test_not_knowing_more_widens_the_interval():
+    sure, unsure = (crossing(worn(0.05, 8, error=e), 0.044) for e in (0.01, 0.1))
+    assert unsure.earliest < sure.earliest < sure.likely
+    assert unsure.latest is None or unsure.latest > sure.latest
+    assert trend_of(np.arange(4.0), np.zeros(4), np.ones(4)) is None
+
+
+def test_the_days_are_those_of_their_chances():
+    trend = worn(0.05, 8, error=0.1)
+    found = crossing(trend, 0.044)
+    days = np.array([found.earliest, found.likely, found.latest])
+    assert trend.chance_above(0.044, days) == pytest.approx([0.025, 0.5, 0.975], abs=0.02)
+
+
+# the history
+
+
+def test_every_test_in_time_order_whatever_the_order_of_the_files(tmp_path):
+    paths = months(tmp_path, np.ones(7))
+    one, other = scara_iso.history(paths), scara_iso.history(paths[::-1])
+    (x,) = one.spreads
+    assert [t.when for t in x.tests] == sorted(t.when for t in x.tests)
+    assert [t.value for t in x.tests] == [t.value for t in other.spreads[0].tests]
+    single = scara_iso.analyze(paths[2]).poses[0].axes["X"]
+    assert (x.tests[2].value, x.tests[2].interval) == (single.RP, single.RP_interval)
+    assert one.means[0].tests[2].value == single.mean
+    assert one.to_frame().shape[0] == 14
+
+
+def test_wear_is_seen_and_ten_per_cent_are_not(tmp_path):
+    (tmp_path / "same").mkdir()
+    calm = scara_iso.history(months(tmp_path / "same", [1.0] * 11 + [1.1])).spreads[0]
+    assert not calm.alarms
+    assert not calm.trend.is_shown
+    worse = scara_iso.history(months(tmp_path, [1.0] * 8 + [2.0] * 4)).spreads[0]
+    assert worse.alarms
+    assert min(worse.alarms) >= 8
+    assert worse.trend.is_shown
+
+
+def test_a_limit_that_is_crossed_before_a_service_is_crossed_no_more(tmp_path, capsys):
+    months(tmp_path, [1, 1, 1, 4, 4, 1, 1, 1])
+    argv = ["history", str(tmp_path), "--limit", "0.025", "--json"]
+    assert main(argv) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [one["figure"] for one in found["crossed"]] == ["X"]
+    verdicts = [test["verdict"] for test in found["figures"][0]["tests"]]
+    assert (verdicts[0], verdicts[3]) == ("pass", "fail")
+    (tmp_path / "events.csv").write_text("date;what\n05.06.2024;gear <b>renewed</b>\n", "utf-8")
+    assert main(argv) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["figures"][0]["since_service"] == "2024-06-05", "a test of that day is behind it"
+    (change,) = found["changes"]
+    (spread,) = change["comparison"]["pairs"][0]["spreads"]
+    assert spread["verdict"] == "less"
+    assert change["comparison"]["before"]["source"].endswith("2024-05-05.csv")
+    page = tmp_path / "page.html"
+    assert main(["history", str(tmp_path), "-o", str(page)]) == 0
+    assert "<b>renewed" not in page.read_text(encoding="utf-8")
+
+
+def test_the_last_test_above_the_limit_is_crossed_though_its_interval_is_not(tmp_path):
+    paths = months(tmp_path, [1, 1, 1, 1, 1, 1.5])
+    found = scara_iso.history(paths)
+    last = found.spreads[0].tests[-1]
+    limit = (last.interval[0] + last.value) / 2
+    held = scara_iso.history(paths, limits={"X": limit}).spreads[0]
+    assert held.crossed
+    assert held.tests[-1].verdict.value == "not-provable"
+
+
+def test_poses_and_angles_have_histories_of_their_own(tmp_path):
+    for month in range(1, 6):
+        for pose in ("P1", "P2"):
+            table(tmp_path, f"2026-0{month}-01", name=f"{month}-{pose}", seed=month, pose=pose)
+    found = scara_iso.history(tmp_path)
+    assert len(found.tests) == 10
+    assert {(one.pose, len(one.tests)) for one in found.spreads} == {("P1", 5), ("P2", 5)}
+
+
+# what is refused, and what is listed
+
+
+def test_several_robots_are_refused_and_one_may_be_chosen(tmp_path, capsys):
+    months(tmp_path, np.ones(6))
+    table(tmp_path, "2026-01-01", robot="B")
+    assert main(["history", str(tmp_path)]) == 65
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "A (6), B (1)" in err
+    assert "--robot" in err
+    assert len(scara_iso.history(tmp_path, robot="a").tests) == 6
+    assert main(["history", str(tmp_path), "--robot", "C"]) == 65
+
+
+def test_twice_on_one_day_needs_the_time(tmp_path):
+    one, other = (table(tmp_path, "2026-01-01", name=n, seed=k) for k, n in enumerate("ab"))
+    with pytest.raises(DataError, match="no time says which was first") as refused:
+        scara_iso.history([one, other])
+    assert "a.csv" in str(refused.value)
+    assert "b.csv" in str(refused.value)
+    late = table(tmp_path, "2026-01-01T15:00", name="b")
+    found = scara_iso.history([late, one])
+    assert [test.when for test in found.tests] == [
+        datetime(2026, 1, 1),  # noqa: DTZ001 - as the tables state it
+        datetime(2026, 1, 1, 15),  # noqa: DTZ001
+    ]
+
+
+def test_a_table_without_a_date_is_an_error_that_names_it(tmp_path, capsys):
+    months(tmp_path, np.ones(3))
+    table(tmp_path, "", name="undated")
+    assert main(["history", str(tmp_path)]) == 65
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "undated.csv" in err
+    assert "# date:" in err
+
+
+def test_a_table_that_cannot_be_read_is_listed_and_the_rest_goes_on(tmp_path, capsys):
+    months(tmp_path, np.ones(6))
+    (tmp_path / "broken.csv").write_bytes(b"cycle,X\n1,\x00nonsense\n")
+    assert main(["history", str(tmp_path), "--json"]) == 0
+    out, err = capsys.readouterr()
+    found = json.loads(out)
+    assert len(found["tests"]) == 6
+    assert [one["source"][-10:] for one in found["unreadable"]] == ["broken.csv"]
+    assert "broken.csv" in err
+
+
+@pytest.mark.parametrize(
+    ("argv", "code"),
+    [
+        (["nowhere.csv"], 66),
+        (["."], 66),
+        ([".", "--events", "none.csv"], 66),
+        (["t.csv", "--events", "none.csv"], 66),
+        (["t.csv", "--limit", "Q=1"], 2),
+        (["t.csv", "-o", "page.doc"], 2),
+        (["t.csv", "-o", "page.json"], 2),
+        (["t.csv", "-o", "t.csv"], 73),
+        (["t.csv", "-o", "nowhere/page.html"], 73),
+        (["broken.csv"], 65),
+    ],
+)
+def test_what_cannot_be_done_says_so_and_writes_nothing(tmp_path, monkeypatch, capsys, argv, code):
+    monkeypatch.chdir(tmp_path)
+    if argv != ["."] and argv[0] != ".":
+        table(tmp_path, "2026-01-01", name="t")
+        (tmp_path / "broken.csv").write_text("cycle,X\n1,a\n", encoding="utf-8")
+    assert main(["history", *argv]) == code
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err
+
+
+def test_a_full_disk_leaves_the_old_page(tmp_path, monkeypatch, capsys):
+    paths, page = months(tmp_path, np.ones(2)), tmp_path / "page.html"
+    page.write_text("old", encoding="utf-8")
+
+    def full(self, file, data):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(SystemDisk, "write", full)
+    assert main(["history", *paths, "-o", str(page)]) == 74
+    assert page.read_text(encoding="utf-8") == "old"
+    assert capsys.readouterr().out == ""
+
+
+def test_a_dial_that_stood_still_and_few_tests_have_no_chart(tmp_path):
+    paths = months(tmp_path, [1, 0, 1, 1, 1, 1])
+    still = scara_iso.history(paths).spreads[0]
+    assert (still.ewma, still.trend, still.crossing) == (None, None, None)
+    assert scara_iso.history(paths[2:5], limits={"X": 1.0}).spreads[0].ewma is None
+
+
+@pytest.mark.parametrize("date", ["9999-12-31", "0001-01-01", "05/06/2026", "soon"])
+def test_a_date_that_cannot_be_is_none(tmp_path, date):
+    with pytest.raises(DataError, match="1 of 1 tables state no date"):
+        scara_iso.history(table(tmp_path, date, name="t"))
+
+
+def test_a_limit_of_what_is_not_followed_is_refused(tmp_path):
+    head = "# dial_zero: command\n# command_X: 0\n"
+    with pytest.raises(UsageError, match="AP: a history follows RP"):
+        scara_iso.history(table(tmp_path, "2026-01-01", more=head), limits={"AP": 1.0})
+
+
+def test_other_conditions_are_noted(tmp_path):
+    paths = months(tmp_path, np.ones(3), more="# payload: 2 kg\n")
+    paths.append(table(tmp_path, "2026-01-01", more="# payload: 5 kg\n", robot=None))
+    notes = "\n".join(scara_iso.history(paths).notes)
+    assert "payload is not the same in all tests: 2 kg, 5 kg" in notes
+    assert "1 of 4 tables name no robot" in notes
+
+
+@pytest.mark.parametrize("ending", ["md", "csv", "xlsx"])
+def test_the_page_has_other_forms(tmp_path, ending):
+    paths, page = months(tmp_path, np.ones(6)), tmp_path / f"page.{ending}"
+    assert main(["history", *paths, "-o", str(page)]) == 0
+    assert page.stat().st_size > 1000
+
+
+def test_events_with_all_their_faults(tmp_path):
+    path = tmp_path / "events.csv"
+    path.write_text("date,what\n2026-01-01,ok\n1/2/2026,when\n2026-01-03,\n", encoding="utf-8")
+    with pytest.raises(DataError) as refused:
+        read_events(path)
+    assert [fault.line for fault in refused.value.faults] == [3, 4]
+    path.write_text("day,what\n2026-01-01,ok\n", encoding="utf-8")
+    with pytest.raises(DataError, match="no header date,what"):
+        read_events(path)
+    path.write_text('# all\ndate,what\n2026-03-01,"belt, and gear"\n2026-01-01,oil\n', "utf-8")
+    assert [event.what for event in read_events(path)] == ["oil", "belt, and gear"]
+
+
+def test_library_errors_are_those_of_the_command(tmp_path):
+    with pytest.raises(NoInputError):
+        scara_iso.history(tmp_path)
+    (tmp_path / "test.toml").write_text("", encoding="utf-8")
+    with pytest.raises(UsageError, match="one test"):
+        scara_iso.history(tmp_path)
