@@ -96,10 +96,9 @@ class Run(Displayed):
     """One test: a row per cycle (and pose), a column per indicator axis; read-only.
 
     ``cycle`` has shape (rows,); every axis, ``pose`` (labels), ``direction`` (of approach, ``+x``
-    to ``-z``; ISO 9283 7.2.3) and each covariate as well.
-    ``lines`` are the rows' line numbers in their file, where there is one. ``metadata`` holds the
-    table's ``key: value`` lines as text. Raises `DataError` where shapes differ, no axis is
-    there, or a value is not finite.
+    to ``-z``; ISO 9283 7.2.3) and each covariate as well. ``lines`` are the rows' line numbers in
+    their file, if any. ``metadata`` holds the table's ``key: value`` lines as text. Raises
+    `DataError` where shapes differ, no axis is there, or a value is not finite.
     """
 
     cycle: IntArray

@@ -11,15 +11,13 @@ from collections.abc import Iterable
 from functools import cache
 from types import ModuleType
 
+from scara_iso.effects._chance import RandomCourse, ScatterChange, TwoStates
 from scara_iso.effects._conditions import Conditions
 from scara_iso.effects._effect import (
     Direction,
     Effect,
     FoundBy,
     KnownCourse,
-    RandomCourse,
-    ScatterChange,
-    TwoStates,
     as_column,
 )
 from scara_iso.effects._forms import Chain, Form, Process, Shape, Spread

@@ -4,7 +4,8 @@ The side may alternate, stay for some cycles (sticky), or be drawn anew each tim
 Markov chain holds all three.
 """
 
-from scara_iso.effects._effect import Direction, TwoStates
+from scara_iso.effects._chance import TwoStates
+from scara_iso.effects._effect import Direction
 from scara_iso.effects._forms import Chain
 from scara_iso.effects._parameter import Parameter
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from scara_iso.effects._chance import ScatterChange
 from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import ScatterChange
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
