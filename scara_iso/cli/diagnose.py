@@ -171,10 +171,7 @@ class _Files:
     @property
     def of_one_pose(self) -> str:
         """The option, if any is given, that goes with the readings of one pose."""
-        given = {
-            "--model": self.model, "--hold-out": self.hold_out, "--plot": self.plot,
-            "--sigma": self.sigma,
-        }  # fmt: skip
+        given = {"--hold-out": self.hold_out, "--plot": self.plot, "--sigma": self.sigma}
         return next((option for option, value in given.items() if value is not None), "")
 
     def check(self, tables: Sequence[str]) -> None:

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from scara_iso.diagnosis.all_poses import whole_cycles
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.result import Diagnosis, Found
+from scara_iso.diagnosis.result import Diagnosis, DiagnosisOfPoses, Found
 from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
@@ -149,14 +150,42 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
         yield f"the model is that of {model.robot}, the table is of {robot}: is it the right one?"
 
 
-def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
-    """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979)."""
+def close_the_loop_at_poses(
+    run: Run, model: Model | None, wanted: CyclesWanted, *, seed: int
+) -> DiagnosisOfPoses:
+    """Return what ``model`` (None: a constant) leaves unexplained at all poses of a run together.
+
+    Effects are traced to the joints where the model gives the arm and its joints at every pose.
+    """
     run = run.unwrapped()
+    used = wanted.used(run)
+    test = whole_cycles(run, {str(p): rows for p, rows in zip(used.poses, used.rows, strict=True)})
+    if model is None:
+        return diagnose_poses(test, seed=seed)
+    at = {label: run.arrival_at(label)[0] for label in test.parts}
+    joints = {label: model.at(pose).joints_deg for label, pose in at.items() if pose in model.poses}
+    known = {label: pair for label, pair in joints.items() if pair is not None}
+    traced = model.arm is not None and len(known) == len(test.parts)
+    expected = {
+        label: _predicted(model.at(at[label]), part) or {}
+        for label, part in test.parts.items()
+        if model.poses  # else its effects are of one pose, and nobody says which
+    }
     found = diagnose_poses(
-        run.take(np.concatenate(wanted.used(run).rows)),
-        lambda single, level: diagnose_readings(single, seed=seed, level=level),
+        test, expected, arm=model.arm if traced else None, joints_deg=known, seed=seed
     )
-    return {str(pose): diagnosis for pose, diagnosis in found.items()}
+    notes = (*found.notes, *_not_traced(model, at, known), *_doubts(model, run))
+    return replace(found, notes=notes)
+
+
+def _not_traced(
+    model: Model, at: Mapping[str, str | None], known: Mapping[str, object]
+) -> Iterator[str]:
+    """Yield why effects are not traced to the joints, where they are not."""
+    missing = list(dict.fromkeys(f"[pose.{at[label]}]" for label in at if label not in known))
+    lacking = [*(["[robot] link_1_mm and link_2_mm"] if model.arm is None else []), *missing]
+    if lacking:
+        yield f"effects are not traced to the joints: the model lacks {', '.join(lacking)}"
 
 
 def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:

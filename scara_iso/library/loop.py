@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -46,11 +47,12 @@ def diagnose(
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
-    Several poses (a column, or several tables as in `analyze`) are each diagnosed against a
-    constant, at one level for all, and give a `DiagnosisOfPoses`; ``pose`` names one of them, which
-    a model, ``hold_out`` and ``sigma`` need. The other options are those of `analyze`, for both
-    tables, and so is the folder of a test. ``hold_out`` is a second table that measures the error
-    on unseen cycles. ``sigma`` is the known scatter in mm. Same arguments, same result.
+    Several poses (a column, or several tables as in `analyze`) are searched together and give a
+    `DiagnosisOfPoses`, with a model of the arm and ``[pose.P1]`` and so on traced to its joints;
+    ``pose`` names one of them, which ``hold_out`` and ``sigma`` need. The other options are those
+    of `analyze`, for both tables, and so is the folder of a test. ``hold_out`` is a second table
+    that measures the error on unseen cycles. ``sigma`` is the known scatter in mm. Same arguments,
+    same result.
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
@@ -59,13 +61,15 @@ def diagnose(
         table, cycles = measured.readings, cycles or measured.cycles
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     run = reading.read(table)
-    of_one = (pose, model, hold_out, sigma)
+    known = None if model is None else described(model)
+    of_one = (pose, hold_out, sigma)
     if len(list(run.rows_by_pose())) > 1 and all(option is None for option in of_one):
-        found = close_the_loop_at_poses(run, wanted, seed=seed)
-        return DiagnosisOfPoses(found, run.origin.notes if run.origin.files else ())
+        found = close_the_loop_at_poses(run, known, wanted, seed=seed)
+        read = run.origin.notes if run.origin.files else ()
+        return replace(found, notes=(*read, *found.notes))
     return close_the_loop(
         run,
-        None if model is None else described(model),
+        known,
         wanted,
         hold_out=None if hold_out is None else reading.read(hold_out),
         sigma=sigma,
