@@ -16,7 +16,7 @@ import numpy as np
 from scara_iso.diagnosis.all_poses import PoseAxis
 from scara_iso.diagnosis.evidence import shrunk
 from scara_iso.diagnosis.hypotheses import extended
-from scara_iso.diagnosis.tuning import GAIN, MISFIT, PLACE_NAMED, PLACES
+from scara_iso.diagnosis.tuning import GAIN, MISFIT, PLACE_NAMED, PLACE_RIVAL, PLACES
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray, IntArray
 
@@ -39,6 +39,11 @@ class Place:
     joint: str | None = None
     """What it is called where it is one thing in the arm."""
 
+    @property
+    def alone(self) -> bool:
+        """Whether it is a single pose."""
+        return not self.tied and self.name != EVERY
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Located:
@@ -49,14 +54,29 @@ class Located:
 
     place: Place
     weights: FloatArray
-    probability: dict[str, float]
+    probability: Mapping[str, float]
+    rivals: frozenset[str]
+    """The joints and the single poses: what is named must not be one of them by mistake."""
 
     @property
     def is_sure(self) -> bool:
-        """Whether the place may be named."""
-        return self.probability[self.place.name] >= PLACE_NAMED
+        """Whether the place may be named: it is likely, and no joint or pose is besides it."""
+        return self.probability[self.place.name] >= PLACE_NAMED and all(
+            self.probability[rival] < PLACE_RIVAL
+            for rival in self.rivals
+            if rival != self.place.name
+        )
+
+    @property
+    def joint_candidates(self) -> tuple[int, ...]:
+        """The joints that cannot be told apart, where nothing but a joint is likely."""
+        joints = {n: self.probability.get(f"joint {n}", 0.0) for n in (1, 2)}
+        either = sum(joints.values()) + self.probability.get(BOTH, 0.0)
+        likely = tuple(n for n, p in joints.items() if p >= PLACE_RIVAL)
+        return likely if len(likely) > 1 and either >= PLACE_NAMED else ()
 
 
+JOINTS = ("joint 1", "joint 2")
 BOTH = "joints 1 and 2"
 ARM = "along the arm"
 EVERY = "every axis"
@@ -171,7 +191,8 @@ def locate(
     best = max(places, key=lambda place: log[place.name])
     inverse = np.linalg.solve(scatter, best.movement)
     weights = inverse @ np.linalg.pinv(best.movement.T @ inverse)
-    return Located(best, weights, probability)
+    rivals = frozenset(p.name for p in places if p.name in JOINTS or p.alone)
+    return Located(best, weights, probability, rivals)
 
 
 def _misfit(sizes: FloatArray, poses: IntArray) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit
-from scara_iso.diagnosis.places import BOTH, Place, places_of, separation
+from scara_iso.diagnosis.places import BOTH, JOINTS, Place, places_of, separation
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.residual import Predicted
@@ -29,8 +29,6 @@ from scara_iso.diagnosis.result import (
 from scara_iso.diagnosis.tuning import (
     JOINTS_SHARE,
     LEVEL,
-    PLACE_CANDIDATE,
-    PLACE_NAMED,
     SEED,
 )
 from scara_iso.diagnosis.verdict import Verdict
@@ -63,7 +61,7 @@ def diagnose_poses(
         for pose, own in (predicted or {}).items()
         for axis, readings in own.items()
     }
-    problem = _problem(test, expected, arm, joints_deg, effects)
+    problem = problem_of_poses(test, expected, arm, joints_deg, effects)
     solved = diagnose_problem(problem, test.run, expected, test.planes(), seed=seed, level=level)
     found = tuple(
         _found(one, solved.fitted, i, test, problem)
@@ -84,13 +82,14 @@ def diagnose_poses(
     )
 
 
-def _problem(
+def problem_of_poses(
     test: AllPoses,
-    predicted: Predicted,
-    arm: Arm | None,
-    joints_deg: Mapping[str, tuple[float, float]] | None,
-    effects: Sequence[Effect] | None,
+    predicted: Predicted | None = None,
+    arm: Arm | None = None,
+    joints_deg: Mapping[str, tuple[float, float]] | None = None,
+    effects: Sequence[Effect] | None = None,
 ) -> SearchProblem:
+    """Return the search that `diagnose_poses` makes; ``predicted`` is by the test's axes."""
     catalogue = tuple(find_effects() if effects is None else effects)
     problem = problem_of(test.run, predicted, directions={}, effects=catalogue)
     columns = [test.axes[name] for name in problem.residual.axes]
@@ -107,7 +106,7 @@ def _problem(
 
 def _shares(lines: Sequence[Place]) -> np.ndarray:
     """Return how much each direction counts in the test: the joints for most of it."""
-    joints = np.array([place.name in ("joint 1", "joint 2") for place in lines])
+    joints = np.array([place.name in JOINTS for place in lines])
     if not joints.any():
         return np.full(len(lines), 1 / max(1, len(lines)))
     others = max(1, int((~joints).sum()))
@@ -138,18 +137,10 @@ def _found(found: Found, fitted: Fit, i: int, test: AllPoses, problem: SearchPro
         return told
     told = replace(told, places=located.probability)
     if not located.is_sure:
-        return replace(told, joint_candidates=_candidates(located.probability))
+        return replace(told, joint_candidates=located.joint_candidates)
     place = located.place
     at = None if not place.tied or place.name == BOTH else _size(fitted, i, problem)
     return replace(told, joint=place.joint, place=place.name, at_joint=at)
-
-
-def _candidates(probability: Mapping[str, float]) -> tuple[int, ...]:
-    """Return the joints that may not be told apart, where nothing but a joint is likely."""
-    joints = {n: probability.get(f"joint {n}", 0.0) for n in (1, 2)}
-    likely = tuple(n for n, p in joints.items() if p >= PLACE_CANDIDATE)
-    either = sum(joints.values()) + probability.get(BOTH, 0.0)
-    return likely if len(likely) > 1 and either >= PLACE_NAMED else ()
 
 
 def _size(fitted: Fit, i: int, problem: SearchProblem) -> AtJoint:

@@ -124,16 +124,14 @@ SCATTER_POWERS = (0.0, 0.5, 1.0)
 """A scatter of reversals that is not known may grow with the deviation by any of these powers
 (gear.py, false alarms)."""
 
-PLACE_NAMED = 0.9
-"""Probability from which the place of an effect is named, among all places (joints.py)."""
-
-PLACE_CANDIDATE = 0.02
-"""Probability from which a joint is a candidate where no place may be named."""
+PLACE_NAMED, PLACE_RIVAL = 0.6, 0.1
+"""Probability from which the place of an effect is named, and that which a joint or a single pose
+must not reach beside it. The right joint is less likely than it is right (joints.py)."""
 
 JOINTS_SHARE = 0.75
 """Share of the joints among the directions of the test of all poses (joints.py)."""
 
-PLACES = {"joint": 0.4, "joints": 0.02, "arm": 0.1, "axis": 0.15, "pose": 0.25, "every": 0.05}
+PLACES = {"joint": 0.5, "joints": 0.02, "arm": 0.06, "axis": 0.1, "pose": 0.27, "every": 0.05}
 """Prior weight of the kinds of places: one of the joints, two, the links, an axis everywhere alike,
 one pose, anything else."""
 

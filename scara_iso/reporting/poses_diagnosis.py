@@ -22,6 +22,7 @@ from scara_iso.reporting.diagnosis import of_pose, parameters_said, rivals_said,
 from scara_iso.reporting.digits import U_of_scatter, p_equals, rounded
 from scara_iso.reporting.words import words
 
+_SURE = 0.9
 _MICRO = {"rad": "µrad", "1": "µm/m"}
 """Units of which a millionth is said."""
 
@@ -68,19 +69,21 @@ def _answer(found: DiagnosisOfPoses) -> Headline:
 
 
 def _where(found: Found) -> str:
-    """Return where an effect acts, as far as the poses tell."""
+    """Return where an effect acts, as far as the poses tell, and how sure that is."""
     if found.joint_candidates:
         names = " or ".join(f"joint {number}" for number in found.joint_candidates)
         return f"in {names}: these poses do not tell"
-    if found.place is None:
+    if found.place is None or found.place not in found.places or found.place == "every axis":
         return f"at {', '.join(found.poses)}"
+    p = found.places[found.place]
+    sure = "" if p >= _SURE else f" ({p:.0%})"
     if found.place in found.poses:
-        return f"at {found.place} alone: a fixture or an indicator there"
+        return f"at {found.place} alone{sure}: a fixture or an indicator there"
     if found.joint == found.place == "along the arm":
-        return "along the arm: the links grow"
+        return f"along the arm{sure}: the links grow"
     if found.place.endswith(" everywhere"):
-        return f"in {found.place.removesuffix(' everywhere')} alike at every pose"
-    return f"in {found.place}" if found.place != "every axis" else f"at {', '.join(found.poses)}"
+        return f"in {found.place.removesuffix(' everywhere')} alike at every pose{sure}"
+    return f"in {found.place}{sure}"
 
 
 def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
