@@ -128,6 +128,35 @@ def test_without_a_model_the_same_table_names_axes_and_poses(worn):
     assert len(effect["poses"]) > 1
 
 
+def test_a_saved_joint_foretells_a_table_of_other_poses(worn, tmp_path):
+    new = tmp_path / "new.toml"
+    notes = said(*worn[:1], "--model", worn[1], "--save-model", new)["notes"]
+    assert any("declares step" in note for note in notes)
+    others = {"P6": (-60, 90), "P7": (25, 120), "P8": (0, 50)}
+    text = new.read_text(encoding="utf-8")
+    poses = "".join(f"[pose.{p}]\njoint_deg = [{a}, {b}]\n" for p, (a, b) in others.items())
+    new.write_text(f"{poses}{text}", encoding="utf-8")
+    seen = readings(np.random.default_rng(6), others, moved=(0.0, 40e-6))
+    second = table(tmp_path / "others.csv", seen)
+    plain, told = said(second, "--model", worn[1]), said(second, "--model", new)
+    assert plain["verdict"] == "explained"
+    assert told["verdict"] == "nothing-to-explain"
+    before = [one["error"]["before"]["rms"]["Y"] for one in (plain, told)]
+    assert before[1] < 0.9 * before[0]
+
+
+def test_a_joint_that_the_model_cannot_place_is_refused(worn, tmp_path, capsys):
+    text = worn[1].read_text(encoding="utf-8")
+    effect = "[[effect]]\nname = 'step'\nat_cycle = 9\nsize = { 'joint 2' = 4e-5 }\n"
+    bad = tmp_path / "bad.toml"
+    bad.write_text(text.replace("[pose.P3]", "[pose.Q3]") + effect, encoding="utf-8")
+    assert main(["diagnose", str(worn[0]), "--model", str(bad)]) == 2
+    said_so = capsys.readouterr()
+    assert said_so.out == ""
+    assert "joint 2" in said_so.err
+    assert "joint_deg" in said_so.err
+
+
 def run_of(found):
     """Return the run of the poses' readings, and their rows by pose."""
     pose = np.repeat([*found], N)

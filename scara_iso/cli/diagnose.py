@@ -226,14 +226,14 @@ def _diagnose_run(
         seed=seed,
         sigma=files.sigma,
     )
+    if files.save_model is not None and files.model is not None:
+        said = save_model(diagnosis, files.model, files.save_model)
+        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     if isinstance(diagnosis, DiagnosisOfPoses):
         _write_poses(diagnosis, run.origin.source, how)
         return
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)
-    if files.save_model is not None and files.model is not None:
-        said = save_model(diagnosis, files.model, files.save_model)
-        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     _write(diagnosis, run.origin.source, how)
 
 

@@ -83,6 +83,7 @@ def close_the_loop(
     run's axes.
     """
     used = wanted.take(run)
+    model = None if model is None else model.at(wanted.pose or used.metadata.get("pose"))
     second = None if hold_out is None else wanted.take(hold_out)
     found = diagnose_readings(
         used,
@@ -247,18 +248,43 @@ def declared(found: Found) -> DeclaredEffect:
     return DeclaredEffect(found.effect, {**found.parameters, **found.left_open})
 
 
-def save_model(diagnosis: Diagnosis, model: str, to: Path) -> tuple[str, ...]:
+def declared_in_arm(found: Found) -> DeclaredEffect | None:
+    """Return an effect of all poses as one that a model declares: in its joint, or in an axis.
+
+    None where it is sure of neither: a model knows no effect of one pose alone.
+    """
+    at, place = found.at_joint, found.place or ""
+    if at is None:
+        return None
+    axis = "theta" if place == "joint 4" else place.removesuffix(" everywhere")
+    shape = {k: v for k, v in found.parameters.items() if k not in at.parameters}
+    sizes = {name: {axis: value} for name, value in at.parameters.items()}
+    return DeclaredEffect(found.effect, {**shape, **sizes})
+
+
+def save_model(diagnosis: Diagnosis | DiagnosisOfPoses, model: str, to: Path) -> tuple[str, ...]:
     """Write ``model`` with what was found to ``to``; return what of it was declared.
 
-    An effect that does not recur is left out. Raises as `declare`.
+    An effect that does not recur is left out, and one of single poses. Raises as `declare`.
     """
     known = {effect.name: effect for effect in find_effects()}
     recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
-    effects = declarations(replace(diagnosis, effects=recurring))
+    alone: tuple[Found, ...] = ()
+    if isinstance(diagnosis, Diagnosis):
+        effects = declarations(replace(diagnosis, effects=recurring))
+    else:
+        in_arm = {found: declared_in_arm(found) for found in recurring}
+        effects = tuple(one for one in in_arm.values() if one is not None)
+        alone = tuple(found for found, one in in_arm.items() if one is None)
     dials = read_model(model).indicators
     scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
     declare(model, effects, to, scatter)
-    said = [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
+    said = [
+        f"{to} does not hold the {found.effect} at {', '.join(found.poses)}: a model knows effects "
+        "of a joint or of a dial, not of single poses"
+        for found in alone
+    ]
+    said += [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
     said += [
         f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
         for found in diagnosis.effects

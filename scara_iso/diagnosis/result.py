@@ -248,6 +248,15 @@ class DiagnosisOfPoses(Displayed):
     notes: tuple[str, ...] = ()
     """How the tables were read and what could not be searched, one line each."""
 
+    @property
+    def scatter(self) -> dict[str, float]:
+        """Standard deviation of each axis beside effects and rounding: of all poses, in rms."""
+        squares: dict[str, list[float]] = {}
+        for one in self.poses.values():
+            for axis, value in one.scatter.items():
+                squares.setdefault(axis, []).append(value**2)
+        return {axis: float(np.sqrt(np.mean(own))) for axis, own in squares.items()}
+
     def __getitem__(self, at: int | str) -> Diagnosis:
         """Return the diagnosis of a pose by its number or its name."""
         if not isinstance(at, str):
