@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from scara_iso.diagnosis.joint_scatter import joint_scatter
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.result import Diagnosis, Found
+from scara_iso.diagnosis.result import Diagnosis, DiagnosisOfPoses, Found
 from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import DataError, UsageError
@@ -157,6 +158,33 @@ def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dic
         lambda single, level: diagnose_readings(single, seed=seed, level=level),
     )
     return {str(pose): diagnosis for pose, diagnosis in found.items()}
+
+
+def with_joint_scatter(
+    found: DiagnosisOfPoses,
+    run: Run,
+    model: Model,
+    wanted: CyclesWanted,
+    *,
+    held_out: str | None = None,
+    reach: bool = False,
+) -> DiagnosisOfPoses:
+    """Return a test's diagnosis with its scatter traced to the joints, or a note why it is not.
+
+    ``run`` holds all poses, ``held_out`` names one that ``found`` has not seen. Raises as
+    `joint_scatter` where that pose, or the map (``reach``), was asked for and cannot be given.
+    """
+    run = run.unwrapped()
+    used = run.take(np.concatenate(wanted.used(run).rows))
+    unseen = {str(at): used.take(rows) for at, rows in used.rows_by_pose() if at == held_out}
+    try:
+        traced = joint_scatter(used, model, found.poses, held_out=unseen, reach=reach)
+    except UsageError as error:
+        if held_out is not None or reach:
+            raise
+        said = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
+        return replace(found, notes=(*found.notes, said))
+    return replace(found, joint_scatter=traced, notes=(*found.notes, *traced.notes))
 
 
 def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:

@@ -16,6 +16,7 @@ from scara_iso.run import FloatArray, IntArray
 if TYPE_CHECKING:
     import pandas as pd
 
+    from scara_iso.diagnosis.joint_scatter.result import JointScatter
     from scara_iso.diagnosis.reversals.from_run import RunReversals
 
 ByAxis: TypeAlias = Mapping[str, float]
@@ -199,6 +200,8 @@ class DiagnosisOfPoses(Displayed):
     """By name."""
     notes: tuple[str, ...] = ()
     """How the tables were read, one line each."""
+    joint_scatter: JointScatter | None = None
+    """Scatter of all poses traced to the joints; None without a model that says where they are."""
 
     def __getitem__(self, at: int | str) -> Diagnosis:
         """Return the diagnosis of a pose by its number or its name."""

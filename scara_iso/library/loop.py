@@ -7,6 +7,8 @@ from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
@@ -14,8 +16,9 @@ from scara_iso.diagnosis import (
     DiagnosisOfPoses,
     close_the_loop,
     close_the_loop_at_poses,
+    with_joint_scatter,
 )
-from scara_iso.errors import ScaraIsoError
+from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.inputs import TableOptions, Tables
 from scara_iso.library.models import described
@@ -41,6 +44,7 @@ def diagnose(
     all_count: bool = False,
     allow_gaps: bool = False,
     hold_out: Tables | None = None,
+    reach: bool = False,
     sigma: float | None = None,
     seed: int = SEED,
 ) -> Diagnosis | DiagnosisOfPoses:
@@ -48,7 +52,9 @@ def diagnose(
 
     Several poses (a column, or several tables as in `analyze`) are each diagnosed against a
     constant, at one level for all, and give a `DiagnosisOfPoses`; ``pose`` names one of them, which
-    a model, ``hold_out`` and ``sigma`` need. The other options are those of `analyze`, for both
+    ``sigma`` needs. With a model that says where the joints are at its poses, their scatter is
+    traced to the joints; ``hold_out`` may then name a pose that takes no part, and ``reach`` adds
+    RP over the workspace. The other options are those of `analyze`, for both
     tables, and so is the folder of a test. ``hold_out`` is a second table that measures the error
     on unseen cycles. ``sigma`` is the known scatter in mm. Same arguments, same result.
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
@@ -59,18 +65,51 @@ def diagnose(
         table, cycles = measured.readings, cycles or measured.cycles
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     run = reading.read(table)
-    of_one = (pose, model, hold_out, sigma)
-    if len(list(run.rows_by_pose())) > 1 and all(option is None for option in of_one):
-        found = close_the_loop_at_poses(run, wanted, seed=seed)
-        return DiagnosisOfPoses(found, run.origin.notes if run.origin.files else ())
+    known = None if model is None else described(model)
+    if pose is None and sigma is None and (known is None or known.poses):
+        unseen = held_out_pose(run, hold_out)
+        if len(list(run.rows_by_pose())) > 1 and (hold_out is None or unseen is not None):
+            return _of_poses(run, known, wanted, unseen=unseen, reach=reach, seed=seed)
+    if reach:
+        raise UsageError("the map is made of several poses", remedy="name a table of a test")
     return close_the_loop(
         run,
-        None if model is None else described(model),
+        known,
         wanted,
         hold_out=None if hold_out is None else reading.read(hold_out),
         sigma=sigma,
         seed=seed,
     )
+
+
+def held_out_pose(run: Run, hold_out: Tables | None) -> str | None:
+    """Return the pose of a run that ``hold_out`` names, None where it is a table."""
+    labels = [label for label, _ in run.rows_by_pose() if label is not None]
+    return hold_out if isinstance(hold_out, str) and hold_out in labels else None
+
+
+def _of_poses(
+    run: Run,
+    model: Model | None,
+    wanted: CyclesWanted,
+    *,
+    unseen: str | None,
+    reach: bool,
+    seed: int,
+) -> DiagnosisOfPoses:
+    if model is None and (unseen is not None or reach):
+        raise UsageError(
+            "what other poses say of one takes the joints",
+            remedy="name a model that gives links and [pose.P1] joint_deg: `model=`",
+        )
+    seen = [rows for label, rows in run.rows_by_pose() if label != unseen]
+    if len(seen) <= 1:
+        raise UsageError("no two poses are left to fit", remedy="hold none of them out")
+    poses = close_the_loop_at_poses(run.take(np.sort(np.concatenate(seen))), wanted, seed=seed)
+    found = DiagnosisOfPoses(poses, run.origin.notes if run.origin.files else ())
+    if model is None:
+        return found
+    return with_joint_scatter(found, run, model, wanted, held_out=unseen, reach=reach)
 
 
 def diagnose_many(

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
         Found,
         GearDiagnosis,
         GearFound,
+        JointScatter,
         PlannedRun,
+        PoseLeftOut,
+        ReachMap,
         RunReversals,
         Smallest,
     )
@@ -45,7 +48,48 @@ def poses_diagnosis_json(found: DiagnosisOfPoses) -> Json:
         **picked(found, f"verdict {_CHANCE}"),
         "effects": [{**_found(one), "poses": list(one.poses)} for one in found.effects],
         "poses": poses,
+        **({} if found.joint_scatter is None else _joint_scatter(found.joint_scatter)),
         "notes": list(found.notes),
+    }
+
+
+def _joint_scatter(found: JointScatter) -> Json:
+    return {
+        "joint_scatter": {
+            name: {**picked(one, "value unit"), "interval": [one.low, one.high],
+                   **picked(one, "share")}
+            for name, one in found.sources.items()
+        },
+        "joint_correlation": None if found.together is None else {
+            "value": found.together.value,
+            "interval": [found.together.low, found.together.high],
+            "p_value": found.together.p_value,
+        },
+        "joint_misfit": {"ratio": found.misfit, "p_value": found.misfit_p_value},
+        "predicted_RP": {
+            pose: {"value": one.value, "interval": [one.low, one.high]}
+            for pose, one in found.predicted_RP.items()
+        },
+        "left_out": {pose: _beside(one) for pose, one in found.left_out.items()},
+        "left_out_rms": found.left_out_rms,
+        "held_out": {pose: _beside(one) for pose, one in found.held_out.items()},
+        **({} if found.reach is None else {"map": _extremes(found.reach)}),
+    }  # fmt: skip
+
+
+def _beside(one: PoseLeftOut) -> Json:
+    predicted = one.predicted
+    return {
+        "measured": one.measured,
+        "predicted": {"value": predicted.value, "interval": [predicted.low, predicted.high]},
+        **picked(one, "error inside"),
+    }
+
+
+def _extremes(reach: ReachMap) -> Json:
+    return {
+        name: dict(zip(("x_mm", "y_mm", "RP"), place, strict=True))
+        for name, place in (("best", reach.best), ("worst", reach.worst))
     }
 
 

@@ -20,6 +20,7 @@ from scara_iso.reporting.blocks import (
 from scara_iso.reporting.brief import digits_of, first_three
 from scara_iso.reporting.diagnosis import parameters_said, rivals_said, sureness, unit_of
 from scara_iso.reporting.digits import U_of_scatter, rounded
+from scara_iso.reporting.joint_scatter import joint_scatter_sections
 from scara_iso.reporting.words import words
 from scara_iso.run import FloatArray
 
@@ -69,6 +70,7 @@ def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
     return (
         Section("", first_three(head, following) if len(head) > 1 else (*head, following)),
         Section("", (Table(("pose", "", "what moves the readings"), rows),)),
+        *(() if found.joint_scatter is None else joint_scatter_sections(found.joint_scatter)),
         Section("", (*doubts, *notes)),
     )
 

@@ -26,6 +26,7 @@ from scara_iso.reporting.blocks import (
     Text,
 )
 from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, rounded
+from scara_iso.reporting.joint_scatter import joint_scatter_sections
 from scara_iso.reporting.reversals import reversals_section
 from scara_iso.reporting.words import words
 
@@ -59,7 +60,9 @@ def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
         Table(("pose", "verdict", "effects", "p"), rows, "each pose against a constant"),
     )
     behind = (part for pose, one in found.poses.items() for part in _of_pose(f"pose {pose}", one))
-    return (Section("", head), *behind)
+    joints = found.joint_scatter
+    scatter = () if joints is None else joint_scatter_sections(joints, full=True)
+    return (Section("", head), *scatter, *behind)
 
 
 def _of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
