@@ -200,20 +200,15 @@ class _Files:
     def check_poses(self, run: Run) -> None:
         """Raise `UsageError` where something goes with one pose and ``run`` holds several."""
         from scara_iso.library import held_out_pose
-        from scara_iso.robot import read_model
 
         labels = [label for label, _ in run.rows_by_pose()]
-        alone = self.model is not None and not read_model(self.model).poses
         second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
         if second and not Path(self.hold_out or "").exists():
             raise UsageError(
                 f"no pose {self.hold_out!r} in {run.origin.source}",
                 remedy=f"it has {', '.join(map(str, labels[:20]))}",
             )
-        given = {
-            "--model": alone or None, "--hold-out": second or None, "--plot": self.plot,
-            "--sigma": self.sigma, "--save-model": self.save_model,
-        }  # fmt: skip
+        given = {"--hold-out": second or None, "--plot": self.plot, "--sigma": self.sigma}
         what = f"is for one pose, and there are {len(labels)}"
         _refuse(given, what, f"name it: --pose {labels[0]}")
 
@@ -267,6 +262,9 @@ def _diagnose_run(
         seed=seed,
         sigma=files.sigma,
     )
+    if files.save_model is not None and files.model is not None:
+        said = save_model(diagnosis, files.model, files.save_model)
+        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     if isinstance(diagnosis, DiagnosisOfPoses):
         if files.map is not None and diagnosis.joint_scatter is not None:
             render.save_map(diagnosis.joint_scatter, files.map)
@@ -274,9 +272,6 @@ def _diagnose_run(
         return
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)
-    if files.save_model is not None and files.model is not None:
-        said = save_model(diagnosis, files.model, files.save_model)
-        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     _write(diagnosis, run.origin.source, how)
 
 

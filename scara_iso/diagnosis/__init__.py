@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.diagnosis.all_poses import AllPoses as AllPoses, whole_cycles as whole_cycles
     from scara_iso.diagnosis.choice import posterior as posterior
     from scara_iso.diagnosis.closed_loop import (
         CyclesWanted as CyclesWanted,
@@ -38,9 +39,10 @@ if TYPE_CHECKING:
         design as design,
         planned_columns as planned_columns,
     )
-    from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses, holm as holm
+    from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
+        AtJoint as AtJoint,
         Diagnosis as Diagnosis,
         DiagnosisOfPoses as DiagnosisOfPoses,
         Error as Error,
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
         Foretold as Foretold,
         Found as Found,
         Repeatabilities as Repeatabilities,
+        Separation as Separation,
         Series as Series,
         Shares as Shares,
     )

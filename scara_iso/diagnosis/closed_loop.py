@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from scara_iso.diagnosis.joint_scatter import joint_scatter
+from scara_iso.diagnosis.all_poses import whole_cycles
+from scara_iso.diagnosis.joint_scatter import PLANE, joint_scatter
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.result import Diagnosis, DiagnosisOfPoses, Found
@@ -83,6 +84,7 @@ def close_the_loop(
     run's axes.
     """
     used = wanted.take(run)
+    model = None if model is None else model.at(wanted.pose or used.metadata.get("pose"))
     second = None if hold_out is None else wanted.take(hold_out)
     found = diagnose_readings(
         used,
@@ -150,14 +152,42 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
         yield f"the model is that of {model.robot}, the table is of {robot}: is it the right one?"
 
 
-def close_the_loop_at_poses(run: Run, wanted: CyclesWanted, *, seed: int) -> dict[str, Diagnosis]:
-    """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979)."""
+def close_the_loop_at_poses(
+    run: Run, model: Model | None, wanted: CyclesWanted, *, seed: int
+) -> DiagnosisOfPoses:
+    """Return what ``model`` (None: a constant) leaves unexplained at all poses of a run together.
+
+    Effects are traced to the joints where the model gives the arm and its joints at every pose.
+    """
     run = run.unwrapped()
+    used = wanted.used(run)
+    test = whole_cycles(run, {str(p): rows for p, rows in zip(used.poses, used.rows, strict=True)})
+    if model is None:
+        return diagnose_poses(test, seed=seed)
+    at = {label: run.arrival_at(label)[0] for label in test.parts}
+    joints = {label: model.at(pose).joints_deg for label, pose in at.items() if pose in model.poses}
+    known = {label: pair for label, pair in joints.items() if pair is not None}
+    traced = model.arm is not None and len(known) == len(test.parts)
+    expected = {
+        label: _predicted(model.at(at[label]), part) or {}
+        for label, part in test.parts.items()
+        if model.poses  # else its effects are of one pose, and nobody says which
+    }
     found = diagnose_poses(
-        run.take(np.concatenate(wanted.used(run).rows)),
-        lambda single, level: diagnose_readings(single, seed=seed, level=level),
+        test, expected, arm=model.arm if traced else None, joints_deg=known, seed=seed
     )
-    return {str(pose): diagnosis for pose, diagnosis in found.items()}
+    notes = (*found.notes, *_not_traced(model, at, known), *_doubts(model, run))
+    return replace(found, notes=notes)
+
+
+def _not_traced(
+    model: Model, at: Mapping[str, str | None], known: Mapping[str, object]
+) -> Iterator[str]:
+    """Yield why effects are not traced to the joints, where they are not."""
+    missing = list(dict.fromkeys(f"[pose.{at[label]}]" for label in at if label not in known))
+    lacking = [*(["[robot] link_1_mm and link_2_mm"] if model.arm is None else []), *missing]
+    if lacking:
+        yield f"effects are not traced to the joints: the model lacks {', '.join(lacking)}"
 
 
 def with_joint_scatter(
@@ -176,7 +206,14 @@ def with_joint_scatter(
     """
     run = run.unwrapped()
     used = run.take(np.concatenate(wanted.used(run).rows))
-    unseen = {str(at): used.take(rows) for at, rows in used.rows_by_pose() if at == held_out}
+    parts = {str(label): used.take(rows) for label, rows in used.rows_by_pose()}
+    in_arm = [declared_in_arm(one) for one in found.effects]
+    known = replace(model, effects=(*model.effects, *(one for one in in_arm if one is not None)))
+    unseen = {
+        label: _read_and_left(part, known.at(used.arrival_at(label)[0]))
+        for label, part in parts.items()
+        if label == held_out
+    }
     try:
         traced = joint_scatter(used, model, found.poses, held_out=unseen, reach=reach)
     except UsageError as error:
@@ -185,6 +222,19 @@ def with_joint_scatter(
         said = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
         return replace(found, notes=(*found.notes, said))
     return replace(found, joint_scatter=traced, notes=(*found.notes, *traced.notes))
+
+
+def _read_and_left(run: Run, model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Return X and Y at a pose (n, 2), as far as they are there, and what a model leaves of them.
+
+    A constant is taken where the model has neither of their indicators.
+    """
+    axes = [axis for axis in PLANE if axis in run.axes]
+    known = any(axis in model.indicators for axis in run.axes)
+    expected = (_predicted(model, run) or {}) if known else {}
+    read = np.stack([run.axes[axis].readings for axis in axes], axis=1)
+    still = np.zeros(len(run))
+    return read, read - np.stack([expected.get(axis, still) for axis in axes], axis=1)
 
 
 def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
@@ -246,18 +296,43 @@ def declared(found: Found) -> DeclaredEffect:
     return DeclaredEffect(found.effect, {**found.parameters, **found.left_open})
 
 
-def save_model(diagnosis: Diagnosis, model: str, to: Path) -> tuple[str, ...]:
+def declared_in_arm(found: Found) -> DeclaredEffect | None:
+    """Return an effect of all poses as one that a model declares: in its joint, or in an axis.
+
+    None where it is sure of neither: a model knows no effect of one pose alone.
+    """
+    at, place = found.at_joint, found.place or ""
+    if at is None:
+        return None
+    axis = "theta" if place == "joint 4" else place.removesuffix(" everywhere")
+    shape = {k: v for k, v in found.parameters.items() if k not in at.parameters}
+    sizes = {name: {axis: value} for name, value in at.parameters.items()}
+    return DeclaredEffect(found.effect, {**shape, **sizes})
+
+
+def save_model(diagnosis: Diagnosis | DiagnosisOfPoses, model: str, to: Path) -> tuple[str, ...]:
     """Write ``model`` with what was found to ``to``; return what of it was declared.
 
-    An effect that does not recur is left out. Raises as `declare`.
+    An effect that does not recur is left out, and one of single poses. Raises as `declare`.
     """
     known = {effect.name: effect for effect in find_effects()}
     recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
-    effects = declarations(replace(diagnosis, effects=recurring))
+    alone: tuple[Found, ...] = ()
+    if isinstance(diagnosis, Diagnosis):
+        effects = declarations(replace(diagnosis, effects=recurring))
+    else:
+        in_arm = {found: declared_in_arm(found) for found in recurring}
+        effects = tuple(one for one in in_arm.values() if one is not None)
+        alone = tuple(found for found, one in in_arm.items() if one is None)
     dials = read_model(model).indicators
     scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
     declare(model, effects, to, scatter)
-    said = [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
+    said = [
+        f"{to} does not hold the {found.effect} at {', '.join(found.poses)}: a model knows effects "
+        "of a joint or of a dial, not of single poses"
+        for found in alone
+    ]
+    said += [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
     said += [
         f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
         for found in diagnosis.effects

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -66,35 +67,63 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     """
     run = run.unwrapped()
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
-    rng = np.random.default_rng(seed)
     known = tuple(catalogue.values())
     problem = problem_of(run, predicted, directions=directions or {}, effects=known, sigma=sigma)
+    second = _second(held_out, held_out_predicted, problem.residual)
+    return diagnose_problem(
+        problem, run, predicted, groups_of(run.axes), seed=seed, level=level, second=second
+    ).diagnosis
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Solved:
+    """A problem's diagnosis, and the fit that it comes from."""
+
+    diagnosis: Diagnosis
+    fitted: Fit
+
+
+def diagnose_problem(
+    problem: SearchProblem,
+    run: Run,
+    predicted: Predicted | None,
+    groups: Mapping[str, tuple[str, ...]],
+    *,
+    seed: int,
+    level: float = LEVEL,
+    second: Residual | None = None,
+) -> Solved:
+    """Return what was found in the problem that a run is; see `diagnose_readings`.
+
+    ``groups`` are the axes of each RP by its name.
+    """
+    rng = np.random.default_rng(seed)
     terms, stages = find(problem, rng, level=level)
     fitted = fit(terms, problem.residual.values, problem.rows, len(run))
-    second = _second(held_out, held_out_predicted, problem.residual)
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, catalogue, second)
+        unseen = on_second_run(fitted, problem.effects, second)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
-    measured, before, after, removed = (repeatabilities(course) for course in courses)
+    measured, before, after, removed = (repeatabilities(course, groups) for course in courses)
     drawn = scatter_draws(problem.residual, fitted, rng)
-    groups = _groups(run, predicted or {}, problem.residual)
-    next_test = foretold(problem, fitted, catalogue, groups, drawn, rng)
-    return _diagnosis(
+    standing = _groups(run, predicted or {}, problem.residual, groups)
+    next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
+    diagnosis = _diagnosis(
         problem,
         fitted,
         stages,
         unseen,
         courses[:3],
         Repeatabilities(measured, before, after, removed, next_test),
-        found_effects(problem, fitted, stages, catalogue),
+        found_effects(problem, fitted, stages, problem.effects),
         _named(problem.residual, np.quantile(drawn, 0.5, axis=0)),
     )
+    return Solved(diagnosis, fitted)
 
 
 def _groups(
-    run: Run, predicted: Predicted, residual: Residual
+    run: Run, predicted: Predicted, residual: Residual, groups: Mapping[str, tuple[str, ...]]
 ) -> dict[str, tuple[tuple[int, float], ...]]:
     """Return, for each RP, the axes of the search that stand for its own, and their slopes."""
     model = {name: np.asarray(predicted.get(name, 0.0)) for name in run.axes}
@@ -102,7 +131,7 @@ def _groups(
         name: _searched(axis.readings - model[name], residual, name)
         for name, axis in run.axes.items()
     }
-    return {name: tuple(stand[axis] for axis in axes) for name, axes in groups_of(run.axes).items()}
+    return {name: tuple(stand[axis] for axis in axes) for name, axes in groups.items()}
 
 
 def _diagnosis(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -21,6 +21,30 @@ if TYPE_CHECKING:
 
 ByAxis: TypeAlias = Mapping[str, float]
 """One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class AtJoint:
+    """The size of an effect in a joint, in the links (growth, of 1), or in an axis everywhere."""
+
+    value: float
+    """Its size."""
+    unit: str
+    """``rad``, ``1``, ``mm`` or ``deg``."""
+    standard_error: float
+    """Of the size."""
+    parameters: Mapping[str, float]
+    """All that the effect has one of for each axis, such as the phase."""
+
+
+@dataclass(frozen=True, slots=True)
+class Separation:
+    """How well the poses of a test tell joint 1 from joint 2."""
+
+    angle_deg: float
+    """Between the movements of all axes, beside their scatter: 90 is best, 0 not at all."""
+    observability_index: float
+    """Smaller over larger singular value of the joints' movements (Nahvi and Hollerbach 1996)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,7 +82,15 @@ class Found:
     left_open: Mapping[str, ByAxis] = field(default_factory=dict)
     """What a model must state beside ``parameters``: the scatter where a change of it begins."""
     poses: tuple[str, ...] = ()
-    """The poses at which it acts, of a test of several."""
+    """The poses at which it acts, of a test of several: by axis is then by pose and axis."""
+    place: str | None = None
+    """Where it acts, where that is sure: a joint, ``along the arm``, ``Z everywhere``, a pose."""
+    places: Mapping[str, float] = field(default_factory=dict)
+    """How likely each place is."""
+    joint_candidates: tuple[int, ...] = ()
+    """The joints that these poses cannot tell apart."""
+    at_joint: AtJoint | None = None
+    """Its size in its place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,14 +226,39 @@ class Diagnosis(Plotted):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class DiagnosisOfPoses(Displayed):
-    """What was found at each pose of a test, against a constant, at one level for all."""
+    """What one search over all poses of a test found."""
 
     poses: Mapping[str, Diagnosis]
-    """By name."""
+    """By name: what acts there, error, repeatability and series."""
+    effects: tuple[Found, ...]
+    """In the order in which they were found; sizes are by pose and axis."""
+    verdict: Verdict
+    """Of all poses together."""
+    p_value: float
+    """Chance of structure as strong anywhere in scatter alone."""
+    p_value_at_floor: bool
+    """No permutation was as far: the chance is at most the p-value."""
+    candidates: tuple[Rival, ...]
+    """Likeliest explanations of what the last stage still found."""
+    error_before: Error
+    """Of the model as it was, over all poses."""
+    error_after: Error
+    """Of the model with the effects found."""
+    separation: Separation | None = None
+    """None without the joints at every pose."""
     notes: tuple[str, ...] = ()
-    """How the tables were read, one line each."""
+    """How the tables were read and what could not be searched, one line each."""
     joint_scatter: JointScatter | None = None
     """Scatter of all poses traced to the joints; None without a model that says where they are."""
+
+    @property
+    def scatter(self) -> dict[str, float]:
+        """Standard deviation of each axis beside effects and rounding: of all poses, in rms."""
+        squares: dict[str, list[float]] = {}
+        for one in self.poses.values():
+            for axis, value in one.scatter.items():
+                squares.setdefault(axis, []).append(value**2)
+        return {axis: float(np.sqrt(np.mean(own))) for axis, own in squares.items()}
 
     def __getitem__(self, at: int | str) -> Diagnosis:
         """Return the diagnosis of a pose by its number or its name."""
@@ -210,34 +267,6 @@ class DiagnosisOfPoses(Displayed):
         if at not in self.poses:
             raise KeyError(f"no pose {at!r}: there is {', '.join(self.poses)}")
         return self.poses[at]
-
-    @property
-    def verdict(self) -> Verdict:
-        """Unexplained where any pose is, else explained where any is."""
-        found = {one.verdict for one in self.poses.values()}
-        ranked = (Verdict.UNEXPLAINED, Verdict.EXPLAINED, Verdict.NOTHING)
-        return next(verdict for verdict in ranked if verdict in found)
-
-    @property
-    def effects(self) -> tuple[Found, ...]:
-        """The effects of every pose, each with its pose."""
-        return tuple(
-            replace(one, poses=(pose,)) for pose, at in self.poses.items() for one in at.effects
-        )
-
-    @property
-    def p_value(self) -> float:
-        """Chance of structure as strong at any of the poses in scatter alone (Holm 1979)."""
-        return min(1.0, len(self.poses) * self._clearest.p_value)
-
-    @property
-    def p_value_at_floor(self) -> bool:
-        """Whether `p_value` is an upper bound, as of the pose that it is of."""
-        return self._clearest.p_value_at_floor
-
-    @property
-    def _clearest(self) -> Diagnosis:
-        return min(self.poses.values(), key=lambda one: one.p_value)
 
     def __repr__(self) -> str:
         said = ", ".join(f"{pose} {one.verdict.value}" for pose, one in self.poses.items())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -50,13 +51,13 @@ def diagnose(
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
-    Several poses (a column, or several tables as in `analyze`) are each diagnosed against a
-    constant, at one level for all, and give a `DiagnosisOfPoses`; ``pose`` names one of them, which
-    ``sigma`` needs. With a model that says where the joints are at its poses, their scatter is
-    traced to the joints; ``hold_out`` may then name a pose that takes no part, and ``reach`` adds
-    RP over the workspace. The other options are those of `analyze`, for both
-    tables, and so is the folder of a test. ``hold_out`` is a second table that measures the error
-    on unseen cycles. ``sigma`` is the known scatter in mm. Same arguments, same result.
+    Several poses (a column, or several tables as in `analyze`) are searched together and give a
+    `DiagnosisOfPoses`, with a model of the arm and ``[pose.P1]`` and so on traced to its joints,
+    effects and scatter alike; ``pose`` names one of them, which ``sigma`` needs. ``hold_out`` is a
+    second table that measures the error on unseen cycles, or of several poses the name of one that
+    takes no part; ``reach`` adds RP over the workspace. The other options are those of `analyze`,
+    for both tables, and so is the folder of a test. ``sigma`` is the known scatter in mm. Same
+    arguments, same result.
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
@@ -66,10 +67,10 @@ def diagnose(
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     run = reading.read(table)
     known = None if model is None else described(model)
-    if pose is None and sigma is None and (known is None or known.poses):
-        unseen = held_out_pose(run, hold_out)
-        if len(list(run.rows_by_pose())) > 1 and (hold_out is None or unseen is not None):
-            return _of_poses(run, known, wanted, unseen=unseen, reach=reach, seed=seed)
+    unseen = held_out_pose(run, hold_out)
+    several = pose is None and sigma is None and len(list(run.rows_by_pose())) > 1
+    if several and (hold_out is None or unseen is not None):
+        return _of_poses(run, known, wanted, unseen=unseen, reach=reach, seed=seed)
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
     return close_the_loop(
@@ -105,8 +106,10 @@ def _of_poses(
     seen = [rows for label, rows in run.rows_by_pose() if label != unseen]
     if len(seen) <= 1:
         raise UsageError("no two poses are left to fit", remedy="hold none of them out")
-    poses = close_the_loop_at_poses(run.take(np.sort(np.concatenate(seen))), wanted, seed=seed)
-    found = DiagnosisOfPoses(poses, run.origin.notes if run.origin.files else ())
+    fitted = run.take(np.sort(np.concatenate(seen)))
+    found = close_the_loop_at_poses(fitted, model, wanted, seed=seed)
+    read = run.origin.notes if run.origin.files else ()
+    found = replace(found, notes=(*read, *found.notes))
     if model is None:
         return found
     return with_joint_scatter(found, run, model, wanted, held_out=unseen, reach=reach)

@@ -278,8 +278,8 @@ def _diagnoses(
     if not labels:  # a drift test is its own course
         return {}
     try:
-        if len(labels) > 1:  # a model file describes one pose
-            found = close_the_loop_at_poses(analysis.run, wanted, seed=SEED)
+        if len(labels) > 1:
+            found = close_the_loop_at_poses(analysis.run, model, wanted, seed=SEED)
             return {label: found[str(label)] for label in labels}
         return {labels[0]: close_the_loop(analysis.run, model, wanted, seed=SEED)}
     except ScaraIsoError as error:

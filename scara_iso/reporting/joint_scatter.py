@@ -23,8 +23,10 @@ _MEANING = (
 _MICRO = 1e6
 
 
-def joint_scatter_sections(found: JointScatter, *, full: bool = False) -> tuple[Section, ...]:
+def scatter_sections(found: JointScatter | None, *, full: bool = False) -> tuple[Section, ...]:
     """Return what scatters, RP at other poses, and how well the poses foretell each other."""
+    if found is None:
+        return ()
     blocks: list[Block] = [_sources(found.sources)]
     if found.together is not None:
         blocks.append(_together(found.together))
@@ -70,27 +72,41 @@ def _held_out(pose: str, one: PoseLeftOut) -> Text:
     predicted = one.predicted
     ends = (predicted.low, predicted.high)
     said = figure_said(f"{pose} held out: RP", predicted.value, ends, "mm predicted")
-    measured = figure_cells(one.measured, ends)[0]
+    measured, left = (figure_cells(value, ends)[0] for value in (one.measured, one.effects_removed))
     error = "" if one.error is None else f" ({one.error:+.0%})"
     where = "inside" if one.inside else "OUTSIDE"
+    moved = one.measured != one.effects_removed
+    without = f", {left} without the effects found" if moved else ""
+    brought = _brought(one) if moved else ""
     return Text(
-        f"{said}, {measured} measured{error}: {where} the interval",
+        f"{said}, {measured} measured{without}{error}: {where} the interval{brought}",
         "good" if one.inside else "warn",
     )
+
+
+def _brought(one: PoseLeftOut) -> str:
+    """Return what the effects of the joints, found elsewhere, bring at a pose held out."""
+    changed = ", ".join(
+        f"{axis} {before:.2g} to {one.rms_after[axis]:.2g}"
+        for axis, before in one.rms_before.items()
+    )
+    return f"; error there with the effects of the other poses, rms: {changed} mm"
 
 
 def _left_out(poses: Mapping[str, PoseLeftOut]) -> Table:
     rows = tuple(
         (
             pose,
-            figure_cells(one.measured, (one.predicted.low, one.predicted.high))[0],
+            figure_cells(one.effects_removed, (one.predicted.low, one.predicted.high))[0],
             *figure_cells(one.predicted.value, (one.predicted.low, one.predicted.high)),
             "" if one.error is None else Number(one.error, "+.0%"),
         )
         for pose, one in poses.items()
     )
-    header = ("left out by turns", "RP measured", "predicted", "95 % interval", "error")
-    return Table(header, rows, "each from all the other poses; RP in XY, mm")
+    header = ("left out by turns", "RP", "predicted", "95 % interval", "error")
+    return Table(
+        header, rows, "each from all the other poses; RP in XY without the effects found, mm"
+    )
 
 
 def _checked(found: JointScatter) -> Iterator[Text]:

@@ -2,6 +2,7 @@
 
 from scara_iso.diagnosis.joint_scatter.from_run import joint_scatter
 from scara_iso.diagnosis.joint_scatter.poses import (
+    PLANE,
     ScatterAtPose,
     trace_poses,
     trace_to_joints,
@@ -17,6 +18,7 @@ from scara_iso.diagnosis.joint_scatter.result import (
 )
 
 __all__ = [
-    "JointCorrelation", "JointScatter", "PoseLeftOut", "PredictedRP", "ReachMap", "ScatterAtPose",
-    "SourceOfScatter", "joint_scatter", "reach_map", "trace_poses", "trace_to_joints",
+    "PLANE", "JointCorrelation", "JointScatter", "PoseLeftOut", "PredictedRP", "ReachMap",
+    "ScatterAtPose", "SourceOfScatter", "joint_scatter", "reach_map", "trace_poses",
+    "trace_to_joints",
 ]  # fmt: skip

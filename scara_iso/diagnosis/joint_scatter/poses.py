@@ -34,6 +34,7 @@ from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
 
+PLANE = ("X", "Y")
 Joints = tuple[float, float]
 """Joints 1 and 2 in degrees."""
 
@@ -46,12 +47,13 @@ rounding's: benchmarks/joint_scatter.py."""
 class ScatterAtPose:
     """What the effects found leave of X and Y at one pose.
 
-    ``left`` (n, 2) is in mm; ``fitted`` is how many numbers were fitted to each axis beside its
-    mean.
+    ``left`` (n, 2) is in mm, and so is ``read``, as the dials showed it; ``fitted`` is how many
+    numbers were fitted to each axis beside its mean.
     """
 
     joints_deg: Joints
     left: FloatArray
+    read: FloatArray
     fitted: float = 0.0
 
     @property
@@ -64,11 +66,6 @@ class ScatterAtPose:
         """Covariance of X and Y, shape (2, 2) [mm2]."""
         about = self.left - self.left.mean(axis=0)
         return np.asarray(about.T @ about / self.freedom)
-
-    @property
-    def RP(self) -> float:  # noqa: N802 - the standard's symbol
-        """RP in XY of what is left, 7.2.2 [mm]."""
-        return float(repeatability(self.left.T).RP)
 
 
 def trace_to_joints(
@@ -93,9 +90,7 @@ def trace_to_joints(
         predicted_RP=dict(zip(unseen, others, strict=True)),
         left_out=dict(_left_out(traced, measured, arm, division)),
         held_out={
-            pose: PoseLeftOut(one.RP, _foretold(traced, arm, division, {pose: one.joints_deg},
-                                                len(one.left))[0])
-            for pose, one in held_out.items()
+            pose: _beside(traced, arm, division, pose, one) for pose, one in held_out.items()
         },
         together=_together(traced),
         misfit=float(traced.ratio),
@@ -164,9 +159,18 @@ def _left_out(
         freedom = traced.given.freedom.copy()
         freedom[k] = 0.0
         others = trace(replace(traced.given, freedom=freedom))
-        at = {pose: one.joints_deg}
-        predicted = _foretold(others, arm, division, at, len(one.left))[0]
-        yield pose, PoseLeftOut(one.RP, predicted)
+        yield pose, _beside(others, arm, division, pose, one)
+
+
+def _beside(
+    traced: Traced, arm: Arm, division: Sequence[float], pose: str, one: ScatterAtPose
+) -> PoseLeftOut:
+    """Return a pose beside what is foretold of it."""
+    predicted = _foretold(traced, arm, division, {pose: one.joints_deg}, len(one.left))[0]
+    read, left = (float(repeatability(part.T).RP) for part in (one.read, one.left))
+    before, after = (dict(zip(PLANE, part.std(axis=0).tolist(), strict=True))
+                     for part in (one.read, one.left))  # fmt: skip
+    return PoseLeftOut(read, left, predicted, before, after)
 
 
 def _notes(traced: Traced) -> Iterator[str]:

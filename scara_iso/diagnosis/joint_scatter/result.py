@@ -63,19 +63,26 @@ class PoseLeftOut:
     """A measured pose beside what the others foretell of it, for as many cycles."""
 
     measured: float
-    """RP in XY of what the effects found leave; of a pose held out, as it is [mm]."""
+    """RP in XY, 7.2.2 [mm]."""
+    effects_removed: float
+    """The same without the effects found, which the prediction does not hold."""
     predicted: PredictedRP
     """From the other poses."""
+    rms_before: Mapping[str, float]
+    """Of X and Y about their means [mm]."""
+    rms_after: Mapping[str, float]
+    """Without the effects; of a pose held out, those of joints and dials found at the others."""
 
     @property
     def error(self) -> float | None:
-        """Predicted over measured RP, less 1; None where nothing moved."""
-        return self.predicted.value / self.measured - 1 if self.measured else None
+        """Predicted RP over that without the effects, less 1; None where nothing moved."""
+        removed = self.effects_removed
+        return self.predicted.value / removed - 1 if removed else None
 
     @property
     def inside(self) -> bool:
-        """Whether the measured RP lies within the interval."""
-        return self.predicted.low <= self.measured <= self.predicted.high
+        """Whether RP without the effects lies within the interval."""
+        return self.predicted.low <= self.effects_removed <= self.predicted.high
 
 
 @dataclass(frozen=True, eq=False, slots=True)
