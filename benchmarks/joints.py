@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 
@@ -182,6 +183,21 @@ def _share(found: list[str], name: str) -> str:
     return f"{100 * found.count(name) / max(1, len(found)):.0f}"
 
 
+def write_example(path: Path, seed: int) -> None:
+    """Write the example: joint 2 is worn and gives way by 40 microradians."""
+    test = simulated(np.random.default_rng(seed), kind="step", joint=2, size=40e-6 / SCATTER[1])
+    head = [
+        "# unit: mm", "# resolution: 0.001", "# robot: SCARA 450", "# first_cycle_discarded: true",
+        f"# simulated: benchmarks/joints.py --example, seed {seed}", "pose,cycle,X,Y",
+    ]  # fmt: skip
+    rows = [
+        f"{pose},{k + 2}," + ",".join(f"{part.axes[a].readings[k]:.3f}" for a in "XY")
+        for k in range(N)
+        for pose, part in test.parts.items()
+    ]
+    path.write_text("\n".join([*head, *rows, ""]), encoding="utf-8")
+
+
 POWER = {"step1": ("step", 1.0), "step1.5": ("step", 1.5), "warm1.5": ("warm_up", 1.5),
          "warm2": ("warm_up", 2.0)}  # fmt: skip
 
@@ -195,8 +211,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", choices=[*POWER, "alarms", "elsewhere"])
     parser.add_argument("--shuffles", type=int, default=199)
+    parser.add_argument("--example", type=Path, help="write the table of docs/joints.md")
     parser.add_argument("--beside", action="store_true", help="the other two tests as well")
     given = parser.parse_args()
+    if given.example:
+        write_example(given.example, given.seed)
+        return
     search_module.order_test = partial(
         order_test, permutations=given.shuffles
     )  # exact with any number

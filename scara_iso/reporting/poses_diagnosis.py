@@ -122,7 +122,10 @@ def _farthest(found: Found) -> Iterator[str]:
 
 def _why(found: DiagnosisOfPoses) -> Iterator[Block]:
     for one in found.effects:
-        yield Text(f"Likely: {one.cause}{_in_the_arm(one)}")
+        if one.joint is not None:
+            yield Text(f"Likely: {_in_the_arm(one)}")
+        usual = "Likely" if one.joint is None else f"Usual causes of a {words(one.effect)}"
+        yield Text(f"{usual}: {one.cause}")
         yield Text(f"To be sure: {one.confirm_by}")
     if found.verdict is Verdict.UNEXPLAINED and found.candidates:
         yield Text(f"Nearest known effects: {rivals_said(found.candidates)}")
@@ -133,12 +136,10 @@ def _why(found: DiagnosisOfPoses) -> Iterator[Block]:
 
 
 def _in_the_arm(found: Found) -> str:
-    """Return what the place adds to the usual cause."""
-    if found.joint is None:
-        return ""
-    return (
-        f"; it acts {_where(found).partition(':')[0]} at every pose, so not in one fixture or dial"
-    )
+    """Return what moves every pose as the arm does."""
+    if found.joint == "along the arm":
+        return "the links grow, as when warm: every pose moves away from the base axis"
+    return f"gear, belt, encoder or bearing of {found.joint}: every pose moves as it moves them"
 
 
 def _next(found: DiagnosisOfPoses, again: Again) -> NextStep:
