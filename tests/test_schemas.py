@@ -22,6 +22,7 @@ from scara_iso.cli import main
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 MODEL = EXAMPLES / "fum_scara.toml"
+FIVE_POSES = EXAMPLES / "five_poses.toml"
 JOINT = ["backlash", "--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
 SCHEMAS = {
     path.stem: json.loads(path.read_text(encoding="utf-8"))
@@ -222,6 +223,7 @@ def documents(tmp_path_factory):
             *written("diagnose", both_ways, "--model", MODEL),
             *written("diagnose", both_ways, "--model", loaded),
             *written("diagnose", *two_poses(folder)),
+            *written("diagnose", EXAMPLES / "five_poses.csv", "--model", FIVE_POSES),
         ],
         "diagnose-many": [
             *written("diagnose", EXAMPLES / "scatter.csv", folder / "none.csv", code=66),
