@@ -15,7 +15,6 @@ if TYPE_CHECKING:
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
         save_model as save_model,
-        with_joint_scatter as with_joint_scatter,
     )
     from scara_iso.diagnosis.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.held_out import HeldOut as HeldOut
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
         PredictedRP as PredictedRP,
         ReachMap as ReachMap,
         SourceOfScatter as SourceOfScatter,
+        with_joint_scatter as with_joint_scatter,
     )
     from scara_iso.diagnosis.marginal import marginal_tests as marginal_tests
     from scara_iso.diagnosis.permutation import order_test as order_test

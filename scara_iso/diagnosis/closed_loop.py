@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from scara_iso.diagnosis.all_poses import whole_cycles
-from scara_iso.diagnosis.joint_scatter import PLANE, joint_scatter
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.result import Diagnosis, DiagnosisOfPoses, Found
@@ -188,53 +187,6 @@ def _not_traced(
     lacking = [*(["[robot] link_1_mm and link_2_mm"] if model.arm is None else []), *missing]
     if lacking:
         yield f"effects are not traced to the joints: the model lacks {', '.join(lacking)}"
-
-
-def with_joint_scatter(
-    found: DiagnosisOfPoses,
-    run: Run,
-    model: Model,
-    wanted: CyclesWanted,
-    *,
-    held_out: str | None = None,
-    reach: bool = False,
-) -> DiagnosisOfPoses:
-    """Return a test's diagnosis with its scatter traced to the joints, or a note why it is not.
-
-    ``run`` holds all poses, ``held_out`` names one that ``found`` has not seen. Raises as
-    `joint_scatter` where that pose, or the map (``reach``), was asked for and cannot be given.
-    """
-    run = run.unwrapped()
-    used = run.take(np.concatenate(wanted.used(run).rows))
-    parts = {str(label): used.take(rows) for label, rows in used.rows_by_pose()}
-    in_arm = [declared_in_arm(one) for one in found.effects]
-    known = replace(model, effects=(*model.effects, *(one for one in in_arm if one is not None)))
-    unseen = {
-        label: _read_and_left(part, known.at(used.arrival_at(label)[0]))
-        for label, part in parts.items()
-        if label == held_out
-    }
-    try:
-        traced = joint_scatter(used, model, found.poses, held_out=unseen, reach=reach)
-    except UsageError as error:
-        if held_out is not None or reach:
-            raise
-        said = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
-        return replace(found, notes=(*found.notes, said))
-    return replace(found, joint_scatter=traced, notes=(*found.notes, *traced.notes))
-
-
-def _read_and_left(run: Run, model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Return X and Y at a pose (n, 2), as far as they are there, and what a model leaves of them.
-
-    A constant is taken where the model has neither of their indicators.
-    """
-    axes = [axis for axis in PLANE if axis in run.axes]
-    known = any(axis in model.indicators for axis in run.axes)
-    expected = (_predicted(model, run) or {}) if known else {}
-    read = np.stack([run.axes[axis].readings for axis in axes], axis=1)
-    still = np.zeros(len(run))
-    return read, read - np.stack([expected.get(axis, still) for axis in axes], axis=1)
 
 
 def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:

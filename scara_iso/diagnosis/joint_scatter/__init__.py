@@ -1,6 +1,7 @@
 """Scatter of several poses traced to the joints, and RP where nobody measured."""
 
 from scara_iso.diagnosis.joint_scatter.from_run import joint_scatter
+from scara_iso.diagnosis.joint_scatter.in_loop import with_joint_scatter
 from scara_iso.diagnosis.joint_scatter.poses import (
     PLANE,
     ScatterAtPose,
@@ -20,5 +21,5 @@ from scara_iso.diagnosis.joint_scatter.result import (
 __all__ = [
     "PLANE", "JointCorrelation", "JointScatter", "PoseLeftOut", "PredictedRP", "ReachMap",
     "ScatterAtPose", "SourceOfScatter", "joint_scatter", "reach_map", "trace_poses",
-    "trace_to_joints",
+    "trace_to_joints", "with_joint_scatter",
 ]  # fmt: skip
