@@ -141,6 +141,7 @@ def test_joints_that_scatter_together_are_seen_to_do_so():
     found = trace_to_joints(poses, ARM, (0.0, 0.0), elsewhere={}, held_out={})
     assert found.together.low < -0.8 < found.together.high < -0.5
     assert found.together.p_value < 0.001
+    assert sum(one.share or 0 for one in found.sources.values()) == pytest.approx(1)
     for name, true in zip(("joint 1", "joint 2", "dial"), TRUE, strict=True):
         assert found.sources[name].low < true < found.sources[name].high
     assert traced(measured(0)).together is None

@@ -125,6 +125,7 @@ def _sources(traced: Traced) -> Iterator[tuple[str, SourceOfScatter]]:
     sizes = np.trace(traced.given.patterns, axis1=-2, axis2=-1).mean(axis=0)
     whole = np.trace(traced.given.expected(traced.variances), axis1=-2, axis2=-1).mean()
     shares = traced.variances * sizes / whole
+    shares[:2] += shares[-1] / 2  # what the joints do together is both's
     low, high = source_intervals(traced)
     for k, (name, unit) in enumerate(zip(SOURCES, UNITS, strict=True)):
         found = (np.sqrt(traced.variances[k]), low[k], high[k], shares[k])

@@ -26,7 +26,8 @@ class SourceOfScatter:
     high: float
     """Upper end."""
     share: float | None = None
-    """Of the variance of X and Y, over the poses; None of ``neither``."""
+    """Of the variance of X and Y, over the poses, what joints do together halved between them; None
+    of ``neither``."""
 
 
 @dataclass(frozen=True, slots=True)
