@@ -166,6 +166,23 @@ def test_a_dial_of_half_the_scatter_in_divisions_is_too_coarse_and_says_so():
     assert "rounding to the dial's division" in found.notes[0]
 
 
+@pytest.mark.parametrize(
+    ("angle", "factor", "said"),
+    [(0.0, 1.0, "do not tell the scatter"), (90.0, 1.0, ""), (90.0, 0.0, "of the variance is")],
+)
+def test_poses_that_tell_little_give_finite_figures_and_say_so(angle, factor, said):
+    rng = np.random.default_rng(1)
+    poses = {}
+    for k, first in enumerate((0.0, 30.0, 60.0)):
+        left = np.round(rng.normal(size=(20, 2)) * 0.005, 3) * (1.0 if k else factor) * factor
+        poses[f"P{k}"] = at_pose((first, angle), left)
+    found = traced(poses, elsewhere={"P9": (0.0, 75.0)})
+    told = found.predicted_RP["P9"]
+    assert 0 < told.low < told.value < told.high < 1
+    assert all(0 <= one.low <= one.value <= one.high < 1 for one in found.sources.values())
+    assert any(said in note for note in found.notes) or not said
+
+
 def test_poses_left_out_are_foretold_by_the_others_only():
     poses = measured(4)
     found = traced(poses)

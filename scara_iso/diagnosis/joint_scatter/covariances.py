@@ -19,6 +19,8 @@ from scara_iso.run import FloatArray
 
 _MOST_STEPS, _SETTLED = 60, 1e-7
 _HALVINGS = 20
+_NOTHING = 1e-20
+"""No dial shows 1e-10 mm."""
 _CLOSEST = 0.98
 """Largest correlation of two sources."""
 _NONE = 1e-9
@@ -41,7 +43,7 @@ class PoseCovariances:
 
     def expected(self, variances: FloatArray) -> FloatArray:
         """Return the covariances (..., P, 2, 2) that ``variances`` (..., K) make."""
-        size = np.trace(self.observed, axis1=-2, axis2=-1).mean(axis=-1) + np.finfo(float).tiny
+        size = np.trace(self.observed, axis1=-2, axis2=-1).mean(axis=-1) + _NOTHING
         floor = _NONE * size[..., np.newaxis, np.newaxis, np.newaxis] * np.eye(2)
         made = np.einsum("...k,pkij->...pij", variances, self.patterns)
         return np.asarray(self.known + floor + made, dtype=np.float64)

@@ -21,6 +21,7 @@ from scara_iso.diagnosis.joint_scatter.tracing import (
     SOURCES,
     UNITS,
     Traced,
+    alike,
     correlation,
     neither,
     patterns_of,
@@ -175,12 +176,20 @@ def _beside(
 
 
 def _notes(traced: Traced) -> Iterator[str]:
-    rounding = np.trace(traced.given.known, axis1=-2, axis2=-1)
-    share = float(np.mean(rounding / np.trace(traced.given.observed, axis1=-2, axis2=-1)))
+    known, seen = (
+        np.trace(part, axis1=-2, axis2=-1).mean()
+        for part in (traced.given.known, traced.given.observed)
+    )
+    share = float(known / max(seen, known, np.finfo(float).tiny))
     if share > _COARSE:
         yield (
-            f"{min(share, 1.0):.0%} of the variance is rounding to the dial's division: too much "
+            f"{share:.0%} of the variance is rounding to the dial's division: too much "
             "to trace the rest to the joints; measure with a finer indicator"
+        )
+    if alike(traced):
+        yield (
+            "these poses move alike with joint 1 and joint 2: they do not tell the scatter of one "
+            "from that of the other; add poses at other angles of joint 2"
         )
     if traced.p_value < 0.05:
         yield (

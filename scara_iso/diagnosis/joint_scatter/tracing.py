@@ -38,6 +38,10 @@ _CHI_SQUARE = 3.841
 _NORMAL = 1.96
 _TAIL, _LEVEL = 0.025, 0.05
 _STEP, _LEAST = 1e-3, 1e-9
+_UNKNOWN = 0.5
+"""Relative error of a prediction from which it says nothing: the interval is then 1 to 10."""
+_ALIKE = 0.99
+"""Squared correlation of the joints' information from which they are not told apart."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -148,14 +152,23 @@ def correlation(traced: Traced) -> tuple[FloatArray, FloatArray, FloatArray]:
     return value, np.where(apart, 0.0, low), np.where(apart, 0.0, high)
 
 
+def alike(traced: Traced) -> bool:
+    """Return whether the poses of one test do not tell joint 1 from joint 2."""
+    known = information(traced.given, traced.variances)[:2, :2]
+    return bool(known[0, 1] ** 2 > _ALIKE * known[0, 0] * known[1, 1])
+
+
 def _errors(traced: Traced) -> FloatArray:
     """Return the covariance (..., 4, 4) of the variances fitted, 0 of those held."""
     unit = np.linalg.norm(traced.given.patterns, axis=(-2, -1)).mean(axis=0)
     units = unit * unit[:, np.newaxis]
     free = np.isnan(traced.held)
     both = free[..., np.newaxis] & free[..., np.newaxis, :]
-    known = np.where(both, information(traced.given, traced.variances), 0.0) / units
-    return np.asarray(np.linalg.pinv(known, hermitian=True) / units)
+    known = np.where(both, information(traced.given, traced.variances) / units, 0.0)
+    size = np.maximum(np.trace(known, axis1=-2, axis2=-1), np.finfo(float).tiny)
+    ridge = np.where(free, _LEAST, 1.0) * size[..., np.newaxis]
+    found = np.linalg.inv(known + ridge[..., np.newaxis] * np.eye(len(unit)))
+    return np.asarray(np.where(both, found, 0.0) / units)
 
 
 def source_intervals(traced: Traced) -> tuple[FloatArray, FloatArray]:
@@ -206,7 +219,9 @@ def rp_at(
     slope = np.stack(slopes, axis=-1) * unit / step[..., np.newaxis]
     of_fit = np.einsum("...mk,...kl,...ml->...m", slope, _errors(traced), slope)
     birge = traced.birge[..., np.newaxis]
-    new, fitted = 1 / (2 * birge * of_test**2), 1 / (2 * birge * np.maximum(of_fit, _LEAST))
+    new, fitted = (
+        1 / (2 * np.clip(birge * error, _LEAST, _UNKNOWN**2)) for error in (of_test**2, of_fit)
+    )
     low, high = (value * np.sqrt(fdtri(new, fitted, tail)) for tail in (_TAIL, 1 - _TAIL))
     return value, low, high
 
