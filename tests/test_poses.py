@@ -8,6 +8,7 @@ import pytest
 from scara_iso.cli import main
 from scara_iso.diagnosis import Verdict, diagnose_poses, whole_cycles
 from scara_iso.diagnosis.all_poses import PoseAxis
+from scara_iso.diagnosis.evidence import ManyPoses, shrunk, views_of
 from scara_iso.diagnosis.hypotheses import constant
 from scara_iso.diagnosis.places import locate, places_of, separation
 from scara_iso.robot import Arm
@@ -204,6 +205,29 @@ def test_a_place_is_found_by_the_movements_it_makes(name, size, rng):
     located = locate(LATE, constant(N), seen, places, NUMBERS)
     assert located.place.name == name
     assert (located.weights.T @ moved)[0] == pytest.approx(size)
+
+
+def test_what_the_test_looks_at_does_not_depend_on_the_order_of_the_cycles(rng):
+    """So the shuffles give the exact chance of the statistic."""
+    seen = np.concatenate([*readings(rng, moved=(0.0, 40e-6)).values()], axis=1)
+    directions = {p.name: p.movement[:, 0] for p in places_of(COLUMNS, ARM, JOINTS) if p.tied}
+    poses = ManyPoses(NUMBERS, np.full(len(directions), 1 / len(directions)))
+    order = rng.permutation(N)
+    one = views_of(seen, constant(N), directions, poses=poses).columns
+    other = views_of(seen[order], constant(N), directions, poses=poses).columns
+    assert one.shape == (N, 10 + len(directions))
+    assert other == pytest.approx(one[order])
+
+
+def test_what_poses_share_counts_as_far_as_chance_does_not_give_it(rng):
+    own, shared = rng.normal(size=(2, 400, 4)), rng.normal(size=(400, 1))
+    numbers = np.array([0, 0, 1, 1])
+    alone = own[0].T @ own[0] / 400
+    assert abs(shrunk(alone, numbers, 400)[0, 2]) < abs(alone[0, 2])
+    assert shrunk(alone, numbers, 400)[0, 1] == alone[0, 1]
+    alike = (own[1] + shared).T @ (own[1] + shared) / 400
+    assert shrunk(alike, numbers, 400)[0, 2] == pytest.approx(alike[0, 2], rel=0.05)
+    assert shrunk(alone, np.zeros(4, dtype=int), 400) is alone
 
 
 def test_poses_that_turn_joint_1_alone_still_tell_the_joints_apart(rng):

@@ -99,6 +99,8 @@ def shrunk(covariance: FloatArray, poses: IntArray, nu: int) -> FloatArray:
     for all pairs).
     """
     apart = poses[:, np.newaxis] != poses
+    if not apart.any():
+        return covariance
     size = np.maximum(np.sqrt(np.diag(covariance)), _TINY)
     squares = float(((covariance / np.outer(size, size))[apart] ** 2).mean())
     kept = max(0.0, 1 - 1 / (nu * squares)) if squares else 0.0

@@ -149,8 +149,9 @@ def separation(places: Sequence[Place], values: FloatArray, poses: IntArray) -> 
     """
     both = next(place.movement for place in places if place.name == BOTH)
     free = values - values.mean(axis=0)
-    scatter = shrunk(free.T @ free / (len(free) - 1), poses, len(free) - 1)
-    seen = np.linalg.solve(np.linalg.cholesky(_with_root(scatter)), both)
+    nu = len(free) - 1
+    scatter = _with_root(shrunk(free.T @ free / nu, poses, nu), nu)
+    seen = np.linalg.solve(np.linalg.cholesky(scatter), both)
     one, other = (seen / np.linalg.norm(seen, axis=0)).T
     singular = np.linalg.svd(both, compute_uv=False)
     angle = math.degrees(math.acos(min(1.0, abs(float(one @ other)))))
@@ -175,8 +176,8 @@ def locate(
     sizes = beside.T @ free
     left = free - beside @ sizes
     nu = max(1, len(values) - basis.shape[1] - beside.shape[1])
-    scatter = shrunk(left.T @ left / nu, poses, nu) + _misfit(sizes, poses)
-    root = np.linalg.cholesky(_with_root(scatter))
+    scatter = _with_root(shrunk(left.T @ left / nu, poses, nu), nu) + _misfit(sizes, poses)
+    root = np.linalg.cholesky(scatter)
     seen = np.linalg.solve(root, sizes.T)
     total = float((seen**2).sum())
     log = {}
@@ -201,10 +202,14 @@ def _misfit(sizes: FloatArray, poses: IntArray) -> FloatArray:
     return np.asarray(np.diag(MISFIT**2 * by_pose))
 
 
-def _with_root(scatter: FloatArray) -> FloatArray:
-    """Return a covariance that has a root where an axis shows no scatter at all."""
-    least = 1e-9 * float(np.diag(scatter).max()) + np.finfo(float).tiny
-    return np.asarray(scatter + least * np.eye(len(scatter)))
+def _with_root(scatter: FloatArray, nu: int) -> FloatArray:
+    """Return a covariance from ``nu`` cycles that has a root, however few they are.
+
+    Each variance counts as much more as one cycle in ``nu`` does; an axis without scatter has some.
+    """
+    variance = np.diag(scatter)
+    least = 1e-9 * float(variance.max()) + np.finfo(float).tiny
+    return np.asarray(scatter + np.diag(variance / nu + least))
 
 
 def _orthonormal(directions: FloatArray) -> FloatArray:

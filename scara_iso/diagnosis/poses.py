@@ -78,7 +78,7 @@ def diagnose_poses(
         error_before=_over_poses(whole.error_before, test),
         error_after=_over_poses(whole.error_after, test),
         separation=_separation(problem),
-        notes=test.notes,
+        notes=(*test.notes, *whole.notes),
     )
 
 

@@ -130,6 +130,8 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
 def sureness(found: Found, *, on_axes: bool = True) -> str:
     """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
     where = f" on {', '.join(found.axes)}" if found.axes and on_axes else ""
+    if on_axes and found.joint is not None and found.place is not None:
+        where += f", {found.place}"
     if found.probability >= _SURE or not found.rivals:
         return f"{words(found.effect)}{where} ({found.probability:.0%})"
     others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals

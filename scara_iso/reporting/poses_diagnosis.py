@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Set
 from typing import Any
 
 from scara_iso.diagnosis import DiagnosisOfPoses, Found, Verdict
@@ -24,6 +25,7 @@ from scara_iso.reporting.joint_scatter import scatter_sections
 from scara_iso.reporting.words import words
 
 _SURE = 0.9
+_MOST_NOTES = 5
 _MICRO = {"rad": "µrad", "1": "µm/m"}
 """Units of which a millionth is said."""
 
@@ -31,8 +33,10 @@ _MICRO = {"rad": "µrad", "1": "µm/m"}
 def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
     """Return what was found and where, a line for each pose, and what to do next."""
     head = [_answer(found), *_places(found), *_why(found)]
-    notes = [Text(f"- {note}", "quiet") for note in found.notes]
-    notes.append(Text("lengths in mm, angles in degrees; shares, rivals: `full=`", "quiet"))
+    notes = [Text(f"- {note}", "quiet") for note in found.notes[:_MOST_NOTES]]
+    more = len(found.notes) - _MOST_NOTES
+    rest = f"{more} more notes, " if more > 0 else ""
+    notes.append(Text(f"lengths in mm, angles in degrees; {rest}shares, rivals: `full=`", "quiet"))
     return (
         Section("", first_three(head, _next(found, again)) if len(head) > 1 else
                 (*head, _next(found, again))),
@@ -85,7 +89,8 @@ def _where(found: Found) -> str:
         return f"along the arm{sure}: the links grow"
     if found.place.endswith(" everywhere"):
         return f"in {found.place.removesuffix(' everywhere')} alike at every pose{sure}"
-    return f"in {found.place}{sure}"
+    beside = " or the theta indicator" if found.joint == "joint 4" else ""
+    return f"in {found.place}{beside}{sure}"
 
 
 def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
@@ -122,9 +127,10 @@ def _farthest(found: Found) -> Iterator[str]:
 
 def _why(found: DiagnosisOfPoses) -> Iterator[Block]:
     for one in found.effects:
-        if one.joint is not None:
-            yield Text(f"Likely: {_in_the_arm(one)}")
-        usual = "Likely" if one.joint is None else f"Usual causes of a {words(one.effect)}"
+        because = _because(one)
+        if because:
+            yield Text(f"Likely: {because}")
+        usual = f"Usual causes of a {words(one.effect)}" if because else "Likely"
         yield Text(f"{usual}: {one.cause}")
         yield Text(f"To be sure: {one.confirm_by}")
     if found.verdict is Verdict.UNEXPLAINED and found.candidates:
@@ -135,11 +141,19 @@ def _why(found: DiagnosisOfPoses) -> Iterator[Block]:
         )
 
 
-def _in_the_arm(found: Found) -> str:
-    """Return what moves every pose as the arm does."""
+def _because(found: Found) -> str:
+    """Return what the place says of the cause; nothing where it says no more than a single pose."""
+    place = found.place or ""
     if found.joint == "along the arm":
         return "the links grow, as when warm: every pose moves away from the base axis"
-    return f"gear, belt, encoder or bearing of {found.joint}: every pose moves as it moves them"
+    if found.joint == "joint 4":
+        return "joint 4, or the theta indicator: theta turns alike at every pose"
+    if found.joint is not None:
+        return f"gear, belt, encoder or bearing of {place}: every pose moves as it moves them"
+    if place.endswith(" everywhere"):
+        axis = place.removesuffix(" everywhere")
+        return f"the {axis} indicator, its stand or its datum: {axis} moves alike at every pose"
+    return ""
 
 
 def _next(found: DiagnosisOfPoses, again: Again) -> NextStep:
@@ -156,20 +170,32 @@ def _next(found: DiagnosisOfPoses, again: Again) -> NextStep:
 def _table(found: DiagnosisOfPoses) -> Table:
     """Return, for each pose, what acts there, RP with it and without, and the held-out error."""
     rows: list[tuple[Cell, ...]] = []
+    moved = {axis for one in found.effects for axis in one.axes}
     for pose, one in found.poses.items():
         RP, n = one.repeatability, len(one.series.cycle)
-        name = "XY" if "XY" in RP.measured else next(iter(RP.measured))
-        figures = [RP.measured[name], RP.with_effect_removed[name]]
-        before, after = (sum(v**2 for v in e.held_out_rms.values()) ** 0.5
-                         for e in (one.error_before, one.error_after))  # fmt: skip
+        name, axes = _shown(RP.measured, moved)
+        before, after = (
+            math.sqrt(sum(error.held_out_rms.get(axis, 0.0) ** 2 for axis in axes))
+            for error in (one.error_before, one.error_after)
+        )
         acting = ", ".join(words(effect.effect) for effect in one.effects) or "-"
-        cells = [rounded(v, U_of_scatter(v, n)) for v in (*figures, before, after)]
-        rows.append((pose, acting, name, *cells))
+        figures = (RP.measured[name], RP.with_effect_removed[name], before, after)
+        rows.append((pose, acting, name, *(rounded(v, U_of_scatter(v, n)) for v in figures)))
     return Table(
         ("pose", "acts", "RP of", "measured", "effect removed", "error before", "after"),
         tuple(rows),
-        "error: root mean square of all axes on cycles that the fit did not see",
+        "error: root mean square of the same axes on cycles that the fit did not see",
     )
+
+
+def _shown(measured: Mapping[str, float], moved: Set[str]) -> tuple[str, tuple[str, ...]]:
+    """Return the RP that shows what was moved, and its axes."""
+    planes = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
+    for name, axes in planes.items():
+        if name in measured and moved <= set(axes):
+            return name, axes
+    name = next((axis for axis in measured if axis in moved), next(iter(measured)))
+    return name, (name,)
 
 
 def _doubts(found: DiagnosisOfPoses) -> Iterator[Text]:
