@@ -9,6 +9,8 @@ import numpy as np
 
 from scara_iso.run import FloatArray
 
+_ALIKE = 9
+"""Decimal places [mm] from which places of a ring about the base do not differ."""
 _WIDTH = 3.92
 """Standard deviations in a 95 % interval."""
 
@@ -106,12 +108,12 @@ class ReachMap:
     @property
     def best(self) -> tuple[float, float, float]:
         """Return x, y and RP where it is least [mm]."""
-        return self._at(int(np.nanargmin(self.RP)))
+        return self._at(int(np.nanargmin(self.RP.round(_ALIKE))))
 
     @property
     def worst(self) -> tuple[float, float, float]:
         """Return x, y and RP where it is largest [mm]."""
-        return self._at(int(np.nanargmax(self.RP)))
+        return self._at(int(np.nanargmax(self.RP.round(_ALIKE))))
 
     def _at(self, cell: int) -> tuple[float, float, float]:
         row, column = divmod(cell, len(self.x))
