@@ -14,7 +14,6 @@ if TYPE_CHECKING:
         CyclesWanted as CyclesWanted,
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
-        save_model as save_model,
     )
     from scara_iso.diagnosis.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.held_out import HeldOut as HeldOut
@@ -64,6 +63,7 @@ if TYPE_CHECKING:
         diagnose_sweep as diagnose_sweep,
         read_sweep as read_sweep,
     )
+    from scara_iso.diagnosis.saving import save_model as save_model
     from scara_iso.diagnosis.tuning import (
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,
