@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -55,7 +55,14 @@ ModelOption = Annotated[
 ]
 HoldOut = Annotated[
     str | None,
-    typer.Option(metavar="TABLE", help="Second table for the error on unseen cycles."),
+    typer.Option(
+        metavar="TABLE|POSE",
+        help="Second table for the error on unseen cycles, or a pose of the test to foretell.",
+    ),
+]
+Map = Annotated[
+    Path | None,
+    typer.Option("--map", metavar="FILE", help="RP over the robot's reach, as .png, .svg or .csv."),
 ]
 SaveModel = Annotated[
     Path | None, typer.Option(metavar="NEW", help="Write the model with the effects declared.")
@@ -91,6 +98,7 @@ def diagnose_command(
     hold_out: HoldOut = None,
     save_model: SaveModel = None,
     plot: Plot = None,
+    map_: Map = None,
     pose: Pose = None,
     design: Design = False,
     sigma: Sigma = None,
@@ -121,12 +129,12 @@ def diagnose_command(
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        _refuse_beside_design(model, hold_out, save_model, plot)
+        _refuse_beside_design(_Files(model, hold_out, save_model, plot, map_, None))
         show_design(named, reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json)
         return
-    files = _Files(model, hold_out, save_model, plot, sigma)
+    files = _Files(model, hold_out, save_model, plot, map_, sigma)
     files.check(named)
-    check_outputs([plot, save_model], [*files_of(named), model, hold_out])
+    check_outputs([plot, save_model, map_], [*files_of(named), model, hold_out])
     if (folder := test_folder(named, condition, reading)) is not None:
         from scara_iso.cli.conditions import diagnose_folder
 
@@ -134,7 +142,7 @@ def diagnose_command(
             counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
             again = partial(command_line, [folder], {"condition": one.condition.name})
             how = _How(again, full=full, as_json=json, write=write)
-            _diagnose_run(run, files, reading, counting, how, seed=seed)
+            _diagnose_run(run, files.under(one.condition.name), reading, counting, how, seed=seed)
 
         diagnose_folder(folder, condition, diagnose)
         return
@@ -142,6 +150,7 @@ def diagnose_command(
     if run is None:
         from scara_iso.cli.diagnose_many import show_many
 
+        files.refuse_of_test()
         show_many(named, model, reading, wanted, seed=seed, as_json=json)
     else:
         again = partial(command_line, named, asdict(reading) | asdict(wanted))
@@ -149,46 +158,73 @@ def diagnose_command(
         _diagnose_run(run, files, reading, wanted, how, seed=seed)
 
 
-def _refuse_beside_design(
-    model: str | None, hold_out: str | None, save_model: Path | None, plot: Path | None
-) -> None:
-    given = {"--model": model, "--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
-    for option, value in given.items():
-        if value is not None:
-            raise UsageError(f"{option} does not go with --design", remedy="leave it out")
-
-
 @dataclass(frozen=True, slots=True)
 class _Files:
-    """What the diagnosis of one table takes and writes beside it."""
+    """What the diagnosis of one test takes and writes beside it."""
 
     model: str | None
     hold_out: str | None
     save_model: Path | None
     plot: Path | None
+    map: Path | None
     sigma: float | None
 
-    @property
-    def of_one_pose(self) -> str:
-        """The option, if any is given, that goes with the readings of one pose."""
-        given = {"--hold-out": self.hold_out, "--plot": self.plot, "--sigma": self.sigma}
-        return next((option for option, value in given.items() if value is not None), "")
+    def under(self, condition: str) -> _Files:
+        """Return these for one condition of a test, each of which has a map of its own."""
+        if self.map is None:
+            return self
+        named = self.map.with_name(f"{self.map.stem}-{condition}{self.map.suffix}")
+        return replace(self, map=named)
 
     def check(self, tables: Sequence[str]) -> None:
         """Raise `UsageError` where this does not go with the tables that are named."""
-        single = {
-            "--hold-out": self.hold_out, "--save-model": self.save_model, "--plot": self.plot,
-            "--sigma": self.sigma,
-        }  # fmt: skip
-        asked = [option for option, value in single.items() if value is not None]
+        single = {"--save-model": self.save_model, "--plot": self.plot, "--sigma": self.sigma}
         if not tables:
             raise UsageError("no table is named", remedy="name one, or ask for --design")
-        if len(tables) > 1 and asked:
-            raise UsageError(
-                f"{asked[0]} is for one table", remedy="diagnose the tables one by one"
-            )
+        if len(tables) > 1:
+            _refuse(single, "is for one table", "diagnose the tables one by one")
         if self.save_model is not None and self.model is None:
             raise UsageError("--save-model needs --model", remedy="name the one to add to")
+        if self.map is not None and self.model is None:
+            raise UsageError(
+                "--map needs --model", remedy="name one that gives links and [pose.P1] joint_deg"
+            )
+        if self.map is not None:
+            render.check_map(self.map)
+
+    def refuse_of_test(self) -> None:
+        """Raise `UsageError` where something is wanted that unrelated tables do not give."""
+        asked = {"--hold-out": self.hold_out, "--map": self.map}
+        _refuse(asked, "is for one test", "name its tables by their poses, P1.csv P2.csv")
+
+    def check_poses(self, run: Run) -> None:
+        """Raise `UsageError` where something goes with one pose and ``run`` holds several."""
+        from scara_iso.library import held_out_pose
+
+        labels = [label for label, _ in run.rows_by_pose()]
+        second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
+        if second and not Path(self.hold_out or "").exists():
+            raise UsageError(
+                f"no pose {self.hold_out!r} in {run.origin.source}",
+                remedy=f"it has {', '.join(map(str, labels[:20]))}",
+            )
+        given = {"--hold-out": second or None, "--plot": self.plot, "--sigma": self.sigma}
+        what = f"is for one pose, and there are {len(labels)}"
+        _refuse(given, what, f"name it: --pose {labels[0]}")
+
+
+def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
+    for option, value in given.items():
+        if value is not None:
+            raise UsageError(f"{option} {what}", remedy=remedy)
+
+
+def _refuse_beside_design(files: _Files) -> None:
+    given = {
+        "--model": files.model, "--hold-out": files.hold_out, "--save-model": files.save_model,
+        "--plot": files.plot, "--map": files.map,
+    }  # fmt: skip
+    _refuse(given, "does not go with --design", "leave it out")
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,17 +248,17 @@ def _diagnose_run(
 ) -> None:
     from scara_iso.diagnosis import DiagnosisOfPoses, save_model
 
-    labels = [label for label, _ in run.rows_by_pose()]
-    if wanted.pose is None and len(labels) > 1 and files.of_one_pose:
-        raise UsageError(
-            f"{files.of_one_pose} is for one pose, and there are {len(labels)}",
-            remedy=f"name it: --pose {labels[0]}",
-        )
+    second: Run | str | None = files.hold_out
+    if wanted.pose is None and len(list(run.rows_by_pose())) > 1:
+        files.check_poses(run)
+    elif files.hold_out is not None:
+        second = reading.read(files.hold_out)
     diagnosis = library.diagnose(
         run,
         files.model,
         **asdict(wanted),
-        hold_out=None if files.hold_out is None else reading.read(files.hold_out),
+        hold_out=second,
+        reach=files.map is not None,
         seed=seed,
         sigma=files.sigma,
     )
@@ -230,6 +266,8 @@ def _diagnose_run(
         said = save_model(diagnosis, files.model, files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     if isinstance(diagnosis, DiagnosisOfPoses):
+        if files.map is not None and diagnosis.joint_scatter is not None:
+            render.save_map(diagnosis.joint_scatter, files.map)
         _write_poses(diagnosis, run.origin.source, how)
         return
     if files.plot is not None:

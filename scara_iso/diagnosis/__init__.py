@@ -18,6 +18,15 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.held_out import HeldOut as HeldOut
     from scara_iso.diagnosis.hypotheses import HypothesisSet as HypothesisSet
+    from scara_iso.diagnosis.joint_scatter import (
+        JointCorrelation as JointCorrelation,
+        JointScatter as JointScatter,
+        PoseLeftOut as PoseLeftOut,
+        PredictedRP as PredictedRP,
+        ReachMap as ReachMap,
+        SourceOfScatter as SourceOfScatter,
+        with_joint_scatter as with_joint_scatter,
+    )
     from scara_iso.diagnosis.marginal import marginal_tests as marginal_tests
     from scara_iso.diagnosis.permutation import order_test as order_test
     from scara_iso.diagnosis.planning import (

@@ -16,6 +16,7 @@ from scara_iso.run import FloatArray, IntArray
 if TYPE_CHECKING:
     import pandas as pd
 
+    from scara_iso.diagnosis.joint_scatter.result import JointScatter
     from scara_iso.diagnosis.reversals.from_run import RunReversals
 
 ByAxis: TypeAlias = Mapping[str, float]
@@ -247,6 +248,8 @@ class DiagnosisOfPoses(Displayed):
     """None without the joints at every pose."""
     notes: tuple[str, ...] = ()
     """How the tables were read and what could not be searched, one line each."""
+    joint_scatter: JointScatter | None = None
+    """Scatter of all poses traced to the joints; None without a model that says where they are."""
 
     @property
     def scatter(self) -> dict[str, float]:
