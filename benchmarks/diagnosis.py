@@ -1,7 +1,7 @@
-"""How well `diagnose` finds, names and predicts: the tables of docs/diagnosis.md.
+"""How well `diagnose` finds, names and predicts: the tables of docs/diagnosis-appendix.md.
 
     python benchmarks/diagnosis.py [--runs 300] [--seed 1] [--processes 2]
-        [--only null power naming rivals outside held gains speed]
+        [--only null families power naming rivals outside held gains speed]
 
 Every table prints its seed. One core each for the worker processes.
 """
@@ -28,6 +28,7 @@ from diagnosis_data import (
     SIGMAS,
     N,
     dial,
+    noise as distributed,
     readings,
     scatter,
     shape,
@@ -163,6 +164,39 @@ def null(pool, runs):
         print(f"{noise}, {axes} axes, correlation {rho}: " + "   ".join(row), flush=True)
 
 
+FAMILIES = ("uniform", "arcsine", "Laplace", "Cauchy", "lognormal")
+LENGTHS, AXIS_COUNTS = (10, 12, 20, 30, 60, 100), (1, 3, 6)
+
+
+def alarm(task):
+    """Return whether scatter alone, of any length and number of axes, gives structure."""
+    kind, n, axes, sigma, seed = task
+    rng = np.random.default_rng(seed)
+    columns = [dial(rng, distributed(rng, kind, n), sigma) for _ in range(axes)]
+    read = {f"A{a}": Axis(f"A{a}", y, resolution=1.0) for a, y in enumerate(columns)}
+    run = Run(np.arange(2, n + 2), read)
+    problem = problem_in(run)
+    return {"found": problem is not None and tested(problem, (), rng).p_value <= LEVEL}
+
+
+def families(pool, runs):
+    """Print false alarms by distribution, number of cycles and of axes."""
+    print(f"\n## False alarms [%], sigma 1 division, by cycles; axes {AXIS_COUNTS}")
+    print(f"{'scatter':10s}" + "".join(f"{n:>15}" for n in LENGTHS))
+    every = {}
+    for kind in FAMILIES:
+        row = []
+        for n in LENGTHS:
+            cell = []
+            for axes in AXIS_COUNTS:
+                tasks = [(kind, n, axes, 1.0, [SEED, 10, i]) for i in range(runs)]
+                cell.append(percent(tabled(pool, alarm, tasks), "found"))
+            row.append(" / ".join(f"{found:.0f}" for found in cell))
+            every.setdefault(kind, []).extend(cell)
+        print(f"{kind:10s}" + "".join(f"{c:>15}" for c in row) + f"{np.mean(every[kind]):8.1f}",
+              flush=True)  # fmt: skip
+
+
 def power(pool, runs):
     """Structure found, one axis."""
     print("\n## Structure found [%] (with flagged readings)")
@@ -277,10 +311,11 @@ def held(task):
     found = searched(run_of(y[:, np.newaxis], sigma), rng)
     if found is None or not found[1]:
         return None
-    problem, terms, _ = found
+    problem, terms, stages = found
     rows = np.arange(N)
     fitted = fit(terms, problem.residual.values, rows, N)
-    unseen = cross_validated(problem, fitted, rng, with_chains=True)
+    limits = [stage.limit for stage in stages]
+    unseen = cross_validated(problem, fitted, rng, with_chains=True, limits=limits)
     fresh = read(course + rng.normal(size=(400, N)))
     before = np.sqrt(((fresh - y.mean()) ** 2).mean())
     after = np.sqrt(((fresh - fitted.predicted[:, 0]) ** 2).mean())
@@ -399,8 +434,17 @@ def speed(_pool, _runs):
     print(f"\n## One diagnosis, four axes: {(time.process_time() - start) / 5:.2f} s on one core")
 
 
-TABLES = {"null": null, "power": power, "naming": naming, "rivals": rivals, "outside": outside,
-          "held": held_out, "gains": gains, "speed": speed}  # fmt: skip
+TABLES = {
+    "null": null,
+    "families": families,
+    "power": power,
+    "naming": naming,
+    "rivals": rivals,
+    "outside": outside,
+    "held": held_out,
+    "gains": gains,
+    "speed": speed,
+}
 
 
 def main():
@@ -410,7 +454,10 @@ def main():
     parser.add_argument("--only", nargs="*", choices=TABLES, default=list(TABLES))
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--lengths", nargs="*", type=int, default=LENGTHS, help="of families")
+    parser.add_argument("--axes", nargs="*", type=int, default=AXIS_COUNTS, help="of families")
     options = parser.parse_args()
+    globals().update(LENGTHS=options.lengths, AXIS_COUNTS=options.axes)
     globals()["SEED"] = options.seed
     print(f"seed {SEED}, {options.runs} runs a cell, n = {N}")
     with Pool(options.processes, initializer=os.nice, initargs=(10,)) as pool:

@@ -35,12 +35,22 @@ NAME = {
 }
 
 
-def noise(rng, kind="normal", n=N):
+def noise(rng, kind="normal", n=N):  # noqa: C901, PLR0911 - one line for each
     """Return scatter of unit variance."""
     if kind == "t3":
         return rng.standard_t(3, size=n) / np.sqrt(3)
     if kind == "skewed":
         return rng.exponential(size=n) - 1
+    if kind == "uniform":
+        return rng.uniform(-1, 1, size=n) * np.sqrt(3)
+    if kind == "arcsine":
+        return np.sqrt(2) * np.sin(rng.uniform(0, 2 * np.pi, size=n))
+    if kind == "Laplace":
+        return rng.laplace(size=n) / np.sqrt(2)
+    if kind == "lognormal":
+        return (np.exp(rng.normal(size=n)) - np.exp(0.5)) / np.sqrt((np.e - 1) * np.e)
+    if kind == "Cauchy":  # it has no variance: half of the readings within one sigma of Gauss
+        return rng.standard_cauchy(size=n) * 0.6745
     if kind == "split":
         z = rng.normal(size=n)
         return (np.where(z > 0, 2 * z, z) - 1 / np.sqrt(2 * np.pi)) / np.sqrt(2.5 - 0.5 / np.pi)

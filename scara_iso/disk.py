@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import secrets
 import shutil
 import stat
 import sys
@@ -148,7 +147,7 @@ def write_atomically(disk: Disk, files: Mapping[Path, bytes]) -> None:
 
 def _part(target: Path) -> Path:
     """Return a name in the folder of ``target`` that no one else uses: never a user's own."""
-    return target.with_name(f".scara-iso-{secrets.token_hex(8)}.part")
+    return target.with_name(f".scara-iso-{os.urandom(8).hex()}.part")
 
 
 def _write_part(disk: Disk, part: Path, target: Path, data: bytes) -> None:

@@ -13,16 +13,32 @@ from typing import ClassVar
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One thing wrong in a file: what, and the line and column (both from 1) where known."""
+    """One thing wrong in a file: what, and the line and column (both from 1) where known.
+
+    Of a workbook ``line`` is the row of a ``sheet``, and the place is a cell: ``Sheet1!B14``.
+    """
 
     message: str
     line: int | None = None
     column: int | None = None
+    sheet: str = ""
 
     def __str__(self) -> str:
+        if self.sheet and self.line is not None:
+            return f"{_cell(self.sheet, self.line, self.column)}: {self.message}"
         place = [f"line {self.line}"] if self.line is not None else []
         place += [f"column {self.column}"] if self.column is not None else []
         return f"{', '.join(place)}: {self.message}" if place else self.message
+
+
+def _cell(sheet: str, row: int, column: int | None) -> str:
+    return f"{sheet}, row {row}" if column is None else f"{sheet}!{_letters(column)}{row}"
+
+
+def _letters(column: int) -> str:
+    """Return the name of a column of a sheet, from 1: ``A`` to ``Z``, ``AA`` and so on."""
+    more, letter = divmod(column - 1, 26)
+    return (_letters(more) if more else "") + chr(ord("A") + letter)
 
 
 class ScaraIsoError(Exception):

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import stat
-import tomllib
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -48,6 +47,8 @@ def read_file(path: str | Path, limit: int) -> bytes:
 
 def read_toml(path: str | Path) -> dict[str, Any]:
     """Return what a TOML file of at most a megabyte holds; raises as `read_file`, `DataError`."""
+    import tomllib  # noqa: PLC0415 - of all files only those
+
     try:
         found = tomllib.loads(read_file(path, _LARGEST_TOML).decode("utf-8-sig"))
         str(found)  # fails where a number has more digits than Python prints

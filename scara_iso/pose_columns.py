@@ -216,7 +216,7 @@ def check_clusters(
 
 
 def _is_few(levels: npt.NDArray[np.generic]) -> bool:
-    return _FEWEST_ROWS * len(np.unique(levels)) <= len(levels)
+    return _FEWEST_ROWS * len(set(levels.tolist())) <= len(levels)
 
 
 def _apart(
@@ -237,8 +237,9 @@ def _apart(
     low, high = np.array(sorted((part.min(), part.max()) for part in parts)).T
     empty = low[1:] - np.maximum.accumulate(high)[:-1]
     widest = int(np.argmax(empty))
-    steps = np.diff(np.unique(readings))
-    spread = max(float(np.median(high - low)), steps.min() if division is None else division)
+    steps = np.diff(np.sort(readings))
+    step = steps[steps > 0].min() if division is None else division
+    spread = max(float(np.median(high - low)), step)
     if empty[widest] <= _FARTHEST * spread:
         return None
     below, above = readings[readings < low[widest + 1]], readings[readings >= low[widest + 1]]

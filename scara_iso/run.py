@@ -13,6 +13,7 @@ import numpy.typing as npt
 from scara_iso.display import Displayed
 from scara_iso.errors import DataError
 from scara_iso.frames import FRAME, axis_attributes, make_frame, numbers_of, refuse_without_unit
+from scara_iso.origin import Origin
 from scara_iso.pose_columns import (
     Commanded,
     arrival_at,
@@ -41,40 +42,6 @@ FARTHEST = 1e9
 """Largest reading, in mm or degrees, that a dial could show."""
 
 
-@dataclass(frozen=True, slots=True)
-class TableField:
-    """A column as the file has it, and what it was taken for."""
-
-    header: str
-    """What the header says of it."""
-    kind: str
-    """``axis``, ``cycle``, ``pose``, ``covariate`` and the like."""
-    name: str
-    """Of the axis or the covariate in the run, else empty."""
-    unit: str
-    """Of an axis; else empty."""
-
-
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """Where a run came from: shown to the user, never computed with."""
-
-    source: str = ""
-    """File name, ``-`` for standard input, or what made the run."""
-    understood: str = ""
-    """One line: how the reader understood the file."""
-    notes: tuple[str, ...] = ()
-    """What the reader met and did not use, such as footer rows, one line each."""
-    units: Mapping[str, str] = field(default_factory=dict)
-    """Unit that each axis was read in."""
-    files: Mapping[str, str] = field(default_factory=dict)
-    """The table of each pose, where the run was put together from several."""
-    header_line: int | None = None
-    """Line of the header, where one table was read that has one."""
-    fields: tuple[TableField, ...] = ()
-    """What each field of that table was taken for."""
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class Axis:
     """Readings of one indicator axis over the rows of a run.
@@ -92,9 +59,15 @@ class Axis:
     resolution: float | None = None
     uncertainty: float | None = None
     command: Commanded = None
+    displayed: FloatArray | None = field(default=None, repr=False)
+    """The readings as the dial showed them, where `readings` are corrected; else None."""
+    certified: float | None = None
+    """The part of `uncertainty` that is of the certificate, where corrections add to it."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
+        if self.displayed is not None:
+            object.__setattr__(self, "displayed", _frozen(self.displayed, np.float64))
         if isinstance(self.command, Mapping):
             object.__setattr__(self, "command", MappingProxyType(dict(self.command)))
         for name in ("resolution", "uncertainty"):
@@ -106,6 +79,16 @@ class Axis:
     def unit(self) -> str:
         """Unit of readings and resolution: ``mm`` or ``deg``."""
         return self.dimension.value
+
+    @property
+    def shown(self) -> FloatArray:
+        """The readings on the dial's own divisions: as displayed, shape (rows,)."""
+        return self.readings if self.displayed is None else self.displayed
+
+    def take(self, rows: IntArray) -> Axis:
+        """Return the axis of some of the rows."""
+        displayed = None if self.displayed is None else self.displayed[rows]
+        return replace(self, readings=self.readings[rows], displayed=displayed)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -127,7 +110,7 @@ class Run(Displayed):
     """Other columns by name, each of shape (rows,)."""
     metadata: Mapping[str, str] = field(default_factory=dict)
     lines: IntArray | None = None
-    origin: Origin = Origin()
+    origin: Origin = field(default_factory=Origin)
     """Where the run came from; never computed with."""
     direction: npt.NDArray[np.str_] | None = None
     """Labels of the directions of approach; None where none are named."""
@@ -182,7 +165,7 @@ class Run(Displayed):
         labels = None if self.pose is None else self.pose[rows]
         one_pose = labels is None or len(set(labels.tolist())) == 1
         label = str(labels[0]) if labels is not None and one_pose and len(labels) else None
-        axes = {name: replace(a, readings=a.readings[rows]) for name, a in self.axes.items()}
+        axes = {name: a.take(rows) for name, a in self.axes.items()}
         if one_pose:
             axes = {n: replace(a, command=self.command_of(n, label)) for n, a in axes.items()}
         return replace(

@@ -90,6 +90,7 @@ def run(command):
 
 
 def _system(words):
+    words = [sys.executable, *words[1:]] if words[0] == "python" else words
     return subprocess.run(words, capture_output=True, check=True, encoding="utf-8").stdout
 
 

@@ -6,7 +6,8 @@ import pytest
 from scara_iso.diagnosis import choice as module
 from scara_iso.diagnosis.choice import Choice, Weighed, choose, posterior, two_states
 from scara_iso.diagnosis.evidence import Views, joint_evidence, views_of
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant
+from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.hypothesis_set import build, constant
 from scara_iso.diagnosis.tuning import AMPLITUDES, SHARPNESS
 from scara_iso.diagnosis.two_state import two_levels
 from scara_iso.effects import Chain, Process, Shape

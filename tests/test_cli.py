@@ -421,7 +421,8 @@ def test_closed_streams(streams, code, said):
 def test_heavy_packages_are_not_imported(argv):
     program = (
         "import sys; from scara_iso.cli import main; main(sys.argv[1:]); "
-        "sys.exit(','.join({'pandas', 'scipy', 'matplotlib', 'serial'} & set(sys.modules)) or 0)"
+        "heavy = {'pandas', 'scipy', 'matplotlib', 'serial', 'numpy.ma'}; "
+        "sys.exit(','.join(heavy & set(sys.modules)) or 0)"
     )
     done = subprocess.run(
         [sys.executable, "-c", program, *argv], capture_output=True, check=False, cwd=ROOT
@@ -523,3 +524,10 @@ def test_a_simulation_that_cannot_be_meant(call, argv):
     code, out, err = call("simulate", MODEL, *argv)
     assert (code, out) == (2, "")
     assert len(err.splitlines()) <= 3
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_list_says_of_a_command_what_its_own_help_begins_with(call, monkeypatch, name):
+    monkeypatch.setenv("COLUMNS", "200")
+    listed = {name: said for commands in GROUPS.values() for name, said in commands.items()}
+    assert f"  {listed[name]}\n" in call(name, "--help")[1]

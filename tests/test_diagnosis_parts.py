@@ -11,13 +11,8 @@ from scara_iso.diagnosis.choice import two_states
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.hypotheses import (
-    Hypothesis,
-    build,
-    constant,
-    extended,
-    hypotheses_of,
-)
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.hypothesis_set import build, constant, extended
 from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
@@ -125,6 +120,19 @@ def test_an_amplified_set_is_that_of_larger_variances(rng):
     large = set_of([Hypothesis("a", Process(13 * kernel), 1.0),
                      Hypothesis("b", Shape(lag[:, :1] * 1.0), 1.0, gain=195.0)])  # fmt: skip
     np.testing.assert_allclose(log_bayes(small.amplified(13.0), y), log_bayes(large, y), atol=1e-6)
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_a_process_that_moves_nothing_is_no_hypothesis(place, rng):
+    ramp = np.arange(N)
+    moving = [Process(np.exp(-np.abs(np.subtract.outer(ramp, ramp)) / b)) for b in (2.0, 5.0)]
+    forms = [*moving[:place], Process(np.ones((N, N))), *moving[place:]]
+    y = rng.normal(size=(N, 2))
+    y -= y.mean(axis=0)
+    found = set_of([Hypothesis("any", form, 1.0) for form in forms])
+    alone = set_of([Hypothesis("any", form, 1.0) for form in moving])
+    np.testing.assert_allclose(log_bayes(found, y), log_bayes(alone, y))
+    assert found.amplified(13.0).penalty == pytest.approx(alone.amplified(13.0).penalty)
 
 
 def test_a_set_ignores_what_is_already_fitted(rng):

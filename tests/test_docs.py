@@ -1,5 +1,6 @@
 """What a page shows is what its commands write; every link of every page leads somewhere."""
 
+import doctest
 import re
 import shutil
 
@@ -11,6 +12,7 @@ PAGES = sorted(
     if not any(part.startswith(".") for part in path.relative_to(ROOT).parts)
 )  # fmt: skip
 PLAYED = [page for page in PAGES if BLOCK.search(page.read_text(encoding="utf-8"))]
+NOTEBOOK = re.compile(r"(?<=^```pycon\n).*?(?=^```)", re.MULTILINE | re.DOTALL)
 FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
 
@@ -37,6 +39,19 @@ def test_lines_left_out_are_no_other_lines():
 def test_what_is_left_out_stays_left_out_in_the_page_of_today():
     assert renewed("a 1\n...\nc 1\n...\n", "a 2\nb\nc 2\nd\n") == "a 2\n...\nc 2\n...\n"
     assert renewed("a 1\n", "a 2\nb\n") == "a 2\nb\n"
+
+
+@pytest.mark.parametrize(
+    "path", [p for p in PAGES if NOTEBOOK.search(p.read_text("utf-8"))], ids=named
+)
+def test_a_page_s_python_says_what_it_shows(path, tmp_path, monkeypatch):
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    session = "\n".join(NOTEBOOK.findall(path.read_text(encoding="utf-8")))
+    played = doctest.DocTestParser().get_doctest(session, {}, path.name, str(path), 0)
+    failed, tried = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(played)
+    assert tried
+    assert not failed
 
 
 def links(path):

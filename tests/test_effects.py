@@ -7,6 +7,7 @@ import json
 import math
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -31,11 +32,13 @@ from scara_iso.effects import (
     Sweep,
     find_effects,
     find_gear_effects,
+    own_effects,
 )
 from scara_iso.reporting.diagnosis import diagnosis_report
 from scara_iso.reporting.explain import find_page
 from scara_iso.robot.model import predict, read_model
 from scara_iso.run import Axis, Run
+from scara_iso.toml_keys import KeyFaults
 
 ON_READINGS = {
     "linear_drift", "warm_up", "step", "periodic", "contact_side", "lost_motion", "temperature",
@@ -261,6 +264,13 @@ def test_without_its_column_it_searches_nothing(name):
     assert searched == (name not in through | {"resolution"})
 
 
+def test_a_load_that_varies_hides_a_gap_that_grows():
+    side = np.resize([1.0, -1.0], 32)
+    for payload, hidden in ((np.full(32, 2.0), False), (np.repeat([0.0, 4.0, 8.0, 16.0], 8), True)):
+        conditions = Conditions(np.arange(32), {"approach": side, "payload_kg": payload})
+        assert (BY_NAME["gap_growth"].forms(conditions) == ()) is hidden
+
+
 @on_readings
 def test_its_weights_are_positive_and_its_rivals_known(effect):
     assert effect.weight > 0
@@ -463,3 +473,31 @@ def test_an_effect_of_a_third_party_is_met_by_all(tmp_path, capsys):
     assert main(["simulate", str(model), *effect, "--json"]) == 0
     simulated = json.loads(capsys.readouterr().out)["axes"]["X"]["readings"]
     assert simulated == pytest.approx(0.5 * PULL, abs=1e-6)
+
+
+OWN = """
+[[effect]]
+name = "own"
+formula = "size * (humidity - dry) * exp(-k / life) * (k > 3)"
+parameters = { dry = { value = 40, unit = "humidity" }, life = { from = 2, to = 20 } }
+"""
+
+
+def test_an_effect_of_a_users_file_keeps_the_contract():
+    faults = KeyFaults()
+    (own,) = own_effects(tomllib.loads(OWN)["effect"], "effect", (), faults)
+    assert faults == []
+    for contract in (
+        test_it_says_what_it_is,
+        test_its_course_is_pure_finite_and_in_proportion_to_its_size,
+        test_only_a_random_course_draws,
+        test_what_is_searched_is_what_is_simulated,
+        test_every_form_is_sound_and_within_the_limits_of_its_parameters,
+        test_forms_nearby_lie_between_those_of_the_grid,
+        test_it_declares_the_columns_that_it_needs,
+        test_its_weights_are_positive_and_its_rivals_known,
+    ):
+        contract(own)
+    catalogue = hypotheses_of(find_effects(), RECORDED)
+    beside = hypotheses_of(find_effects([own]), RECORDED)
+    assert [m.effect for m in catalogue] == [m.effect for m in beside if m.effect != "own"]

@@ -12,7 +12,8 @@ from scara_iso.diagnosis.evidence import (
     log_bayes_of_course,
     views_of,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant
+from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.hypothesis_set import build, constant
 from scara_iso.effects import Process, Shape, Spread
 
 N = 10

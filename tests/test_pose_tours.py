@@ -241,3 +241,14 @@ def test_ways_of_another_length_are_no_frames_sent_twice():
             time += way
             assert visits.hear("X", time, whole=True, pose=pose).refused == ""
             assert visits.hear("Y", time + 0.5, whole=True, pose=pose).refused == ""
+
+
+@pytest.mark.parametrize(
+    ("trigger", "pose", "said"), [("data", "P1,P2", 1), ("data", "P1", 0), ("timer:2", "P1,P2", 0)]
+)
+def test_who_counts_poses_by_frames_is_told_what_a_lost_one_does(tmp_path, trigger, pose, said):
+    gauge = "X=opto-rs232@sim:?pace=0&every=1"
+    words = ["--gauge", gauge, "--trigger", trigger, "--pose", pose, "--cycles", "3", "--json"]
+    events = written("record", tmp_path / "run.csv", *words)
+    notices = [one for one in events if one["event"] == "notice"]
+    assert len([one for one in notices if "shifts the poses" in one["message"]]) == said

@@ -2,6 +2,7 @@
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import push_rig
@@ -13,6 +14,8 @@ from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
 from scara_iso.force_loop import ForceLoop
 from scara_iso.iso9283 import push_test
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "push.csv"
 
 
 def of_joint(rng, arm=0.25, **joint):
@@ -204,3 +207,28 @@ def test_rounding_that_repeats_is_counted():
         low, high = found.estimate("friction_width", "reading").interval
         inside += low <= 2 * joint["friction"] / 500 <= high
     assert inside >= 37
+
+
+@pytest.mark.parametrize(
+    ("limit", "verdict"),
+    [
+        ("0.2..0.4", "pass"),  # deflection 0.2968 [0.2938, 0.2998] mm
+        ("0.2..0.29", "fail"),
+        ("0.31..0.4", "fail"),
+        ("0.295..0.4", "not-provable"),
+        ("0.2..0.299", "not-provable"),
+    ],
+)
+def test_a_makers_limit_has_two_ends(limit, verdict, capsys):
+    code = main(["push", str(EXAMPLE), "--limit", f"deflection_mm={limit}", "--json"])
+    (held,) = json.loads(capsys.readouterr().out)["limits"]
+    assert (held["verdict"], code) == (verdict, 0 if verdict == "pass" else 1)
+    assert [held["lower"], held["limit"]] == [float(end) for end in limit.split("..")]
+
+
+@pytest.mark.parametrize(
+    "limit", ["0.4..0.2", "..0.4", "0.2..", "-1..2", "0.1..0.2..0.3", "0..nan"]
+)
+def test_ends_that_are_none_are_refused(limit, capsys):
+    assert main(["push", str(EXAMPLE), "--limit", f"deflection_mm={limit}"]) == 2
+    assert capsys.readouterr().out == ""

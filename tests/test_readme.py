@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import scara_iso
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -24,3 +26,8 @@ def test_the_library_lines_run(monkeypatch, capsys):
     (program,) = blocks("python")
     exec(program, {})  # noqa: S102 - our own README
     assert capsys.readouterr().out.startswith("0.01403646566")
+
+
+def test_who_cites_it_cites_this_version():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {scara_iso.__version__}\n" in citation

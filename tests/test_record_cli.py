@@ -222,10 +222,22 @@ def test_a_table_for_excel_stays_one_on_resume_and_rebuild(run, tmp_path):
 
 def test_another_port_on_resume_is_recorded(run, tmp_path):
     run("record", "a.csv", *X, *TIMER, "--cycles", "3")
-    other = ["--gauge", "X=opto-rs232@sim:?pace=0&seed=5"]
+    other = ["--gauge", "X=opto-rs232@sim:?pace=0&value=0.8"]
     assert run("record", "--resume", "a.csv", *other, "--cycles", "4")[0] == 0
     indicator = read_table(tmp_path / "a.csv").metadata["indicator"]
-    assert "sim:?pace=0 (simulated), then sim:?pace=0&seed=5 (simulated)" in indicator
+    assert "sim:?pace=0 (simulated), then sim:?pace=0&value=0.8 (simulated)" in indicator
+
+
+@pytest.mark.parametrize(
+    "options", ["seed=5", "seed=5&pace=0", "pace=0&seed=5", "pace=0&seed=5&value=1"]
+)
+def test_a_seed_is_no_identity(run, tmp_path, options):
+    gauge = ["--gauge", f"X=opto-rs232@sim:?{options}"]
+    run("record", "a.csv", *gauge, "--trigger", "timer:0.05", "--rearm", "0", "--cycles", "2")
+    indicator = read_table(tmp_path / "a.csv").metadata["indicator"]
+    rest = "&".join(one for one in options.split("&") if "seed" not in one)
+    assert f" at sim:{'?' if rest else ''}{rest} (simulated)" in indicator
+    assert "seed=5" in (tmp_path / "a.raw.jsonl").read_text("utf-8")
 
 
 def test_a_recorded_stream_is_not_gone_on_with(run, tmp_path):

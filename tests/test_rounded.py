@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ndtr
 from scipy.stats import t as student
 
-from scara_iso.diagnosis.hypotheses import constant
+from scara_iso.diagnosis.hypothesis_set import constant
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.diagnosis.rounded import DialCourse, fitted_courses, scatter_alone
 from scara_iso.diagnosis.tuning import LEAST_ON_DIAL

@@ -47,6 +47,8 @@ EVENTS = [
     events.Gross(9, "X", 5.8, 5.0, "X 5.800 mm of cycle 9 at P2 is 5 mm away", "P2"),
     events.CycleDone(1, discarded=True, pose="P2"),
     events.Voided(1, ("X",), "knocked", "P2"),
+    events.Watched(13, 1.6, "nothing yet"),
+    events.Watched(19, 46.2, "structure", "step", 12),
     events.Done(31, 31, "run.csv", "run.raw.jsonl"),
 ]
 

@@ -182,6 +182,45 @@ def test_two_sensors_are_two_axes_and_the_table_reads_back(tmp_path):
     assert set(again.covariates) >= {"time_s", "approach", "stabilisation_X_s", "overshoot_Y_mm"}
 
 
+def test_arrivals_along_several_axes_are_named_by_their_directions():
+    time, x = plateau(100, *[3.0, 0.4, 0.4, 0.4] * 3, first=0.4)
+    _, y = plateau(100, *[0.4, 0.4, -2.0, 0.4] * 3, first=0.4, seed=2)
+    axes = {n: Axis(n, r, resolution=0.001) for n, r in (("X", x), ("Y", y))}
+    run = Run(np.arange(1, len(time) + 1), axes, covariates={"time_s": time})
+    found = scara_iso.visits(run, poses=["-", "P1"])
+    assert found.run.direction.tolist() == ["-x", "+y"] * 3
+    assert "approach" not in found.run.covariates
+    again = scara_iso.read_table(write_table(found.run).encode())
+    assert again.direction.tolist() == found.run.direction.tolist()
+    assert found.run.cycle.tolist() == [1, 1, 2, 2, 3, 3]
+
+
+def test_a_recorded_stream_is_read_from_its_raw_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    model = """
+[robot]
+name = "R"
+[indicator.X]
+resolution = 0.001
+level = 0.4
+scatter = 0.001
+[[effect]]
+name = "step"
+at_cycle = 200
+size = { X = 2.0 }
+"""
+    (tmp_path / "arm.toml").write_text(model, "utf-8")
+    gauge = "X=opto-rs232@sim:?pace=0&model=arm.toml"
+    recorded = scara_iso.record("run.csv", [gauge], trigger="timer:0.06", cycles=400, rearm=0)
+    found = scara_iso.visits("run.raw.jsonl")
+    (visit,) = found.visits
+    assert visit.mean["X"] == pytest.approx(recorded.axes["X"].readings[-50:].mean(), abs=0.001)
+    assert found.run.metadata["stream"] == "run.raw.jsonl"
+    digest = hashlib.sha256((tmp_path / "run.raw.jsonl").read_bytes()).hexdigest()
+    assert found.run.metadata["stream_sha256"] == digest
+    assert scara_iso.visits("run.csv").visits[0].mean == visit.mean
+
+
 def test_a_pose_column_of_the_stream_names_the_visits():
     time, reading = plateau(100, *[0.2, 1.2] * 5)
     run = as_run(time, reading)

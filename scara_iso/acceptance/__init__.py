@@ -18,9 +18,15 @@ if TYPE_CHECKING:
         FAULTY as FAULTY,
         Folder as Folder,
         PartState as PartState,
+        drift_of as drift_of,
+        push_of as push_of,
         read_folder as read_folder,
     )
-    from scara_iso.acceptance.merging import lacking as lacking, run_under as run_under
+    from scara_iso.acceptance.merging import (
+        lacking as lacking,
+        refuse_faulty as refuse_faulty,
+        run_under as run_under,
+    )
     from scara_iso.acceptance.place import FILE as FILE, is_test_folder as is_test_folder
     from scara_iso.acceptance.planning import plan_test as plan_test
     from scara_iso.acceptance.progress import (

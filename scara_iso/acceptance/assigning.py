@@ -34,6 +34,8 @@ class Assignment:
 
     def said(self, stored: int) -> str:
         """Return where the test is: ``part 7 of 15, P2 at 50 %, about 40 minutes left``."""
+        if self.part.beside:
+            return f"part {self.number} of {self.of}, the {self.part.name} test at {self.part.pose}"
         condition = self.part.condition
         load = "" if condition.load == 100 else f" and {condition.load:g} % load"
         where = f"part {self.number} of {self.of}, {self.part.pose} at {condition.velocity:g} %"
@@ -78,6 +80,12 @@ def assign(
     state = folder.next if part is None else _state(folder, part, repeat)
     if state is None:
         return None
+    if state.part.is_push:
+        raise UsageError(
+            f"{state.part.name} is a table of forces, which is typed and not recorded",
+            where=str(folder.path),
+            remedy=f"write the columns force_N and reading into {_free(folder, state.part)}",
+        )
     _refuse_other_axes(folder, axes, state)
     struck = None
     if repeat is not None and state.recording is not None:
@@ -85,7 +93,7 @@ def assign(
     resume = state.state == UNFINISHED and struck is None
     table = state.recording.table if resume and state.recording else _free(folder, state.part)
     done = state.recording.cycles[0] if resume and state.recording else 0
-    wanted = folder.test.schedule.cycles
+    wanted = folder.test.visits_of(state.part)
     return Assignment(
         part=state.part,
         table=table,
@@ -96,7 +104,8 @@ def assign(
         of=len(folder.parts),
         struck=struck,
         pace_s=seconds_a_cycle(folder),
-        cycles_after=cycles_left(folder) - (wanted - done if state.is_open else 0),
+        cycles_after=cycles_left(folder)
+        - (wanted - done if state.is_open and not state.part.beside else 0),
     )
 
 
@@ -120,7 +129,10 @@ def _state(folder: Folder, name: str, repeat: str | None) -> PartState:
 
 
 def _refuse_other_axes(folder: Folder, axes: Collection[str], state: PartState) -> None:
-    others = [one for one in folder.parts if one.is_whole and one.recording and one is not state]
+    if state.part.beside:
+        return
+    at_poses = (one for one in folder.parts if one is not state and not one.part.beside)
+    others = [one for one in at_poses if one.is_whole and one.recording]
     for other in others[:1]:
         known = set(other.recording.run.axes) if other.recording else set()
         if known != set(axes):

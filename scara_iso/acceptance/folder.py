@@ -11,10 +11,11 @@ from pathlib import Path
 from scara_iso.acceptance.complete import completed
 from scara_iso.acceptance.reading import read_test
 from scara_iso.acceptance.stated import why_not_of
-from scara_iso.acceptance.whole_test import Part, Struck, WholeTest
+from scara_iso.acceptance.whole_test import Condition, Part, Struck, WholeTest
 from scara_iso.acquisition import check_manifest, raw_path, read_history
 from scara_iso.errors import ScaraIsoError
-from scara_iso.iso9283 import CYCLES_RUN, Finding
+from scara_iso.force_loop import read_loop
+from scara_iso.iso9283 import CYCLES_RUN, DecisionRule, Finding, PushResult, push_test
 from scara_iso.run import Run
 from scara_iso.tables import read_table
 
@@ -31,6 +32,8 @@ class Recording:
 
     part: Part
     table: Path
+    planned: int
+    """Cycles, or visits of a drift test."""
 
     @property
     def name(self) -> str:
@@ -39,14 +42,21 @@ class Recording:
 
     @cached_property
     def cycles(self) -> tuple[int, int]:
-        """How many cycles are complete, and how many were to be; raises as reading does."""
+        """How many cycles are complete, and how many were to be; raises as reading does.
+
+        A drift test is planned by its test.toml, which may end it early; a push test is one.
+        """
+        if self.part.is_push:
+            return 1, 1
         if not raw_path(self.table).exists():
             return len(self.run), len(self.run)
         history = read_history(raw_path(self.table))
         if not history.header and not history.faults:  # begun this moment, or cut short there
             return 0, CYCLES_RUN
         history.check()
-        return int(history.complete_rows().sum()), int(history.header["cycles"])
+        wanted = int(history.header["cycles"])
+        done = int(history.complete_rows().sum())
+        return done, min(wanted, self.planned) if self.part.beside else wanted
 
     @cached_property
     def run(self) -> Run:
@@ -104,6 +114,16 @@ class Folder:
         """What is planned and not given by the parts that are recorded, each line once."""
         return tuple(dict.fromkeys(line for state in self.parts for line in state.unmeasured))
 
+    def under(self, condition: Condition) -> list[PartState]:
+        """Return the poses of a condition."""
+        return [one for one in self.parts
+                if one.part.condition == condition and not one.part.beside]  # fmt: skip
+
+    @property
+    def beside(self) -> list[PartState]:
+        """The tests beside the poses: drift, pushes."""
+        return [one for one in self.parts if one.part.beside]
+
     @property
     def next(self) -> PartState | None:
         """What comes next: a part that was begun, else the first that lacks."""
@@ -137,7 +157,7 @@ def _recordings(path: Path, test: WholeTest) -> Iterator[tuple[str, list[Recordi
         yield (
             part.name,
             [
-                Recording(part, path / f"{name}.csv")
+                Recording(part, path / f"{name}.csv", test.visits_of(part))
                 for name in sorted(filter(repeats.fullmatch, names), key=lambda n: (len(n), n))
             ],
         )
@@ -162,10 +182,14 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
     try:
         if not recording.is_whole:
             return PartState(part, UNFINISHED, recording, struck)
+        if part.is_push:
+            push_of(recording, test)
+            return PartState(part, DONE, recording, struck)
         if faults := why_not_of(recording.run, part, test):
             return PartState(part, FAULTY, recording, struck, why="; ".join(faults))
         run = completed(recording.run, part, test)
-        findings = analyze(run, cycles=test.schedule.cycles_run).findings
+        cycles = None if part.beside else test.schedule.cycles_run
+        findings = analyze(run, cycles=cycles).findings
     except ScaraIsoError as error:
         return PartState(part, FAULTY, recording, struck, why=error.headline)
     edited = tuple(Finding("edited", "warning", line) for line in recording.doubts)
@@ -174,3 +198,19 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
                 and (f.rule or f.code == "edited"))  # fmt: skip
     lacking = tuple(finding.message for finding in findings if finding.code == "not-measured")
     return PartState(part, OUT if off else DONE, recording, struck, off, lacking)
+
+
+def push_of(recording: Recording, test: WholeTest) -> PushResult:
+    """Return what the table of a push test says, held against its limits; raises as `push_test`."""
+    stated = test.pushes[recording.part.name]
+    return push_test(
+        read_loop(str(recording.table)),
+        arm_m=stated.arm_m,
+        limits=stated.limits,
+        decision=DecisionRule(test.decision),
+    )
+
+
+def drift_of(recording: Recording, test: WholeTest) -> Run:
+    """Return the run of a drift test, with what test.toml states; raises as `read_table`."""
+    return completed(recording.run, recording.part, test)

@@ -10,9 +10,11 @@ import numpy as np
 from scara_iso.acceptance.complete import completed
 from scara_iso.acceptance.folder import FAULTY, UNFINISHED, Folder, PartState
 from scara_iso.acceptance.whole_test import Condition
+from scara_iso.dial import joined_axis
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
-from scara_iso.run import Axis, Origin, Run
+from scara_iso.origin import Origin
+from scara_iso.run import Axis, Run
 
 _OF_A_PART = {"part", "pose", "doubts"}
 """Lines that the merged run says in another way."""
@@ -24,8 +26,8 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
     What is missing or struck is in its metadata. Raises `DataError` for parts that are faulty, or
     not of the same axes.
     """
-    states = [one for one in folder.parts if one.part.condition == condition]
-    _refuse_faulty(folder, states)
+    states = folder.under(condition)
+    refuse_faulty(folder, states)
     runs = {
         state.part.pose: completed(state.recording.run, state.part, folder.test)
         for state in states
@@ -63,19 +65,7 @@ def runs_as_poses(runs: Mapping[str, Run]) -> Run:
 def _axis(name: str, runs: Mapping[str, Run]) -> Axis:
     axes = [run.axes[name] for run in runs.values()]
     commands = {pose: run.command_of(name, None) for pose, run in runs.items()}
-    return Axis(
-        name,
-        np.concatenate([axis.readings for axis in axes]),
-        axes[0].dimension,
-        _largest([axis.resolution for axis in axes]),
-        _largest([axis.uncertainty for axis in axes]),
-        {pose: value for pose, value in commands.items() if value is not None} or None,
-    )
-
-
-def _largest(sizes: Sequence[float | None]) -> float | None:
-    known = [size for size in sizes if size is not None]
-    return max(known) if len(known) == len(sizes) else None
+    return joined_axis(axes, {pose: one for pose, one in commands.items() if one is not None})
 
 
 def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:
@@ -91,7 +81,8 @@ def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:
     return found
 
 
-def _refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
+def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
+    """Raise `DataError` with what is wrong with each part that is faulty."""
     faults = [Fault(f"{one.part.name}: {one.why}") for one in states if one.state == FAULTY]
     if faults:
         raise DataError(

@@ -18,7 +18,7 @@ def seconds_a_cycle(folder: Folder) -> float | None:
 
 
 def _pace(state: PartState) -> float | None:
-    if not state.is_whole or state.recording is None:
+    if not state.is_whole or state.recording is None or state.part.beside:
         return None
     times = state.recording.run.covariates.get(TIME)
     if times is None or len(times) < 2:
@@ -27,8 +27,9 @@ def _pace(state: PartState) -> float | None:
 
 
 def cycles_left(folder: Folder) -> int:
-    """Return how many cycles are still to be recorded."""
-    return sum(_cycles_of(state, folder) for state in folder.parts if state.is_open)
+    """Return how many cycles are still to be recorded at the poses."""
+    left = (one for one in folder.parts if one.is_open and not one.part.beside)
+    return sum(_cycles_of(state, folder) for state in left)
 
 
 def _cycles_of(state: PartState, folder: Folder) -> int:
@@ -39,9 +40,13 @@ def _cycles_of(state: PartState, folder: Folder) -> int:
 
 
 def seconds_left(folder: Folder) -> float | None:
-    """Return how long the parts that lack will take, None where no pace is known."""
-    pace = seconds_a_cycle(folder)
-    return None if pace is None else pace * cycles_left(folder)
+    """Return how long the poses that lack will take, None where no pace is known.
+
+    A drift test has a pace of its own: None too where nothing but the tests beside them lack.
+    """
+    pace, left = seconds_a_cycle(folder), cycles_left(folder)
+    beside_alone = not left and folder.next is not None
+    return None if pace is None or beside_alone else pace * left
 
 
 def about(seconds: float) -> str:

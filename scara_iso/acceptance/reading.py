@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
-from datetime import date, datetime
 from pathlib import Path
 from typing import Any, TypeVar
 
+from scara_iso.acceptance.kinds import KINDS
 from scara_iso.acceptance.place import FILE
 from scara_iso.acceptance.whole_test import (
-    BOTH_SIDES,
-    COUNTS,
     DISCARDED,
-    ONE_SIDE,
+    PUSH,
     CommandPose,
     Cube,
+    DriftTest,
     Instrument,
     People,
+    PushTest,
     RobotTested,
     Schedule,
     Struck,
@@ -28,17 +28,16 @@ from scara_iso.acceptance.whole_test import (
 from scara_iso.errors import DataError
 from scara_iso.files import read_toml
 from scara_iso.iso9283 import DecisionRule
+from scara_iso.quantities import Dimension
 from scara_iso.run import AXES
 from scara_iso.toml_keys import KeyFaults, is_number, section
 
 EVERY_LENGTH = "every_length"
 _Section = TypeVar("_Section")
-_LONGEST = 1000
-_LARGEST = 1e9
-_MOST_CYCLES = 10_000
 _POSE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,20}")
 _SECTIONS = {
-    "robot", "test", "cube", "pose", "limits", "instrument", "people", "environment", "struck"
+    "robot", "test", "cube", "pose", "limits", "instrument", "people", "environment", "struck",
+    "drift", "push",
 }  # fmt: skip
 
 
@@ -77,6 +76,10 @@ def parse_test(document: Mapping[str, Any], faults: KeyFaults) -> WholeTest:
         surroundings=_build(
             Surroundings, section(document, "environment", faults), "environment", faults
         ),
+        drift=_build(DriftTest, section(document, "drift", faults), "drift", faults)
+        if "drift" in document
+        else None,
+        pushes=dict(_pushes(document, faults)),
         struck=_struck(document.get("struck", []), faults),
     )
     _check_together(test, faults)
@@ -94,7 +97,7 @@ def _build(
             faults.add(f"{where}.{key}", f"no such key; known are {', '.join(known)}")
             continue
         try:
-            values[key] = _KINDS[key](value)
+            values[key] = KINDS[key](value)
         except ValueError as error:
             faults.add(f"{where}.{key}", f"{repr(value)[:40]} is {error}")
     return kind(**values)
@@ -110,10 +113,20 @@ def _named(
         if key == "instrument" and name not in AXES:
             faults.add(where, f"no such axis: {', '.join(AXES)}")
         elif not _POSE.fullmatch(name):
-            faults.add(where, "a pose is named by letters and digits, such as P1")
+            faults.add(where, "is named by letters and digits, such as P1")
         else:
             found[name] = _build(kind, section(table, name, faults), where, faults)
     return found
+
+
+def _pushes(document: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[str, PushTest]]:
+    """Yield the push tests by the names of their parts: of ``[push]``, or of ``[push.joint_1]``."""
+    table = section(document, PUSH, faults)
+    if table and all(isinstance(value, dict) for key, value in table.items() if key != "limits"):
+        found = _named(PushTest, document, PUSH, faults)
+        yield from ((f"{PUSH}-{name}", one) for name, one in found.items())
+    elif PUSH in document:
+        yield PUSH, _build(PushTest, table, PUSH, faults)
 
 
 def _limits(table: Mapping[str, Any], faults: KeyFaults) -> dict[str, float]:
@@ -155,109 +168,10 @@ def _check_together(test: WholeTest, faults: KeyFaults) -> None:
     for where, values in (("velocities", test.schedule.velocities), ("loads", test.schedule.loads)):
         if not values or len(set(values)) < len(values):
             faults.add(f"test.{where}", "give one or more, each once")
+    for axis, instrument in test.instruments.items():
+        for said in instrument.corrects.faults(Dimension.LENGTH):  # of theta: as it is read
+            faults.add(f"instrument.{axis}", said)
+    if test.drift is not None and test.drift.pose not in test.poses:
+        faults.add("drift.pose", f"no such pose: {', '.join(test.poses)}")
     if test.schedule.first_cycle == DISCARDED and test.schedule.cycles < 3:
         faults.add("test.cycles", "two or more have to count beside the first")
-
-
-def _text(value: object) -> str:
-    if not isinstance(value, str) or len(value) > _LONGEST or not value.isprintable():
-        raise ValueError("not a line of text")
-    return value.strip()
-
-
-def _number(value: object) -> float:
-    if not is_number(value):
-        raise ValueError("no finite number")
-    return float(value)  # type: ignore[arg-type]
-
-
-def _positive(value: object) -> float:
-    if not is_number(value) or not 0 < float(value) < _LARGEST:  # type: ignore[arg-type]
-        raise ValueError("not a number above zero")
-    return float(value)  # type: ignore[arg-type]
-
-
-def _not_negative(value: object) -> float:
-    if not is_number(value) or not 0 <= float(value) < _LARGEST:  # type: ignore[arg-type]
-        raise ValueError("not a number of zero or more")
-    return float(value)  # type: ignore[arg-type]
-
-
-def _whole(value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or not 2 <= value <= _MOST_CYCLES:
-        raise ValueError(f"not a whole number from 2 to {_MOST_CYCLES}")
-    return value
-
-
-def _several(kind: Callable[[object], Any]) -> Callable[[object], tuple[Any, ...]]:
-    def read(value: object) -> tuple[Any, ...]:
-        if not isinstance(value, list):
-            raise ValueError("no list")
-        return tuple(kind(one) for one in value)
-
-    return read
-
-
-def _percent(value: object) -> float:
-    if not is_number(value) or not 0 <= float(value) <= 100:  # type: ignore[arg-type]
-        raise ValueError("not from 0 to 100")
-    return float(value)  # type: ignore[arg-type]
-
-
-def _limits_of_temperature(value: object) -> tuple[float, ...]:
-    ends = _several(_number)(value)
-    if len(ends) != 2 or ends[0] > ends[1]:
-        raise ValueError("not a lowest and a highest temperature")
-    return ends
-
-
-def _one_of(*words: str) -> Callable[[object], str]:
-    def read(value: object) -> str:
-        if value not in words:
-            raise ValueError(f"none of {', '.join(map(repr, words))}")
-        return str(value)
-
-    return read
-
-
-def _day(value: object) -> date:
-    if isinstance(value, str):
-        try:
-            value = date.fromisoformat(value)
-        except ValueError:
-            raise ValueError("not a date such as 2026-05-12") from None
-    if isinstance(value, datetime):
-        return value.date()
-    if not isinstance(value, date):
-        raise ValueError("not a date such as 2026-05-12")
-    return value
-
-
-def _by_axis(value: object) -> dict[str, float]:
-    if not isinstance(value, dict) or set(value) - set(AXES):
-        raise ValueError("not of axes, such as { X = 0.0 }")
-    return {axis: _number(one) for axis, one in value.items()}
-
-
-_KINDS: Mapping[str, Callable[[Any], Any]] = {
-    **dict.fromkeys(
-        ("name", "serial_number", "model", "solid", "plane", "elbow", "certificate", "operator",
-         "laboratory", "address", "location", "customer", "authorized_by", "report_number",
-         "recording", "reason"), _text),
-    **dict.fromkeys(("rated_payload_kg", "rated_velocity_mm_s", "uncertainty"), _positive),
-    **dict.fromkeys(("dwell_s", "stabilisation_time_s", "warm_up_min"), _not_negative),
-    **dict.fromkeys(("x_mm", "y_mm", "z_mm", "theta_deg", "temperature_C"), _number),
-    **dict.fromkeys(("calibration_date", "calibration_due", "date"), _day),
-    "size_mm": _several(_positive),
-    "characteristics": _several(_text),
-    "velocities": _several(_percent),
-    "loads": _several(_percent),
-    "humidity_percent": _percent,
-    "cycles": _whole,
-    "first_cycle": _one_of(DISCARDED, COUNTS),
-    "approach": _one_of(ONE_SIDE, BOTH_SIDES),
-    "dial_zero": _one_of("command"),
-    "temperature_limits_C": _limits_of_temperature,
-    "command": _by_axis,
-}  # fmt: skip
-"""What each key has to be, in whichever section."""

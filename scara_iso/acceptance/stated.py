@@ -6,8 +6,16 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from datetime import date
 
-from scara_iso.acceptance.whole_test import COUNTS, Condition, Instrument, Part, WholeTest
+from scara_iso.acceptance.whole_test import (
+    COUNTS,
+    DRIFT,
+    Condition,
+    Instrument,
+    Part,
+    WholeTest,
+)
 from scara_iso.run import Run
+from scara_iso.tables import stated_corrections
 
 NOT_STATED = "not stated"
 _SAME_PERCENT = 1.0
@@ -88,11 +96,15 @@ def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
     yield "dwell", _said(schedule.dwell_s, "s")
     yield "stabilisation_time", _said(schedule.stabilisation_time_s, "s")
     yield "approached_from", schedule.approach or NOT_STATED
-    yield "warm_up", _said(schedule.warm_up_min, "min") or NOT_STATED
     yield "dial_zero", schedule.dial_zero
     yield "date", _day(schedule.date)
-    if schedule.first_cycle == COUNTS:
-        yield "first_cycle", COUNTS
+    if test.drift is not None and part.beside:
+        yield "test", DRIFT
+        yield "visits_per_block", str(test.drift.visits)
+    else:
+        yield "warm_up", _said(schedule.warm_up_min, "min") or NOT_STATED
+        if schedule.first_cycle == COUNTS:
+            yield "first_cycle", COUNTS
     yield "temperature", _said(around.temperature_C, "C")
     if limits := around.temperature_limits_C:
         yield "temperature_limits", f"{limits[0]:g} .. {limits[1]:g} C"
@@ -134,6 +146,7 @@ def _instruments(used: dict[str, Instrument]) -> Iterator[tuple[str, str]]:
     for axis, one in used.items():
         if one.uncertainty is not None:
             yield f"indicator_uncertainty_{axis}", _plain(one.uncertainty)
+        yield from stated_corrections(one.corrects, axis)
 
 
 def _said(value: float | None, unit: str) -> str:

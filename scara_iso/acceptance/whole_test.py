@@ -10,9 +10,12 @@ from dataclasses import dataclass, field
 from datetime import date
 from itertools import product
 
-from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule
+from scara_iso.dial import Correction
+from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule, Limit
 
 DISCARDED, COUNTS = "discarded", "counts"
+DRIFT, PUSH = "drift", "push"
+"""Names of the tests beside the poses, and how those of several push tests begin."""
 ONE_SIDE, BOTH_SIDES = "one side", "both sides"
 
 
@@ -34,15 +37,23 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One pose under one condition: what one recording holds."""
+    """What one recording holds: a pose under a condition, or a test beside the poses."""
 
     pose: str
+    """Empty for a push test."""
     condition: Condition
+    beside: str = ""
+    """Name of a test beside the poses: ``drift``, ``push``, ``push-joint_1``."""
 
     @property
     def name(self) -> str:
         """``P3-v50-l100``, which its files are named by."""
-        return f"{self.pose}-{self.condition.name}"
+        return self.beside or f"{self.pose}-{self.condition.name}"
+
+    @property
+    def is_push(self) -> bool:
+        """Whether it is a table of forces, which is typed and not recorded."""
+        return self.beside.startswith(PUSH)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +88,33 @@ class Schedule:
         """The number for `iso9283.used_cycles`; None where the cycle rule knows it."""
         usual = CYCLES_USED if self.first_cycle == COUNTS else CYCLES_RUN
         return None if self.cycles == usual else self.cycles
+
+
+@dataclass(frozen=True, slots=True)
+class DriftTest:
+    """The drift test (7.6): blocks of visits of a pose over hours, from a cold start."""
+
+    pose: str = "P1"
+    blocks: int = 33
+    visits: int = 10
+    velocity: float = 100.0
+    load: float = 100.0
+    limits: Mapping[str, float] = field(default_factory=dict)
+    """By figure, such as dAP, in mm."""
+
+    @property
+    def part(self) -> Part:
+        """What its recording is called and holds."""
+        return Part(self.pose, Condition(self.velocity, self.load), DRIFT)
+
+
+@dataclass(frozen=True, slots=True)
+class PushTest:
+    """A joint pushed to and fro; ``arm_m`` from it to dial and force [m]."""
+
+    arm_m: float | None = None
+    limits: Mapping[str, Limit] = field(default_factory=dict)
+    """By figure: lost_motion in arcmin of the joint, lost_motion_mm at the dial."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +157,11 @@ class Surroundings:
 
 @dataclass(frozen=True, slots=True)
 class Instrument:
-    """The indicator of an axis and its certificate; ``uncertainty`` is standard [mm or deg]."""
+    """The indicator of an axis and its certificate; ``uncertainty`` is standard [mm or deg].
+
+    ``correction`` is the curve, nominal and error, and ``correction_zero`` the place on it at which
+    the display was zeroed; ``alignment_deg`` the angle between plunger and axis.
+    """
 
     name: str = ""
     serial_number: str = ""
@@ -127,6 +169,19 @@ class Instrument:
     calibration_date: date | None = None
     calibration_due: date | None = None
     uncertainty: float | None = None
+    correction: tuple[tuple[float, float], ...] = ()
+    correction_zero: float | None = None
+    correction_uncertainty: float | None = None
+    alignment_deg: float | None = None
+    alignment_u_deg: float | None = None
+
+    @property
+    def corrects(self) -> Correction:
+        """What of it is applied to readings."""
+        return Correction(
+            self.correction, self.correction_zero, self.correction_uncertainty,
+            self.alignment_deg, self.alignment_u_deg,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +220,9 @@ class WholeTest:
     """By axis."""
     people: People = People()
     surroundings: Surroundings = Surroundings()
+    drift: DriftTest | None = None
+    pushes: Mapping[str, PushTest] = field(default_factory=dict)
+    """By the name of the part: ``push``, or ``push-joint_1`` of several."""
     struck: tuple[Struck, ...] = ()
 
     def conditions(self) -> list[Condition]:
@@ -172,7 +230,19 @@ class WholeTest:
         pairs = product(self.schedule.loads, self.schedule.velocities)
         return [Condition(velocity, load) for load, velocity in pairs]
 
+    def visits_of(self, part: Part) -> int:
+        """Return how many cycles of a part are planned: of a drift test, its visits."""
+        if part.beside and self.drift is not None:
+            return self.drift.blocks * self.drift.visits
+        return self.schedule.cycles
+
     def parts(self) -> Iterator[Part]:
-        """Yield what is to be recorded, in order: all poses of a condition, then the next one."""
+        """Yield what is to be recorded, in order: all poses of a condition, then the next one.
+
+        The tests beside the poses come last; a push test is at rest and carries no load.
+        """
         for condition in self.conditions():
             yield from (Part(pose, condition) for pose in self.poses)
+        if self.drift is not None:
+            yield self.drift.part
+        yield from (Part("", Condition(0.0, 0.0), name) for name in self.pushes)

@@ -10,11 +10,12 @@ from typing import Any
 
 from scara_iso.acceptance.place import FILE
 from scara_iso.acceptance.reading import EVERY_LENGTH
-from scara_iso.acceptance.whole_test import Struck, WholeTest
+from scara_iso.acceptance.whole_test import PUSH, Struck, WholeTest
 from scara_iso.disk import Disk, write_file
 from scara_iso.files import read_file
 
 _LARGEST = 1_000_000
+_INLINE = ("command", "limits")
 _HEAD = (
     "A test of ISO 9283: the recordings in this folder are its parts.",
     "Edit it freely; a line that begins with # says nothing. Every key: docs/test-folder.md",
@@ -26,11 +27,13 @@ _SAID = {
     "pose": "command coordinates in the robot's base frame; command = { X = 0.0 }: on the dials",
     "limits": "RP has to be at most this, in mm; the rule that decides: interval or simple",
     "instrument": "the indicator of each axis and its certificate; uncertainty is standard, in mm",
+    "drift": "the drift test (7.6): blocks of visits over 8 h, from a cold start; drift.csv",
+    "push": "a joint pushed to and fro: forces and readings in push.csv; several: [push.joint_1]",
     "environment": "where no limits are stated, (20 ± 2) °C are taken",
     "people": "for the report",
 }
-_NAMED = ("pose", "instrument")
-"""Sections that hold sections."""
+_WITHOUT_HEAD = ("pose", "instrument", "drift", "push")
+"""Sections that hold sections, or that a test may be without."""
 _OPEN: Mapping[str, tuple[str, ...]] = {
     "robot": ('serial_number = "0123"', "rated_payload_kg = 5", "rated_velocity_mm_s = 2000"),
     "test": (
@@ -45,6 +48,8 @@ _OPEN: Mapping[str, tuple[str, ...]] = {
         "calibration_due = 2027-01-10", "uncertainty = 0.0005",
     ),
     "environment": ("temperature_C = 20.5", "temperature_limits_C = [18, 22]"),
+    "drift": ("[drift]", 'pose = "P1"', "blocks = 33", "visits = 10", "limits = { dAP = 0.03 }"),
+    "push": ("[push]", "arm_m = 0.25", "limits = { lost_motion = 1.2 }"),
     "people": ('operator = "A. Name"', 'laboratory = "Name, town"', 'customer = "Name, town"'),
 }  # fmt: skip
 """What may be stated beside what is, as comments; a key that is stated is left out."""
@@ -63,15 +68,16 @@ def toml_of(test: WholeTest) -> str:
         "pose": {name: _plain(pose) for name, pose in test.poses.items()},
         "limits": {"decision": test.decision, **limits},
         "instrument": {axis: _plain(one) for axis, one in test.instruments.items()},
+        "drift": {} if test.drift is None else _plain(test.drift), "push": _pushes(test),
         "environment": _plain(test.surroundings), "people": _plain(test.people),
     }  # fmt: skip
     for name, values in sections.items():
         document.add(tomlkit.nl())
-        if name in _NAMED:
+        if name in _WITHOUT_HEAD:
             document.add(tomlkit.comment(_SAID[name]))
-        if values or name not in _NAMED:
+        if values or name not in _WITHOUT_HEAD:
             table = _section(values)
-            if name not in _NAMED:
+            if name not in _WITHOUT_HEAD:
                 table.comment(_SAID[name])
             document.add(name, table)
         for line in _still_open(name, values):
@@ -81,9 +87,16 @@ def toml_of(test: WholeTest) -> str:
     return tomlkit.dumps(document)
 
 
+def _pushes(test: WholeTest) -> dict[str, Any]:
+    found = {name: _plain(one) for name, one in test.pushes.items()}
+    if PUSH in found:
+        return found[PUSH]
+    return {name.removeprefix(f"{PUSH}-"): one for name, one in found.items()}
+
+
 def _still_open(name: str, values: Mapping[str, Any]) -> list[str]:
     """Return the lines of what may be stated and is not."""
-    if name in _NAMED and values:
+    if name in _WITHOUT_HEAD and values:
         return []
     return [line for line in _OPEN.get(name, ()) if line.partition(" =")[0] not in values]
 
@@ -115,7 +128,7 @@ def _section(values: Mapping[str, Any]) -> Any:
         isinstance(value, dict) for value in values.values()
     ))  # fmt: skip
     for key, value in values.items():
-        inner = key == "command"
+        inner = key in _INLINE
         if isinstance(value, dict) and not inner:
             table.add(key, _section(value))
         elif inner:
@@ -133,9 +146,11 @@ def _plain(one: Any) -> dict[str, Any]:
     for name in (item.name for item in fields(one)):
         value = getattr(one, name)
         if isinstance(value, Mapping):
-            value = {key: _number(each) for key, each in value.items()}
+            value = {key: [*map(_number, each)] if isinstance(each, tuple) else _number(each)
+                     for key, each in value.items()}  # fmt: skip
         if isinstance(value, tuple):
-            value = [_number(each) for each in value]
+            value = [[*map(_number, each)] if isinstance(each, tuple) else _number(each)
+                     for each in value]  # fmt: skip
         if value not in (None, "", [], {}):
             found[name] = value if isinstance(value, dict | list | str | date) else _number(value)
     return found

@@ -94,6 +94,7 @@ if TYPE_CHECKING:
         Void as Void,
         Voided as Voided,
         Waiting as Waiting,
+        Watched as Watched,
         as_json as as_json,
         check_metadata as check_metadata,
         manifest_path as manifest_path,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,6 +36,9 @@ def manifest_of(table: Path, data: bytes, *, complete: bool, doubts: Sequence[st
 
     The raw file may grow afterwards: what it was up to now is not changed by that.
     """
+    import hashlib  # noqa: PLC0415 - of all tables only those that were recorded here have one
+    import json  # noqa: PLC0415
+
     raw = raw_path(table)
     document = {
         "schema": SCHEMA,
@@ -62,6 +63,8 @@ def check_manifest(table: Path) -> tuple[str, ...]:
 
 def find_doubts(table: Path) -> Doubts:
     """Compare a table and its raw file with their manifest."""
+    import json  # noqa: PLC0415
+
     manifest, raw = manifest_path(table), raw_path(table)
     try:
         document = json.loads(manifest.read_text(encoding="utf-8"))
@@ -89,6 +92,8 @@ def _changed(path: Path, files: Mapping[str, str], size: int = -1) -> tuple[str,
 
 def sha256(path: Path, size: int = -1) -> str:
     """Return the SHA-256 of a file, or of its first ``size`` bytes, in hex."""
+    import hashlib  # noqa: PLC0415
+
     digest = hashlib.sha256()
     with path.open("rb") as file:
         while part := file.read(_CHUNK if size < 0 else min(_CHUNK, size - file.tell())):

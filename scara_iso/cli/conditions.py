@@ -15,19 +15,20 @@ from scara_iso.cli.options import NOT_WITHIN_LIMITS
 from scara_iso.cli.output import check_outputs, command_line, write_json, write_report
 from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import Conformity
+from scara_iso.iso9283 import Beside, Conformity
 from scara_iso.library import (
     ConditionRun,
     check_format,
     compare,
     join_reports,
+    read_beside,
     read_conditions,
     report,
 )
 
 if TYPE_CHECKING:
+    from scara_iso.acceptance import Folder
     from scara_iso.comparison import Comparison
-    from scara_iso.iso9283 import Analysis
     from scara_iso.library import TestReport
     from scara_iso.reporting import Dossier
     from scara_iso.run import Run
@@ -45,11 +46,12 @@ def analyze_folder(
 ) -> None:
     """Write the analysis of each condition of a test; exit with 1 where a limit is not kept."""
     found = read_conditions(folder, condition)
+    beside = read_beside(found[0].folder) if condition is None else Beside()
     analyses = [one.analysis(**options) for one in found]
     if as_json:
         from scara_iso.render import conditions_json
 
-        write_json(conditions_json(folder, found, analyses))
+        write_json(conditions_json(folder, found, analyses, beside))
     else:
         from scara_iso.reporting import (
             after_analysis,
@@ -66,7 +68,24 @@ def analyze_folder(
             else:
                 again = command_line([folder], {"condition": one.condition.name})
                 write_report(analysis_brief(analysis, after_analysis(analysis, again, again)))
-    _exit_by(analyses)
+        _write_beside(found[0].folder, beside, full=full)
+    verdicts = [None if one is None else one.conformity for one in analyses]
+    _exit_by([*verdicts, beside.conformity])
+
+
+def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:
+    """Write the tests beside the poses; those that are not recorded are named."""
+    if (drift := beside.drift) is not None:
+        again = command_line([drift.run.origin.source], {})
+        following = reporting.after_analysis(drift, again, again)
+        brief = reporting.analysis_brief(drift, following)
+        write_report(reporting.analysis_report(drift) if full else brief)
+    for found in beside.pushes.values():
+        following = reporting.NextStep(f"scara-iso report {folder.path}", "the report of all")
+        brief = reporting.push_brief(found, following)
+        write_report(reporting.push_report(found) if full else brief)
+    if beside.missing:
+        write_report(reporting.missing_report("Beside the poses", beside.missing))
 
 
 def diagnose_folder(
@@ -121,9 +140,10 @@ def report_folder(
                    if one.run is not None and one.missing]  # fmt: skip
         for line in (*written, *(missing if place else ())):
             typer.echo(reporting.printable(line), err=as_json)
+    beside = read_beside(found[0].folder) if condition is None else Beside()
     if as_json:
-        _write_dossiers(found, [one.dossier for one in made])
-    _exit_by([one.analysis for one in made])
+        _write_dossiers(found, [one.dossier for one in made], beside)
+    _exit_by([*(one.analysis.conformity for one in made), beside.conformity])
 
 
 def compare_folders(
@@ -212,7 +232,9 @@ def _write_report(
         yield f"{made.archive(packed, name=name, excel_locale=excel_locale)} is written"
 
 
-def _write_dossiers(found: Sequence[ConditionRun], dossiers: Sequence[Dossier]) -> None:
+def _write_dossiers(
+    found: Sequence[ConditionRun], dossiers: Sequence[Dossier], beside: Beside
+) -> None:
     from scara_iso.render import report_json
 
     documents = [report_json(dossier) for dossier in dossiers]
@@ -220,7 +242,7 @@ def _write_dossiers(found: Sequence[ConditionRun], dossiers: Sequence[Dossier]) 
         write_json(documents[0])
         return
     measured = [one for one in found if one.run is not None]
-    _write_conditions(list(map(_of_condition, measured, documents)))
+    _write_conditions(list(map(_of_condition, measured, documents)), beside)
 
 
 def _of_condition(one: ConditionRun, document: Mapping[str, Any]) -> dict[str, Any]:
@@ -229,8 +251,10 @@ def _of_condition(one: ConditionRun, document: Mapping[str, Any]) -> dict[str, A
     return {**named, "result": dict(document)}
 
 
-def _write_conditions(documents: Sequence[Mapping[str, Any]]) -> None:
-    write_json({"schema": "scara-iso/test-conditions/1", "conditions": list(documents)})
+def _write_conditions(documents: Sequence[Mapping[str, Any]], beside: Beside | None = None) -> None:
+    of_others = {} if beside is None else render.beside_json(beside)
+    document = {"schema": "scara-iso/test-conditions/1", "conditions": list(documents)}
+    write_json({**document, **of_others})
 
 
 def _say_missing(one: ConditionRun) -> None:
@@ -239,7 +263,6 @@ def _say_missing(one: ConditionRun) -> None:
     typer.echo(reporting.printable(f"{one.folder.path}, {one.condition}: {said}"), err=True)
 
 
-def _exit_by(analyses: Sequence[Analysis | None]) -> None:
-    verdicts = {None if analysis is None else analysis.conformity for analysis in analyses}
-    if verdicts - {None, Conformity.PASS}:
+def _exit_by(verdicts: Sequence[Conformity | None]) -> None:
+    if set(verdicts) - {None, Conformity.PASS}:
         raise typer.Exit(NOT_WITHIN_LIMITS)

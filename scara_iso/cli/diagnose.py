@@ -21,6 +21,7 @@ from scara_iso.cli.options import (
     DecimalMark,
     FirstDiscarded,
     Full,
+    OwnEffectsFile,
     ResolutionOfTable,
     Sheet,
     UnitOfTable,
@@ -95,6 +96,7 @@ def diagnose_command(
     tables: Tables = None,
     *,
     model: ModelOption = None,
+    effects: OwnEffectsFile = None,
     hold_out: HoldOut = None,
     save_model: SaveModel = None,
     plot: Plot = None,
@@ -129,33 +131,50 @@ def diagnose_command(
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        _refuse_beside_design(_Files(model, hold_out, save_model, plot, map_, None))
-        show_design(named, reading, wanted, sigma=sigma, columns=columns, seed=seed, as_json=json)
+        _refuse_beside_design(_Files(model, effects, hold_out, save_model, plot, map_, None))
+        show_design(
+            named, reading, wanted, sigma=sigma, columns=columns, effects=effects, seed=seed,
+            as_json=json,
+        )  # fmt: skip
         return
-    files = _Files(model, hold_out, save_model, plot, map_, sigma)
+    files = _Files(model, effects, hold_out, save_model, plot, map_, sigma)
     files.check(named)
-    check_outputs([plot, save_model, map_], [*files_of(named), model, hold_out])
+    check_outputs([plot, save_model, map_], [*files_of(named), model, effects, hold_out])
+    show = partial(_How, full=full, as_json=json)
     if (folder := test_folder(named, condition, reading)) is not None:
-        from scara_iso.cli.conditions import diagnose_folder
-
-        def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
-            counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
-            again = partial(command_line, [folder], {"condition": one.condition.name})
-            how = _How(again, full=full, as_json=json, write=write)
-            _diagnose_run(run, files.under(one.condition.name), reading, counting, how, seed=seed)
-
-        diagnose_folder(folder, condition, diagnose)
+        _diagnose_folder(folder, condition, files, reading, wanted, show, seed=seed)
         return
     run = one_test(named, reading)
     if run is None:
         from scara_iso.cli.diagnose_many import show_many
 
         files.refuse_of_test()
-        show_many(named, model, reading, wanted, seed=seed, as_json=json)
+        show_many(named, (model, effects), reading, wanted, seed=seed, as_json=json)
     else:
-        again = partial(command_line, named, asdict(reading) | asdict(wanted))
-        how = _How(again, full=full, as_json=json)
+        options = asdict(reading) | asdict(wanted) | {"effects": effects}
+        how = show(partial(command_line, named, options))
         _diagnose_run(run, files, reading, wanted, how, seed=seed)
+
+
+def _diagnose_folder(
+    folder: str,
+    condition: str | None,
+    files: _Files,
+    reading: TableOptions,
+    wanted: CyclesWanted,
+    show: Callable[..., _How],
+    *,
+    seed: int,
+) -> None:
+    from scara_iso.cli.conditions import diagnose_folder
+
+    def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
+        counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
+        options = {"condition": one.condition.name, "effects": files.effects}
+        how = show(partial(command_line, [folder], options), write=write)
+        _diagnose_run(run, files.under(one.condition.name), reading, counting, how, seed=seed)
+
+    diagnose_folder(folder, condition, diagnose)
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +182,7 @@ class _Files:
     """What the diagnosis of one test takes and writes beside it."""
 
     model: str | None
+    effects: str | None
     hold_out: str | None
     save_model: Path | None
     plot: Path | None
@@ -253,6 +273,7 @@ def _diagnose_run(
         files.check_poses(run)
     elif files.hold_out is not None:
         second = reading.read(files.hold_out)
+    own = library.defined(files.effects or ())
     diagnosis = library.diagnose(
         run,
         files.model,
@@ -261,9 +282,10 @@ def _diagnose_run(
         reach=files.map is not None,
         seed=seed,
         sigma=files.sigma,
+        own_effects=own,
     )
     if files.save_model is not None and files.model is not None:
-        said = save_model(diagnosis, files.model, files.save_model)
+        said = save_model(diagnosis, files.model, files.save_model, own)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     if isinstance(diagnosis, DiagnosisOfPoses):
         if files.map is not None and diagnosis.joint_scatter is not None:

@@ -9,10 +9,10 @@ import numpy as np
 
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.diagnosis import CyclesWanted, PlannedRun, design, planned_columns
-from scara_iso.effects import Conditions
+from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
-from scara_iso.library import TableOptions
+from scara_iso.library import TableOptions, defined
 from scara_iso.quantities import Dimension
 from scara_iso.render import design_json
 from scara_iso.reporting import design_report
@@ -28,6 +28,7 @@ def show_design(
     *,
     sigma: float | None,
     columns: str | None,
+    effects: str | None,
     seed: int,
     as_json: bool,
 ) -> None:
@@ -41,7 +42,7 @@ def show_design(
         if tables
         else _planned(wanted.cycles or CYCLES_RUN, sigma, reading.resolution, columns or "")
     )
-    found = design(plan, seed=seed)
+    found = design(plan, seed=seed, effects=find_effects(defined(effects or ())))
     if as_json:
         write_json(design_json(plan, found))
     else:

@@ -16,7 +16,7 @@ from scara_iso.reporting import Failure, summary_report
 
 def show_many(
     tables: Sequence[str],
-    model: str | None,
+    files: tuple[str | None, str | None],
     reading: TableOptions,
     wanted: CyclesWanted,
     *,
@@ -25,10 +25,11 @@ def show_many(
 ) -> None:
     """Diagnose every table, in as many processes as there are cores, and write a summary.
 
-    A table that cannot be diagnosed is said in its row; the exit code is then the first one's.
+    ``files`` are that of the model and that of the user's effects. A table that cannot be
+    diagnosed is said in its row; the exit code is then the first one's.
     """
     console = open_console(sys.stderr, no_color=settings.no_color)
-    each = diagnose_each(tables, model, reading, wanted, seed=seed)
+    each = diagnose_each(tables, files, reading, wanted, seed=seed)
     found = list(track(each, len(tables), console))
     if as_json:
         write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(tables, found)})

@@ -87,6 +87,14 @@ ConditionName = Annotated[
 ModelFile = Annotated[str, typer.Argument(metavar="MODEL", help="A model file, .toml.")]
 
 
+OwnEffectsFile = Annotated[
+    str | None,
+    typer.Option(
+        "--effects", metavar="FILE", help="Effects of your own: name, formula, ranges; a TOML file."
+    ),
+]
+
+
 class ExcelName(StrEnum):
     """Language of the Excel that is to open a table."""
 

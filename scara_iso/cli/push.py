@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import typer
@@ -16,7 +17,7 @@ from scara_iso.cli.options import (
     parse_limits,
 )
 from scara_iso.cli.output import command_line, write_json, write_report
-from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.iso9283 import Conformity, DecisionRule, Limit
 
 Loop = Annotated[
     str, typer.Argument(metavar="LOOP", help="Table with force_N and reading; - is standard input.")
@@ -27,8 +28,8 @@ Limits = Annotated[
     typer.Option(
         metavar="[FIGURE=]SIZE",
         help="Exit with 1 where the lost motion is not proven to be at most this [arcmin]; "
-        "hysteresis=2 for another figure of the joint, deflection_mm=0.24 for one of the reading. "
-        "May be repeated.",
+        "hysteresis=2 for another figure of the joint, deflection_mm=0.20..0.24 for one of the "
+        "reading, with a smallest value too. May be repeated.",
     ),
 ]
 
@@ -55,7 +56,7 @@ def push_command(
         arm=arm,
         unit=unit,
         resolution=resolution,
-        limits=parse_limits(limit or ()),
+        limits=_limits(limit or ()),
         decision=decision.value,
     )
     if json:
@@ -73,3 +74,19 @@ def push_command(
         write_report(push_report(found) if full else push_brief(found, following))
     if found.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)
+
+
+def _limits(texts: Sequence[str]) -> dict[str, Limit]:
+    """Return the limits by figure; ``0.20..0.24`` is a smallest and a largest value."""
+    split = ((figure, size.partition("..")) for figure, size in map(_apart, texts))
+    parts = [(figure, least, dots, most) for figure, (least, dots, most) in split]
+    upper = parse_limits(
+        [figure + (most if dots else least) for figure, least, dots, most in parts]
+    )
+    lower = parse_limits([figure + least for figure, least, dots, _ in parts if dots])
+    return {name: (lower[name], one) if name in lower else one for name, one in upper.items()}
+
+
+def _apart(text: str) -> tuple[str, str]:
+    figure, equals, size = text.rpartition("=")
+    return figure + equals, size

@@ -20,7 +20,7 @@ _Gauge = Annotated[
     typer.Option(
         metavar="AXIS=DRIVER@PORT",
         help="An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
-        "a URL such as socket://HOST:PORT, replay:FILE, sim:, or keyboard:. "
+        "a URL such as socket://HOST:PORT, ble:ADDRESS, replay:FILE, sim:, or keyboard:. "
         "DRIVER auto tries those that fit.",
     ),
 ]
@@ -82,6 +82,15 @@ _Bench = Annotated[
         show_default=False,
     ),
 ]
+_Watch = Annotated[
+    bool | None,
+    typer.Option(
+        "--watch/--no-watch",
+        help="Say at each cycle whether something other than scatter acts; on the screen unless "
+        "--no-watch.",
+        show_default=False,
+    ),
+]
 _Quiet = Annotated[bool, typer.Option("--quiet", help="No tone on stored and on refused.")]
 _Json = Annotated[
     bool, typer.Option("--json", help="JSON lines; so too where there is no terminal.")
@@ -106,6 +115,7 @@ def record_command(
     rebuild: _Rebuild = None,
     excel_locale: ExcelLocale = None,
     bench: _Bench = None,
+    watch: _Watch = None,
     quiet: _Quiet = False,
     json: _Json = False,
 ) -> None:
@@ -128,7 +138,7 @@ def record_command(
         table=table, gauges=tuple(gauge or ()), trigger=trigger, cycles=cycles,
         pose=pose, stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()),
         meta_file=meta_file, resume=resume, part=part, repeat=repeat,
-        excel_locale=excel_locale, json=json, bench=bench, quiet=quiet,
+        excel_locale=excel_locale, json=json, bench=bench, watch=watch, quiet=quiet,
     )  # fmt: skip
     if table is None and options.guided:
         from scara_iso.cli.guide import record_guided

@@ -34,6 +34,7 @@ class RecordOptions:
     excel_locale: str | None
     json: bool
     bench: Path | None = None
+    watch: bool | None = None
     quiet: bool = False
     usual_trigger: str | None = None
 
@@ -41,6 +42,11 @@ class RecordOptions:
     def shown(self) -> bool:
         """Whether the recording shows on a terminal."""
         return not self.json and sys.stdout.isatty()
+
+    @property
+    def watched(self) -> bool:
+        """Whether the readings are watched: on a terminal unless it is not wanted."""
+        return self.shown if self.watch is None else self.watch
 
     @property
     def guided(self) -> bool:

@@ -27,11 +27,13 @@ from scara_iso.acquisition import (
     Tour,
     Voided,
     Waiting,
+    Watched,
     as_json,
 )
 from scara_iso.cli.keyboard import KEYS, Keys
 from scara_iso.errors import DataError, WriteError
 from scara_iso.render import AxisView, LiveScreen, LiveView, to_text
+from scara_iso.reporting import warning
 
 REDRAW_S = 0.1
 _BETWEEN_BELLS_S = 0.25
@@ -102,6 +104,7 @@ class Screen:
         self._stale = True
         self._quiet = quiet
         self._bells: list[float] = []
+        self._warning: tuple[str, ...] = ()
 
     def __enter__(self) -> Screen:
         self._live.__enter__()
@@ -135,6 +138,8 @@ class Screen:
     def tell(self, said: Said) -> None:
         """Take what the session says."""
         self._take(said)
+        if isinstance(said, Watched):
+            self._warn(said)
         self._sound(said)
         self._stale = True
         self._redraw()
@@ -186,6 +191,12 @@ class Screen:
                 then = f"record --resume {said.table}" if short else _analyze(said)
                 self._last = self._following or then
 
+    def _warn(self, said: Watched) -> None:
+        now = time.monotonic()
+        if said.says == "structure" and not self._warning and not self._quiet:
+            self._bells = [now, now + _BETWEEN_BELLS_S]
+        self._warning = warning(said)
+
     def _trouble(self, said: Problem | Gross | Refused) -> None:
         found: tuple[str, str]
         match said:
@@ -209,6 +220,7 @@ class Screen:
             axes=[self._axis(name) for name in self._readings],
             status=self._status,
             troubles=", ".join(f"{n} {kind}" for kind, n in sorted(self._troubles.items())),
+            warning=self._warning,
             next_step=self._next_step() if self._last or not over else "",
             keys="" if over or not isinstance(self._operator, Keys) else self._keys(),
             prompt=self._operator.prompt if isinstance(self._operator, Keys) else "",

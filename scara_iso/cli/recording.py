@@ -48,7 +48,7 @@ from scara_iso.cli.output import settings
 from scara_iso.cli.record_options import RecordOptions, complete, confirm
 from scara_iso.cli.record_screen import Screen, write_line
 from scara_iso.errors import UsageError
-from scara_iso.library import Nobody
+from scara_iso.library import Nobody, Watcher
 from scara_iso.render import LiveScreen, open_console
 from scara_iso.reporting import printable
 
@@ -151,17 +151,17 @@ def record_table(
         if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
             metadata = metadata or _ask_metadata()
     job = Job(table, specs, plan, metadata, options.resume, options.excel_locale)
-    _run(job, earlier, on_terminal=on_terminal, assignment=assignment, quiet=options.quiet)
+    _run(job, earlier, options, assignment=assignment)
 
 
 def _run(
     job: Job,
     earlier: History | None,
+    options: RecordOptions,
     *,
-    on_terminal: bool,
     assignment: Assignment | None,
-    quiet: bool,
 ) -> None:
+    on_terminal = options.shown
     clock = choose_clock(spec.address for spec in job.gauges)
     with ExitStack() as stack:
         stack.enter_context(_ended_by_signals())
@@ -169,9 +169,11 @@ def _run(
         typed = operator.typed if isinstance(operator, TypedKeys | TypedLines) else None
         tell: Callable[[Said], None] = write_line
         if on_terminal:
-            screen = _screen(job, earlier, operator, assignment, quiet=quiet)
+            screen = _screen(job, earlier, operator, assignment, quiet=options.quiet)
             operator = stack.enter_context(screen)
             tell = screen.tell
+        if options.watched:
+            tell = Watcher(job, earlier, tell).told
         if assignment is not None:
             from scara_iso.acceptance import told_of_part
 

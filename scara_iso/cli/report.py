@@ -25,6 +25,7 @@ from scara_iso.cli.options import (
     FirstDiscarded,
     LimitRule,
     Limits,
+    OwnEffectsFile,
     ResolutionOfTable,
     Sheet,
     Tables,
@@ -33,7 +34,7 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import check_outputs, named, settings, write_json
 from scara_iso.errors import DataError, UsageError
-from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.iso9283 import Analysis, Conformity, DecisionRule
 
 ModelFile = Annotated[
     str | None,
@@ -73,6 +74,7 @@ def report_command(
     table: Tables,
     *,
     model: ModelFile = None,
+    effects: OwnEffectsFile = None,
     output: Output = None,
     pose: Pose = None,
     limit: Limits = None,
@@ -102,6 +104,7 @@ def report_command(
     reading = library.TableOptions(unit, resolution, decimal, sheet, columns)
     options: dict[str, Any] = {
         "model": model,
+        "own_effects": effects,
         "pose": pose,
         "limits": parse_limits(limit or ()),
         "decision": decision.value,
@@ -121,7 +124,7 @@ def report_command(
         report_folder(folder, condition, output, archive, options, as_json=json)
         return
     path = output or (None if json else Path(f"{_stem(table)}.html"))
-    read = [*named(table), model, None if meta_file is None else str(meta_file)]
+    read = [*named(table), model, effects, None if meta_file is None else str(meta_file)]
     check_outputs([path, archive], read)
     found = library.report(table, to=path, **asdict(reading), **options)
     for one in found.dossier.provenance.restated:
@@ -135,8 +138,13 @@ def report_command(
         typer.echo(reporting.printable(f"{archive} is written"), err=json)
     if json:
         write_json(render.report_json(found.dossier))
-    if found.analysis.conformity not in (None, Conformity.PASS):
-        said = "; ".join(block.text for block in reporting.conformity(found.analysis))
+    _exit_by(found.analysis)
+
+
+def _exit_by(analysis: Analysis) -> None:
+    """Say where limits are not kept, and exit accordingly."""
+    if analysis.conformity not in (None, Conformity.PASS):
+        said = "; ".join(block.text for block in reporting.conformity(analysis))
         typer.echo(reporting.printable(f"scara-iso: {said}"), err=True)
         raise typer.Exit(NOT_WITHIN_LIMITS)
 

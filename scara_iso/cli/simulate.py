@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
+from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile, OwnEffectsFile
 from scara_iso.cli.output import check_outputs, write_json, write_text
 from scara_iso.errors import UsageError
 
@@ -39,6 +39,9 @@ Temperature = Annotated[
 Payload = Annotated[
     str | None, typer.Option(metavar="KG,KG,...", help="Loads by turns; adds payload_kg.")
 ]
+Interval = Annotated[
+    float | None, typer.Option(metavar="SECONDS", help="From cycle to cycle; adds time_s.")
+]
 DriveTrainWanted = Annotated[
     bool, typer.Option("--drivetrain", help="Rest positions from the gears through time.")
 ]
@@ -54,7 +57,9 @@ def simulate_command(
     approach: ApproachSide = None,
     temperature: Temperature = None,
     payload: Payload = None,
+    interval: Interval = None,
     drivetrain: DriveTrainWanted = False,
+    effects: OwnEffectsFile = None,
     output: Output = None,
     excel_locale: ExcelLocale = None,
     json: AsJson = False,
@@ -67,7 +72,7 @@ def simulate_command(
     from scara_iso.render import run_json
     from scara_iso.tables import find_locale, write_table
 
-    check_outputs([output], [model])
+    check_outputs([output], [model, effects])
     run = simulate(
         model,
         cycles=cycles,
@@ -76,7 +81,9 @@ def simulate_command(
         approach=None if approach is None else approach.value,
         temperature=None if temperature is None else _ends(temperature),
         payload=None if payload is None else _numbers("--payload", payload, ","),
+        interval=interval,
         drivetrain=drivetrain,
+        own_effects=effects or (),
     )
     if output is not None or not json:
         write_text(write_table(run, find_locale(excel_locale)), output)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.diagnosis.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.held_out import HeldOut as HeldOut
-    from scara_iso.diagnosis.hypotheses import HypothesisSet as HypothesisSet
+    from scara_iso.diagnosis.hypothesis_set import HypothesisSet as HypothesisSet
     from scara_iso.diagnosis.joint_scatter import (
         JointCorrelation as JointCorrelation,
         JointScatter as JointScatter,
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
         SourceOfScatter as SourceOfScatter,
         with_joint_scatter as with_joint_scatter,
     )
+    from scara_iso.diagnosis.looks import ALARM as ALARM
     from scara_iso.diagnosis.marginal import marginal_tests as marginal_tests
+    from scara_iso.diagnosis.monitoring import Monitor as Monitor, Suspicion as Suspicion
     from scara_iso.diagnosis.permutation import order_test as order_test
     from scara_iso.diagnosis.planning import (
         Alike as Alike,
@@ -41,7 +43,9 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
+        SECOND as SECOND,
         AtJoint as AtJoint,
+        ByAxis as ByAxis,
         Diagnosis as Diagnosis,
         DiagnosisOfPoses as DiagnosisOfPoses,
         Error as Error,
@@ -52,6 +56,8 @@ if TYPE_CHECKING:
         Separation as Separation,
         Series as Series,
         Shares as Shares,
+        UnexplainedCourse as UnexplainedCourse,
+        UnseenRP as UnseenRP,
     )
     from scara_iso.diagnosis.reversals import (
         GearDiagnosis as GearDiagnosis,

@@ -15,7 +15,8 @@ from scara_iso.diagnosis.evidence import (
     log_bayes,
     log_bayes_of_course,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet
+from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.on_dial import DialReadings, on_dial
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, SURE
 from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,9 +11,8 @@ from scara_iso.diagnosis.all_poses import whole_cycles
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.result import Diagnosis, DiagnosisOfPoses
-from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.diagnosis.saving import declarations
-from scara_iso.effects import Conditions, find_effects
+from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
 from scara_iso.robot import Model, is_random, predict
@@ -75,16 +74,18 @@ def close_the_loop(
     hold_out: Run | None = None,
     seed: int,
     sigma: float | None = None,
+    own: Sequence[OwnEffect] = (),
 ) -> Diagnosis:
     """Return what ``model`` (None: a constant pose) leaves unexplained in the rows that count.
 
-    ``sigma`` is the known scatter of the readings in mm, of every axis in mm. Errors as in
-    `CyclesWanted.take` and `diagnosis.diagnose`, and `DataError` for a model that has none of the
-    run's axes.
+    ``own`` are effects of the user's beside those of the model; ``sigma`` is the known scatter of
+    the readings in mm, of every axis in mm. Errors as in `CyclesWanted.take` and
+    `diagnosis.diagnose`, and `DataError` for a model that has none of the run's axes.
     """
     used = wanted.take(run)
     model = None if model is None else model.at(wanted.pose or used.metadata.get("pose"))
     second = None if hold_out is None else wanted.take(hold_out)
+    known_own = _all_own(own, model)
     found = diagnose_readings(
         used,
         _predicted(model, used),
@@ -93,13 +94,34 @@ def close_the_loop(
         held_out_predicted=None if second is None else _predicted(model, second),
         directions={} if model is None else directions_of(model),
         sigma={name: sigma for name, axis in used.axes.items() if sigma and axis.unit == "mm"},
+        effects=find_effects(known_own),
     )
+    found = replace(found, notes=(*_not_looked_for(known_own, used), *found.notes))
     if model is None:
         return found
+    from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
+
     reversals = diagnose_run_reversals(used, model, seed=seed)
     notes = (*found.notes, *_as_declared(found, model), *_doubts(model, run))
     found = replace(found, notes=notes, reversals=reversals)
     return _with_gone(found, model, used, seed=seed)
+
+
+def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, ...]:
+    """Return the user's effects, those of the model among them, each once."""
+    known = {one.name: one for one in (*own, *(() if model is None else model.own))}
+    return tuple(known.values())
+
+
+def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:
+    """Yield which of the user's effects cannot show in a run, and why."""
+    for one in own:
+        missing = [name for name in one.needs if name not in run.covariates]
+        forms = one.forms(Conditions(run.cycle, run.covariates))
+        if missing:
+            yield f"{one.name}: not looked for; the table has no column {', '.join(missing)}"
+        elif not any(np.ptp(form.columns) > 0 for form in forms if isinstance(form, Shape)):
+            yield f"{one.name}: not looked for; its formula moves nothing in these cycles"
 
 
 def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagnosis:
@@ -113,8 +135,9 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
         return found
     known = replace(model, effects=(*model.effects, *on_gear))
     left = diagnose_readings(
-        used, _predicted(known, used), seed=seed, directions=directions_of(model)
-    )
+        used, _predicted(known, used), seed=seed, directions=directions_of(model),
+        effects=find_effects(model.own),
+    )  # fmt: skip
     still = {one.effect for one in left.effects}
     gone = tuple(one.effect for one in found.effects if one.effect not in still)
     effects = {effect.name: effect for effect in find_effects()}
@@ -130,7 +153,7 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
 
 def _as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
     """Yield which effects the model declares already: chance draws them anew in every test."""
-    effects = {effect.name: effect for effect in find_effects()}
+    effects = {effect.name: effect for effect in find_effects(model.own)}
     again = {one.effect for one in found.effects}
     for one in model.effects:
         effect = effects.get(one.name)
@@ -152,17 +175,27 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
 
 
 def close_the_loop_at_poses(
-    run: Run, model: Model | None, wanted: CyclesWanted, *, seed: int
+    run: Run,
+    model: Model | None,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    own: Sequence[OwnEffect] = (),
 ) -> DiagnosisOfPoses:
     """Return what ``model`` (None: a constant) leaves unexplained at all poses of a run together.
 
     Effects are traced to the joints where the model gives the arm and its joints at every pose.
+    ``own`` are effects of the user's beside those of the model.
     """
     run = run.unwrapped()
     used = wanted.used(run)
     test = whole_cycles(run, {str(p): rows for p, rows in zip(used.poses, used.rows, strict=True)})
+    known_own = _all_own(own, model)
+    catalogue = find_effects(known_own)
+    unseen = tuple(_not_looked_for(known_own, test.run))
     if model is None:
-        return diagnose_poses(test, seed=seed)
+        found = diagnose_poses(test, seed=seed, effects=catalogue)
+        return replace(found, notes=(*unseen, *found.notes))
     at = {label: run.arrival_at(label)[0] for label in test.parts}
     joints = {label: model.at(pose).joints_deg for label, pose in at.items() if pose in model.poses}
     known = {label: pair for label, pair in joints.items() if pair is not None}
@@ -173,9 +206,14 @@ def close_the_loop_at_poses(
         if model.poses  # else its effects are of one pose, and nobody says which
     }
     found = diagnose_poses(
-        test, expected, arm=model.arm if traced else None, joints_deg=known, seed=seed
+        test,
+        expected,
+        arm=model.arm if traced else None,
+        joints_deg=known,
+        seed=seed,
+        effects=catalogue,
     )
-    notes = (*found.notes, *_not_traced(model, at, known), *_doubts(model, run))
+    notes = (*unseen, *found.notes, *_not_traced(model, at, known), *_doubts(model, run))
     return replace(found, notes=notes)
 
 

@@ -14,14 +14,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.hypothesis_set import constant, extended
+from scara_iso.diagnosis.normal import normal_cdf
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Foretold
 from scara_iso.diagnosis.tuning import LEAST_ON_DIAL
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import repeatability
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 _CYCLES = 30
 _DRAWS = 1000
@@ -29,33 +30,39 @@ _SCATTERS, _LEVELS = 60, 31
 _LIMITS = (0.025, 0.5, 0.975)
 
 
-def foretold(
+def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
     problem: SearchProblem,
     fitted: Fit,
     effects: Mapping[str, Effect],
     groups: Mapping[str, tuple[tuple[int, float], ...]],
     sigma: FloatArray,
     rng: np.random.Generator,
+    *,
+    cycles: int = _CYCLES,
+    seen: IntArray | None = None,
+    at: IntArray | None = None,
 ) -> dict[str, Foretold]:
-    """Return RP that a new test of 30 cycles would have, for each of the ``groups``.
+    """Return RP that a new test of so many ``cycles`` would have, for each of the ``groups``.
 
     A group is an axis or a plane by name: columns of the residual and the slopes on them.
-    ``sigma`` (draws, axes) is the `scatter_draws`.
+    ``sigma`` (draws, axes) is the `scatter_draws`. ``seen`` are the rows that the fit knows, all
+    unless given; ``at`` the ``cycles`` rows whose courses the new test takes.
     """
     residual = problem.residual
     n, axes = residual.values.shape
-    rows = np.tile(np.arange(n), (_DRAWS, 1))
-    if n != _CYCLES:
-        rows = rng.integers(n, size=(_DRAWS, _CYCLES))
-    course, width = _course(problem, fitted, effects, sigma, rng)
-    left = np.linalg.cholesky(_correlation(residual.values - fitted.predicted))
-    noise = rng.normal(size=(_DRAWS, _CYCLES, axes)) @ left.T * sigma[:, np.newaxis]
+    rows = np.tile(np.arange(n) if at is None else at, (_DRAWS, 1))
+    if rows.shape[1] != cycles:
+        rows = rng.integers(n, size=(_DRAWS, cycles))
+    known = problem.rows if seen is None else seen
+    course, width = _course(problem, fitted, effects, sigma * (n / len(known)) ** 0.5, rng)
+    left = np.linalg.cholesky(_correlation((residual.values - fitted.predicted)[known]))
+    noise = rng.normal(size=(_DRAWS, cycles, axes)) @ left.T * sigma[:, np.newaxis]
     each = np.arange(_DRAWS)[:, np.newaxis]
-    seen = course[each, rows] + noise * width[rows]
+    shown = course[each, rows] + noise * width[rows]
     offset = rng.uniform(-0.5, 0.5, size=(_DRAWS, 1, axes))
     division = residual.division
-    steps = np.rint(seen / np.where(division > 0, division, 1.0) + offset) * division
-    read = np.where(division > 0, steps, seen)
+    steps = np.rint(shown / np.where(division > 0, division, 1.0) + offset) * division
+    read = np.where(division > 0, steps, shown)
     found = {}
     for name, columns in groups.items():
         positions = np.stack([slope * read[:, :, a] for a, slope in columns], axis=1)
@@ -104,9 +111,15 @@ def _correlation(left: FloatArray) -> FloatArray:
     return np.asarray(0.98 * scaled.T @ scaled + np.diag(1 - 0.98 * (scaled**2).sum(axis=0)))
 
 
-def scatter_draws(residual: Residual, fitted: Fit, rng: np.random.Generator) -> FloatArray:
-    """Return draws (draws, axes) of each axis' standard deviation beside effects and rounding."""
+def scatter_draws(
+    residual: Residual, fitted: Fit, rng: np.random.Generator, seen: IntArray | None = None
+) -> FloatArray:
+    """Return draws (draws, axes) of each axis' standard deviation beside effects and rounding.
+
+    ``seen`` are the rows that the fit knows, all unless given.
+    """
     left, division = residual.values - fitted.predicted, residual.division
+    left = left if seen is None else left[seen]
     n, axes = left.shape
     numbers = sum((part != 0).any(axis=0) * len(c) for part, c in zip(
         fitted.parts, fitted.coefficients, strict=True)) + np.zeros(axes)  # fmt: skip
@@ -125,13 +138,11 @@ def scatter_draws(residual: Residual, fitted: Fit, rng: np.random.Generator) -> 
 
 def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
     """Return scatters in divisions and their posterior given residuals y (n,) on the dial."""
-    from scipy.special import ndtr  # noqa: PLC0415 - heavy
-
     size = max(float(y.std(ddof=1)), 0.3)
     s = np.geomspace(LEAST_ON_DIAL, 3 * size, _SCATTERS)[:, np.newaxis, np.newaxis]
     level = y.mean() + np.linspace(-1, 1, _LEVELS)[:, np.newaxis] * max(0.6, size)
     apart = -np.abs(y - level)
-    p = np.maximum(ndtr((apart + 0.5) / s) - ndtr((apart - 0.5) / s), 1e-300)
+    p = np.maximum(normal_cdf((apart + 0.5) / s) - normal_cdf((apart - 0.5) / s), 1e-300)
     log = power * np.log(p).sum(axis=2)
     weight = np.exp(log - log.max()).sum(axis=1)
     return s[:, 0, 0], weight / weight.sum()

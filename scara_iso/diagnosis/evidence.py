@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.hypotheses import HypothesisSet, extended
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
 from scara_iso.diagnosis.tuning import GAIN, KNOWN_FROM
 from scara_iso.run import FloatArray, IntArray
 

@@ -9,7 +9,7 @@ import numpy as np
 from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.direction import Match, match
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.hypothesis_set import constant, extended
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import ByAxis, Found, Shares
@@ -76,6 +76,8 @@ def _found(
     moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
     return Found(
         effect=effect.name,
+        units={p.name: p.unit for p in effect.parameters}
+        | {p.in_seconds: "s" for p in effect.parameters if p.timed},
         axes=moved,
         joint=where.name,
         angles=where.angles,
@@ -116,7 +118,8 @@ def _parameters(
             for a in np.flatnonzero(term.moves):
                 for name, value in effect.linear.sizes(coefficients[:, a]).items():
                     sizes.setdefault(name, {})[residual.axes[a]] = value
-            return {**form.parameters, **sizes}
+            seconds = effect.timed(residual.conditions, form.parameters)
+            return {**form.parameters, **seconds, **sizes}
         case Spread():
             return dict(form.parameters)
         case Process():

@@ -36,13 +36,15 @@ def cross_validated(
     *,
     with_chains: bool,
     log_changes: Sequence[Mapping[str, float]] = (),
+    limits: Sequence[float] = (),
     repeats: int = REPEATS,
 ) -> HeldOut:
     """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
 
-    Each fold chooses anew as many effects as the whole run's tests admitted. That a fold's fit
-    has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its excess over
-    the whole fit, on all cycles, is taken off.
+    Each fold chooses anew how many effects there are, up to those that the whole run's tests
+    admitted, and which; ``log_changes`` and ``limits`` as in `find_again`. That a fold's fit has
+    fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its excess over the
+    whole fit, on all cycles, is taken off.
     """
     values, n = problem.residual.values, len(problem.residual)
     before, after = [], []
@@ -51,8 +53,9 @@ def cross_validated(
             rows = np.setdiff1d(np.arange(n), unseen)
             pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
             terms = find_again(
-                problem, rows, len(fitted.terms), with_chains=with_chains, log_changes=log_changes
-            )
+                problem, rows, len(fitted.terms), with_chains=with_chains,
+                log_changes=log_changes, limits=limits,
+            )  # fmt: skip
             predicted = fit(terms, values[rows], rows, n).predicted
             before.append(_excess(values, pose, unseen))
             after.append(_excess(values, predicted, unseen))
@@ -72,9 +75,12 @@ def _error(values: FloatArray, predicted: FloatArray, excess: list[FloatArray]) 
     return np.asarray(np.sqrt(np.maximum(seen, seen + np.mean(excess, axis=0))))
 
 
-def on_second_run(fitted: Fit, effects: Mapping[str, Effect], second: Residual) -> HeldOut:
+def on_second_run(
+    fitted: Fit, effects: Mapping[str, Effect], first: Conditions, second: Residual
+) -> HeldOut:
     """Return the error on another run of the same axes, its pose left free.
 
+    Times that were found in the ``first`` run are the same in seconds where both have a clock.
     What chance drew in the first run, and its accidents, say nothing about another run. Raises
     `DataError` where ``second`` lacks a column through which one of the ``effects`` (by name) acts.
     """
@@ -88,7 +94,7 @@ def on_second_run(fitted: Fit, effects: Mapping[str, Effect], second: Residual) 
             )
     predicted = sum(
         (
-            _transferred(t, c, effects, second.conditions)
+            _transferred(t, c, effects, (first, second.conditions))
             for t, c in zip(fitted.terms, fitted.coefficients, strict=True)
         ),
         np.zeros_like(second.values),
@@ -100,11 +106,16 @@ def on_second_run(fitted: Fit, effects: Mapping[str, Effect], second: Residual) 
 
 
 def _transferred(
-    term: Term, coefficients: FloatArray, effects: Mapping[str, Effect], conditions: Conditions
+    term: Term,
+    coefficients: FloatArray,
+    effects: Mapping[str, Effect],
+    between: tuple[Conditions, Conditions],
 ) -> FloatArray:
     if not isinstance(term.form, Shape):
         return np.zeros(coefficients.shape[1])
-    known = effects[term.effect].course(conditions, term.form.parameters)
+    first, second = between
+    effect, found = effects[term.effect], term.form.parameters
+    known = effect.course(second, effect.at_pace(second, {**found, **effect.timed(first, found)}))
     return np.zeros(coefficients.shape[1]) if known is None else known.columns @ coefficients
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.evidence import LARGEST_LOG, Views
-from scara_iso.diagnosis.hypotheses import HypothesisSet
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.rounded import (
     DialCourse,
     DialLikelihoods,

@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.choice import Weighed
 from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
-from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, extended
+from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, extended
 from scara_iso.diagnosis.tuning import (
     AMPLITUDES,
     PAIR_EFFECTS,

@@ -8,15 +8,16 @@ permuted ones by chance. After a fit the residuals are permuted (Freedman and La
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
-from scara_iso.diagnosis.hypotheses import HypothesisSet
-from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE, WIDENING_SHARE
 from scara_iso.diagnosis.two_state import Emissions
+from scara_iso.diagnosis.widening import widening
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-9
@@ -24,7 +25,7 @@ _BLOCK = 32
 """Orders compared at once: as many as leave the work in the processor's cache."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class OrderTest:
     """Statistic of the run, and the share of orders with one as large: its p-value."""
 
@@ -32,6 +33,12 @@ class OrderTest:
     p_value: float
     at_floor: bool
     """No permutation came as far: the chance is at most p."""
+    of_orders: FloatArray = field(default_factory=lambda: np.empty(0))
+    """Statistics of the orders that were looked at."""
+
+    def limit(self, level: float) -> float:
+        """Return the statistic that a share ``level`` of the orders reach."""
+        return float(np.quantile(self.of_orders, 1 - level)) if len(self.of_orders) else -np.inf
 
 
 def order_test(
@@ -40,11 +47,13 @@ def order_test(
     rng: np.random.Generator,
     *,
     emissions: Sequence[Emissions] = (),
+    spreading: FloatArray | None = None,
     permutations: int = PERMUTATIONS,
 ) -> OrderTest:
     """Return the test of the views' cycles against ``permutations`` of them.
 
-    ``emissions`` are those of each axis that may show two states.
+    ``emissions`` are those of each axis that may show two states, ``spreading`` (n, axes) the
+    residuals whose scatter may change.
 
     Axes stay together: one order serves all. Exact at any level when the set's basis is the
     constant pose; p is at least 1 / (permutations + 1). It ends with the ENOUGHth order whose
@@ -53,22 +62,40 @@ def order_test(
     """
     n = len(views.columns)
     orders = np.array([np.arange(n), *(rng.permutation(n) for _ in range(permutations))])
-    persistent = _persistence(emissions, orders)
-    observed = float(log_statistic(hypotheses, views, orders[:1], persistent[:1])[0])
-    as_large = np.zeros(0, dtype=bool)
-    while len(as_large) < permutations and as_large.sum() < ENOUGH:
-        block = slice(1 + len(as_large), 1 + len(as_large) + _BLOCK)
-        statistics = log_statistic(hypotheses, views, orders[block], persistent[block])
-        as_large = np.concatenate([as_large, statistics >= observed - _EQUAL])
-    return OrderTest(observed, _p_value(as_large), not as_large.any())
+    beside = _beside(emissions, spreading, orders)
+    observed = float(log_statistic(hypotheses, views, orders[:1], beside[:1])[0])
+    found = np.empty(0)
+    while len(found) < permutations and (found >= observed - _EQUAL).sum() < ENOUGH:
+        block = slice(1 + len(found), 1 + len(found) + _BLOCK)
+        statistics = log_statistic(hypotheses, views, orders[block], beside[block])
+        found = np.concatenate([found, statistics])
+    as_large = found >= observed - _EQUAL
+    return OrderTest(observed, _p_value(as_large), not as_large.any(), found)
 
 
-def _persistence(emissions: Sequence[Emissions], orders: IntArray) -> FloatArray:
-    """Return the evidence that states persist, for each order, beside that of the set."""
-    if not emissions:
-        return np.zeros(len(orders))
-    ratios = [each.persistence(orders) for each in emissions]
-    return np.asarray(PERSISTENCE_SHARE * np.mean(ratios, axis=0))
+def order_statistic(
+    hypotheses: HypothesisSet,
+    views: Views,
+    emissions: Sequence[Emissions] = (),
+    spreading: FloatArray | None = None,
+) -> float:
+    """Return the statistic of `order_test` of the cycles as they are."""
+    as_is = np.arange(len(views.columns))[np.newaxis]
+    beside = _beside(emissions, spreading, as_is)
+    return float(log_statistic(hypotheses, views, as_is, beside)[0])
+
+
+def _beside(
+    emissions: Sequence[Emissions], spreading: FloatArray | None, orders: IntArray
+) -> FloatArray:
+    """Return the evidence beside that of the set: that states persist, and that scatter changes."""
+    evidence = np.zeros(len(orders))
+    if emissions:
+        ratios = [each.persistence(orders) for each in emissions]
+        evidence += PERSISTENCE_SHARE * np.mean(ratios, axis=0)
+    if spreading is not None:
+        evidence += WIDENING_SHARE * widening(spreading, orders)
+    return evidence
 
 
 def _p_value(as_large: npt.NDArray[np.bool_]) -> float:

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
 
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
-from scara_iso.diagnosis.hypotheses import (
-    Hypothesis,
-    HypothesisSet,
-    build,
-    constant,
-    extended,
-    hypotheses_of,
-)
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant, extended
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.errors import DataError
@@ -125,8 +120,8 @@ def smallest_effects(
     for name in dict.fromkeys(m.effect for m in ordered if m.named):
         shapes = [m for m in ordered if m.effect == name and isinstance(m.form, Shape)]
         if shapes:
-            power = [_power(hypotheses, plan, shapes, travel, critical, rng) for travel in travels]
-            found.append(Smallest(name, _crossing(np.array(power), travels * plan.sigma)))
+            power = partial(_power, hypotheses, plan, shapes, critical, rng)
+            found.append(Smallest(name, _crossing(power, travels, plan.sigma)))
     return tuple(found)
 
 
@@ -182,9 +177,9 @@ def _power(
     hypotheses: HypothesisSet,
     plan: PlannedRun,
     shapes: Sequence[Hypothesis],
-    travel: float,
     critical: float,
     rng: np.random.Generator,
+    travel: float,
 ) -> float:
     weights = np.array([m.weight for m in shapes])
     drawn = rng.choice(len(shapes), _RUNS, p=weights / weights.sum())
@@ -218,14 +213,17 @@ def _statistics(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatA
     return np.asarray(np.log(hypotheses.test_weights @ joint_evidence(log_bf, views)))
 
 
-def _crossing(power: FloatArray, travels: FloatArray) -> float | None:
-    """Return the travel at which the power passes 80 %, interpolated."""
-    above = np.flatnonzero(power >= POWER)
-    if not len(above):
+def _crossing(power: Callable[[float], float], travels: FloatArray, sigma: float) -> float | None:
+    """Return the travel at which the power passes 80 %, bisected, interpolated; times sigma."""
+    low, high = -1, len(travels) - 1
+    seen = {high: power(travels[high])}
+    if seen[high] < POWER:
         return None
-    k = int(above[0])
-    if k == 0:
-        return float(travels[0])
-    low, high = power[k - 1], power[k]
-    share = (POWER - low) / (high - low)
-    return float(travels[k - 1] + share * (travels[k] - travels[k - 1]))
+    while high - low > 1:
+        middle = (low + high) // 2
+        seen[middle] = power(travels[middle])
+        low, high = (low, middle) if seen[middle] >= POWER else (middle, high)
+    if low < 0:
+        return float(travels[0] * sigma)
+    share = (POWER - seen[low]) / (seen[high] - seen[low])
+    return float((travels[low] + share * (travels[high] - travels[low])) * sigma)

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import ManyPoses, Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
-from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.on_dial import DialReadings
 from scara_iso.diagnosis.places import Place
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.diagnosis.beyond import courses_of
 from scara_iso.diagnosis.completed import foretold, scatter_draws
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
@@ -21,6 +22,7 @@ from scara_iso.diagnosis.result import (
     Repeatabilities,
     Series,
     Shares,
+    UnseenRP,
 )
 from scara_iso.diagnosis.search import Stage, find
 from scara_iso.diagnosis.tuning import (
@@ -31,6 +33,7 @@ from scara_iso.diagnosis.tuning import (
     SEED,
     WORTH_CHAINS,
 )
+from scara_iso.diagnosis.unseen import of_other_half, of_second_run
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
@@ -69,7 +72,7 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
     known = tuple(catalogue.values())
     problem = problem_of(run, predicted, directions=directions or {}, effects=known, sigma=sigma)
-    second = _second(held_out, held_out_predicted, problem.residual)
+    second = None if held_out is None else (held_out.unwrapped(), held_out_predicted)
     return diagnose_problem(
         problem, run, predicted, groups_of(run.axes), seed=seed, level=level, second=second
     ).diagnosis
@@ -91,11 +94,12 @@ def diagnose_problem(
     *,
     seed: int,
     level: float = LEVEL,
-    second: Residual | None = None,
+    second: tuple[Run, Predicted | None] | None = None,
 ) -> Solved:
     """Return what was found in the problem that a run is; see `diagnose_readings`.
 
-    ``groups`` are the axes of each RP by its name.
+    ``groups`` are the axes of each RP by its name; ``second`` is a run that is held out, with its
+    prediction.
     """
     rng = np.random.default_rng(seed)
     terms, stages = find(problem, rng, level=level)
@@ -103,22 +107,31 @@ def diagnose_problem(
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, problem.effects, second)
+        there = _second(*second, problem.residual)
+        unseen = on_second_run(fitted, problem.effects, problem.residual.conditions, there)
     courses = _courses(run, predicted or {}, problem.residual, fitted)
     measured, before, after, removed = (repeatabilities(course, groups) for course in courses)
     drawn = scatter_draws(problem.residual, fitted, rng)
     standing = _groups(run, predicted or {}, problem.residual, groups)
     next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
+    other: UnseenRP | None
+    if second is None:
+        other = of_other_half(problem, stages, len(terms), groups, standing, (run, predicted), rng)
+    else:
+        other = of_second_run(problem, fitted, groups, standing, second, rng)
     diagnosis = _diagnosis(
         problem,
         fitted,
         stages,
         unseen,
         courses[:3],
-        Repeatabilities(measured, before, after, removed, next_test),
+        Repeatabilities(measured, before, after, removed, next_test, other),
         found_effects(problem, fitted, stages, problem.effects),
         _named(problem.residual, np.quantile(drawn, 0.5, axis=0)),
     )
+    if diagnosis.verdict is Verdict.UNEXPLAINED:
+        courses_left = tuple(courses_of(problem.residual, fitted, rng))
+        diagnosis = replace(diagnosis, courses=courses_left)
     return Solved(diagnosis, fitted)
 
 
@@ -162,10 +175,7 @@ def _diagnosis(
     )
 
 
-def _second(run: Run | None, predicted: Predicted | None, first: Residual) -> Residual | None:
-    if run is None:
-        return None
-    run = run.unwrapped()
+def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:
     missing = [name for name in first.axes if name not in run.axes]
     if missing:
         raise DataError(
@@ -196,8 +206,9 @@ def _cross_validated(
     )  # fmt: skip
     changes = [stage.choice.log_change for stage in stages if stage.choice]
     return cross_validated(
-        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes
-    )
+        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes,
+        limits=[stage.limit for stage in stages],
+    )  # fmt: skip
 
 
 def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:

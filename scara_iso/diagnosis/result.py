@@ -81,6 +81,8 @@ class Found:
     """Share of each axis' variance that it takes; those of all effects add up to `Shares`."""
     left_open: Mapping[str, ByAxis] = field(default_factory=dict)
     """What a model must state beside ``parameters``: the scatter where a change of it begins."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """Unit of each parameter; one that begins with ``reading`` is that of the axis."""
     poses: tuple[str, ...] = ()
     """The poses at which it acts, of a test of several: by axis is then by pose and axis."""
     place: str | None = None
@@ -129,6 +131,25 @@ class Foretold:
     """Upper end."""
 
 
+SECOND = "the second table"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class UnseenRP:
+    """RP of cycles that the fit did not see, and what the models foretold of it."""
+
+    of: str
+    """Which cycles: those of the second table, or every other one, the model from the rest."""
+    cycles: int
+    """How many."""
+    measured: ByAxis
+    """Of their readings [mm, deg]."""
+    model_before: ByAxis
+    """Of what the model as it was predicts there."""
+    completed: Mapping[str, Foretold]
+    """As the completed model foretells it for as many cycles."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Repeatabilities:
     """RP measured, of the model before and after, and of the readings with the effects removed.
@@ -146,6 +167,8 @@ class Repeatabilities:
     """Of the readings with the effects subtracted."""
     completed: Mapping[str, Foretold] = field(default_factory=dict)
     """Of the next test, by axis and in XY, as the completed model foretells it."""
+    unseen: UnseenRP | None = None
+    """Of unseen cycles; None where there are too few to leave half of them out."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -174,6 +197,23 @@ class Shares:
     """The rest."""
 
 
+@dataclass(frozen=True, slots=True)
+class UnexplainedCourse:
+    """What is left unexplained in one axis: how it goes, and a formula if one foretells it."""
+
+    axis: str
+    """Where it is."""
+    words: str
+    """What it does over the cycles; empty where no smooth course is there."""
+    formula: str | None
+    """In ``k``, the cycle's number, in the unit of the axis; None where none foretells cycles that
+    it has not seen."""
+    held_out_rms: ByAxis
+    """Error on unseen cycles ``without`` the formula, and ``with_formula``, chosen in each fold."""
+    p_value: float | None
+    """Share of random orders of the cycles that a formula foretells as well."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Diagnosis(Plotted):
     """What was found in one pose's readings."""
@@ -198,6 +238,8 @@ class Diagnosis(Plotted):
     """Of the variance, by axis."""
     series: Series
     """Readings and predictions over the cycles."""
+    courses: tuple[UnexplainedCourse, ...] = ()
+    """What the unexplained looks like, where the verdict is that."""
     scatter: ByAxis = field(default_factory=dict)
     """Standard deviation of each axis beside effects and rounding."""
     flags: tuple[Flag, ...] = ()

@@ -3,7 +3,7 @@
 A reading y on a dial of division d is right for every value within d / 2 of it, so its likelihood
 about a mean m is F((y + d/2 - m) / s) - F((y - d/2 - m) / s), F the distribution of the scatter:
 Gaussian, or Student's t with 4 degrees of freedom, under which one odd reading is nothing much. The
-coefficients of a course have the Gaussian prior of `hypotheses`, the pose a flat one; both are
+coefficients of a course have the Gaussian prior of `hypothesis_set`, the pose a flat one; both are
 integrated out by Laplace's method about the mode that Newton's steps reach. The scatter s is
 integrated over a grid under the prior 1 / s, which ends at LEAST_ON_DIAL divisions and at MISFIT of
 the readings' own: a course that meets every reading would else be as likely as one likes.
@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.hypotheses import HypothesisSet
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.normal import normal_cdf
 from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL, MISFIT
 from scara_iso.effects import Chain, Shape
 from scara_iso.run import FloatArray
@@ -223,10 +224,8 @@ def _reading(
 
 
 def _gaussian(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    from scipy.special import ndtr  # noqa: PLC0415 - heavy, and of use only where there is structure
-
     density = np.exp(-0.5 * x**2) / np.sqrt(2 * np.pi)
-    return ndtr(-np.abs(x)), density, -x * density
+    return normal_cdf(-np.abs(x)), density, -x * density
 
 
 def _student(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

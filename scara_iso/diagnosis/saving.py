@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from scara_iso.diagnosis.result import Diagnosis, DiagnosisOfPoses, Found
-from scara_iso.effects import Effect, find_effects
+from scara_iso.effects import Effect, OwnEffect, find_effects
 from scara_iso.robot import DeclaredEffect, declare, is_random, read_model
 
 
@@ -46,12 +47,16 @@ def declared_in_arm(found: Found) -> DeclaredEffect | None:
     return DeclaredEffect(found.effect, {**shape, **sizes})
 
 
-def save_model(diagnosis: Diagnosis | DiagnosisOfPoses, model: str, to: Path) -> tuple[str, ...]:
+def save_model(
+    diagnosis: Diagnosis | DiagnosisOfPoses, model: str, to: Path, own: Sequence[OwnEffect] = ()
+) -> tuple[str, ...]:
     """Write ``model`` with what was found to ``to``; return what of it was declared.
 
-    An effect that does not recur is left out, and one of single poses. Raises as `declare`.
+    An effect that does not recur is left out, and one of single poses; ``own`` are the user's
+    effects beside the model's. Raises as `declare`.
     """
-    known = {effect.name: effect for effect in find_effects()}
+    described = read_model(model, own)
+    known = {effect.name: effect for effect in find_effects(described.own)}
     recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
     alone: tuple[Found, ...] = ()
     if isinstance(diagnosis, Diagnosis):
@@ -60,9 +65,9 @@ def save_model(diagnosis: Diagnosis | DiagnosisOfPoses, model: str, to: Path) ->
         in_arm = {found: declared_in_arm(found) for found in recurring}
         effects = tuple(one for one in in_arm.values() if one is not None)
         alone = tuple(found for found, one in in_arm.items() if one is None)
-    dials = read_model(model).indicators
+    dials = described.indicators
     scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
-    declare(model, effects, to, scatter)
+    declare(model, effects, to, scatter, described.own)
     said = [
         f"{to} does not hold the {found.effect} at {', '.join(found.poses)}: a model knows effects "
         "of a joint or of a dial, not of single poses"

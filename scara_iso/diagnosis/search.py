@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.diagnosis.choice import Choice, choose, two_states
-from scara_iso.diagnosis.evidence import joint_evidence, log_bayes
+from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
 from scara_iso.diagnosis.pairs import pairs
-from scara_iso.diagnosis.permutation import OrderTest, order_test
+from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_test
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.tuning import (
@@ -39,6 +40,8 @@ class Stage:
     order: OrderTest
     marginal: MarginalTests
     choice: Choice[Form] | None
+    limit: float = -np.inf
+    """What the statistic of the order had to reach; -inf where another test has decided."""
 
     @property
     def p_value(self) -> float:
@@ -94,9 +97,12 @@ def find_again(
     *,
     with_chains: bool,
     log_changes: Sequence[Mapping[str, float]] = (),
+    limits: Sequence[float] = (),
 ) -> tuple[Term, ...]:
-    """Return ``count`` terms chosen anew on some rows, as the search of the whole run chose them.
+    """Return up to ``count`` terms chosen anew on some rows, as the search of the run chose them.
 
+    It ends where the statistic of the order is below that of the ``limits`` which the run's own
+    orders set for each round: a fold that would not have found the effect has none.
     What dial and tails change in each effect's evidence is taken over from its choices, as
     ``log_changes``. The unknown cannot be added to a model, so the likeliest effect is taken beside
     it.
@@ -104,6 +110,8 @@ def find_again(
     terms: tuple[Term, ...] = ()
     for i in range(count):
         left = remainder(problem, terms, rows)
+        if i < len(limits) and _order_of(problem, terms, left) < limits[i]:
+            return terms
         left = replace(left, members=tuple(m for m in left.members if not _unknown_shape(m)))
         changed = log_changes[i] if i < len(log_changes) else {}
         choice = _choice(problem, left, changed, with_chains=with_chains)
@@ -145,12 +153,26 @@ def tested(problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generat
 def _tests(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
 ) -> Stage:
+    hypotheses, views, emissions, spreading = _in_order(problem, terms, left)
+    order = order_test(hypotheses, views, rng, emissions=emissions, spreading=spreading)
+    return Stage(order, marginal_tests(left.values, problem.residual.division, rng), None)
+
+
+def _in_order(
+    problem: SearchProblem, terms: Sequence[Term], left: Remainder
+) -> tuple[HypothesisSet, Views, list[Emissions], FloatArray]:
+    """Return what the test of the order compares."""
     ordered = [member for member in left.members if member.ordered]
     calm = _drawn_in(left)
     emissions = [] if terms else _emissions(replace(problem.residual, values=calm), ordered)
     views = problem.views_of(calm, left.basis)
-    order = order_test(left.set_of(ordered), views, rng, emissions=emissions)
-    return Stage(order, marginal_tests(left.values, problem.residual.division, rng), None)
+    spreading = left.values[:, ~neighbours(problem.residual)]
+    return left.set_of(ordered), views, emissions, spreading
+
+
+def _order_of(problem: SearchProblem, terms: Sequence[Term], left: Remainder) -> float:
+    """Return the statistic of the order of what is left on some rows."""
+    return order_statistic(*_in_order(problem, terms, left))
 
 
 def _drawn_in(left: Remainder) -> FloatArray:
@@ -176,7 +198,8 @@ def chosen(
     if _only_misfit(problem, terms, left):
         by_order = by_levels = 1.0
     if min(by_order, by_levels) <= level:
-        stage = replace(stage, choice=_choice(problem, left, with_chains=True))
+        limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
+        stage = replace(stage, choice=_choice(problem, left, with_chains=True), limit=limit)
     elif by_outlier <= level and isolated is not None:
         form = _at_row(isolated, problem, stage.marginal.outlier_row)
         stage = replace(stage, choice=Choice({isolated.name: 1.0}, {isolated.name: form}))

@@ -20,6 +20,7 @@ from math import lgamma
 
 import numpy as np
 
+from scara_iso.diagnosis.normal import normal_cdf
 from scara_iso.diagnosis.tuning import (
     FEWEST_ON_A_LEVEL,
     KNOWN_FROM,
@@ -176,10 +177,8 @@ def _log_density(
     exact = -0.5 * ((y - level) / scatter) ** 2 - np.log(scatter * np.sqrt(2 * np.pi))
     if not division:
         return np.asarray(exact)
-    from scipy.special import ndtr  # noqa: PLC0415 - heavy, and of use only where there is structure
-
     apart = -np.abs(y - level)
-    p = ndtr((apart + division / 2) / scatter) - ndtr((apart - division / 2) / scatter)
+    p = normal_cdf((apart + division / 2) / scatter) - normal_cdf((apart - division / 2) / scatter)
     return np.where(p > _TINY, np.log(np.maximum(p, _TINY) / division), exact)
 
 

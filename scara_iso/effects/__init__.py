@@ -7,6 +7,7 @@ modules of that kind through the entry-point group ``scara_iso.effects``.
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from functools import cache
 from types import ModuleType
 
@@ -22,8 +23,10 @@ from scara_iso.effects._effect import (
     as_column,
 )
 from scara_iso.effects._forms import Chain, Form, Process, Shape, Spread
+from scara_iso.effects._formula import Formula, FormulaError, parse_formula
 from scara_iso.effects._gear import GearEffect, Sweep
 from scara_iso.effects._linear import AMPLITUDE_AND_PHASE, SIZE, Linear
+from scara_iso.effects._own import OwnEffect, own_effects
 from scara_iso.effects._parameter import Grid, Parameter, Sizes, Values
 from scara_iso.effects._proportional import proportional
 from scara_iso.plugins import find_modules
@@ -36,11 +39,14 @@ __all__ = [
     "Direction",
     "Effect",
     "Form",
+    "Formula",
+    "FormulaError",
     "FoundBy",
     "GearEffect",
     "Grid",
     "KnownCourse",
     "Linear",
+    "OwnEffect",
     "Parameter",
     "Process",
     "RandomCourse",
@@ -54,13 +60,15 @@ __all__ = [
     "as_column",
     "find_effects",
     "find_gear_effects",
+    "own_effects",
+    "parse_formula",
     "proportional",
 ]  # fmt: skip
 
 
-def find_effects() -> tuple[Effect, ...]:
-    """Return every effect on the readings of a test, by name of its module."""
-    return tuple(effect for effect in _catalogue() if isinstance(effect, Effect))
+def find_effects(own: Iterable[Effect] = ()) -> tuple[Effect, ...]:
+    """Return every effect on the readings of a test, by name of its module, and then ``own``."""
+    return (*(effect for effect in _catalogue() if isinstance(effect, Effect)), *own)
 
 
 def find_gear_effects() -> tuple[GearEffect, ...]:

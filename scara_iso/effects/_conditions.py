@@ -36,14 +36,39 @@ class Conditions:
     @property
     def time(self) -> FloatArray:
         """Time since the first cycle in cycles, from ``time_s`` where it is there and increases."""
-        seconds = self.covariates.get(CLOCK)
-        if seconds is None or len(seconds) < 2 or np.any(np.diff(seconds) <= 0):
+        seconds, interval = self.seconds, self.interval
+        if seconds is None or interval is None:
             return self.elapsed
-        return np.asarray((seconds - seconds[0]) / np.median(np.diff(seconds)))
+        return seconds / interval
+
+    @property
+    def seconds(self) -> FloatArray | None:
+        """Time since the first cycle [s], shape (n,); None where no clock was recorded.
+
+        The first is the cycle of number 1, discarded or not, where the clock shows it to be zero;
+        else the first one here.
+        """
+        if CLOCK not in self.covariates:
+            return None
+        clock, interval = np.asarray(self.covariates[CLOCK]), self.interval
+        since_one = 0.0 if interval is None else float(self.cycle[0] - 1) * interval
+        from_one = interval is not None and abs(clock[0] - since_one) < interval / 2
+        return clock if from_one else clock - clock[0]
+
+    @property
+    def interval(self) -> float | None:
+        """Median time from cycle to cycle [s]; None where no clock was recorded, or none goes."""
+        apart = np.diff(self.covariates.get(CLOCK, np.empty(0)))
+        return float(np.median(apart)) if len(apart) and np.all(apart > 0) else None
 
     def named(self, pattern: str) -> tuple[str, ...]:
-        """Return the columns, but the clock, whose name fits a pattern such as ``temperature*``."""
-        names = (name for name in self.covariates if name != CLOCK)
+        """Return the columns whose name fits a pattern such as ``temperature*``.
+
+        The clock fits its own name only.
+        """
+        names = (
+            name for name in self.covariates if CLOCK not in (name, pattern) or name == pattern
+        )
         return tuple(name for name in names if fits(name, pattern))
 
     def without(self, names: set[str]) -> Conditions:

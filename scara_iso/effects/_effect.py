@@ -52,8 +52,12 @@ class Effect(ABC):
     parameters: tuple[Parameter, ...]
     cause: str
     confirm_by: str
+    at_once: str = "look at robot, fixture and indicator"
+    """What to do about it while the recording still runs."""
     needs: tuple[str, ...] = ()
     """Recorded columns through which it acts; one that ends in ``*`` leaves open which."""
+    hidden_by: tuple[str, ...] = ()
+    """Recorded columns that, where they vary, move the readings in ways it cannot be told from."""
     direction: Direction = Direction.FREE
     weight: float = 1.0
     """Prior weight among all effects in the choice of a name."""
@@ -108,6 +112,20 @@ class Effect(ABC):
         fixed = [name for name in self.needs if not is_open(name)]
         return (*fixed, *(str(name) for name in named if name is not None))
 
+    def timed(self, conditions: Conditions, values: Values) -> dict[str, float]:
+        """Return the times among ``values`` in seconds; none where no clock was recorded."""
+        times = [p for p in self.parameters if p.timed and p.name in values and conditions.interval]
+        return {p.in_seconds: float(values[p.name]) * (conditions.interval or 0) for p in times}
+
+    def at_pace(self, conditions: Conditions, values: Values) -> dict[str, float | str]:
+        """Return ``values`` with times given in seconds in cycles, as far as there is a clock."""
+        seconds = {p.in_seconds: p.name for p in self.parameters if p.timed}
+        kept = {name: value for name, value in values.items() if name not in seconds}
+        if conditions.interval is None:
+            return kept
+        given = {name: float(values[s]) for s, name in seconds.items() if s in values}
+        return kept | {name: value / conditions.interval for name, value in given.items()}
+
     def takes(self, column: str) -> bool:
         """Return whether the effect may act through a column of this name."""
         return any(fits(column, pattern) for pattern in self.needs)
@@ -132,20 +150,24 @@ class KnownCourse(Effect):
         """Return the shapes of every combination of the parameters' grids."""
         if not all(conditions.named(pattern) for pattern in self.needs):
             return ()
-        return tuple(
+        if any(np.ptp(conditions.covariates.get(name, 0.0)) > 0 for name in self.hidden_by):
+            return ()
+        shapes = (
             Shape(self.columns(conditions, **values), values, weight)
             for values, weight in combinations(self.parameters, conditions)
         )
+        return tuple(shape for shape in shapes if np.isfinite(shape.columns).all())
 
     def near(self, conditions: Conditions, parameters: Values, /) -> tuple[Form, ...]:
         """Return the shapes near one, along each parameter whose grid is coarse."""
-        return tuple(
+        shapes = (
             Shape(self.columns(conditions, **changed), changed)
             for parameter in self.parameters
             if parameter.grid is not None and not parameter.text
             for value in parameter.grid(conditions).near(float(parameters[parameter.name])).tolist()
             for changed in [{**parameters, parameter.name: value}]
         )
+        return tuple(shape for shape in shapes if np.isfinite(shape.columns).all())
 
     def course(self, conditions: Conditions, parameters: Values, /) -> Shape | None:
         """Return the shape of searched parameters; None for an accident of one test."""

@@ -71,6 +71,13 @@ class Parameter:
     grid: Callable[[Any], Grid] | None = None
     text: bool = False
     """Whether the value is the name of a recorded column, and no number."""
+    timed: bool = False
+    """Whether it is a time, in cycles; where time was recorded it is known in seconds too."""
+
+    @property
+    def in_seconds(self) -> str:
+        """Name of the same time in seconds."""
+        return f"{self.name}_s"
 
     @property
     def per_axis(self) -> bool:

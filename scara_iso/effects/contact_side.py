@@ -26,6 +26,7 @@ EFFECT = TwoStates(
     ),
     cause="the load comes to rest on either flank of a gear's gap (backlash)",
     confirm_by="preload the joint, or approach the pose from one side only: one level must remain",
+    at_once="approach the pose from one side only, or preload the joint",
     direction=Direction.JOINT,
     by_flank=True,
     weight=3.3,  # benchmarks/diagnosis.py, table naming

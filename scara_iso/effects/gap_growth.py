@@ -21,6 +21,7 @@ EFFECT = KnownCourse(
         Parameter("growth", "g", "reading/cycle", "change of that half from cycle to cycle"),
     ),
     needs=("approach",),
+    hidden_by=("payload_kg",),  # the load changes a reversal's width too: the gears' loop says how
     cause="a gear's gap that opens or closes during the test: a preload that gives, a bolt that "
     "turns loose, parts that warm",
     confirm_by="measure lost motion before and after a hundred further visits: it must differ",

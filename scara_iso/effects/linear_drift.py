@@ -16,6 +16,7 @@ EFFECT = KnownCourse(
     cause="a slow thermal trend, or creep of fixture, indicator stand or belt",
     confirm_by="repeat the run after a warm-up: thermal drift has gone, creep has slowed; compare "
     "the slope of a second run",
+    at_once="let the robot run warm, and check clamps and stand for creep",
     test_weight=1.2,  # benchmarks/diagnosis.py, table power
     smooth=True,
     columns=_columns,

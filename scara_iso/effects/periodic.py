@@ -38,7 +38,7 @@ EFFECT = KnownCourse(
     parameters=(
         Parameter(
             "period", "P", "cycles", "period; in median intervals if time_s is there", above=0,
-            grid=_periods,
+            grid=_periods, timed=True,
         ),
         Parameter("size", "A", "reading", "amplitude"),
         Parameter("phase", "φ", "rad", "phase at the first cycle"),

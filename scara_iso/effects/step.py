@@ -26,6 +26,7 @@ EFFECT = KnownCourse(
     cause="fixture or indicator slipped, a collision, a skipped tooth, or a re-zeroed indicator",
     confirm_by="check the clamps of fixture and indicator, then repeat the run: the shift must "
     "not come back at the same cycle",
+    at_once="check the clamps of fixture and indicator",
     weight=1.4,  # benchmarks/diagnosis.py, table naming
     test_weight=0.95,  # benchmarks/diagnosis.py, table power
     columns=_columns,

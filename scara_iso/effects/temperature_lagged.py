@@ -45,7 +45,8 @@ EFFECT = KnownCourse(
             grid=lambda conditions: Grid(conditions.named("temperature*")),
         ),
         Parameter(
-            "tau", "τ", "cycles", "lag; in median intervals if time_s is there", above=0, grid=_tau
+            "tau", "τ", "cycles", "lag; in median intervals if time_s is there", above=0, grid=_tau,
+            timed=True,
         ),
         Parameter(
             "bodies", "m", "", "bodies that lag, one behind the other", above=0,

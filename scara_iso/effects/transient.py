@@ -54,6 +54,7 @@ EFFECT = KnownCourse(
     "hand on the bench",
     confirm_by="ask what happened at that time, and repeat the run: it must not come back at the "
     "same cycle",
+    at_once="look for a door, a draught, a hand on the bench",
     recurs=False,
     weight=0.5,  # benchmarks/diagnosis.py, tables naming and outside
     test_weight=0.8,  # benchmarks/diagnosis.py, table power

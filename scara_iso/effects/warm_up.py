@@ -33,12 +33,13 @@ EFFECT = KnownCourse(
         Parameter("size", "A", "reading", "travel from the first cycle to steady temperature"),
         Parameter(
             "tau", "τ", "cycles", "time constant; in median intervals if time_s is there", above=0,
-            grid=_tau,
+            grid=_tau, timed=True,
         ),
     ),
     cause="motors, gears and links were still reaching their running temperature",
     confirm_by="run the robot for 60 minutes before the test, then start once more cold: the "
     "course must vanish and return",
+    at_once="let the robot run warm",
     test_weight=1.3,  # benchmarks/diagnosis.py, table power
     unsettled={
         linear_drift.EFFECT.name: "tau: the run is too short to tell a warm-up from a drift; run "

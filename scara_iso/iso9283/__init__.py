@@ -10,13 +10,18 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze
+    from scara_iso.iso9283.beside import Beside as Beside
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
-    from scara_iso.iso9283.conformity import Conformity as Conformity, DecisionRule as DecisionRule
+    from scara_iso.iso9283.conformity import (
+        Conformity as Conformity,
+        DecisionRule as DecisionRule,
+        Limit as Limit,
+    )
     from scara_iso.iso9283.cycles import (
         CYCLES_RUN as CYCLES_RUN,
         CYCLES_USED as CYCLES_USED,
@@ -24,6 +29,7 @@ if TYPE_CHECKING:
         used_cycles as used_cycles,
     )
     from scara_iso.iso9283.drift import (
+        DRIFT_CODES as DRIFT_CODES,
         DriftCourse as DriftCourse,
         DriftFit as DriftFit,
         drift_courses as drift_courses,

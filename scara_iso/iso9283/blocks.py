@@ -8,8 +8,10 @@ import numpy as np
 
 from scara_iso.errors import DataError, Fault, UsageError
 from scara_iso.iso9283.cycles import UsedCycles
+from scara_iso.quantities import parse_number
 from scara_iso.run import FloatArray, IntArray, Run
 
+VISITS = "visits_per_block"
 _LONG = 3.0  # times the usual step of time: a warm-up motion between two blocks takes longer
 _FEWEST = 2  # blocks, and visits in each
 
@@ -18,15 +20,18 @@ def block_of_rows(run: Run) -> IntArray | None:
     """Return the block of each row, from 0, shape (rows,); None unless the run is a drift test.
 
     It is one where it has a column ``block`` of numbers that come in order, beside its times, or
-    says ``# test: drift``; without the column a gap in time of more than three usual steps then
-    begins a block. Raises `DataError` where a stated drift test has no such blocks.
+    says ``# test: drift``; without the column ``# visits_per_block: 10`` then parts the blocks,
+    else a gap in time of more than three usual steps. Raises `DataError` where a stated drift test
+    has no such blocks.
     """
     stated = run.metadata.get("test", "").strip().lower() == "drift"
     block, time = run.covariates.get("block"), run.covariates.get("time_s")
     if not stated and (block is None or time is None):
         return None
-    if block is None and time is not None:
-        block = _from_gaps(time)
+    if block is None and VISITS in run.metadata:
+        block = _from_count(run)
+    elif block is None and time is not None:
+        block = blocks_from_gaps(time)
     fault = _fault(run, block)
     if fault is None and block is not None:
         return np.asarray(np.unique(block, return_inverse=True)[1])
@@ -74,7 +79,8 @@ def _count_faults(run: Run, block: IntArray, rows: IntArray) -> Iterator[Fault]:
     for k in np.flatnonzero(same & (steps != 1)):
         line = None if run.lines is None else int(run.lines[rows[k + 1]])
         before, here = run.cycle[rows[k]], run.cycle[rows[k + 1]]
-        yield Fault(f"visit {here} comes after visit {before} of the same block", line=line)
+        what = f"visit {here} comes after visit {before} of the same block"
+        yield Fault(what, line=line, sheet=run.origin.sheet)
 
 
 def visits_of_blocks(block: IntArray, rows: IntArray) -> list[IntArray]:
@@ -83,14 +89,25 @@ def visits_of_blocks(block: IntArray, rows: IntArray) -> list[IntArray]:
     return [np.flatnonzero(mine == one) for one in np.unique(mine)]
 
 
-def _from_gaps(time: FloatArray) -> FloatArray:
+def blocks_from_gaps(time: FloatArray) -> FloatArray:
+    """Return the number of gaps in time before each row, shape (rows,)."""
     steps = np.diff(time)
     return np.concatenate([[0.0], np.cumsum(steps > _LONG * np.median(steps))])
 
 
+def _from_count(run: Run) -> FloatArray | None:
+    visits = parse_number(run.metadata[VISITS])
+    if visits is None or visits < 1 or visits != int(visits):
+        return None
+    block = np.empty(len(run))
+    for _, rows in run.rows_by_pose():
+        block[rows] = np.arange(len(rows)) // int(visits)
+    return block
+
+
 def _fault(run: Run, block: FloatArray | None) -> str | None:
     if block is None:
-        return "neither a column 'block' nor times tell its blocks"
+        return f"neither a column 'block', nor '# {VISITS}: 10', nor times tell its blocks"
     if np.any(block != np.round(block)) or np.any(np.diff(block) < 0):
         return "its blocks are not numbered in order"
     if np.any(np.diff(run.covariates.get("time_s", block)) < 0):

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from enum import Enum
+from typing import TypeAlias
 
 EVERY_LENGTH = ""
 """Key of a limit that holds for every repeatability of a length without a limit of its own."""
+
+
+Limit: TypeAlias = float | tuple[float, float]
+"""The largest value that is allowed, or the smallest and the largest."""
 
 
 class DecisionRule(Enum):

@@ -235,7 +235,7 @@ def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> 
             what = f"cycle {here} comes after cycle {before}: the order goes back"
         else:
             what = f"{name_gap(before + 1, here - 1)} missing"
-        yield Fault(_of_pose(run, what, label), line=_line(run, rows[k]))
+        yield Fault(_of_pose(run, what, label), line=_line(run, rows[k]), sheet=run.origin.sheet)
 
 
 def name_gap(first: int, last: int) -> str:

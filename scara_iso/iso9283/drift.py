@@ -17,6 +17,8 @@ from scara_iso.run import Axis, FloatArray, IntArray, Run
 STEADY = math.log(10.0)
 """Time constants after which a tenth of the drift is left, and a tenth of its first rate."""
 CLAUSE = "7.6"
+DRIFT_CODES = ("dAP", "dRP", "steady_after")
+"""Characteristics that a drift test gives, and no other."""
 _FEWEST_BLOCKS = 6
 _TRIED = np.geomspace(1 / 300, 10, 1500)  # time constants, of the whole test
 _LEVEL = 0.95

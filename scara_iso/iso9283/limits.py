@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule
+from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule, Limit
 from scara_iso.iso9283.results import Characteristic, Finding, LimitCheck
 from scara_iso.quantities import Estimate
 from scara_iso.run import AXES
@@ -27,7 +27,7 @@ _POWER = 1.3  # benchmarks/conformity.py: 4 of 5 tests prove it (Gaussian scatte
 
 def check_limits(
     characteristics: Sequence[Characteristic],
-    limits: Mapping[str, float],
+    limits: Mapping[str, Limit],
     findings: Sequence[Finding] = (),
     *,
     decision: DecisionRule = DecisionRule.INTERVAL,
@@ -40,9 +40,9 @@ def check_limits(
     are void, ``needs`` what a characteristic asks of a test, by its code. Raises `UsageError`
     for a limit that is not positive and finite, or of what the run does not have.
     """
-    wrong = [f"{limit:g}" for limit in limits.values() if not (math.isfinite(limit) and limit > 0)]
+    wrong = [limit for limit in limits.values() if not _is_size(limit)]
     if wrong:
-        raise UsageError(f"`limit={wrong[0]}`: not a positive, finite length")
+        raise UsageError(f"`limit={said(wrong[0])}`: not a positive, finite length")
     names = {name for one in characteristics for name in one.limited_by}
     unknown = sorted(set(limits) - {EVERY_LENGTH} - names)
     if unknown:
@@ -54,7 +54,7 @@ def check_limits(
         )
     if EVERY_LENGTH in limits and EVERY_LENGTH not in names:
         raise UsageError(
-            f"`limit={limits[EVERY_LENGTH]:g}` is a length, and this table has none",
+            f"`limit={said(limits[EVERY_LENGTH])}` is a length, and this table has none",
             remedy="name the figure, as in `limit=theta=0.05` (degrees)",
         )
     void = {(one.pose, one.axis) for one in findings if one.voids_interval}
@@ -98,7 +98,7 @@ def _plain_names(characteristics: Iterable[Characteristic]) -> list[str]:
 
 def _held(
     found: Characteristic,
-    limits: Mapping[str, float],
+    limits: Mapping[str, Limit],
     decision: DecisionRule,
     void: Collection[tuple[str | None, str | None]],
 ) -> Characteristic:
@@ -110,25 +110,39 @@ def _held(
     return replace(found, limit=_check(found, limit, decision, is_void=is_void))
 
 
+def said(limit: Limit) -> str:
+    """Return a limit as it is given: ``0.24``, or ``0.2..0.24``."""
+    return "..".join(f"{end:g}" for end in (limit if isinstance(limit, tuple) else (limit,)))
+
+
+def _is_size(limit: Limit) -> bool:
+    least, most = limit if isinstance(limit, tuple) else (0.0, limit)
+    return math.isfinite(most) and 0 <= least < most
+
+
 def _check(
-    found: Characteristic, limit: float, decision: DecisionRule, *, is_void: bool
+    found: Characteristic, limit: Limit, decision: DecisionRule, *, is_void: bool
 ) -> LimitCheck:
     found = replace(found, estimate=_size(found.estimate))
+    lower, upper = limit if isinstance(limit, tuple) else (None, limit)
     check = LimitCheck(
         figure=found.name,
         code=found.code,
         RP=found.estimate.value,
-        limit=limit,
+        limit=upper,
+        lower=lower,
         guard=None if found.reading_u is None else 2 * found.reading_u,
         pose=found.pose,
         interval=found.estimate.interval,
         decision=decision,
         cycles_wanted=None,
+        unit=found.estimate.unit,
         interval_void=is_void,
     )
     if check.verdict is not Conformity.NOT_PROVABLE:
         return check
-    return replace(check, cycles_wanted=_cycles_wanted(found, limit))
+    far = lower is None or abs(upper - found.estimate.value) <= abs(found.estimate.value - lower)
+    return replace(check, cycles_wanted=_cycles_wanted(found, upper if far else lower or 0.0))
 
 
 def _size(estimate: Estimate) -> Estimate:

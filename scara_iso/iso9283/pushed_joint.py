@@ -13,9 +13,9 @@ from scara_iso.display import Displayed
 from scara_iso.errors import UsageError
 from scara_iso.force_loop import ForceLoop, LoopFit, fit_loop
 from scara_iso.frames import frame_of, or_nan
-from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule
+from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule, Limit
 from scara_iso.iso9283.limits import check_limits
-from scara_iso.iso9283.results import Characteristic, LimitCheck
+from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest
 from scara_iso.quantities import Estimate, rounding_uncertainty
 
 if TYPE_CHECKING:
@@ -64,9 +64,7 @@ class PushResult(Displayed):
     @property
     def conformity(self) -> Conformity | None:
         """The verdict on the whole, as that of an analysis; None where no limit was given."""
-        found = {check.verdict for check in self.limits}
-        order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
-        return next((verdict for verdict in order if verdict in found), None)
+        return gravest(self.limits)
 
 
 def _row(found: Characteristic) -> dict[str, str | float]:
@@ -88,14 +86,14 @@ def push_test(
     loop: ForceLoop,
     *,
     arm_m: float | None = None,
-    limits: Mapping[str, float] | None = None,
+    limits: Mapping[str, Limit] | None = None,
     decision: DecisionRule = DecisionRule.INTERVAL,
 ) -> PushResult:
     """Return what a force loop says of a joint; ``arm_m`` from the joint to dial and force [m].
 
     ``limits`` by code, in arcmin of the joint, with ``_mm`` behind in mm of the reading; the empty
-    name is the lost motion of the joint. Raises `UsageError` for values that make no sense,
-    `DataError` as `fit_loop`.
+    name is the lost motion of the joint. A pair is the smallest and the largest. Raises
+    `UsageError` for values that make no sense, `DataError` as `fit_loop`.
     """
     if arm_m is not None and not 0 < arm_m < math.inf:
         raise UsageError(f"`arm={arm_m:g}`: not a length above zero")

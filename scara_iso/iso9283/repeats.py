@@ -86,8 +86,9 @@ def find_repeats(readings: FloatArray, division: FloatArray) -> Repeats:
 
 
 def _smallest_steps(readings: FloatArray) -> FloatArray:
-    levels = [np.unique(column) for column in readings.T]
-    return np.array([np.diff(found).min() if len(found) > 1 else 0.0 for found in levels])
+    steps = np.diff(np.sort(readings, axis=0), axis=0)
+    smallest = np.where(steps > 0, steps, np.inf).min(axis=0, initial=np.inf)
+    return np.where(np.isfinite(smallest), smallest, 0.0)
 
 
 def _every_kth(changes: npt.NDArray[np.intp], rows: int) -> float:

@@ -6,6 +6,8 @@ converts itself: `report` says it and `render` shows it.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -104,13 +106,17 @@ class LimitCheck:
     cycles_wanted: int | None
     """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
     where it is proven, or where no number of cycles would."""
+    unit: str = "mm"
+    """Of figure, limit and interval."""
+    lower: float | None = None
+    """Smallest value that is allowed; None where only the largest is given."""
     interval_void: bool = False
     """Whether a finding says that the interval does not hold: then it proves nothing inside."""
 
     @property
     def inside(self) -> bool:
-        """Whether RP is at most the limit."""
-        return self.limit >= self.RP
+        """Whether RP is at most the limit, and at least the lower one."""
+        return self.limit >= self.RP and (self.lower is None or self.RP >= self.lower)
 
     @property
     def clear(self) -> bool:
@@ -122,11 +128,20 @@ class LimitCheck:
         """What the rule of `decision` makes of it."""
         if self.decision is DecisionRule.SIMPLE:
             return Conformity.PASS if self.inside else Conformity.FAIL
-        if self.interval is None or self.interval[0] <= self.limit < self.interval[1]:
+        if self.interval is None:
             return Conformity.NOT_PROVABLE
-        if self.interval[0] > self.limit:
+        low, high = self.interval
+        least = -math.inf if self.lower is None else self.lower
+        if low > self.limit or high < least:
             return Conformity.FAIL
-        return Conformity.PASS
+        return Conformity.PASS if least <= low and high <= self.limit else Conformity.NOT_PROVABLE
+
+
+def gravest(checks: Iterable[LimitCheck]) -> Conformity | None:
+    """Return fail where one limit fails, pass where all are kept, None where there is none."""
+    found = {check.verdict for check in checks}
+    order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
+    return next((verdict for verdict in order if verdict in found), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,9 +217,7 @@ class Analysis(Displayed):
         None where no limit was given. A whole that passes has passed each one, so that the risk of
         a wrong pass is that of one figure.
         """
-        found = {check.verdict for check in self.limits}
-        order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
-        return next((verdict for verdict in order if verdict in found), None)
+        return gravest(self.limits)
 
     @property
     def deviations(self) -> tuple[Finding, ...]:

@@ -8,7 +8,7 @@ Arrays end in the cycles of one pose; dimensions in front are poses and are kept
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Protocol
@@ -26,6 +26,8 @@ GAUSSIAN_ERROR = {1: 0.74737, 2: 0.57371, 3: 0.49973}
 GAUSSIAN_RP = {1: 2.60632, 2: 3.21872, 3: 3.61609}
 
 _JACKKNIFE_GROUPS = 128
+_AT_ONCE = 1 << 16
+"""Readings, times groups left out, that are computed together: bounds the memory."""
 _CONFIDENCE = 0.95
 _Z = NormalDist().inv_cdf((1 + _CONFIDENCE) / 2)
 _SHORTFALL = 3.0  # chosen by benchmarks/coverage.py: ends even for Gaussian and long-tailed scatter
@@ -183,18 +185,27 @@ def _jackknife(
     figure: Callable[[FloatArray], FloatArray], positions: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return standard error and shortfall (bias, sign turned) of the figure's logarithm."""
-    n = positions.shape[-1]
-    groups = min(n, _JACKKNIFE_GROUPS)
-    left_out = np.arange(n) % groups
-    # compress keeps the memory order, so that a pose's sums do not depend on the poses beside it
-    parts = (np.compress(left_out != g, positions, axis=-1) for g in range(groups))
-    without = np.stack([figure(part) for part in parts], axis=-1)
+    groups = min(positions.shape[-1], _JACKKNIFE_GROUPS)
+    found = np.concatenate([figure(part) for part in _without_each(groups, positions)])
+    # in the order of memory, so that a pose's sums do not depend on the poses beside it
+    without = np.ascontiguousarray(np.moveaxis(found, 0, -1))
     tiny = np.finfo(np.float64).tiny
     logs = np.log(np.maximum(without, tiny))  # a single reading may hold all of the figure
     mean = logs.mean(axis=-1)
     error = np.sqrt((groups - 1) / groups * ((logs - mean[..., np.newaxis]) ** 2).sum(axis=-1))
     whole = np.log(np.maximum(figure(positions), tiny))
     return np.asarray(error), np.asarray((groups - 1) * (whole - mean))
+
+
+def _without_each(groups: int, positions: FloatArray) -> Iterator[FloatArray]:
+    """Yield the positions without each group, some groups of one size at once along axis 0."""
+    n = positions.shape[-1]
+    group, at_once = np.arange(n) % groups, max(1, _AT_ONCE // positions.size)
+    for same in (range(n % groups), range(n % groups, groups)):
+        for begin in range(same.start, same.stop, at_once):
+            batch = range(begin, min(begin + at_once, same.stop))
+            kept = np.array([np.flatnonzero(group != one) for one in batch])
+            yield np.ascontiguousarray(np.moveaxis(positions[..., kept], -2, 0))
 
 
 def _lower(error: FloatArray, z: float = _Z) -> FloatArray:

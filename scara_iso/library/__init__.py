@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.library.beside import read_beside as read_beside
     from scara_iso.library.conditions import (
         ConditionRun as ConditionRun,
         read_conditions as read_conditions,
@@ -30,7 +31,11 @@ if TYPE_CHECKING:
         held_out_pose as held_out_pose,
         one_test as one_test,
     )
-    from scara_iso.library.models import plan as plan, simulate as simulate
+    from scara_iso.library.models import (
+        defined as defined,
+        plan as plan,
+        simulate as simulate,
+    )
     from scara_iso.library.pushes import push as push
     from scara_iso.library.recordings import Nobody as Nobody, record as record
     from scara_iso.library.reports import (
@@ -40,5 +45,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.library.several import compare as compare
     from scara_iso.library.streams import visits as visits
+    from scara_iso.library.watching import Watcher as Watcher
 else:
     __getattr__ = face(__name__)

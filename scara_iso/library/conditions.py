@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scara_iso import iso9283
 from scara_iso.errors import NoInputError, UsageError
-from scara_iso.iso9283 import Analysis
+from scara_iso.iso9283 import Analysis, Beside
+from scara_iso.library.beside import files_of, read_beside, tables_beside
 from scara_iso.run import Run
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ class ConditionRun:
     run: Run | None
     missing: tuple[str, ...]
     options: Mapping[str, Any]
+    beside: Beside = field(default_factory=Beside)
+    """The tests beside the poses, where this is the test's only condition."""
 
     @property
     def readings(self) -> Run:
@@ -47,22 +50,20 @@ class ConditionRun:
 
     @property
     def tables(self) -> tuple[Path, ...]:
-        """The tables of the parts that the run is made of."""
-        return tuple(
+        """The tables of the parts that the run, and what is beside it, are made of."""
+        found = [
             state.recording.table
-            for state in self.folder.parts
-            if state.part.condition == self.condition and state.is_whole and state.recording
-        )
+            for state in self.folder.under(self.condition)
+            if state.is_whole and state.recording
+        ]
+        return (*found, *(tables_beside(self.folder) if self.beside else ()))
 
     def files(self) -> Iterator[tuple[str, Path]]:
         """Yield what the run is made of: test.toml, tables, raw files."""
         from scara_iso.acceptance import FILE
-        from scara_iso.acquisition import raw_path
 
         yield "test", self.folder.path / FILE
-        yield from ((f"table {table.name}", table) for table in self.tables)
-        raws = [raw for raw in map(raw_path, self.tables) if raw.exists()]
-        yield from ((f"raw file {raw.name}", raw) for raw in raws)
+        yield from files_of(self.tables)
 
     def analysis(self, **options: Any) -> Analysis | None:
         """Return the analysis, None without a run; ``options`` stand for those of the test."""
@@ -106,8 +107,9 @@ def read_conditions(
             found,
             one,
             run_under(found, one),
-            tuple(lacking(s) for s in found.parts if s.part.condition == one and s.is_open),
+            tuple(lacking(state) for state in found.under(one) if state.is_open),
             options,
+            read_beside(found) if condition is None and len(wanted) == 1 else Beside(),
         )
         for one in wanted
     )

@@ -33,7 +33,8 @@ def analyze(
     Several tables (a sequence, or the path of a folder) are poses of one test. The folder of a
     test, with test.toml, gives its parts under ``condition`` (``v50-l100``; it may be left out
     where there is one only). Limits, decision and number of cycles are those of test.toml unless
-    given, and parts that are missing are deviations; `NoInputError` where all are.
+    given, and parts that are missing are deviations; `NoInputError` where all are. Without
+    ``condition`` the figures of its drift and push tests are with those of the poses.
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``,
     ``sheet`` and ``columns`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``,
     ``all_count`` and ``allow_gaps`` say which cycles count. ``limits`` are in mm (degrees for an
@@ -54,7 +55,8 @@ def analyze(
         "other_definitions": other_definitions,
     }
     if (measured := reading.measured(table, condition)) is not None:
-        return iso9283.analyze(measured.readings, **measured.merged_with(options))
+        analysis = iso9283.analyze(measured.readings, **measured.merged_with(options))
+        return measured.beside.added_to(analysis)
     analysis = iso9283.analyze(reading.read(table), **options)
     return compared_with_its_manifest(analysis, table)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,12 +18,14 @@ from scara_iso.diagnosis import (
     close_the_loop_at_poses,
     with_joint_scatter,
 )
+from scara_iso.effects import OwnEffect
 from scara_iso.errors import ScaraIsoError, UsageError
+from scara_iso.iso9283 import Analysis, poses_in_cycles
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.inputs import TableOptions, Tables
-from scara_iso.library.models import described
+from scara_iso.library.models import OwnEffects, defined, described
 from scara_iso.reporting import Failure
-from scara_iso.robot import Model, read_model
+from scara_iso.robot import Model, read_effects, read_model
 from scara_iso.run import Run
 from scara_iso.tables import pose_in
 
@@ -48,6 +49,7 @@ def diagnose(
     reach: bool = False,
     sigma: float | None = None,
     seed: int = SEED,
+    own_effects: OwnEffects = (),
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
@@ -56,8 +58,8 @@ def diagnose(
     effects and scatter alike; ``pose`` names one of them, which ``sigma`` needs. ``hold_out`` is a
     second table that measures the error on unseen cycles, or of several poses the name of one that
     takes no part; ``reach`` adds RP over the workspace. The other options are those of `analyze`,
-    for both tables, and so is the folder of a test. ``sigma`` is the known scatter in mm. Same
-    arguments, same result.
+    for both tables, and so is the folder of a test. ``sigma`` is the known scatter in mm.
+    ``own_effects`` are the user's, or the file that defines them. Same arguments, same result.
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
@@ -65,12 +67,13 @@ def diagnose(
     if (measured := reading.measured(table, condition)) is not None:
         table, cycles = measured.readings, cycles or measured.cycles
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
+    own = defined(own_effects)
     run = reading.read(table)
-    known = None if model is None else described(model)
+    known = None if model is None else described(model, own)
     unseen = held_out_pose(run, hold_out)
     several = pose is None and sigma is None and len(list(run.rows_by_pose())) > 1
     if several and (hold_out is None or unseen is not None):
-        return _of_poses(run, known, wanted, unseen=unseen, reach=reach, seed=seed)
+        return _of_poses(run, known, wanted, unseen=unseen, reach=reach, seed=seed, own=own)
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
     return close_the_loop(
@@ -80,6 +83,7 @@ def diagnose(
         hold_out=None if hold_out is None else reading.read(hold_out),
         sigma=sigma,
         seed=seed,
+        own=own,
     )
 
 
@@ -97,6 +101,7 @@ def _of_poses(
     unseen: str | None,
     reach: bool,
     seed: int,
+    own: Sequence[OwnEffect],
 ) -> DiagnosisOfPoses:
     if model is None and (unseen is not None or reach):
         raise UsageError(
@@ -107,7 +112,7 @@ def _of_poses(
     if len(seen) <= 1:
         raise UsageError("no two poses are left to fit", remedy="hold none of them out")
     fitted = run.take(np.sort(np.concatenate(seen)))
-    found = close_the_loop_at_poses(fitted, model, wanted, seed=seed)
+    found = close_the_loop_at_poses(fitted, model, wanted, seed=seed, own=own)
     read = run.origin.notes if run.origin.files else ()
     found = replace(found, notes=(*read, *found.notes))
     if model is None:
@@ -129,28 +134,34 @@ def diagnose_many(
     all_count: bool = False,
     allow_gaps: bool = False,
     seed: int = SEED,
+    own_effects: str | Path | None = None,
 ) -> Diagnoses:
     """Return the diagnosis of each of several unrelated tables, by number or by file name.
 
     They are shared among as many processes as there are cores. A table that cannot be diagnosed
-    gives a `Failure` with its message. Options are those of `diagnose`.
+    gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects`` is a file.
     """
     reading = TableOptions(unit, resolution, decimal, sheet, columns)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    each = diagnose_each(tables, model, reading, wanted, seed=seed)
+    each = diagnose_each(tables, (model, own_effects), reading, wanted, seed=seed)
     return Diagnoses(tuple(map(str, tables)), tuple(each))
 
 
 def diagnose_each(
     tables: Sequence[str | Path],
-    model: str | Path | None,
+    files: tuple[str | Path | None, str | Path | None],
     reading: TableOptions,
     wanted: CyclesWanted,
     *,
     seed: int,
 ) -> Iterator[Diagnosis | Failure]:
-    """Yield the diagnoses of `diagnose_many`, as they come."""
-    work = partial(_diagnose_one, model=model, reading=reading, wanted=wanted, seed=seed)
+    """Yield the diagnoses of `diagnose_many`, as they come.
+
+    ``files`` are that of the model and that of the user's effects.
+    """
+    from concurrent.futures import ProcessPoolExecutor
+
+    work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
     with ProcessPoolExecutor() as pool:
         yield from pool.map(work, tables)
 
@@ -158,14 +169,16 @@ def diagnose_each(
 def _diagnose_one(
     table: str | Path,
     *,
-    model: str | Path | None,
+    files: tuple[str | Path | None, str | Path | None],
     reading: TableOptions,
     wanted: CyclesWanted,
     seed: int,
 ) -> Diagnosis | Failure:
+    model, effects = files
     try:
-        run, known = reading.read(table), None if model is None else read_model(model)
-        return close_the_loop(run, known, wanted, seed=seed)
+        own = () if effects is None else read_effects(effects)
+        known = None if model is None else read_model(model, own)
+        return close_the_loop(reading.read(table), known, wanted, seed=seed, own=own)
     except ScaraIsoError as error:
         return Failure(error.headline, error.exit_code)
 
@@ -188,3 +201,21 @@ def _names_a_pose(table: str, reading: TableOptions) -> bool:
     except ScaraIsoError:
         return False  # the summary of unrelated tables says why
     return run.pose is not None or "pose" in run.metadata
+
+
+def diagnose_analysis(
+    analysis: Analysis, model: Model | None, wanted: CyclesWanted, own: Sequence[OwnEffect] = ()
+) -> dict[str | None, Diagnosis | Failure]:
+    """Return the diagnosis of each pose; too few cycles for one are said, a wrong model raises."""
+    labels = [pose.label for pose in poses_in_cycles(analysis)]
+    if not labels:  # a drift test is its own course
+        return {}
+    try:
+        if len(labels) > 1:
+            found = close_the_loop_at_poses(analysis.run, model, wanted, seed=SEED, own=own)
+            return {label: found[str(label)] for label in labels}
+        return {labels[0]: close_the_loop(analysis.run, model, wanted, seed=SEED, own=own)}
+    except ScaraIsoError as error:
+        if model is not None:
+            raise
+        return dict.fromkeys(labels, Failure(error.headline, error.exit_code))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
 from scara_iso import robot
-from scara_iso.effects import Conditions as Procedure
+from scara_iso.effects import Conditions as Procedure, OwnEffect
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import (
     CYCLES_RUN,
@@ -26,6 +26,7 @@ from scara_iso.robot import (
     Elbow,
     Model,
     parse_effect,
+    read_effects,
     read_model,
     rest_positions,
     sides,
@@ -36,9 +37,27 @@ _Word = TypeVar("_Word", Solid, DiagonalPlane, Elbow)
 _SIDES = {"one": Approach.ONE_SIDE, "both": Approach.BOTH_SIDES, "random": Approach.RANDOM}
 
 
-def described(model: Model | str | Path) -> Model:
-    """Return a model, read where its file is named; errors as in `read_model`."""
-    return model if isinstance(model, Model) else read_model(model)
+OwnEffects: TypeAlias = str | Path | Sequence[OwnEffect]
+"""Effects of the user's own, or the file that defines them."""
+
+
+def described(model: Model | str | Path, own_effects: OwnEffects = ()) -> Model:
+    """Return a model, read where its file is named, with the user's effects.
+
+    Errors as in `read_model` and `read_effects`.
+    """
+    own = defined(own_effects)
+    if not isinstance(model, Model):
+        return read_model(model, own)
+    known = {one.name: one for one in (*own, *model.own)}
+    return replace(model, own=tuple(known.values())) if own else model
+
+
+def defined(own_effects: OwnEffects) -> tuple[OwnEffect, ...]:
+    """Return effects, read where their file is named; errors as in `read_effects`."""
+    if isinstance(own_effects, str | Path):
+        return read_effects(own_effects)
+    return tuple(own_effects)
 
 
 def simulate(
@@ -50,17 +69,21 @@ def simulate(
     approach: str | None = None,
     temperature: tuple[float, float] | None = None,
     payload: Sequence[float] | None = None,
+    interval: float | None = None,
     drivetrain: bool = False,
+    own_effects: OwnEffects = (),
 ) -> Run:
     """Return readings of a model (or its file) as a dial would have shown them [mm, deg].
 
     ``cycles`` are all that are run, the first included. ``effects`` act beside those the model
     declares, such as ``"warm_up:size=0.03,tau=8"``; ``approach`` is ``one``, ``both`` or ``random``
     and adds that column; ``temperature`` ramps from one to another [degC]; ``payload`` are loads
-    by turns [kg]; ``drivetrain`` takes rest positions from the gears through time. Same arguments,
-    same readings. Raises `UsageError` for invalid values, and as `read_model`.
+    by turns [kg]; ``interval`` is the time from cycle to cycle [s] and adds ``time_s``;
+    ``drivetrain`` takes rest positions from the gears through time; ``own_effects`` are the user's,
+    or their file. Same arguments, same readings. Raises `UsageError` for invalid values, and as
+    `read_model`.
     """
-    known = described(model)
+    known = described(model, own_effects)
     if cycles < 2:
         raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")
     if approach is not None and approach not in _SIDES:
@@ -68,7 +91,7 @@ def simulate(
             f"approach {approach!r} is not known", remedy=f"use one of {', '.join(_SIDES)}"
         )
     rng = np.random.default_rng(seed)
-    covariates = _recorded(temperature, payload, cycles)
+    covariates = _recorded(temperature, payload, interval, cycles)
     rests: Mapping[str, FloatArray] | None = None
     side = _SIDES[approach or "one"]
     if drivetrain:
@@ -87,9 +110,16 @@ def simulate(
 
 
 def _recorded(
-    temperature: tuple[float, float] | None, payload: Sequence[float] | None, cycles: int
+    temperature: tuple[float, float] | None,
+    payload: Sequence[float] | None,
+    interval: float | None,
+    cycles: int,
 ) -> dict[str, FloatArray]:
     found: dict[str, FloatArray] = {}
+    if interval is not None:
+        if not 0 < interval < np.inf:
+            raise UsageError(f"`interval={interval:g}`: not a positive time in seconds")
+        found["time_s"] = interval * np.arange(cycles, dtype=float)
     if temperature is not None:
         found["temperature_C"] = np.linspace(*temperature, cycles).round(2)
     if payload is not None:

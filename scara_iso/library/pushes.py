@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from scara_iso.errors import UsageError
 from scara_iso.force_loop import read_loop
-from scara_iso.iso9283 import DecisionRule, PushResult, push_test
+from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
 from scara_iso.tables import Source
 
 
@@ -16,7 +16,7 @@ def push(
     arm: float | None = None,
     unit: str | None = None,
     resolution: float | None = None,
-    limits: Mapping[str, float] | None = None,
+    limits: Mapping[str, Limit] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
 ) -> PushResult:
     """Return lost motion, friction, stiffness and compliance of a joint that was pushed to and fro.
@@ -26,8 +26,9 @@ def push(
     to dial and force [m]; without it there are figures of the reading only. ``unit`` and
     ``resolution`` (in it) are as in `read_table`. ``limits`` are by code (``lost_motion``,
     ``friction_width``, ``hysteresis``, ``deflection``) in arcmin of the joint, with ``_mm`` behind
-    in mm; the empty name is the lost motion. ``decision`` as in `analyze`. Raises `DataError` for a
-    table that cannot be read or is no loop, `UsageError` for values that make no sense.
+    in mm; the empty name is the lost motion; a pair is the smallest and the largest value.
+    ``decision`` as in `analyze`. Raises `DataError` for a table that cannot be read or is no loop,
+    `UsageError` for values that make no sense.
     """
     words = [rule.value for rule in DecisionRule]
     if decision not in words:

@@ -22,9 +22,12 @@ from scara_iso.acquisition import (
     parse_gauges,
     parse_poses,
     parse_trigger,
+    raw_path,
+    read_history,
 )
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.library.watching import Watcher
 from scara_iso.run import Run
 from scara_iso.tables import read_table
 
@@ -54,6 +57,7 @@ def record(
     part: str | None = None,
     repeat: str | None = None,
     excel_locale: str | None = None,
+    watch: bool = False,
     operator: Operator | None = None,
     tell: Callable[[Said], None] | None = None,
 ) -> Run:
@@ -68,7 +72,8 @@ def record(
     reading only once it is safe on the disk. ``stable`` readings in a row must agree; none counts
     within ``rearm`` seconds of the last (0.5, for recorded streams 0). ``cycles`` are 31 unless
     given. ``pose`` names the poses of every cycle, in their order: ``"P1,P2"`` or a sequence.
-    ``metadata`` goes into the table's head. Raises `UsageError` for invalid options,
+    ``metadata`` goes into the table's head. With ``watch`` ``tell`` hears after each cycle what the
+    readings so far say together. Raises `UsageError` for invalid options,
     `InstrumentError` for a port, `CannotCreateError` and `WriteError` for the files.
     """
     specs = parse_gauges(name_dialects(gauges, lambda _: None), unit=unit)
@@ -83,15 +88,13 @@ def record(
         told = told_of_part(found, path, told)
         path, cycles, resume = found.table, found.cycles, found.resume
         head = check_metadata(dict(found.metadata)) | head
+    plan = RecordingPlan(parse_trigger(trigger), cycles or CYCLES_RUN, stable, pause, tour)
+    job = Job(path, specs, plan, head, resume, excel_locale)
+    if watch:
+        earlier = read_history(raw_path(path)) if resume else None
+        told = Watcher(job, earlier, told).told
     acquisition.record(
-        Job(
-            path,
-            specs,
-            RecordingPlan(parse_trigger(trigger), cycles or CYCLES_RUN, stable, pause, tour),
-            head,
-            resume,
-            excel_locale,
-        ),
+        job,
         disk=SystemDisk(),
         clock=choose_clock(spec.address for spec in specs),
         operator=operator or Nobody(),

@@ -5,57 +5,46 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from hashlib import sha256
-from io import BytesIO
+from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from scara_iso import iso9283
 from scara_iso.diagnosis import (
-    SEED,
     CyclesWanted,
-    Diagnosis,
-    close_the_loop,
-    close_the_loop_at_poses,
 )
 from scara_iso.disk import write_file
 from scara_iso.display import Displayed
-from scara_iso.errors import ScaraIsoError, UsageError
-from scara_iso.frames import is_frame
-from scara_iso.iso9283 import Analysis, DecisionRule, poses_in_cycles
-from scara_iso.library.conditions import ConditionRun
+from scara_iso.errors import UsageError
+from scara_iso.iso9283 import Analysis, Beside, DecisionRule
 from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest
+from scara_iso.library.held import hold, named, read_held
 from scara_iso.library.inputs import (
-    Table,
     TableOptions,
     Tables,
-    every,
     paths_of,
-    tables_of,
-    together_as,
 )
+from scara_iso.library.loop import diagnose_analysis
 from scara_iso.library.statements import restate
 from scara_iso.render import find_format
 from scara_iso.reporting import (
     Amendment,
     Dossier,
-    Failure,
-    InputFile,
     Provenance,
     document,
     stated_field,
 )
-from scara_iso.robot import Gearbox, Model, read_model
+from scara_iso.robot import Gearbox, Model, read_effects, read_model
 from scara_iso.run import Run
-from scara_iso.tables import find_locale, read_bytes, write_table
+from scara_iso.tables import find_locale
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-Held: TypeAlias = tuple[InputFile, bytes]
-"""A file that a report is made of, and the very bytes of it."""
+_OF_CYCLES = ("first_cycle_discarded", "cycles", "all_count", "allow_gaps")
+_PACKAGE = "scara-iso"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +56,10 @@ class TestReport(Displayed):
     """The bytes that it was made from, by name."""
     tables: tuple[Path, ...] = ()
     """Paths of its tables, where it was read from some."""
+    _pages: dict[tuple[str, str | None], bytes] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    """What `write` made, by ending and locale."""
 
     def __repr__(self) -> str:
         return f"<TestReport of {self.dossier.provenance.files[0].name}>"
@@ -87,7 +80,7 @@ class TestReport(Displayed):
         and as `write_file`.
         """
         path = Path(path)
-        write_file(path, _writer(path, excel_locale)(self.dossier))
+        write_file(path, self._page(path, excel_locale))
         return path
 
     def archive(
@@ -104,9 +97,16 @@ class TestReport(Displayed):
         made = self.dossier.provenance
         document_ = document(self.dossier)
         about = {"report": document_.title, "program": made.version, "command": made.command}
-        page = (name, _writer(Path(name), excel_locale)(self.dossier))
+        page = (name, self._page(Path(name), excel_locale))
         write_file(Path(path), pack(data, page, about))
         return Path(path)
+
+    def _page(self, path: Path, excel_locale: str | None) -> bytes:
+        """Return the bytes of a file with this name; those of a kind are made once."""
+        kind = (path.suffix.lower(), excel_locale)
+        if kind not in self._pages:
+            self._pages[kind] = _writer(path, excel_locale)(self.dossier)
+        return self._pages[kind]
 
 
 def report(
@@ -114,6 +114,7 @@ def report(
     *,
     condition: str | None = None,
     model: str | Path | None = None,
+    own_effects: str | Path | None = None,
     to: str | Path | None = None,
     pose: str | None = None,
     limits: Mapping[str, float] | None = None,
@@ -135,14 +136,16 @@ def report(
 ) -> TestReport:
     """Return the report of a test: result, pictures, every intermediate value, diagnosis, raw data.
 
-    ``model`` is a model file: diagnosis and backlash with it. ``to`` also writes the report, as
+    ``model`` is a model file: diagnosis and backlash with it; ``own_effects`` the file of the
+    user's effects. ``to`` also writes the report, as
     `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made.
     ``metadata`` fills or overrides what the table states, and the report says which; ``supersedes``
     is the number of the report in whose place this one stands, for ``reason``. The other options,
     and what ``table`` may be, are those of `analyze`. Errors as in `analyze`, `diagnose` and
     `TestReport.write`.
     """
-    write = None if to is None else _writer(Path(to), excel_locale)
+    if to is not None:
+        check_format(Path(to), excel_locale)
     options: dict[str, Any] = {
         "first_cycle_discarded": first_cycle_discarded,
         "cycles": cycles,
@@ -153,47 +156,31 @@ def report(
     }
     reading = TableOptions(unit, resolution, decimal, sheet, columns)
     if (measured := reading.measured(table, condition)) is not None:
-        run, held = _at(measured.readings, pose, str(measured.folder.path)), _held_files(measured)
-        options, cycles = measured.merged_with(options), cycles or measured.cycles
+        run, held = measured.readings, tuple(hold(*file) for file in measured.files())
+        options = measured.merged_with(options)
     else:
-        run, held = _read(table, reading, pose)
-    wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    run, restated = restate(run, metadata or {})
+        run, held = read_held(table, reading)
+    run, restated = restate(_at(run, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
-    described = None if model is None else read_model(model)
+    own = () if own_effects is None else read_effects(own_effects)
+    described = None if model is None else read_model(model, own)
     analysis = iso9283.analyze(run, **options)
-    held += () if model is None else (_held("model", str(model), Path(model).read_bytes()),)
+    for role, file in (("model", model), ("effects", own_effects)):
+        held += () if file is None else (hold(role, Path(file)),)
     dossier = Dossier(
         analysis=analysis if measured else compared_with_its_manifest(analysis, table),
-        provenance=Provenance(tuple(file for file, _ in held), _version(), command, restated),
-        diagnoses=_diagnoses(analysis, described, wanted),
+        provenance=Provenance(
+            tuple(file for file, _ in held), version(_PACKAGE), command, restated
+        ),
+        diagnoses=diagnose_analysis(analysis, described, _wanted(options), own),
         gearboxes={} if described is None else _gearboxes(described),
         amendment=amendment,
-    )
-    if to is not None and write is not None:
-        write_file(Path(to), write(dossier))
-    return TestReport(
-        dossier, _named(held), measured.tables if measured else tuple(paths_of(table))
-    )
-
-
-def _held_files(measured: ConditionRun) -> tuple[Held, ...]:
-    return tuple(_held(role, str(path), path.read_bytes()) for role, path in measured.files())
-
-
-def _named(held: Sequence[Held]) -> dict[str, bytes]:
-    """Return the bytes by file name; of two files with one name the second is numbered."""
-    found: dict[str, bytes] = {}
-    for k, (file, data) in enumerate(held, 1):
-        name = Path(file.name).name or "table"
-        found[f"{k}-{name}" if name in found else name] = data
-    return found
-
-
-def _version() -> str:
-    from scara_iso import __version__
-
-    return __version__
+    ).with_beside(measured.beside if measured and pose is None else Beside())
+    tables = measured.tables if measured else tuple(paths_of(table))
+    made = TestReport(dossier, named(held), tables)
+    if to is not None:
+        made.write(to, excel_locale=excel_locale)
+    return made
 
 
 def _amendment(run: Run, supersedes: str | None, reason: str | None) -> Amendment | None:
@@ -231,61 +218,22 @@ def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
     return lambda dossier: spelled(document(dossier))
 
 
-def _read(tables: Tables, reading: TableOptions, pose: str | None) -> tuple[Run, tuple[Held, ...]]:
-    """Return the run of tables, and the very bytes that it was read from."""
-    found = tables_of(tables)
-    known = every(found, partial(_hold, reading=reading), f"of {len(found)} tables")
-    run = reading.read([table for table, _ in known])
-    if len(found) > 1 and (source := together_as(tables)):
-        run = replace(run, origin=replace(run.origin, source=source))
-    return _at(run, pose, run.origin.source), tuple(held for _, held in known)
-
-
-def _hold(table: Table, reading: TableOptions) -> tuple[Table, Held]:
-    """Return a table whose bytes cannot change any more, and those."""
-    if isinstance(table, Run) or is_frame(table):
-        run = reading.read(table)
-        data = write_table(run).encode()
-        return table, _held("run, as write_table gives it", run.origin.source, data)
-    data, name = read_bytes(table)
-    file = BytesIO(data)
-    setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-    return file, _held("table", name, data)
-
-
-def _held(role: str, name: str, data: bytes) -> Held:
-    return InputFile(role, name, sha256(data).hexdigest()), data
-
-
-def _at(run: Run, pose: str | None, name: str) -> Run:
+def _at(run: Run, pose: str | None) -> Run:
     """Return the run of one pose, all of it where None is named."""
     if pose is None:
         return run
     rows = {str(label): rows for label, rows in run.rows_by_pose()}
     if pose not in rows:
         raise UsageError(
-            f"no pose {pose!r} in {name}", remedy=f"it has {', '.join(list(rows)[:20])}"
+            f"no pose {pose!r} in {run.origin.source}",
+            remedy=f"it has {', '.join(list(rows)[:20])}",
         )
     run = run.take(rows[pose])
     return replace(run, metadata={**run.metadata, "pose": pose})
 
 
-def _diagnoses(
-    analysis: Analysis, model: Model | None, wanted: CyclesWanted
-) -> dict[str | None, Diagnosis | Failure]:
-    """Return the diagnosis of each pose; too few cycles for one are said, a wrong model raises."""
-    labels = [pose.label for pose in poses_in_cycles(analysis)]
-    if not labels:  # a drift test is its own course
-        return {}
-    try:
-        if len(labels) > 1:
-            found = close_the_loop_at_poses(analysis.run, model, wanted, seed=SEED)
-            return {label: found[str(label)] for label in labels}
-        return {labels[0]: close_the_loop(analysis.run, model, wanted, seed=SEED)}
-    except ScaraIsoError as error:
-        if model is not None:
-            raise
-        return dict.fromkeys(labels, Failure(error.headline, error.exit_code))
+def _wanted(options: Mapping[str, Any]) -> CyclesWanted:
+    return CyclesWanted(None, **{key: options[key] for key in _OF_CYCLES if key in options})
 
 
 def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:

@@ -9,11 +9,11 @@ from dataclasses import replace
 from scara_iso.errors import UsageError
 from scara_iso.reporting import Restated
 from scara_iso.run import Run
-from scara_iso.tables import is_of_axes
+from scara_iso.tables import is_of_axes, is_of_corrections
 
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,60}")
 _RECORDED = re.compile(
-    r"first_cycle.*|axes_recorded|simulated|cycles_planned|record_.*|recorded|doubts|pose"
+    r"first_cycle.*|corrected_.*|axes_recorded|simulated|cycles_planned|record_.*|recorded|doubts|pose"
 )
 
 
@@ -27,7 +27,8 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
     wrong = [key for key in stated if not _KEY.fullmatch(key.strip())]
     if wrong:
         raise UsageError(f"`meta={wrong[0]}=..`: not a key", remedy="`meta=operator=A. Muster`")
-    fixed = [key for key, k in keys.items() if is_of_axes(k) or _RECORDED.fullmatch(k)]
+    fixed = [key for key, k in keys.items()
+             if is_of_axes(k) or is_of_corrections(k) or _RECORDED.fullmatch(k)]  # fmt: skip
     if fixed:
         raise UsageError(
             f"`meta={fixed[0]}=..`: the readings were read or recorded with it",

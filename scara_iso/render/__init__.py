@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json
     from scara_iso.render.json_whole_test import (
+        beside_json as beside_json,
         conditions_json as conditions_json,
         status_json as status_json,
     )

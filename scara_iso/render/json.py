@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         AxisResult,
         Characteristic,
         DriftCourse,
+        LimitCheck,
         PosePlan,
         PoseResult,
     )
@@ -82,7 +83,7 @@ def analysis_json(analysis: Analysis) -> Json:
         "poses": [pose_json(pose) for pose in analysis.poses],
         "characteristics": [characteristic_json(one) for one in analysis.characteristics],
         **_drift(analysis),
-        "limits": each(analysis.limits, LIMIT),
+        "limits": limits_json(analysis.limits),
         "conformity": plain(analysis.conformity),
         "deviations": each(analysis.deviations, "rule code message=said"),
         "findings": each(analysis.findings, FINDING),
@@ -152,8 +153,18 @@ def characteristic_json(found: Characteristic) -> Json:
     return {
         **picked(found, "code clause=estimate.clause pose of"),
         **picked(found.estimate, "value unit u parts interval n"),
-        "limit": found.limit and picked(found.limit, "limit verdict rule=decision"),
+        "limit": found.limit
+        and picked(found.limit, "limit verdict rule=decision") | _lower(found.limit),
     }
+
+
+def limits_json(checks: Iterable[LimitCheck]) -> list[Json]:
+    """Return the objects of limits; ``lower`` where the smallest value is limited too."""
+    return [picked(check, LIMIT) | _lower(check) for check in checks]
+
+
+def _lower(check: LimitCheck) -> Json:
+    return {} if check.lower is None else {"lower": check.lower}
 
 
 def run_json(run: Run, *, seed: int) -> Json:

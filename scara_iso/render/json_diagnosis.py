@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         Design,
         Diagnosis,
         DiagnosisOfPoses,
+        Foretold,
         Found,
         GearDiagnosis,
         GearFound,
@@ -85,12 +86,15 @@ def _of_one_pose(diagnosis: Diagnosis) -> Json:
         **picked(diagnosis, f"verdict {_CHANCE}"),
         "effects": [_found(found) for found in diagnosis.effects],
         "candidates": each(diagnosis.candidates, _RIVAL),
+        "courses": each(diagnosis.courses, "axis words formula held_out_rms p_value"),
         "error": _errors(diagnosis),
         "repeatability": {
             **picked(RP, "measured model_before model_after with_effect_removed"),
-            "completed": {
-                name: {"value": one.value, "interval": [one.low, one.high]}
-                for name, one in RP.completed.items()
+            "completed": _foretold(RP.completed),
+            "unseen": RP.unseen
+            and {
+                **picked(RP.unseen, "of cycles measured model_before"),
+                "completed": _foretold(RP.unseen.completed),
             },
         },
         "shares": {
@@ -101,6 +105,12 @@ def _of_one_pose(diagnosis: Diagnosis) -> Json:
         "flags": each(diagnosis.flags, f"axis cycle {_CHANCE}"),
         "notes": list(diagnosis.notes),
         **({} if diagnosis.reversals is None else {"gear": _gear(diagnosis.reversals)}),
+    }
+
+
+def _foretold(told: Mapping[str, Foretold]) -> Json:
+    return {
+        name: {"value": one.value, "interval": [one.low, one.high]} for name, one in told.items()
     }
 
 

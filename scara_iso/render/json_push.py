@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from scara_iso.render.json import LIMIT, Json, characteristic_json, each, picked, plain
+from scara_iso.render.json import Json, characteristic_json, limits_json, picked, plain
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import PushResult
@@ -27,7 +27,7 @@ def push_json(found: PushResult) -> Json:
         "joint": _figures(found, "joint"),
         "reading": _figures(found, "reading"),
         "characteristics": [characteristic_json(one) for one in found.characteristics],
-        "limits": each(found.limits, LIMIT),
+        "limits": limits_json(found.limits),
         "conformity": plain(found.conformity),
     }
 

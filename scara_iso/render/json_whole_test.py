@@ -13,8 +13,15 @@ from scara_iso.acceptance import (
     seconds_a_cycle,
     seconds_left,
 )
-from scara_iso.iso9283 import Analysis, Finding
-from scara_iso.render.json import FINDING, analysis_json, each
+from scara_iso.iso9283 import Analysis, Beside, Finding
+from scara_iso.render.json import (
+    FINDING,
+    analysis_json,
+    characteristic_json,
+    each,
+    limits_json,
+    plain,
+)
 
 
 class OfCondition(Protocol):
@@ -30,18 +37,26 @@ class OfCondition(Protocol):
 
 
 def conditions_json(
-    source: str, conditions: Sequence[OfCondition], analyses: Sequence[Analysis | None]
+    source: str,
+    conditions: Sequence[OfCondition],
+    analyses: Sequence[Analysis | None],
+    beside: Beside,
 ) -> dict[str, Any]:
     """Return the JSON object of ``analyze`` of a test's folder.
 
-    With one condition it is that of a table, else ``conditions`` holds an object for each.
+    With one condition it is that of a table, the figures ``beside`` among its own, else
+    ``conditions`` holds an object for each, and what is beside them stands beside those.
     """
+    if len(conditions) == 1 and analyses[0] is not None:
+        analyses = [beside.added_to(analyses[0])]
     documents = [
         {**_analysed(source, one, analysis), "missing": list(one.missing)}
         for one, analysis in zip(conditions, analyses, strict=True)
     ]
     if len(documents) == 1:
-        return documents[0]
+        alone = beside_json(beside) if analyses[0] is None else {}
+        missing = [*documents[0]["missing"], *beside.missing]
+        return {**documents[0], **alone, "missing": missing}
     shared = ("schema", "unit", "source")
     return {
         **{key: documents[0][key] for key in shared},
@@ -50,7 +65,21 @@ def conditions_json(
              **{key: value for key, value in document.items() if key not in shared}}
             for one, document in zip(conditions, documents, strict=True)
         ],
+        **beside_json(beside),
     }  # fmt: skip
+
+
+def beside_json(beside: Beside) -> dict[str, Any]:
+    """Return the figures and findings of the tests beside the poses; nothing without any."""
+    if not beside:
+        return {}
+    return {
+        "characteristics": [characteristic_json(one) for one in beside.characteristics],
+        "limits": limits_json(beside.limits),
+        "conformity": plain(beside.conformity),
+        "findings": each(beside.findings(), FINDING),
+        "missing": list(beside.missing),
+    }
 
 
 def _analysed(source: str, one: OfCondition, analysis: Analysis | None) -> dict[str, Any]:
@@ -92,13 +121,14 @@ def status_json(folder: Folder) -> dict[str, Any]:
 
 
 def _part(state: PartState) -> dict[str, Any]:
-    readable = state.recording is not None and not state.why
+    cycles = not state.part.is_push
+    readable = cycles and state.recording is not None and not state.why
     done, wanted = state.recording.cycles if readable and state.recording else (None, None)
     return {
         "part": state.part.name,
-        "pose": state.part.pose,
-        "velocity": state.part.condition.velocity,
-        "load": state.part.condition.load,
+        "pose": state.part.pose or None,
+        "velocity": state.part.condition.velocity if cycles else None,
+        "load": state.part.condition.load if cycles else None,
         "state": state.state,
         "recording": None if state.recording is None else state.recording.table.name,
         "cycles": done,

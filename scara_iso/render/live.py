@@ -56,6 +56,8 @@ class LiveView:
     keys: str = ""
     prompt: str = ""
     """A question and what was typed so far, in the place of the keys."""
+    warning: tuple[str, ...] = ()
+    """What the readings show besides scatter, and what to do about it."""
     large: bool = False
     """Whether the readings are shown in large digits, as far as there is room."""
     counted: str = "cycles"
@@ -95,7 +97,8 @@ def draw(view: LiveView, console: Console) -> RenderableType:
         *([Text(f"{_INDENT}{printable(view.place)}")] if view.place else []),
         Text(),
     ]
-    room = (console.height - _OTHER_ROWS) // max(len(view.axes), 1) - 3 if view.large else 0
+    rows = _OTHER_ROWS + sum(len(line) // (width - len(_INDENT)) + 1 for line in view.warning)
+    room = (console.height - rows) // max(len(view.axes), 1) - 3 if view.large else 0
     for axis in view.axes:
         digits = large(axis.shown, width - 12, room) if blocks else []
         lines += [_below(Text(row, "bold green")) for row in digits]
@@ -107,7 +110,11 @@ def _foot(view: LiveView, *, blocks: bool) -> list[RenderableType]:
     text, tone = view.status
     mark = {"good": "✔ " if blocks else "OK ", "bad": "✘ " if blocks else "!! "}.get(tone, "")
     last = (f"{view.prompt}_", "bold yellow") if view.prompt else (view.keys, "dim")
-    lines = [(f"{mark}{text}", _TONES[tone]), (view.troubles, "yellow"), (view.next_step, "bold")]
+    lines = [
+        (f"{mark}{text}", _TONES[tone]), (view.troubles, "yellow"),
+        *((f"! {line}" if not k else line, "bold yellow") for k, line in enumerate(view.warning)),
+        (view.next_step, "bold"),
+    ]  # fmt: skip
     return [
         Padding(Text(printable(text), style), (0, 0, 0, len(_INDENT)))
         for text, style in [*lines, last]

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
         Block as Block,
         Cell as Cell,
         Charted as Charted,
-        Course as Course,
-        Courses as Courses,
-        DriftPicture as DriftPicture,
         Facts as Facts,
         Figure as Figure,
         Headline as Headline,
@@ -29,10 +26,6 @@ if TYPE_CHECKING:
         NextStep as NextStep,
         Notice as Notice,
         Number as Number,
-        Plane as Plane,
-        Planes as Planes,
-        Prediction as Prediction,
-        Predictions as Predictions,
         Report as Report,
         Result as Result,
         Section as Section,
@@ -74,6 +67,15 @@ if TYPE_CHECKING:
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.paper import paper_section as paper_section
     from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
+    from scara_iso.reporting.plotted import (
+        Course as Course,
+        Courses as Courses,
+        DriftPicture as DriftPicture,
+        Plane as Plane,
+        Planes as Planes,
+        Prediction as Prediction,
+        Predictions as Predictions,
+    )
     from scara_iso.reporting.ports import (
         Probe as Probe,
         dialects_report as dialects_report,
@@ -103,6 +105,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.tables_read import table_report as table_report
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
+    from scara_iso.reporting.watching import warning as warning
     from scara_iso.reporting.whole_test import (
         missing_report as missing_report,
         status_report as status_report,

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from scara_iso.diagnosis import UNKNOWN, Diagnosis, Found, Verdict
+from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import (
     Block,
     Headline,
@@ -17,7 +18,12 @@ from scara_iso.reporting.blocks import (
     Text,
 )
 from scara_iso.reporting.brief import digits_of, first_three
-from scara_iso.reporting.diagnosis import parameters_said, rivals_said, sureness, unit_of
+from scara_iso.reporting.diagnosis import (
+    parameters_said,
+    rivals_said,
+    sureness,
+    unit_of,
+)
 from scara_iso.reporting.digits import U_of_scatter, rounded
 from scara_iso.reporting.words import words
 from scara_iso.run import FloatArray
@@ -62,7 +68,7 @@ def _sizes(found: Found) -> list[str]:
     sizes = found.parameters.get("size")
     errors = found.standard_errors.get("size", {}) if bounded else {}
     by_axis = sizes if isinstance(sizes, Mapping) else {}
-    unit = unit_of(found.effect, "size")
+    unit = unit_of(found, "size")
     said = [
         f"{_size(axis, size, errors.get(axis))} {_length(axis)} {unit}".rstrip()
         for axis, size in by_axis.items()
@@ -109,7 +115,8 @@ def _repeatability(diagnosis: Diagnosis) -> Headline:
 def _next(diagnosis: Diagnosis, again: Again) -> NextStep:
     if diagnosis.verdict is Verdict.NOTHING:
         return NextStep(f"scara-iso report {again()}", "the report to sign")
-    if diagnosis.verdict is Verdict.UNEXPLAINED:
+    explained = {effect.name for effect in find_effects()}
+    if diagnosis.verdict is Verdict.UNEXPLAINED or diagnosis.effects[0].effect not in explained:
         return NextStep(f"scara-iso diagnose {again(plot='course.svg')}", "look at the course")
     effect = diagnosis.effects[0].effect
     return NextStep(f"scara-iso explain {effect}", "what it means, and how to be sure")
@@ -120,6 +127,7 @@ def _why(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Text(f"Likely: {found.cause}")
         yield Text(f"To be sure: {found.confirm_by}")
     near = [rival for rival in diagnosis.candidates if rival.effect != UNKNOWN]
+    yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
     if diagnosis.verdict is Verdict.UNEXPLAINED and near:
         yield Text(f"Nearest known effects: {rivals_said(near)}")
     if diagnosis.verdict is Verdict.NOTHING:

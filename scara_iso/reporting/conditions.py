@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.diagnosis import Diagnosis
+from scara_iso.dial import joined_axis
 from scara_iso.errors import DataError
 from scara_iso.iso9283 import (
     Analysis,
@@ -17,10 +18,11 @@ from scara_iso.iso9283 import (
     Poses,
     not_recorded,
 )
+from scara_iso.origin import Origin
 from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.dossier import Dossier
 from scara_iso.reporting.result_table import ResultPart
-from scara_iso.run import Axis, Origin, Run
+from scara_iso.run import Axis, Run
 
 _Labels = Mapping[str | None, str]
 """Of each pose of a condition: its label among those of all conditions."""
@@ -121,28 +123,16 @@ def _poses(run: Run) -> Sequence[str | None]:
 
 
 def _axis(name: str, chapters: Sequence[Chapter]) -> Axis:
-    """Return the readings of an axis; the coarsest of its dials counts, as among the poses."""
     axes = [one.dossier.analysis.run.axes[name] for one in chapters]
     command: dict[str, float] = {}
     for one, axis in zip(chapters, axes, strict=True):
         command |= _commands(axis, one)
-    return replace(
-        axes[0],
-        readings=np.concatenate([axis.readings for axis in axes]),
-        resolution=_largest([axis.resolution for axis in axes]),
-        uncertainty=_largest([axis.uncertainty for axis in axes]),
-        command=command or None,
-    )
+    return joined_axis(axes, command)
 
 
 def _commands(axis: Axis, chapter: Chapter) -> Mapping[str, float]:
     by_pose = axis.command if isinstance(axis.command, Mapping) else {}
     return {_called(pose, chapter.name): value for pose, value in by_pose.items()}
-
-
-def _largest(sizes: Sequence[float | None]) -> float | None:
-    known = [size for size in sizes if size is not None]
-    return max(known) if len(known) == len(sizes) else None
 
 
 def _stated(chapters: Sequence[Chapter]) -> Iterator[tuple[str, str]]:

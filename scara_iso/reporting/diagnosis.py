@@ -6,13 +6,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from scara_iso.diagnosis import (
+    SECOND,
     Diagnosis,
     Found,
-    Repeatabilities,
     Rival,
     Verdict,
 )
-from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -24,11 +23,16 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
-from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, rounded
+from scara_iso.reporting.digits import p_equals, p_value, rounded
+from scara_iso.reporting.foretold import next_test, of_scatter, unseen_cycles
 from scara_iso.reporting.reversals import reversals_section
+from scara_iso.reporting.unexplained import courses_said
 from scara_iso.reporting.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
+_UNSEEN = "cycles that the fit did not see, the choice of effect repeated"
+_SECONDS = "_s"
+"""Ends the name of a time that is given in seconds beside that in cycles."""
 _DUST = 1e-9
 """Share of a size below which its standard error is the rounding of the arithmetic."""
 _UNITS = "lengths in mm, angles in degrees"
@@ -125,6 +129,7 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
             )
             if diagnosis.candidates:
                 yield Text(f"nearest: {rivals_said(diagnosis.candidates)}")
+            yield from map(Text, courses_said(diagnosis))
 
 
 def sureness(found: Found, *, on_axes: bool = True) -> str:
@@ -165,16 +170,22 @@ def _effect(found: Found) -> Iterator[Block]:
 def parameters_said(found: Found, only: Iterable[str] | None = None) -> str:
     """Return the parameters of an effect with their units, and with standard errors."""
     names = found.parameters if only is None else only
-    return ", ".join(_parameter(name, found.parameters[name], found) for name in names)
+    return ", ".join(
+        _parameter(name, found.parameters[name], found)
+        for name in names
+        if name.removesuffix(_SECONDS) not in found.parameters or not name.endswith(_SECONDS)
+    )
 
 
 def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
     if not isinstance(value, Mapping):
         said = value if isinstance(value, str) else f"{value:.3g}"
-        return f"{words(name)} {said} {unit_of(found.effect, name)}".rstrip()
+        seconds = found.parameters.get(f"{name}{_SECONDS}")
+        beside = f" ({seconds:.3g} s)" if isinstance(seconds, float) else ""
+        return f"{words(name)} {said} {unit_of(found, name)}".rstrip() + beside
     errors = found.standard_errors.get(name, {})
     parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
-    return f"{words(name)} {', '.join(parts)} {unit_of(found.effect, name)}".rstrip()
+    return f"{words(name)} {', '.join(parts)} {unit_of(found, name)}".rstrip()
 
 
 def _size(axis: str, size: float, error: float | None) -> str:
@@ -184,29 +195,28 @@ def _size(axis: str, size: float, error: float | None) -> str:
     return f"{axis} {rounded(size, error, sign='+')} ± {rounded(error, error)}"
 
 
-def unit_of(effect: str, parameter: str) -> str:
+def unit_of(found: Found, parameter: str) -> str:
     """Return the unit of a parameter, as far as it is not that of the reading."""
-    units = (
-        p.unit for e in find_effects() if e.name == effect
-        for p in e.parameters if p.name == parameter
-    )  # fmt: skip
-    return next(units, "").replace("reading/", "per ").removeprefix("reading")
+    unit = found.units.get(parameter, "")
+    return unit.replace("reading/", "per ").removeprefix("reading")
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
     before, after = diagnosis.error_before, diagnosis.error_after
-    n = len(diagnosis.series.cycle)
+    n, unseen = len(diagnosis.series.cycle), diagnosis.repeatability.unseen
+    second = unseen is not None and unseen.of == SECOND
+    said = "the second table" if second else _UNSEEN
     yield Table(
         ("rms error", "before", "after", "held out, before", "held out, after"),
         tuple(
             (
                 axis,
-                *(_of_scatter(rms, n) for rms in (before.rms[axis], after.rms[axis])),
-                *(_of_scatter(error.held_out_rms[axis], n) for error in (before, after)),
+                *(of_scatter(rms, n) for rms in (before.rms[axis], after.rms[axis])),
+                *(of_scatter(error.held_out_rms[axis], n) for error in (before, after)),
             )
             for axis in before.rms
         ),
-        "held out: on cycles that the fit did not see, the choice of effect repeated",
+        f"held out: on {said}",
     )
     RP = diagnosis.repeatability
     columns = (RP.measured, RP.model_before, RP.model_after, RP.with_effect_removed)
@@ -215,7 +225,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
         tuple(
             (
                 name,
-                *(_of_scatter(column[name], n) if name in column else "" for column in columns),
+                *(of_scatter(column[name], n) if name in column else "" for column in columns),
             )
             for name in RP.measured
         ),
@@ -229,24 +239,9 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             "a mean between two levels are nearly equal and hide in S_l",
             "quiet",
         )
-    yield _next_test(RP, n)
-
-
-def _next_test(RP: Repeatabilities, n: int) -> Table:
-    """Return what the completed model foretells of the next test beside what was measured."""
-    return Table(
-        ("RP of the next test", "measured", "completed model", "95 % from", "to"),
-        tuple(
-            (name, *(_of_scatter(v, n) for v in (RP.measured[name], one.value, one.low, one.high)))
-            for name, one in RP.completed.items()
-        ),
-        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
-        "new test of 30 cycles, its own sampling included",
-    )
-
-
-def _of_scatter(figure: float, n: int) -> Number:
-    return rounded(figure, U_of_scatter(figure, n))
+    yield next_test(RP, n)
+    if RP.unseen is not None:
+        yield unseen_cycles(RP.unseen)
 
 
 def _shares(diagnosis: Diagnosis) -> Table:

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.iso9283 import Analysis, not_measured
+from scara_iso.iso9283 import Analysis, Beside, not_measured
 from scara_iso.reporting.analysis import findings
 from scara_iso.reporting.appendix import appendix
+from scara_iso.reporting.beside import beside_readings, beside_sections, in_short
 from scara_iso.reporting.blocks import Block, Report, Section, Text
 from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.drift import drift_pictures
 from scara_iso.reporting.figures import courses, planes, predictions
 from scara_iso.reporting.front import Amendment, front_page
 from scara_iso.reporting.interpretation import interpretation
-from scara_iso.reporting.provenance import Provenance, provenance
+from scara_iso.reporting.provenance import InputFile, Provenance, provenance
 from scara_iso.reporting.result_table import ResultPart
 from scara_iso.reporting.stated import conditions, remarks, stated_field
 from scara_iso.reporting.uncertainty import budget_blocks
@@ -43,6 +44,23 @@ class Dossier:
     """Which report it replaces."""
     parts: tuple[ResultPart, ...] = ()
     """The results by condition, where there are several; a pose is then called by its part."""
+    beside: Beside = field(default_factory=Beside)
+    """The tests beside the poses; their figures and findings are in `analysis` too."""
+
+    def with_beside(self, beside: Beside, files: Sequence[InputFile] = ()) -> Dossier:
+        """Return it with the tests beside the poses, read from ``files`` more."""
+        if not beside:
+            return self
+        labels = [pose.label for pose in self.analysis.poses]
+        parts = self.parts or (ResultPart(self.analysis.characteristics, labels),)
+        read = replace(self.provenance, files=(*self.provenance.files, *files))
+        return replace(
+            self,
+            analysis=beside.added_to(self.analysis),
+            provenance=read,
+            parts=(*parts, ResultPart(in_short(beside), ())),
+            beside=beside,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +83,8 @@ def document(dossier: Dossier) -> Document:
     run = dossier.analysis.run
     title = _title(dossier)
     sections = (*_sections(dossier), Section("", (Text(f"End of {title}", "quiet"),)))
-    return Document(title, sections, dossier, simulated=bool(run.metadata.get("simulated")))
+    simulated = bool(run.metadata.get("simulated")) or dossier.beside.simulated
+    return Document(title, sections, dossier, simulated=simulated)
 
 
 def _title(dossier: Dossier) -> str:
@@ -81,6 +100,7 @@ def _sections(dossier: Dossier) -> Iterator[Section]:
     if analysis.block is None:
         yield Section("Figures", (*planes(analysis), *courses(analysis)), new_page=True)
     yield from drift_pictures(analysis)
+    yield from beside_sections(dossier.beside)
     if found:
         diagnosed = {pose: d for pose, d in found.items() if isinstance(d, Diagnosis)}
         pictures = predictions(diagnosed, analysis.poses)
@@ -92,6 +112,7 @@ def _sections(dossier: Dossier) -> Iterator[Section]:
     every = [
         *(_capital(section) for section in findings(analysis, advice=False)),
         *appendix(analysis, found, dossier.gearboxes),
+        *beside_readings(dossier.beside),
         Section("Not measured, by clause of ISO 9283:1998", (Text(_not_measured(analysis)),)),
         Section("Provenance", tuple(provenance(dossier.provenance, analysis.run.origin))),
     ]

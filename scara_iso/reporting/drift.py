@@ -9,7 +9,6 @@ import numpy as np
 from scara_iso.iso9283 import Analysis, Characteristic, DriftCourse, drift_courses
 from scara_iso.reporting.blocks import (
     Block,
-    DriftPicture,
     Figure,
     Headline,
     Number,
@@ -41,7 +40,7 @@ def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
 def _moved(analysis: Analysis, course: DriftCourse) -> list[str]:
     label = course.pose.label
     mine = [one for one in analysis.characteristics if one.pose == label]
-    figures = [_largest(mine, code) for code in ("dAP", "dRP")]
+    figures = [largest_of(mine, code) for code in ("dAP", "dRP")]
     moved = [_said(one) for one in figures if one is not None]
     return [f"drift{'' if label is None else f' at {label}'}: {', '.join(moved[:1])}", *moved[1:]]
 
@@ -69,7 +68,7 @@ def _courses(analysis: Analysis) -> Sequence[DriftCourse]:
     return drift_courses(analysis.run, analysis.poses, analysis.block)
 
 
-def _largest(found: Sequence[Characteristic], code: str) -> Characteristic | None:
+def largest_of(found: Sequence[Characteristic], code: str) -> Characteristic | None:
     """Return the figure in space or in the plane, else the largest of an axis."""
     mine = {one.of: one for one in found if one.code == code}
     whole = next((mine[of] for of in _WHOLE if of in mine), None)
@@ -135,6 +134,8 @@ def _table(course: DriftCourse) -> Table:
 def _picture(course: DriftCourse) -> Iterator[Block]:
     if course.hours is None:
         return
+    from scara_iso.reporting.plotted import DriftPicture  # noqa: PLC0415 - for drift tests only
+
     lengths = [name for name, axis in course.pose.axes.items() if axis.unit == "mm"]
     moved = {name: course.means[name] - course.means[name][0] for name in lengths}
     fit = course.fit

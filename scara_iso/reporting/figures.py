@@ -9,17 +9,16 @@ import numpy as np
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, PoseResult
-from scara_iso.reporting.blocks import (
-    Block,
+from scara_iso.reporting.blocks import Block, Figure
+from scara_iso.reporting.digits import U_of_scatter, rounded
+from scara_iso.reporting.plotted import (
     Course,
     Courses,
-    Figure,
     Plane,
     Planes,
     Prediction,
     Predictions,
 )
-from scara_iso.reporting.digits import U_of_scatter, rounded
 from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
 from scara_iso.run import IntArray
 

@@ -9,6 +9,7 @@ from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, L
 from scara_iso.reporting.blocks import Interval, Number, Section, Table, Text
 from scara_iso.reporting.digits import decimals, places_that_decide
 
+_USUAL = ("mm", "deg")
 _FIGURES = "In mm; XY by the graver verdict of its two figures; an angle in degrees, by ± 3 s. "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
@@ -53,7 +54,9 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     if open_:
         yield Text(f"NOT PROVABLE with these cycles: {_names(open_)}{_would_prove(open_)}", "warn")
     if analysis.conformity is Conformity.PASS:
-        yield Text(f"PASS: inside the limits {how}", "good")
+        of_others = any(not check.code.startswith("RP") for check in analysis.limits)
+        which = f": {_names(analysis.limits)}" if of_others else ""
+        yield Text(f"PASS: inside the limits {how}{which}", "good")
     void = [check for check in analysis.limits if check.interval_void and not simple]
     if void:
         yield Text(
@@ -76,6 +79,13 @@ def table_of_limits(checks: Sequence[LimitCheck]) -> Iterator[Section]:
         yield Section("limits", (table,))
 
 
+def limit_cell(check: LimitCheck) -> Number | str:
+    """Return the limit, or the smallest and the largest value that are allowed."""
+    if check.lower is None:
+        return Number(check.limit, ".15g")
+    return f"{check.lower:.15g} to {check.limit:.15g}"
+
+
 def _interval_table(checks: Sequence[LimitCheck]) -> Table:
     rows = []
     for check in checks:
@@ -83,7 +93,7 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
         places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
         RP, *said = (Number(value, f".{places}f") for value in (check.RP, *ends))
         interval = Interval(*said) if said else "none"
-        limit, verdict = Number(check.limit, ".15g"), VERDICTS[check.verdict]
+        limit, verdict = limit_cell(check), VERDICTS[check.verdict]
         rows.append((_name(check), RP, interval, limit, verdict, _wanted(check)))
     header = ("limit of", _figure(checks), "95 % interval", "limit", "verdict", "cycles needed")
     return Table(header, tuple(rows), _FIGURES + _INTERVAL)
@@ -99,7 +109,7 @@ def _simple_table(checks: Sequence[LimitCheck]) -> Table:
             (
                 _name(check),
                 Number(check.RP, f".{places}f"),
-                Number(check.limit, ".15g"),
+                limit_cell(check),
                 guard,
                 VERDICTS[check.verdict] + near,
             )
@@ -141,7 +151,8 @@ def _would_prove(checks: Sequence[LimitCheck]) -> str:
 
 
 def _name(check: LimitCheck) -> str:
-    return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
+    figure = check.figure if check.unit in _USUAL else f"{check.figure} in {check.unit}"
+    return figure if check.pose is None else f"{figure} at {check.pose}"
 
 
 def _names(checks: Sequence[LimitCheck]) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from scara_iso.origin import Origin
 from scara_iso.reporting.blocks import Block, Facts, Text
-from scara_iso.run import Origin
 
 
 @dataclass(frozen=True, slots=True)

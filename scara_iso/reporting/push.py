@@ -21,9 +21,10 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.brief import figure_said, first_three
 from scara_iso.reporting.digits import decimals, interval, places_that_decide, rounded
+from scara_iso.reporting.limits import limit_cell
 from scara_iso.reporting.words import words
 
-_BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
+BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
 _MEANING = (
     "lost motion: between the flanks, spring and friction taken off; friction width: between the "
     "ways to and fro on one flank; hysteresis: both together, at no force; deflection: between the "
@@ -72,7 +73,7 @@ def push_brief(found: PushResult, following: NextStep) -> Report:
 def _largest(rows: list[Characteristic], found: PushResult) -> Headline:
     said = []
     for one in rows:
-        if one.code in _BOUGHT_BY:
+        if one.code in BOUGHT_BY:
             unit, ends = one.estimate.unit, one.estimate.interval
             said.append(figure_said(words(one.code), one.estimate.value, ends, unit))
     return Headline(tuple(said) or (f"{found.fit.loops} loops",))
@@ -109,8 +110,7 @@ def _limits(checks: tuple[LimitCheck, ...]) -> Table:
         places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
         value, *said = (Number(x, f".{places}f") for x in (check.RP, *ends))
         between = Interval(*said) if said else "none"
-        limit = Number(check.limit, ".15g")
-        rows.append((check.figure, value, between, limit, check.verdict.value))
+        rows.append((check.figure, value, between, limit_cell(check), check.verdict.value))
     return Table(
         ("limit of", "figure", "95 % interval", "limit", "verdict"),
         tuple(rows),

@@ -42,6 +42,11 @@ def _columns(run: Run, rows: IntArray) -> Columns:
         for axis in run.axes.values()
     }
     columns |= {
+        f"{axis.name} displayed [{axis.unit}]": _digits(axis, axis.displayed[rows])
+        for axis in run.axes.values()
+        if axis.displayed is not None
+    }
+    columns |= {
         name: [Number(v, ".12g") for v in values[rows].tolist()]
         for name, values in run.covariates.items()
     }

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck
 from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Result, Table
 from scara_iso.reporting.digits import U_of_scatter, places, places_that_decide
-from scara_iso.reporting.limits import VERDICTS
+from scara_iso.reporting.limits import VERDICTS, limit_cell
 
 _COLUMNS = 8
 """Of characteristics, beside which a page has room for those of pose and conditions."""
@@ -196,7 +196,7 @@ def _result(one: Characteristic | None) -> Result | str:
 
 
 def _limit(one: Characteristic | None) -> Number | str:
-    return "" if one is None or one.limit is None else Number(one.limit.limit, ".15g")
+    return "" if one is None or one.limit is None else limit_cell(one.limit)
 
 
 def _note(found: Iterable[Characteristic]) -> str:

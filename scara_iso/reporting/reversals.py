@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from scara_iso.diagnosis import Reversal, RunReversals
+from typing import TYPE_CHECKING
+
 from scara_iso.reporting.backlash import gear_blocks, gear_errors
 from scara_iso.reporting.blocks import Block, Number, Section, Table, Text
 from scara_iso.reporting.digits import rounded
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis import Reversal, RunReversals
 
 
 def reversals_section(found: RunReversals) -> Section:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.origin import TableField
 from scara_iso.reporting.blocks import Block, Cell, Facts, Number, Report, Section, Table, Text
-from scara_iso.run import Run, TableField
+from scara_iso.run import Run
 
 _MOST = 100
 
@@ -17,7 +18,7 @@ def table_report(run: Run) -> Report:
     if stated := tuple(_stated(run)):
         sections.append(Section("stated in the file", (Facts(stated),)))
     if origin.fields:
-        sections.append(Section(f"fields, by the header of line {origin.header_line}"
+        sections.append(Section(f"fields, by the header of {origin.row_name} {origin.header_line}"
                                 if origin.header_line else "fields", (_fields(run),)))  # fmt: skip
     sections.append(Section("left out, and remarks", tuple(_notes(run))))
     return tuple(sections)
@@ -32,7 +33,8 @@ def _stated(run: Run) -> Iterator[tuple[str, str]]:
 
 def _fields(run: Run) -> Table:
     rows = [_row(k, one, run) for k, one in enumerate(run.origin.fields, start=1)]
-    lines = "" if run.lines is None else f" (line {run.lines[0]}, line {run.lines[-1]})"
+    row = run.origin.row_name
+    lines = "" if run.lines is None else f" ({row} {run.lines[0]}, {row} {run.lines[-1]})"
     note = f"first and last row{lines}: readings in mm, or degrees"
     return Table(("field", "header", "taken for", "in", "first", "last"), tuple(rows), note)
 

@@ -11,12 +11,17 @@ from scara_iso.quantities import rounding_uncertainty
 from scara_iso.reporting.blocks import Block, Cell, Number, Table, Text
 from scara_iso.reporting.digits import U_of_scatter, rounded
 from scara_iso.reporting.stated import NOT_STATED
-from scara_iso.run import Axis
+from scara_iso.run import Axis, Run
 
+_ANGLE = "the angle between the indicator and its axis (cosine error), "
 _OPEN = (
-    "Not in the budget, because no reading shows it: the angle between the indicator and its axis "
-    "(cosine error), the shape and wear of its tip, the stiffness of its stand, the temperature of "
-    "robot and stand. They add to what is combined here."
+    "Not in the budget, because no reading shows it: {angle}the shape and wear of its tip, the "
+    "stiffness of its stand, the temperature of robot and stand. They add to what is combined here."
+)
+_CORRECTED = (
+    "The calibration of {axes} holds the certificate's own uncertainty, that of its correction "
+    "curve and that of the angle between plunger and axis, combined as independent: {each}. The "
+    "readings are corrected; what the dial showed is in the raw data."
 )
 _NO_CALIBRATION = (
     "Where the calibration is not stated, the combined uncertainty holds the resolution alone: "
@@ -71,8 +76,31 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
     )  # fmt: skip
     if any(line.u_calibration is None for line in lines):
         yield Text(_NO_CALIBRATION)
+    run = analysis.run
+    yield from _corrections(run)
     yield Text(_WHAT_IT_IS)
-    yield Text(_OPEN)
+    yield Text(
+        _OPEN.format(angle="" if all(_is_aligned(run, name) for name in run.axes) else _ANGLE)
+    )
+
+
+def _is_aligned(run: Run, axis: str) -> bool:
+    """Whether the angle between plunger and axis is stated, and so in the budget."""
+    said = (text for key, text in run.metadata.items() if key.startswith(f"corrected_{axis}"))
+    return any("cosine" in text for text in said)
+
+
+def _corrections(run: Run) -> Iterator[Text]:
+    found = [axis for axis in run.axes.values() if axis.displayed is not None]
+    if found:
+        said = [
+            f"{axis.name} {0.0 if axis.uncertainty is None else axis.uncertainty:.2g} {axis.unit} "
+            f"with {NOT_STATED if axis.certified is None else f'{axis.certified:.2g}'} of the "
+            "certificate"
+            for axis in found
+        ]
+        names = ", ".join(axis.name for axis in found)
+        yield Text(_CORRECTED.format(axes=names, each="; ".join(said)))
 
 
 def U_of_RP(found: AxisResult | RadialResult, n: int) -> float:  # noqa: N802 - GUM's symbol

@@ -12,7 +12,7 @@ def status_report(folder: Folder) -> Report:
     """Return the states of a test's parts as a table of poses and conditions, and what is next."""
     title = f"Test of {folder.test.robot.name or folder.path.name}"
     return (
-        Section(title, (*_said(folder), _matrix(folder))),
+        Section(title, (*_said(folder), _matrix(folder), *_beside(folder))),
         *_listed("Struck", _struck(folder)),
         *_listed("Out of its conditions", _deviations(folder)),
         *_listed("Faulty", [f"{one.part.name}: {one.why}" for one in folder.parts if one.why]),
@@ -28,12 +28,15 @@ def missing_report(what: str, missing: tuple[str, ...]) -> Report:
 
 def _matrix(folder: Folder) -> Table:
     conditions = folder.test.conditions()
-    states = {(one.part.pose, one.part.condition): one for one in folder.parts}
-    rows = tuple(
-        (pose, *(_cell(states[pose, condition]) for condition in conditions))
-        for pose in folder.test.poses
-    )
+    columns = [[_cell(state) for state in folder.under(condition)] for condition in conditions]
+    rows = tuple(zip(folder.test.poses, *columns, strict=True))
     return Table(("pose", *(condition.name for condition in conditions)), rows)
+
+
+def _beside(folder: Folder) -> Iterator[Block]:
+    if folder.beside:
+        rows = tuple((state.part.name, _cell(state)) for state in folder.beside)
+        yield Table(("beside", ""), rows)
 
 
 def _cell(state: PartState) -> str:
@@ -55,7 +58,10 @@ def _said(folder: Folder) -> Iterator[Block]:
     left = seconds_left(folder)
     pace = f", {about(left)} left at the pace so far" if left is not None else ""
     yield Text(f"Next: {lacking(following)}{pace}", "strong")
-    yield Text(f"Now: scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
+    if following.part.is_push:
+        yield Text(f"Now: write force_N and reading into {folder.path / following.part.name}.csv")
+    else:
+        yield Text(f"Now: scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
 
 
 def _struck(folder: Folder) -> list[str]:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         Rated as Rated,
         declare as declare,
         predict as predict,
+        read_effects as read_effects,
         read_model as read_model,
         simulate as simulate,
     )

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
-from scara_iso.pose_columns import number_cycles
+from scara_iso.pose_columns import arrival_labels, number_cycles
 from scara_iso.run import FloatArray, Run
 from scara_iso.streams.result import Rule, Visit
 from scara_iso.transient_columns import overshoot_column, stabilisation_column
@@ -18,6 +19,8 @@ _DITHERED = 0.5
 of Gaussian scatter's mean is then below 1 % of it (Widrow and Kollar 2008, as known)."""
 _FINER = 0.01
 _MICROSECOND = 6
+_LABELLED = ("X", "Y", "Z")
+"""Axes along which a direction of approach has a name."""
 
 
 def table(run: Run, visits: Sequence[Visit], rule: Rule, rate_hz: float) -> tuple[Run, list[str]]:
@@ -41,7 +44,7 @@ def table(run: Run, visits: Sequence[Visit], rule: Rule, rate_hz: float) -> tupl
             readings = np.round(np.round(readings / division) * division, places)
             division = float(f"{division:.6g}")
         axes[name] = replace(axis, readings=readings, resolution=division)
-    approach, more = _approach(run, visits)
+    approach, direction, more = _approach(run, visits)
     covariates = {
         "time_s": np.round([sum(v.averaged) / 2 for v in visits], _MICROSECOND),
         **approach,
@@ -57,26 +60,47 @@ def table(run: Run, visits: Sequence[Visit], rule: Rule, rate_hz: float) -> tupl
     }
     metadata.pop("timestamp_start", None)
     made = Run(
-        cycle=number_cycles(None, pose, len(visits)),
+        cycle=number_cycles(None, arrival_labels(pose, direction), len(visits)),
         axes=axes,
         pose=pose,
         covariates=covariates,
         metadata=metadata,
         origin=replace(run.origin, notes=()),
+        direction=direction,
     )
     return made, notes + more
 
 
-def _approach(run: Run, visits: Sequence[Visit]) -> tuple[dict[str, FloatArray], list[str]]:
-    """Return the column of the axis along which every visit arrives, if there is one."""
+def _approach(
+    run: Run, visits: Sequence[Visit]
+) -> tuple[dict[str, FloatArray], npt.NDArray[np.str_] | None, list[str]]:
+    """Return the column of the axis along which every visit arrives, if there is one.
+
+    Where each visit arrives along one axis alone, and not all along the same, the labels of their
+    directions (7.2.3) in its place: ``+x`` where the reading of X rose.
+    """
     came = {n: np.array([v.approach[n] for v in visits], dtype=float) for n in run.axes}
+    labels = [_along_one_axis(visit) for visit in visits]
+    known = [label for label in labels if label is not None]
+    if len(known) == len(labels) and len({label[1:] for label in known}) > 1:
+        said = f"approach is from {', '.join(dict.fromkeys(known))}"
+        return {}, np.array(known), [said]
     whole = [name for name, signs in came.items() if np.all(signs != 0)]
     if not whole:
-        return {}, ["no axis moves at every arrival: no column approach; `json=True` has each axis"]
+        said = "no axis moves at every arrival: no column approach; `json=True` has each axis"
+        return {}, None, [said]
     others = [n for n in came if n != whole[0] and np.any(came[n] != came[whole[0]])]
     said = f"approach is the direction along {whole[0]}"
     notes = [f"{said}; it differs along {', '.join(others)}"] if others else []
-    return {"approach": came[whole[0]]}, notes
+    return {"approach": came[whole[0]]}, None, notes
+
+
+def _along_one_axis(visit: Visit) -> str | None:
+    moved = [(name, sign) for name, sign in visit.approach.items() if sign]
+    if len(moved) != 1 or moved[0][0] not in _LABELLED:
+        return None
+    name, sign = moved[0]
+    return f"{'+' if sign > 0 else '-'}{name.lower()}"
 
 
 def _means(run: Run, visits: Sequence[Visit]) -> dict[str, FloatArray]:

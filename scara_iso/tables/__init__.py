@@ -10,6 +10,11 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.tables.corrections import (
+        corrected as corrected,
+        is_of_corrections as is_of_corrections,
+        stated_corrections as stated_corrections,
+    )
     from scara_iso.tables.faults import listed as listed, together as together
     from scara_iso.tables.locale import (
         FORMULA as FORMULA,

@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
-from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Origin, Run, TableField
+from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
+from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout, Statement, read_preamble
 from scara_iso.tables.names import Column, Kind
@@ -49,22 +51,18 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
     scales = _scales(columns, statements, options, faults)
     faults.check()
-    run = _run(columns, lines, scales, statements, faults)
+    run = _corrected(_run(columns, lines, scales, statements, faults), faults)
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()
     texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
-    notes += (
-        [
-            f"column {c.position + 1} {quoted(layout.header[c.position])} not used"
-            for c in layout.of(Kind.COMMENT)
-        ]
-        + columns.beside[:_NOTES]
-        + body.notes
-    )
+    notes += [f"{_column(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
+    notes += columns.beside[:_NOTES] + body.notes
     understood = "; ".join(
-        part for part in (how, _said_columns(run, scales, lines), run.origin.understood) if part
+        part
+        for part in (how, _said_columns(run, scales, lines, faults.row), run.origin.understood)
+        if part
     )
     notes[:0] = _said_numbers(columns, run)
     units = {name: scales[name].unit.name for name in run.axes}
@@ -75,8 +73,13 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         units=units,
         header_line=None if options.columns else layout.header_line or None,
         fields=tuple(_field(column, layout, units) for column in layout.columns),
+        sheet=faults.sheet,
     )
     return replace(run, origin=origin)
+
+
+def _column(layout: Layout, column: Column) -> str:
+    return f"column {column.position + 1} {quoted(layout.header[column.position])}"
 
 
 def _field(column: Column, layout: Layout, units: Mapping[str, str]) -> TableField:
@@ -196,6 +199,13 @@ def _run(
     ).unwrapped()
 
 
+def _corrected(run: Run, faults: Faults) -> Run:
+    found, wrong = corrected(run)
+    for fault in wrong:
+        faults.add(fault, remedy="correct the statements above the table, or leave them out")
+    return found
+
+
 def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
     counters = columns.layout.of(Kind.CYCLE)
     if not counters and run.pose is None:
@@ -257,7 +267,7 @@ def _check_repeats(run: Run, lines: IntArray, repeats: list[int], faults: Faults
             )
 
 
-def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray) -> str:
+def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray, row: str) -> str:
     units = {name: scales[name].unit.name for name in run.axes}
     parts = [
         f"{' '.join(name for name in units if units[name] == unit)} in {unit}"
@@ -266,7 +276,7 @@ def _said_columns(run: Run, scales: dict[str, Scale], lines: IntArray) -> str:
     labelled = {"pose": run.pose, "approach": run.direction}
     also = [name for name, labels in labelled.items() if labels is not None] + list(run.covariates)
     text = ", ".join(parts) + (f"; also {', '.join(map(_short, also))}" if also else "")
-    return f"{text}; {len(lines)} rows (lines {lines[0]}-{lines[-1]})"
+    return f"{text}; {len(lines)} rows ({row}s {lines[0]}-{lines[-1]})"
 
 
 def _short(name: str) -> str:

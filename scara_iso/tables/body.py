@@ -92,16 +92,16 @@ class Body:
             statement = read_statement(Row(line, texts, text, line))
             if statement and is_of_axes(statement[0]):
                 self.faults.add(f"{quoted(text)} under the header", line, remedy=_ONE_TABLE)
-            self.note(f"line {line}: comment {quoted(text)} not used")
+            self.note(f"{self.faults.row} {line}: comment {quoted(text)} not used")
         elif self._is_footer(line, texts):
             self.footer = self.footer or line
-            self.note(f"line {line}: footer {quoted(text)} not averaged")
+            self.note(f"{self.faults.row} {line}: footer {quoted(text)} not averaged")
         elif names_an_axis(texts):
             self.faults.add("a second table begins", line, remedy=_ONE_TABLE)
         elif self._is_remark(texts):
-            self.note(f"line {line}: {quoted(text)} not used")
+            self.note(f"{self.faults.row} {line}: {quoted(text)} not used")
         elif is_rule(text) and (self._cycle is not None or not any(self._blocks)):
-            self.note(f"line {line}: ruled line")
+            self.note(f"{self.faults.row} {line}: ruled line")
         else:
             return False
         return True
@@ -114,7 +114,7 @@ class Body:
                 remedy=_ONE_TABLE,
             )
         self.repeats = [*self.repeats[: KEPT - 1], line]
-        self.note(f"line {line}: header repeated")
+        self.note(f"{self.faults.row} {line}: header repeated")
 
     def _is_numbered(self, cells: Sequence[Cell]) -> bool:
         cell = cells[self._cycle] if self._cycle is not None and self._cycle < len(cells) else ""
@@ -149,7 +149,9 @@ class Body:
         width = self.layout.width
         if self.footer is not None:
             self.faults.add(
-                f"readings below the footer of line {self.footer}", line, remedy=_ONE_TABLE
+                f"readings below the footer of {self.faults.row} {self.footer}",
+                line,
+                remedy=_ONE_TABLE,
             )
             return
         if len(cells) < width:
@@ -161,7 +163,8 @@ class Body:
             return
         extra = [k for k, cell in enumerate(cells[width:], width) if _is_filled(cell)]
         if extra and all(is_words(cells[k]) for k in extra):
-            self.note(f"line {line}: {quoted(str(cells[extra[0]]))} beside the table not used")
+            said = quoted(str(cells[extra[0]]))
+            self.note(f"{self.faults.row} {line}: {said} beside the table not used")
             extra = []
         if extra:
             self.faults.add(

@@ -192,7 +192,7 @@ class Columns:
 
     def _nameless(self, column: Column, cell: Cell, line: int) -> None:
         if is_words(cell):
-            self.beside.append(f"line {line}: {_text(cell)} beside the table not used")
+            self.beside.append(f"{self.faults.row} {line}: {_text(cell)} beside the table not used")
         elif not isinstance(cell, str) or cell.strip(BLANKS):
             what = f"{_text(cell)} in a column without a name"
             remedy = "name the column in the header, or remove what is in it"

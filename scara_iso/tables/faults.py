@@ -14,10 +14,16 @@ _SHOWN = 30
 
 
 class Faults:
-    """Collect what is wrong with the file ``where``, wanted as ``what``, in the order found."""
+    """Collect what is wrong with the file ``where``, wanted as ``what``, in the order found.
 
-    def __init__(self, where: str, what: str = "a table of readings") -> None:
+    ``sheet`` is the one of a workbook; empty for text.
+    """
+
+    def __init__(self, where: str, what: str = "a table of readings", *, sheet: str = "") -> None:
         self.where = where
+        self.sheet = sheet
+        self.row = "row" if sheet else "line"
+        """What a line of the file is called."""
         self.what = what
         self.total = 0
         self._kept: list[Fault] = []
@@ -35,7 +41,9 @@ class Faults:
         self.total += 1
         self._remedy = self._remedy or remedy
         if len(self._kept) < KEPT:
-            self._kept.append(Fault(message, line or None, column))  # a log has no header
+            self._kept.append(
+                Fault(message, line or None, column, self.sheet)
+            )  # a log has no header
         if self.total == _MOST:
             self.check()
 

@@ -224,7 +224,7 @@ def read_preamble(
                 remedy="leave one table in the file, with one header",
             )
         else:
-            notes.append(f"line {row.line}: {quoted(row.text)} not used")
+            notes.append(f"{faults.row} {row.line}: {quoted(row.text)} not used")
     return statements, notes
 
 
@@ -261,6 +261,5 @@ _KEYS = {"units": "unit", "einheit": "unit", "auflösung": "resolution"}
 def _add(statements: dict[str, Statement], key: str, value: str, line: int, faults: Faults) -> None:
     before = statements.setdefault(key, Statement(value, line))
     if before.value != value:
-        faults.add(
-            f"{key} is {quoted(value)} here and {quoted(before.value)} in line {before.line}", line
-        )
+        said = f"{quoted(before.value)} in {faults.row} {before.line}"
+        faults.add(f"{key} is {quoted(value)} here and {said}", line)

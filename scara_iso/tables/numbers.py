@@ -130,7 +130,8 @@ def parse_clean(cells: Sequence[str], decimal: str | None) -> tuple[FloatArray, 
     if not joined.isascii() or joined.encode().translate(None, _PLAIN_BYTES):
         return None
     try:
-        values = np.array([float(cell) for cell in (joined.split("\n") if comma else cells)])
+        plain = joined.split("\n") if comma else cells
+        values = np.fromiter(map(float, plain), np.float64, len(plain))
     except ValueError:
         return None
     if not np.isfinite(values).all():

@@ -13,9 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.dial import joined_axis
 from scara_iso.errors import DataError, Fault
+from scara_iso.origin import Origin
 from scara_iso.pose_columns import Commanded
-from scara_iso.run import Axis, FloatArray, Origin, Run
+from scara_iso.run import Axis, FloatArray, Run
 from scara_iso.tables.faults import listed, quoted
 
 _POSE = re.compile(r"(?<![a-z0-9])(?:p|pose|point|punkt)[ _.-]?0*([1-9][0-9]{0,2})(?![a-z0-9])")
@@ -155,7 +157,7 @@ def _other_dial(first: str, mine: Axis, name: str, other: Axis) -> Iterator[Faul
         return
     sizes = {
         "resolution": (mine.resolution, other.resolution),
-        "indicator_uncertainty": (mine.uncertainty, other.uncertainty),
+        "indicator_uncertainty": (_of_certificate(mine), _of_certificate(other)),
     }
     for key, (here, there) in sizes.items():
         if not _same_size(here, there):
@@ -163,6 +165,10 @@ def _other_dial(first: str, mine: Axis, name: str, other: Axis) -> Iterator[Faul
                 f"{x:.6g} {mine.unit}" if x is not None else "not stated" for x in (there, here)
             ]
             yield Fault(f"{name}: {key} of {mine.name} {said[0]}, and {said[1]} in {first}")
+
+
+def _of_certificate(axis: Axis) -> float | None:
+    return axis.uncertainty if axis.displayed is None else axis.certified
 
 
 def _same_size(a: float | None, b: float | None) -> bool:
@@ -279,8 +285,7 @@ def _axis(name: str, parts: Sequence[_Labelled]) -> Axis:
     command: dict[str, float] = {}
     for part, axis in zip(parts, axes, strict=True):
         command |= _by_pose(axis.command, part.poses)
-    readings = np.concatenate([axis.readings for axis in axes])
-    return replace(axes[0], readings=readings, command=command or None)
+    return joined_axis(axes, command)
 
 
 def _by_pose(command: Commanded, poses: Sequence[str]) -> Mapping[str, float]:

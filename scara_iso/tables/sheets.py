@@ -35,7 +35,7 @@ def read_workbook(data: bytes, name: str, options: ReadOptions) -> Run:
                 found[title] = rows
     if len(found) == 1:
         ((title, rows),) = found.items()
-        return _read_sheet(rows, name, options, f"workbook, sheet {quoted(title)}")
+        return _read_sheet(rows, name, options, title)
     parts, left = _poses_of(found, name, options)
     if len(parts) < 2:
         raise _which_sheet(name, names, list(found), options, suggest_columns(heads))
@@ -43,12 +43,14 @@ def read_workbook(data: bytes, name: str, options: ReadOptions) -> Run:
     return merge(parts, name, notes=unused)
 
 
-def read_blocks(blocks: Sequence[Block], name: str, options: ReadOptions, how: str) -> Run:
+def read_blocks(
+    blocks: Sequence[Block], name: str, options: ReadOptions, how: str, sheet: str = ""
+) -> Run:
     """Return the run of blocks that each stand under their pose's name, or every fault of all."""
     parts, errors = [], []
     for block in blocks:
         try:
-            run = read_rows(block.rows, f"{name}, block of {block.pose}", options, how)
+            run = read_rows(block.rows, f"{name}, block of {block.pose}", options, how, sheet)
             parts.append(
                 PosePart(run, f"block of {block.pose}", "", "the name above it", block.pose)
             )
@@ -67,9 +69,8 @@ def _poses_of(
     left: list[str] = []
     errors: list[DataError] = []
     for title, rows in sheets.items():
-        where, how = f"{name}, sheet {quoted(title)}", f"workbook, sheet {quoted(title)}"
         try:
-            run = _read_sheet(rows, where, options, how)
+            run = _read_sheet(rows, f"{name}, sheet {quoted(title)}", options, title)
         except DataError as error:
             if pose_in(title):
                 errors.append(error)
@@ -85,19 +86,25 @@ def _poses_of(
     return parts, left
 
 
-def _read_sheet(rows: Sequence[Line], name: str, options: ReadOptions, how: str) -> Run:
+def _read_sheet(rows: Sequence[Line], name: str, options: ReadOptions, sheet: str) -> Run:
+    how = f"workbook, sheet {quoted(sheet)}"
     if options.columns is None and (blocks := find_blocks(rows)):
-        return read_blocks(blocks, name, options, how)
-    return read_rows(rows, name, options, how)
+        return read_blocks(blocks, name, options, how, sheet)
+    return read_rows(rows, name, options, how, sheet)
 
 
-def read_rows(rows: Sequence[Line], name: str, options: ReadOptions, how: str) -> Run:
-    """Return the run of one table; ``how`` says how the file was split into rows of cells."""
+def read_rows(
+    rows: Sequence[Line], name: str, options: ReadOptions, how: str, sheet: str = ""
+) -> Run:
+    """Return the run of one table; ``how`` says how the file was split into rows of cells.
+
+    ``sheet`` is the one of a workbook that holds them.
+    """
     table = _find_table(rows, options.columns)
     if table is None:
         raise refuse(name, "no header that names an axis X, Y, Z or theta", remedy=NO_HEADER)
     head, layout = table
-    faults = Faults(name)
+    faults = Faults(name, sheet=sheet)
     if options.columns is not None:
         check_header(head, layout, faults)
     columns = Columns(layout, options.decimal, faults)

@@ -6,8 +6,10 @@ import zipfile
 
 import openpyxl
 import pytest
+from openpyxl.utils import get_column_letter
 
-from scara_iso.errors import DataError, NoInputError, UsageError
+import scara_iso
+from scara_iso.errors import DataError, Fault, NoInputError, UsageError
 from scara_iso.tables import read_table
 
 
@@ -419,3 +421,40 @@ def test_points_in_one_column_and_commas_in_another_are_asked_about(row, marks):
     error = faults(text)
     assert {fault.column for fault in error.faults} == marks
     assert "`decimal=" in error.remedy
+
+
+def sheet_of(cells):
+    """Return a workbook with a run of 31 cycles from B3 of sheet ``Run 1``, and these cells."""
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.title = "Run 1"
+    for k, name in enumerate(["cycle", "X [mm]", "Y [mm]"], 2):
+        sheet.cell(3, k, name)
+    for k in range(31):
+        for column, value in enumerate([k + 1, 0.112 + k % 3 / 1000, 0.811], 2):
+            sheet.cell(4 + k, column, value)
+    for place, value in cells.items():
+        sheet[place] = value
+    file = io.BytesIO()
+    book.save(file)
+    return file.getvalue()
+
+
+def test_a_fault_in_a_workbook_names_its_cell():
+    with pytest.raises(DataError) as caught:
+        read_table(sheet_of({"C14": "abc", "D20": "#N/A"}))
+    first, second = map(str, caught.value.faults)
+    assert first.startswith("Run 1!C14: 'abc'")
+    assert second.startswith("Run 1!D20: ")
+
+
+def test_a_cycle_out_of_order_in_a_workbook_names_its_row():
+    with pytest.raises(DataError) as caught:
+        scara_iso.analyze(sheet_of({"B10": 9}))
+    assert str(caught.value.faults[0]).startswith("Run 1, row 10: ")
+
+
+@pytest.mark.parametrize(("column", "cell"), [(1, "A2"), (26, "Z2"), (27, "AA2"), (703, "AAA2")])
+def test_columns_have_the_letters_of_a_spreadsheet(column, cell):
+    assert cell == f"{get_column_letter(column)}2"
+    assert str(Fault("wrong", 2, column, "S")) == f"S!{cell}: wrong"

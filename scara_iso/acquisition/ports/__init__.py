@@ -1,4 +1,4 @@
-"""The only place that opens ports: serial devices and URLs, recorded streams, simulations."""
+"""The only place that opens ports: cables and URLs, Bluetooth, recorded streams, simulations."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from scara_iso.acquisition.indicators import Dialect
 from scara_iso.acquisition.ports.address import (
     check_address,
+    is_bluetooth,
     is_device,
     is_keyboard,
     is_recorded,
@@ -90,4 +91,8 @@ def open_port(
         return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
     if is_keyboard(address):
         return KeyboardPort(typed)
+    if is_bluetooth(address):
+        from scara_iso.acquisition.ports.bluetooth import BluetoothPort  # noqa: PLC0415 - asyncio
+
+        return BluetoothPort(address)
     return DevicePort(address, dialect.line)

@@ -13,10 +13,17 @@ from pathlib import Path
 
 from scara_iso.errors import InstrumentError, UsageError
 
-KINDS = "a device, socket://HOST:PORT, rfc2217://HOST:PORT, replay:FILE, sim: or keyboard:"
+KINDS = (
+    "a device, socket://HOST:PORT, rfc2217://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:"
+)
 _URL = re.compile(
     r"(?:socket|rfc2217)://(?:[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):([0-9]{1,5})", re.IGNORECASE
 )
+_BLUETOOTH = re.compile(
+    r"ble:((?:[0-9a-f]{2}:){5}[0-9a-f]{2}|[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12})",
+    re.IGNORECASE,
+)
+"""With the six bytes of an address, or the UUID that macOS has in its place."""
 _SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 
 
@@ -35,8 +42,21 @@ def is_keyboard(address: str) -> bool:
     return address == "keyboard:"
 
 
+def is_bluetooth(address: str) -> bool:
+    """Say whether the address names a Bluetooth instrument."""
+    return _BLUETOOTH.fullmatch(address) is not None
+
+
+def bluetooth_address(address: str) -> str:
+    """Return the instrument's own address; `UsageError` for another kind of port."""
+    found = _BLUETOOTH.fullmatch(address)
+    if found is None:
+        raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
+    return found[1].upper()
+
+
 def is_device(address: str) -> bool:
-    """Say whether the address names a cable or a URL: neither recorded nor simulated."""
+    """Say whether the address names a cable, a link or a URL: neither recorded nor simulated."""
     return not (is_simulated(address) or is_recorded(address))
 
 
@@ -48,7 +68,8 @@ def is_url(address: str) -> bool:
 
 def check_address(address: str) -> None:
     """Raise `UsageError` for what is no kind of port; nothing is looked for."""
-    if is_simulated(address) or is_recorded(address) or is_keyboard(address) or is_url(address):
+    kinds = (is_simulated, is_recorded, is_keyboard, is_bluetooth, is_url)
+    if any(is_kind(address) for is_kind in kinds):
         return
     if not (address.strip() and address.isprintable()) or _SCHEME.match(address):
         raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
@@ -60,6 +81,8 @@ def check_device(address: str) -> None:
     Raises `InstrumentError` for a file that is there and is not a device.
     """
     check_address(address)
+    if is_bluetooth(address):
+        raise UsageError("is no serial device", where=address, remedy="name a device or a URL")
     with suppress(OSError):
         mode = Path(address).stat().st_mode
         if not is_url(address) and os.name == "posix" and not stat.S_ISCHR(mode):

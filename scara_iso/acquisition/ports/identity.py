@@ -10,7 +10,7 @@ from pathlib import Path
 
 from serial.tools.list_ports import comports
 
-from scara_iso.acquisition.ports.address import is_url
+from scara_iso.acquisition.ports.address import is_bluetooth, is_url
 from scara_iso.errors import UsageError
 
 
@@ -67,7 +67,7 @@ def refuse_same_device(addresses: Mapping[str, str]) -> None:
 
 def _keys(address: str) -> list[object]:
     """Return what two names of one device have in common."""
-    if is_url(address):
+    if is_url(address) or is_bluetooth(address):
         return [address.lower()]
     device = _find(address)
     keys: list[object] = [os.path.normcase(_real(address))]
@@ -80,7 +80,7 @@ def _keys(address: str) -> list[object]:
 
 
 def _find(address: str) -> Device | None:
-    if is_url(address):
+    if is_url(address) or is_bluetooth(address):
         return None
     real = os.path.normcase(_real(address))
     return next((d for d in list_devices() if os.path.normcase(_real(d.name)) == real), None)

@@ -23,6 +23,7 @@ from scara_iso.acquisition.recorder.events import (
     Void,
     Voided,
     Waiting,
+    Watched,
     as_json,
 )
 from scara_iso.acquisition.recorder.history import History, read_history
@@ -83,6 +84,7 @@ __all__ = [
     "Void",
     "Voided",
     "Waiting",
+    "Watched",
     "as_json",
     "check_manifest",
     "check_metadata",

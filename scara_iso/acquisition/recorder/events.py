@@ -124,6 +124,20 @@ class Paused:
 
 
 @dataclass(frozen=True, slots=True)
+class Watched:
+    """What all readings up to ``cycle`` say together: ``structure`` at an alarm.
+
+    Then ``effect`` is the likeliest one so far, and ``since`` the cycle from which it acts.
+    """
+
+    cycle: int
+    evidence: float
+    says: Literal["structure", "nothing yet"]
+    effect: str | None = None
+    since: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Done:
     """The files are written; ``cycles`` of ``planned`` are in the table."""
 
@@ -135,10 +149,10 @@ class Done:
 
 Said: TypeAlias = (
     Started | Waiting | Stored | Gross | CycleDone | Refused | Problem | Noticed | Voided | Noted
-    | Paused | Done
+    | Paused | Watched | Done
 )  # fmt: skip
 
-_NAMES = {CycleDone: "cycle", Noticed: "notice", Noted: "note"}
+_NAMES = {CycleDone: "cycle", Noticed: "notice", Noted: "note", Watched: "watch"}
 
 
 def as_json(said: Said) -> dict[str, object]:

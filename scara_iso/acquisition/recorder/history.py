@@ -6,6 +6,7 @@ The table of every recording is made here, after a clean end as after a crash.
 from __future__ import annotations
 
 import math
+import re
 from array import array
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator
@@ -22,10 +23,12 @@ from scara_iso.acquisition.recorder.sizes import sizes_of_axis
 from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
+from scara_iso.origin import Origin
 from scara_iso.quantities import Dimension
-from scara_iso.run import Axis, Origin, Run
+from scara_iso.run import Axis, Run
 
 _SHOWN = 10
+_SEED = re.compile(r"&seed=[^&\s]*|(?<=\?)seed=[^&\s]*&?")
 _DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
 """What a record raises whose values are of another kind or size."""
 _THEN = ", then "
@@ -39,6 +42,8 @@ class History:
     def __init__(self, source: str) -> None:
         self.source = source
         self.header: Record = {}
+        self.first_header: Record = {}
+        """As it stands in the file, without what later sessions say."""
         self.tour = Tour()
         self.columns: dict[str, AxisReadings] = {}
         self.times = array("d")
@@ -145,6 +150,7 @@ class History:
         if not self.header:
             self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
             self.tour = Tour(tuple(map(str, record.get("poses", ()))))
+            self.first_header = record
         self.header = _merged(self.header, record) if self.header else record
         self._trigger = str(record["trigger"])
 
@@ -280,4 +286,8 @@ def _merged(first: Record, later: Record) -> Record:
 
 def _indicator(gauge: Record) -> str:
     unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
-    return f"{gauge['dialect']} {gauge['line']} at {gauge['identity']}{unit}"
+    identity = gauge["identity"]
+    if gauge["simulated"]:  # a seed is no identity
+        plain = _SEED.sub("", identity).replace("sim:? ", "sim: ")
+        identity = _THEN.join(dict.fromkeys(plain.split(_THEN)))
+    return f"{gauge['dialect']} {gauge['line']} at {identity}{unit}"

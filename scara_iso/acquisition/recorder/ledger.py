@@ -90,7 +90,9 @@ class Ledger:
 
     def _finish_visit(self, cycle: int, pose: str | None) -> None:
         if not self.missing:
-            self._tell(CycleDone(cycle, discarded=cycle == 1, pose=pose))
+            self._tell(
+                CycleDone(cycle, discarded=cycle == 1 and not self._plan.all_count, pose=pose)
+            )
             self.visit += 1
             self.present.clear()
 

@@ -88,6 +88,8 @@ class RecordingPlan:
     stable: int = 1
     rearm_s: float = 0.5
     tour: Tour = ONE_POSE
+    all_count: bool = False
+    """Whether no first cycle is discarded later, as in a drift test."""
 
     @property
     def visits(self) -> int:
@@ -108,6 +110,12 @@ class Job:
     metadata: Mapping[str, str] = field(default_factory=dict)
     resume: bool = False
     excel_locale: str | None = None
+
+    @property
+    def all_count(self) -> bool:
+        """Whether the head states that every cycle counts, or that it is a drift test."""
+        stated = {key: str(self.metadata.get(key, "")).lower() for key in ("first_cycle", "test")}
+        return stated["first_cycle"] == "counts" or stated["test"] == "drift"
 
 
 def parse_trigger(text: str) -> Trigger:

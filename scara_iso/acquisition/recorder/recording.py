@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 
 from scara_iso.acquisition.manifest import manifest_path, raw_path
 from scara_iso.acquisition.ports import (
@@ -70,7 +71,8 @@ def record(
                 operator = robot = _robot(job, job.plan.trigger, operator, journal, tell, stack)
                 tell = robot.told
             Session(
-                gauges, plan=job.plan, journal=journal, clock=clock, operator=operator, tell=tell,
+                gauges, plan=replace(job.plan, all_count=job.all_count), journal=journal,
+                clock=clock, operator=operator, tell=tell,
                 position=Position.after(earlier), attended=attended,
             ).run()  # fmt: skip
 

@@ -49,6 +49,11 @@ RETRY_S = 0.2
 WATCH_S = 0.1
 """Time between two looks at a dial that is to come to rest."""
 
+_LOST_FRAME = (
+    "a frame that is lost shifts the poses of all that follow: see that the pose awaited is where "
+    "the arm stands; the robot's line (`trigger=line:PORT`) names the pose and loses none"
+)
+
 
 class Session:
     """Records visits until the plan is full, the operator quits, or a recorded stream ends.
@@ -99,6 +104,8 @@ class Session:
         cycle, pose = self._tour.place(self._ledger.visit)
         trigger, poses = str(self._plan.trigger), self._tour.poses or None
         self._tell(Started(gauges, cycle, self._plan.cycles, trigger, pose, poses))
+        if isinstance(self._plan.trigger, Listen) and len(self._tour) > 1:
+            self._tell(Noticed("", _LOST_FRAME))
         self._bench.open()
         self._due = self._clock.now()
         self._ledger.say_waiting()

@@ -26,9 +26,9 @@ _MOST_DIVISIONS = 1e9  # no dial counts farther, and beyond them a double loses 
 def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning for each axis whose readings lie on another grid than stated."""
     for axis in measured.run.axes.values():
-        if axis.resolution is None or np.ptp(axis.readings) > _MOST_DIVISIONS * axis.resolution:
+        if axis.resolution is None or np.ptp(axis.shown) > _MOST_DIVISIONS * axis.resolution:
             continue
-        shifted = (axis.readings - axis.readings[0]) / axis.resolution
+        shifted = (axis.shown - axis.shown[0]) / axis.resolution
         divisions = np.unique(shifted, return_index=True)[0]  # without: imports masked arrays
         if np.any(np.abs(divisions - np.rint(divisions)) > _TOLERANCE):
             seen = "readings fall between its divisions"

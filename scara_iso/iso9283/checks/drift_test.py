@@ -12,7 +12,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from scara_iso.iso9283.blocks import VISITS, blocks_from_gaps
 from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.run import FloatArray, IntArray
 
 CODE = "drift-test"
 _VISITS = 10
@@ -28,7 +30,8 @@ def check(measured: Measured) -> Iterator[Finding]:
     sizes = (
         f"{counts.min()}" if counts.min() == counts.max() else f"{counts.min()} to {counts.max()}"
     )
-    gaps = "" if "block" in measured.run.covariates else ", parted at gaps in time"
+    stated = "block" in measured.run.covariates or VISITS in measured.run.metadata
+    gaps = "" if stated else ", parted at gaps in time"
     hours = None if time is None else float(time[-1] - time[0]) / 3600
     over = "" if hours is None else f" over {hours:.3g} h"
     said = f"a drift test: {len(counts)} blocks of {sizes} visits{over}{gaps}; every visit counts"
@@ -36,6 +39,15 @@ def check(measured: Measured) -> Iterator[Finding]:
     if counts.min() != _VISITS or counts.max() != _VISITS:
         what = f"blocks of {sizes} visits"
         yield Finding(CODE, "warning", what, rule="ISO 9283 7.6: blocks of 10 visits")
+    if time is not None and stated and _gaps_say_otherwise(time, measured.block):
+        what = "long pauses do not fall between the blocks: look for a visit lost or taken twice"
+        yield Finding(CODE, "warning", what)
     if hours is not None and hours < _HOURS:
         what = f"it runs over {hours:.3g} h"
         yield Finding(CODE, "warning", what, rule=f"ISO 9283 7.6: {_HOURS:g} h, or until steady")
+
+
+def _gaps_say_otherwise(time: FloatArray, block: IntArray) -> bool:
+    """Whether there are long pauses, and any of them lies within a block."""
+    paused = np.diff(blocks_from_gaps(time)) > 0
+    return bool(np.any(paused & (np.diff(block) == 0)))

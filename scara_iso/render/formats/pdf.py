@@ -31,7 +31,11 @@ def render(document: Document) -> bytes:
         f"src: url({font_file(name).as_uri()}) }}"
         for name, weight in _FACES
     )
-    style = f"{faces} @page {{ size: A4 }} body, svg text {{ font-family: Paper }}"
+    # `overflow-wrap: anywhere` costs WeasyPrint the square of a word's length
+    style = (
+        f"{faces} @page {{ size: A4 }} body, svg text {{ font-family: Paper !important }} "
+        "body { overflow-wrap: break-word !important }"
+    )
     page = HTML(string=html.render(document).decode(), url_fetcher=_refused)
     sheet = CSS(string=style, font_config=fonts)
     return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts))

@@ -5,6 +5,7 @@
 """
 
 from scara_iso.robot.model.file import declare, read_model
+from scara_iso.robot.model.own import read_effects
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model, Rated
 from scara_iso.robot.model.predict import predict
 from scara_iso.robot.model.simulate import simulate
@@ -17,6 +18,7 @@ __all__ = [
     "Rated",
     "declare",
     "predict",
+    "read_effects",
     "read_model",
     "simulate",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from scara_iso.effects import Effect, GearEffect, Parameter, find_effects, find_gear_effects
 from scara_iso.robot.model.at_joint import ARM_PLACES
@@ -14,13 +14,17 @@ def declared_effects(
     entries: object,
     indicators: Mapping[str, Indicator],
     gearboxes: Mapping[int, Gearbox],
+    own: Iterable[Effect],
     faults: KeyFaults,
 ) -> Iterator[DeclaredEffect]:
-    """Yield the effects of the ``[[effect]]`` tables; what is wrong with one goes to ``faults``."""
+    """Yield the effects of the ``[[effect]]`` tables; what is wrong with one goes to ``faults``.
+
+    ``own`` are those that may be declared beside the catalogue's.
+    """
     if not isinstance(entries, list):
         faults.add("effect", "write each effect as [[effect]]")
         return
-    known: dict[object, Effect | GearEffect] = {e.name: e for e in find_effects()}
+    known: dict[object, Effect | GearEffect] = {e.name: e for e in find_effects(own)}
     known |= {e.name: e for e in find_gear_effects()}
     for k, entry in enumerate(entries, 1):
         where = f"effect {k}"
@@ -30,15 +34,30 @@ def declared_effects(
             continue
         effect, joint = known[name], entry.get("joint")
         values = {key: entry[key] for key in entry if key not in ("name", "joint")}
-        only(values, {p.name for p in effect.parameters}, where, faults)
-        for parameter in effect.parameters:
-            _check(parameter, values, indicators, where, faults)
+        _check_parameters(effect, values, indicators, where, faults)
         _check_axes(values, where, faults)
         if isinstance(effect, GearEffect) and joint not in [*gearboxes]:
             faults.add(f"{where}.joint", "give the number of a joint that has a gearbox")
         elif joint is not None and (joint not in (1, 2) or isinstance(joint, bool)):
             faults.add(f"{where}.joint", "1 or 2")
         yield DeclaredEffect(name, values, joint)
+
+
+def _check_parameters(
+    effect: Effect | GearEffect,
+    values: Mapping[str, object],
+    indicators: Mapping[str, Indicator],
+    where: str,
+    faults: KeyFaults,
+) -> None:
+    seconds = {p.in_seconds: p for p in effect.parameters if p.timed}
+    only(values, {p.name for p in effect.parameters} | {*seconds}, where, faults)
+    for parameter in effect.parameters:
+        if parameter.name in values or parameter.in_seconds not in values:
+            _check(parameter, values, indicators, where, faults)
+    for in_seconds, parameter in seconds.items():
+        if in_seconds in values and (wrong := why_not(parameter, values[in_seconds])):
+            faults.add(f"{where}.{in_seconds}", wrong)
 
 
 def _check(

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.disk import write_file
+from scara_iso.effects import OwnEffect
 from scara_iso.errors import DataError, Fault, UsageError
 from scara_iso.files import read_file, read_toml
 from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm
 from scara_iso.robot.model.declared import declared_effects
+from scara_iso.robot.model.own import all_own
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model, Rated
 from scara_iso.robot.model.poses import poses_of
 from scara_iso.run import AXES
@@ -25,11 +27,13 @@ _LARGEST = 1_000_000  # bytes
 _ARM = ("link_1_mm", "link_2_mm", "joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg")
 _PAIRS = {"joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg"}
 _RATED = tuple(field.name for field in fields(Rated))
-_SECTIONS = {"robot", "rated", "gearbox", "pose", "indicator", "effect"}
+_SECTIONS = {"robot", "rated", "gearbox", "pose", "indicator", "effect", "definition"}
 
 
-def read_model(path: str | Path) -> Model:
+def read_model(path: str | Path, own: Sequence[OwnEffect] = ()) -> Model:
     """Return the model of a TOML file; docs/model-file.md gives its keys.
+
+    ``own`` are a user's effects that it may declare, beside those that it defines itself.
 
     Raises `NoInputError` for a file that cannot be read and `DataError` with every fault, each
     named by its key.
@@ -42,6 +46,7 @@ def read_model(path: str | Path) -> Model:
     gears = dict(_gearboxes(section(document, "gearbox", faults), faults))
     arm = _arm(robot, faults)
     joints_deg, poses = poses_of(section(document, "pose", faults), arm, faults)
+    defined = all_own(document.get("definition", []), own, faults)
     model = Model(
         robot=str(robot.get("name", "")),
         indicators=indicators,
@@ -49,9 +54,12 @@ def read_model(path: str | Path) -> Model:
         joints_deg=joints_deg,
         poses=poses,
         gearboxes=gears,
-        effects=tuple(declared_effects(document.get("effect", []), indicators, gears, faults)),
+        effects=tuple(
+            declared_effects(document.get("effect", []), indicators, gears, defined, faults)
+        ),
         rated=_rated(section(document, "rated", faults), faults),
         serial_number=str(robot.get("serial_number", "")),
+        own=defined,
     )
     if faults:
         raise DataError(
@@ -68,11 +76,13 @@ def declare(
     effects: tuple[DeclaredEffect, ...],
     to: str | Path,
     scatter: Mapping[str, float] | None = None,
+    own: Iterable[OwnEffect] = (),
 ) -> None:
     """Write the model file ``path`` to ``to`` with ``effects`` added; comments are kept.
 
-    ``scatter`` is that of some of its indicators, by axis. ``to`` may be ``path`` itself. Raises
-    as `write_file`.
+    ``scatter`` is that of some of its indicators, by axis; of ``own`` effects those declared are
+    defined too, so that the file stands alone. ``to`` may be ``path`` itself. Raises as
+    `write_file`.
     """
     import tomlkit  # noqa: PLC0415 - only where a model is written
 
@@ -87,9 +97,22 @@ def declare(
         for name, value in effect.parameters.items():
             table[name] = _inline(value) if isinstance(value, Mapping) else value
         tables.append(table)
+    _define(document, [one for one in own if one.name in {e.name for e in effects}])
     for axis, value in (scatter or {}).items():
         document["indicator"][axis]["scatter"] = value
     write_file(Path(to), tomlkit.dumps(document).encode())
+
+
+def _define(document: Any, own: Iterable[OwnEffect]) -> None:
+    """Add the definitions of effects that are not in the document yet."""
+    import tomlkit  # noqa: PLC0415 - only where a model is written
+
+    there = {entry["name"] for entry in document.get("definition", [])}
+    wanted = [one.definition for one in own if one.name not in there]
+    if wanted:
+        tables = document.setdefault("definition", tomlkit.aot())
+        for definition in wanted:
+            tables.append(tomlkit.item(dict(definition)))
 
 
 def _inline(values: Mapping[str, float]) -> InlineTable:

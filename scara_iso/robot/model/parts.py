@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from scara_iso.effects import OwnEffect
 from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm
 from scara_iso.robot.two_inertia import Backlash, backlash
@@ -103,6 +104,8 @@ class Model:
     """What percentages of load and velocity are of."""
     serial_number: str = ""
     """As the file states it."""
+    own: tuple[OwnEffect, ...] = ()
+    """Effects of a user's own, which stand in the file or beside it."""
     poses: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Joints 1 and 2 at each named pose of a test."""
 

@@ -16,10 +16,11 @@ from scara_iso.effects import (
     find_gear_effects,
 )
 from scara_iso.errors import UsageError
+from scara_iso.origin import Origin
 from scara_iso.robot.arm import project
 from scara_iso.robot.model.at_joint import on_dials
 from scara_iso.robot.model.parts import DeclaredEffect, Model
-from scara_iso.run import Axis, FloatArray, Origin, Run
+from scara_iso.run import Axis, FloatArray, Run
 
 _PLANE = {"X": (1.0, 0.0), "Y": (0.0, 1.0)}
 """What the indicators of the plane see, in the base frame."""
@@ -35,7 +36,7 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
     `UsageError` for an effect that lacks a parameter or needs a column that the procedure does not
     have.
     """
-    known = {effect.name: effect for effect in find_effects()}
+    known = {effect.name: effect for effect in find_effects(model.own)}
     axes = {}
     for name, indicator in model.indicators.items():
         readings = np.full(len(procedure), indicator.level)
@@ -62,7 +63,7 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
 
 def is_random(effect: Effect, declared: DeclaredEffect, axis: str) -> bool:
     """Return whether chance draws the course of an effect anew in every test."""
-    return effect.is_random(_values(effect, declared, axis))
+    return effect.is_random(_given(effect, declared, axis))
 
 
 def course(
@@ -73,7 +74,7 @@ def course(
     rng: np.random.Generator | None = None,
 ) -> FloatArray:
     """Return what one effect adds to the readings of one axis, shape (n,), in the axis' unit."""
-    values = _values(effect, declared, axis)
+    values = _values(effect, declared, axis, procedure)
     for column in effect.columns_needed(values):
         if column not in procedure.covariates or not effect.takes(column):
             raise UsageError(
@@ -81,17 +82,38 @@ def course(
                 remedy="record it, simulate it, or take the effect out of the model",
             )
     # A course that is not random draws nothing: any generator gives the same.
-    return effect.series(procedure, values, np.random.default_rng(0) if rng is None else rng)
+    found = effect.series(procedure, values, np.random.default_rng(0) if rng is None else rng)
+    if not np.isfinite(found).all():
+        cycle = int(procedure.cycle[np.flatnonzero(~np.isfinite(found))[0]])
+        raise UsageError(
+            f"effect {declared.name} has no finite value at cycle {cycle}",
+            remedy="change its formula or its parameters",
+        )
+    return found
 
 
-def _values(effect: Effect, declared: DeclaredEffect, axis: str) -> dict[str, float | str]:
-    missing = [p.name for p in effect.parameters if p.name not in declared.parameters]
+def _given(effect: Effect, declared: DeclaredEffect, axis: str) -> dict[str, float | str]:
+    values = declared.on_axis(axis)
+    missing = [p.name for p in effect.parameters if not {p.name, p.in_seconds} & set(values)]
     if missing:
         raise UsageError(
             f"effect {declared.name}: {', '.join(missing)} not given",
             remedy=f"it takes {', '.join(p.name for p in effect.parameters)}",
         )
-    return declared.on_axis(axis)
+    return values
+
+
+def _values(
+    effect: Effect, declared: DeclaredEffect, axis: str, procedure: Conditions
+) -> dict[str, float | str]:
+    values = effect.at_pace(procedure, _given(effect, declared, axis))
+    lacking = [p for p in effect.parameters if p.name not in values]
+    if lacking:
+        raise UsageError(
+            f"effect {declared.name} gives {lacking[0].in_seconds}, and the test has no time_s",
+            remedy=f"record time_s, or give {lacking[0].name} in cycles too",
+        )
+    return values
 
 
 def _reversal(model: Model, procedure: Conditions, axis: str) -> FloatArray:

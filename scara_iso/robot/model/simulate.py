@@ -31,7 +31,7 @@ def simulate(
     for an effect that is not known or acts on an axis that the model does not have.
     """
     expected = predict(model, procedure, reversal=displacement is None)
-    known = {effect.name: effect for effect in find_effects()}
+    known = {effect.name: effect for effect in find_effects(model.own)}
     _check(undeclared, model, set(known))
     readings = {
         name: axis.readings + rng.normal(0, model.indicators[name].scatter, len(procedure))

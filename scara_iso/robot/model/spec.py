@@ -20,16 +20,18 @@ def parse_effect(text: str, model: Model) -> DeclaredEffect:
     """
     head, _, tail = text.partition(":")
     name, _, axes = head.partition("@")
-    effect = next((e for e in find_effects() if e.name == name.strip()), None)
+    every = find_effects(model.own)
+    effect = next((e for e in every if e.name == name.strip()), None)
     if effect is None:
-        known = ", ".join(sorted(e.name for e in find_effects()))
+        known = ", ".join(sorted(e.name for e in every))
         raise UsageError(f"unknown effect {name!r}", remedy=f"use one of {known}")
     values = _values(text, tail, effect)
     return DeclaredEffect(effect.name, _by_axis(values, effect, _axes(axes, model)))
 
 
 def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
-    wanted = {p.name: p for p in effect.parameters}
+    seconds = {p.in_seconds: p for p in effect.parameters if p.timed}
+    wanted = {p.name: p for p in effect.parameters} | seconds
     values: dict[str, float | str] = {}
     for part in filter(None, (part.strip() for part in tail.split(","))):
         key, _, value = (piece.strip() for piece in part.partition("="))
@@ -41,7 +43,8 @@ def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
         if key in values:
             raise UsageError(f"effect {text!r}: {key} is given twice")
         values[key] = value if wanted[key].text else _value(text, wanted[key], value)
-    missing = sorted(set(wanted) - set(values))
+    given = {wanted[key].name for key in values}
+    missing = sorted({p.name for p in effect.parameters} - given)
     if missing:
         raise UsageError(
             f"effect {text!r}: {', '.join(missing)} not given",

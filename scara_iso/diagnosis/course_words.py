@@ -1,0 +1,89 @@
+"""A course of no name, in words: ``rises in the first 8 cycles, then falls``."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from scara_iso.run import FloatArray, IntArray
+
+_PENALTIES = np.geomspace(0.1, 1e5, 13)
+_BETTER = 0.9
+"""A smooth course is one where it foretells left-out readings so much better than their mean."""
+_TURN = 0.2
+"""A turn is worth a word from this share of the course's range."""
+_LEVEL, _LONG = 0.1, 0.2
+"""The first or last tenth of a rise that takes this share of the cycles is no rise yet."""
+_MOST_PARTS = 5
+_STAYS = "stays level"
+
+
+def in_words(y: FloatArray, cycle: IntArray) -> str:
+    """Return what the course of residuals y (n,) does over the cycles (n,), empty for no course."""
+    smooth, error = _smoothed(y)
+    if error > _BETTER * y.std() * len(y) / (len(y) - 1):
+        return ""
+    parts = [part for a, b in pairwise(_turns(smooth)) for part in _parts(smooth, a, b)]
+    if len(parts) > _MOST_PARTS:
+        swings = sum(verb != _STAYS for verb, _ in parts)
+        return f"goes up and down, {swings} times in {len(y)} cycles"
+    return _said(_merged(parts), cycle)
+
+
+def _smoothed(y: FloatArray) -> tuple[FloatArray, float]:
+    """Return y (n,) smoothed by penalised second differences, and its leave-one-out error."""
+    n = len(y)
+    bend = np.diff(np.eye(n), 2, axis=0)
+    found = []
+    for penalty in _PENALTIES:
+        smoother = np.linalg.inv(np.eye(n) + penalty * bend.T @ bend)
+        left_out = (y - smoother @ y) / (1 - np.diag(smoother))
+        found.append((float(np.sqrt((left_out**2).mean())), smoother @ y))
+    error, smooth = min(found, key=lambda one: one[0])
+    return smooth, error
+
+
+def _turns(smooth: FloatArray) -> list[int]:
+    """Return both ends, and the rows between at which the course turns by a share of its range."""
+    least = _TURN * np.ptp(smooth)
+    turns, farthest, direction = [0], 0, 0.0
+    for i in range(1, len(smooth)):
+        beyond = smooth[i] - smooth[farthest]
+        if direction * beyond > 0:
+            farthest = i
+        elif abs(beyond) >= least:
+            turns += [farthest] if direction else []
+            direction, farthest = np.sign(beyond), i
+    return [*turns, len(smooth) - 1]
+
+
+def _parts(smooth: FloatArray, first: int, last: int) -> list[tuple[str, int]]:
+    """Return what the course does between two turns, and the row up to which."""
+    change = smooth[last] - smooth[first]
+    if abs(change) < _TURN * np.ptp(smooth):
+        return [(_STAYS, last)]
+    share = (smooth[first : last + 1] - smooth[first]) / change
+    begins = first + int(np.flatnonzero(share >= _LEVEL)[0])
+    ends = first + int(np.flatnonzero(share <= 1 - _LEVEL)[-1]) + 1
+    long = _LONG * len(smooth)
+    before = [(_STAYS, begins)] if begins - first >= long else []
+    after = [(_STAYS, last)] if last - ends >= long else []
+    return [*before, ("rises" if change > 0 else "falls", ends if after else last), *after]
+
+
+def _merged(parts: list[tuple[str, int]]) -> list[tuple[str, int]]:
+    """Return the parts with neighbours that do the same as one."""
+    return [
+        part for part, following in zip(parts, [*parts[1:], ("", 0)], strict=True)
+        if part[0] != following[0]
+    ]  # fmt: skip
+
+
+def _said(parts: list[tuple[str, int]], cycle: IntArray) -> str:
+    (verb, last), *others = parts
+    if not others:
+        return f"{verb} all the time"
+    said = [f"{verb} in the first {last + 1} cycles"]
+    said += [f"{verb} until cycle {cycle[row]}" for verb, row in others[:-1]]
+    return f"{', '.join(said)}, then {others[-1][0]}"

@@ -1,0 +1,26 @@
+"""The readings are corrected.
+
+The table or test.toml states the curve of the indicator's certificate, or the angle at which its
+plunger stands, and every reading was corrected for it before anything was computed; the table keeps
+what the dial showed. The uncertainty of what is corrected is in the budget. An angle of more than
+ten degrees is better mended than corrected: mount the indicator along its axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "corrected"
+_PREFIX = "corrected_"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield what was corrected of each axis, and by how much."""
+    for key, text in measured.run.metadata.items():
+        name, _, pose = key.removeprefix(_PREFIX).removesuffix("]").partition("[")
+        axis = measured.run.axes.get(name)
+        if key.startswith(_PREFIX) and axis is not None and axis.displayed is not None:
+            said = f"every reading is corrected: {text}"
+            yield Finding(CODE, "info", said, name, pose or None)

@@ -1,0 +1,29 @@
+"""What is said while a recording runs, when its readings show more than scatter."""
+
+from __future__ import annotations
+
+from scara_iso.acquisition import Watched
+from scara_iso.reporting.words import words
+
+_UNKNOWN = "look at robot, fixture and indicator"
+_YOURS = "Nothing stops by itself; a test that is stopped early is no ISO 9283 test"
+
+
+def warning(watched: Watched) -> tuple[str, ...]:
+    """Return the lines of an alarm: what, since when, what to do now; none where there is none."""
+    if watched.says != "structure":
+        return ()
+    from scara_iso.effects import find_effects  # noqa: PLC0415 - no part of the start
+
+    since = watched.since or 1
+    named = {effect.name: effect for effect in find_effects()}
+    effect = named.get(watched.effect or "")
+    likeliest = f"likeliest {words(effect.name)}" if effect else "nothing known fits yet"
+    begun = f"since cycle {since}" if since > 2 else "from the start"
+    do = effect.at_once if effect else _UNKNOWN
+    strike = f"strike cycles {since}-{watched.cycle}, or" if since > 2 else "then"
+    return (
+        f"More than scatter: {likeliest}, {begun} (evidence {watched.evidence:.3g}, alarm at 20)",
+        f"{do[0].upper()}{do[1:]}; {strike} start again",
+        _YOURS,
+    )
