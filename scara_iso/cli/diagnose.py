@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso import library, render, reporting
+from scara_iso.cli.diagnose_files import Files, refuse_beside_design
 from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
     AllCount,
@@ -33,7 +34,6 @@ from scara_iso.cli.output import (
     write_json,
     write_report,
 )
-from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.cli.conditions import Write
@@ -131,13 +131,13 @@ def diagnose_command(
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        _refuse_beside_design(_Files(model, effects, hold_out, save_model, plot, map_, None))
+        refuse_beside_design(Files(model, effects, hold_out, save_model, plot, map_, None))
         show_design(
             named, reading, wanted, sigma=sigma, columns=columns, effects=effects, seed=seed,
             as_json=json,
         )  # fmt: skip
         return
-    files = _Files(model, effects, hold_out, save_model, plot, map_, sigma)
+    files = Files(model, effects, hold_out, save_model, plot, map_, sigma)
     files.check(named)
     check_outputs([plot, save_model, map_], [*files_of(named), model, effects, hold_out])
     show = partial(_How, full=full, as_json=json)
@@ -159,7 +159,7 @@ def diagnose_command(
 def _diagnose_folder(
     folder: str,
     condition: str | None,
-    files: _Files,
+    files: Files,
     reading: TableOptions,
     wanted: CyclesWanted,
     show: Callable[..., _How],
@@ -178,76 +178,6 @@ def _diagnose_folder(
 
 
 @dataclass(frozen=True, slots=True)
-class _Files:
-    """What the diagnosis of one test takes and writes beside it."""
-
-    model: str | None
-    effects: str | None
-    hold_out: str | None
-    save_model: Path | None
-    plot: Path | None
-    map: Path | None
-    sigma: float | None
-
-    def under(self, condition: str) -> _Files:
-        """Return these for one condition of a test, each of which has a map of its own."""
-        if self.map is None:
-            return self
-        named = self.map.with_name(f"{self.map.stem}-{condition}{self.map.suffix}")
-        return replace(self, map=named)
-
-    def check(self, tables: Sequence[str]) -> None:
-        """Raise `UsageError` where this does not go with the tables that are named."""
-        single = {"--save-model": self.save_model, "--plot": self.plot, "--sigma": self.sigma}
-        if not tables:
-            raise UsageError("no table is named", remedy="name one, or ask for --design")
-        if len(tables) > 1:
-            _refuse(single, "is for one table", "diagnose the tables one by one")
-        if self.save_model is not None and self.model is None:
-            raise UsageError("--save-model needs --model", remedy="name the one to add to")
-        if self.map is not None and self.model is None:
-            raise UsageError(
-                "--map needs --model", remedy="name one that gives links and [pose.P1] joint_deg"
-            )
-        if self.map is not None:
-            render.check_map(self.map)
-
-    def refuse_of_test(self) -> None:
-        """Raise `UsageError` where something is wanted that unrelated tables do not give."""
-        asked = {"--hold-out": self.hold_out, "--map": self.map}
-        _refuse(asked, "is for one test", "name its tables by their poses, P1.csv P2.csv")
-
-    def check_poses(self, run: Run) -> None:
-        """Raise `UsageError` where something goes with one pose and ``run`` holds several."""
-        from scara_iso.library import held_out_pose
-
-        labels = [label for label, _ in run.rows_by_pose()]
-        second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
-        if second and not Path(self.hold_out or "").exists():
-            raise UsageError(
-                f"no pose {self.hold_out!r} in {run.origin.source}",
-                remedy=f"it has {', '.join(map(str, labels[:20]))}",
-            )
-        given = {"--hold-out": second or None, "--plot": self.plot, "--sigma": self.sigma}
-        what = f"is for one pose, and there are {len(labels)}"
-        _refuse(given, what, f"name it: --pose {labels[0]}")
-
-
-def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
-    for option, value in given.items():
-        if value is not None:
-            raise UsageError(f"{option} {what}", remedy=remedy)
-
-
-def _refuse_beside_design(files: _Files) -> None:
-    given = {
-        "--model": files.model, "--hold-out": files.hold_out, "--save-model": files.save_model,
-        "--plot": files.plot, "--map": files.map,
-    }  # fmt: skip
-    _refuse(given, "does not go with --design", "leave it out")
-
-
-@dataclass(frozen=True, slots=True)
 class _How:
     """How a diagnosis is written; ``again`` names its table in a command line."""
 
@@ -259,7 +189,7 @@ class _How:
 
 def _diagnose_run(
     run: Run,
-    files: _Files,
+    files: Files,
     reading: TableOptions,
     wanted: CyclesWanted,
     how: _How,

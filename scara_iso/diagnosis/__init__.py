@@ -41,19 +41,21 @@ if TYPE_CHECKING:
         planned_columns as planned_columns,
     )
     from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
+    from scara_iso.diagnosis.poses_result import (
+        DiagnosisOfPoses as DiagnosisOfPoses,
+        Separation as Separation,
+    )
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
         SECOND as SECOND,
         AtJoint as AtJoint,
         ByAxis as ByAxis,
         Diagnosis as Diagnosis,
-        DiagnosisOfPoses as DiagnosisOfPoses,
         Error as Error,
         Flag as Flag,
         Foretold as Foretold,
         Found as Found,
         Repeatabilities as Repeatabilities,
-        Separation as Separation,
         Series as Series,
         Shares as Shares,
         UnexplainedCourse as UnexplainedCourse,

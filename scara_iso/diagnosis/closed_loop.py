@@ -9,8 +9,9 @@ import numpy as np
 
 from scara_iso.diagnosis.all_poses import whole_cycles
 from scara_iso.diagnosis.poses import diagnose_poses
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.result import Diagnosis, DiagnosisOfPoses
+from scara_iso.diagnosis.result import Diagnosis
 from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError, UsageError

@@ -12,6 +12,7 @@ from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit
 from scara_iso.diagnosis.places import BOTH, JOINTS, Place, places_of, separation
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.residual import Predicted
@@ -19,11 +20,9 @@ from scara_iso.diagnosis.result import (
     AtJoint,
     ByAxis,
     Diagnosis,
-    DiagnosisOfPoses,
     Error,
     Found,
     Repeatabilities,
-    Separation,
     Series,
 )
 from scara_iso.diagnosis.tuning import (

@@ -9,6 +9,7 @@ import numpy as np
 
 from scara_iso.diagnosis.beyond import courses_of
 from scara_iso.diagnosis.completed import foretold, scatter_draws
+from scara_iso.diagnosis.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
@@ -109,10 +110,10 @@ def diagnose_problem(
     else:
         there = _second(*second, problem.residual)
         unseen = on_second_run(fitted, problem.effects, problem.residual.conditions, there)
-    courses = _courses(run, predicted or {}, problem.residual, fitted)
+    courses = courses_of_axes(run, predicted or {}, problem.residual, fitted)
     measured, before, after, removed = (repeatabilities(course, groups) for course in courses)
     drawn = scatter_draws(problem.residual, fitted, rng)
-    standing = _groups(run, predicted or {}, problem.residual, groups)
+    standing = standing_of(run, predicted or {}, problem.residual, groups)
     next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
     other: UnseenRP | None
     if second is None:
@@ -133,18 +134,6 @@ def diagnose_problem(
         courses_left = tuple(courses_of(problem.residual, fitted, rng))
         diagnosis = replace(diagnosis, courses=courses_left)
     return Solved(diagnosis, fitted)
-
-
-def _groups(
-    run: Run, predicted: Predicted, residual: Residual, groups: Mapping[str, tuple[str, ...]]
-) -> dict[str, tuple[tuple[int, float], ...]]:
-    """Return, for each RP, the axes of the search that stand for its own, and their slopes."""
-    model = {name: np.asarray(predicted.get(name, 0.0)) for name in run.axes}
-    stand = {
-        name: _searched(axis.readings - model[name], residual, name)
-        for name, axis in run.axes.items()
-    }
-    return {name: tuple(stand[axis] for axis in axes) for name, axes in groups.items()}
 
 
 def _diagnosis(
@@ -269,35 +258,3 @@ def _other_scatter(problem: SearchProblem, fitted: Fit) -> list[str]:
         for axis, scatter, stated in zip(problem.residual.axes, left, known, strict=True)
         if stated and not 1 / SAME_SCATTER < scatter / stated < SAME_SCATTER
     ]
-
-
-def _courses(
-    run: Run, predicted: Predicted, residual: Residual, fitted: Fit
-) -> tuple[dict[str, FloatArray], ...]:
-    """Return by axis: measured, predicted before and after, measured with effects removed."""
-    measured = {name: np.asarray(axis.readings) for name, axis in run.axes.items()}
-    before, after, removed = {}, {}, {}
-    for name, readings in measured.items():
-        model = np.asarray(predicted.get(name, np.zeros(len(run))), dtype=np.float64)
-        before[name] = model + (readings - model).mean()
-        after[name], removed[name] = before[name], readings
-        a, slope = _searched(readings - model, residual, name)
-        effect = slope * sum((part[:, a] for part in fitted.parts), np.zeros(len(run)))
-        after[name] = before[name] + effect - effect.mean()
-        if name in residual.axes:
-            after[name] = model + fitted.predicted[:, a]
-        removed[name] = readings - effect
-    return measured, before, after, removed
-
-
-def _searched(left: FloatArray, residual: Residual, name: str) -> tuple[int, float]:
-    """Return which axis of the search stands for this one, and its slope on it.
-
-    An axis that copies another has that one's effects; one that never moves has none (slope 0).
-    """
-    if name in residual.axes:
-        return residual.axes.index(name), 1.0
-    values = residual.values - residual.values.mean(axis=0)
-    slopes = (left - left.mean()) @ values / (values**2).sum(axis=0)
-    a = int(np.argmax(np.abs(slopes) * np.linalg.norm(values, axis=0)))
-    return a, float(slopes[a])

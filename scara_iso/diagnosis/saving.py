@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from scara_iso.diagnosis.result import Diagnosis, DiagnosisOfPoses, Found
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
+from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.effects import Effect, OwnEffect, find_effects
 from scara_iso.robot import DeclaredEffect, declare, is_random, read_model
 

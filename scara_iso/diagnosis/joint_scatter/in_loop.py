@@ -9,7 +9,7 @@ import numpy as np
 from scara_iso.diagnosis.closed_loop import CyclesWanted
 from scara_iso.diagnosis.joint_scatter.from_run import Left, joint_scatter
 from scara_iso.diagnosis.joint_scatter.poses import PLANE
-from scara_iso.diagnosis.result import DiagnosisOfPoses
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
 from scara_iso.diagnosis.saving import declared_in_arm
 from scara_iso.effects import Conditions
 from scara_iso.errors import UsageError
