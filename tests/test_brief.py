@@ -27,6 +27,7 @@ CALLS = (
     *(("analyze", name) for name in ANALYZED),
     *(("analyze", name, "--limit", "0.02") for name in ANALYZED[:3]),
     *(("diagnose", name) for name in DIAGNOSED),
+    ("diagnose", "five_poses.csv", "--model", "five_poses.toml"),
     ("compare", "before_repair.csv", "after_repair.csv"),
     ("compare", "after_repair.csv", "before_repair.csv"),
     ("compare", "scatter.csv", "fum_scara_table1.csv"),

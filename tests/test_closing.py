@@ -189,7 +189,7 @@ def test_the_poses_of_a_table_give_a_summary(call, tmp_path, rng):
     path.write_text(f"# unit: mm\n# resolution: 0.001\npose,cycle,X\n{rows}", encoding="utf-8")
     code, out, _ = call("diagnose", path)
     assert code == 0
-    assert "2 poses" in out
+    assert "at P2 alone" in out
     assert call("diagnose", path, "--plot", tmp_path / "a.svg")[0] == 2
     assert diagnosed(call, path, "--pose", "P2")["verdict"] == "explained"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis import Verdict, diagnose_poses, holm
+from scara_iso.diagnosis import Verdict
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError
@@ -404,21 +404,12 @@ def test_a_model_of_another_robot_is_refused(rng):
         diagnose(run, {"X": np.zeros(N - 1)})
 
 
-def test_poses_share_one_level(rng):
-    course = np.concatenate([COURSES["step"] + rng.normal(size=N), rng.normal(size=N)])
-    run = Run(np.tile(CYCLE, 2), {"X": Axis("X", course)}, pose=np.repeat(["P1", "P2"], N))
+def test_several_poses_are_no_single_diagnosis(rng):
+    run = Run(
+        np.tile(CYCLE, 2), {"X": Axis("X", rng.normal(size=2 * N))}, pose=np.repeat(["P1", "P2"], N)
+    )
     with pytest.raises(DataError, match="several poses"):
         diagnose(run)
-    found = diagnose_poses(run, lambda single, level: diagnose(single, level=level))
-    assert found["P1"].verdict is Verdict.EXPLAINED
-    assert found["P2"].verdict is Verdict.NOTHING
-
-
-def test_holm_steps_down():
-    assert holm({"a": 0.01, "b": 0.04, "c": 0.02}) == {"a", "b", "c"}
-    assert holm({"a": 0.01, "b": 0.04, "c": 0.03}) == {"a"}
-    assert holm({"a": 0.02, "b": 0.001}) == {"a", "b"}
-    assert holm({None: 0.06}) == frozenset()
 
 
 def test_an_axis_that_is_largely_rounding_says_so(rng):

@@ -206,6 +206,10 @@ arcmin = 6
         ("[pose]\njoint_deg = [0, 150]", "joint 2 is 5 deg outside its limits"),
         ("[pose]\njoint_deg = [0, 90]\nx_mm = 3", "give either joint_deg"),
         ("[pose]\nx_mm = 300\ny_mm = 300\nelbow = 'up'", "pose.elbow: 'up'"),
+        ("[pose.P2]\njoint_deg = [0, 150]", "pose.P2.joint_deg: joint 2 is 5 deg outside"),
+        ("[pose.P2]\njoint_deg = [0]", "pose.P2.joint_deg: [0] is not a pair"),
+        ("[pose.P2]\n[pose.P3]\nx = 1", "pose.P2: give joint_deg, or x_mm and y_mm"),
+        ("[pose.P3]\njoint_deg = [0, 9]\nx = 1", "pose.P3.x: no such key"),
         ("[gearbox.joint_2]\nIm = 1\nIL = 1\narcmin = 1\nstiffness = -3\nfriction = -1", "must be"),
         ("a = " + "[" * 50_000, "nested deeper"),
     ],
@@ -219,6 +223,21 @@ def test_a_model_that_cannot_be_meant_is_refused(tmp_path, text, said):
 def test_no_such_file(tmp_path):
     with pytest.raises(NoInputError):
         read_model(tmp_path / "nowhere.toml")
+
+
+def test_the_poses_of_a_test_stand_beside_that_of_a_single_table(tmp_path):
+    text = (
+        "[robot]\nlink_1_mm = 250\nlink_2_mm = 200\n[indicator.X]\n[pose]\njoint_deg = [1, 2]\n"
+        "[pose.P1]\njoint_deg = [0, 90]\n[pose.'at the jig']\nx_mm = 250\ny_mm = -200\n"
+        "elbow = 'left'\n"
+    )
+    model = read_model(model_from(tmp_path, text))
+    assert model.joints_deg == (1, 2)
+    assert model.poses["P1"] == (0, 90)
+    assert model.poses["at the jig"] == pytest.approx((0, -90))
+    assert model.at("P1").joints_deg == (0, 90)
+    assert model.at("P9").joints_deg is None
+    assert model.at(None) is model
 
 
 def test_a_pose_that_the_arm_cannot_reach_is_refused(tmp_path):

@@ -25,6 +25,7 @@ ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 GAUGE = Path(__file__).parent / "fixtures" / "gauge"
 MODEL = EXAMPLES / "fum_scara.toml"
+FIVE_POSES = EXAMPLES / "five_poses.toml"
 JOINT = ["backlash", "--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
 SCHEMAS = {
     path.stem: json.loads(path.read_text(encoding="utf-8"))
@@ -155,6 +156,18 @@ def two_poses(folder):
     return paths
 
 
+def joints_together(path):
+    """Write three poses at which both joints scatter as one."""
+    rng, model = np.random.default_rng(3), scara_iso.robot.read_model(FIVE_POSES)
+    lines = ["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y"]
+    for pose in ("P1", "P2", "P3"):
+        turned = rng.normal(size=(13, 1)) * [2e-5, -3e-5]
+        places = turned @ model.arm.jacobian(model.poses[pose]).T
+        lines += [f"{pose},{k},{x:.3f},{y:.3f}" for k, (x, y) in enumerate(places, start=1)]
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
+    return path
+
+
 def reversals(path):
     """Write reversals of a gap smaller than stated; friction that holds the load makes the same."""
     rng = np.random.default_rng(1)
@@ -270,6 +283,10 @@ def documents(tmp_path_factory):
             *written("diagnose", both_ways, "--model", MODEL),
             *written("diagnose", both_ways, "--model", loaded),
             *written("diagnose", *two_poses(folder)),
+            *written("diagnose", EXAMPLES / "five_poses.csv", "--model", FIVE_POSES,
+                     "--hold-out", "P5", "--map", folder / "map.csv"),
+            *written("diagnose", joints_together(folder / "joints.csv"), "--model", FIVE_POSES,
+                     "--cycles", "13"),
         ],
         "diagnose-many": [
             *written("diagnose", EXAMPLES / "scatter.csv", folder / "none.csv", code=66),

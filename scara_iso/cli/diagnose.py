@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso import library, render, reporting
+from scara_iso.cli.diagnose_files import Files, refuse_beside_design
 from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
     AllCount,
@@ -33,7 +34,6 @@ from scara_iso.cli.output import (
     write_json,
     write_report,
 )
-from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.cli.conditions import Write
@@ -56,7 +56,14 @@ ModelOption = Annotated[
 ]
 HoldOut = Annotated[
     str | None,
-    typer.Option(metavar="TABLE", help="Second table for the error on unseen cycles."),
+    typer.Option(
+        metavar="TABLE|POSE",
+        help="Second table for the error on unseen cycles, or a pose of the test to foretell.",
+    ),
+]
+Map = Annotated[
+    Path | None,
+    typer.Option("--map", metavar="FILE", help="RP over the robot's reach, as .png, .svg or .csv."),
 ]
 SaveModel = Annotated[
     Path | None, typer.Option(metavar="NEW", help="Write the model with the effects declared.")
@@ -93,6 +100,7 @@ def diagnose_command(
     hold_out: HoldOut = None,
     save_model: SaveModel = None,
     plot: Plot = None,
+    map_: Map = None,
     pose: Pose = None,
     design: Design = False,
     sigma: Sigma = None,
@@ -123,15 +131,15 @@ def diagnose_command(
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        _refuse_beside_design(model, hold_out, save_model, plot)
+        refuse_beside_design(Files(model, effects, hold_out, save_model, plot, map_, None))
         show_design(
             named, reading, wanted, sigma=sigma, columns=columns, effects=effects, seed=seed,
             as_json=json,
         )  # fmt: skip
         return
-    files = _Files(model, effects, hold_out, save_model, plot, sigma)
+    files = Files(model, effects, hold_out, save_model, plot, map_, sigma)
     files.check(named)
-    check_outputs([plot, save_model], [*files_of(named), model, effects, hold_out])
+    check_outputs([plot, save_model, map_], [*files_of(named), model, effects, hold_out])
     show = partial(_How, full=full, as_json=json)
     if (folder := test_folder(named, condition, reading)) is not None:
         _diagnose_folder(folder, condition, files, reading, wanted, show, seed=seed)
@@ -140,6 +148,7 @@ def diagnose_command(
     if run is None:
         from scara_iso.cli.diagnose_many import show_many
 
+        files.refuse_of_test()
         show_many(named, (model, effects), reading, wanted, seed=seed, as_json=json)
     else:
         options = asdict(reading) | asdict(wanted) | {"effects": effects}
@@ -150,7 +159,7 @@ def diagnose_command(
 def _diagnose_folder(
     folder: str,
     condition: str | None,
-    files: _Files,
+    files: Files,
     reading: TableOptions,
     wanted: CyclesWanted,
     show: Callable[..., _How],
@@ -163,55 +172,9 @@ def _diagnose_folder(
         counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
         options = {"condition": one.condition.name, "effects": files.effects}
         how = show(partial(command_line, [folder], options), write=write)
-        _diagnose_run(run, files, reading, counting, how, seed=seed)
+        _diagnose_run(run, files.under(one.condition.name), reading, counting, how, seed=seed)
 
     diagnose_folder(folder, condition, diagnose)
-
-
-def _refuse_beside_design(
-    model: str | None, hold_out: str | None, save_model: Path | None, plot: Path | None
-) -> None:
-    given = {"--model": model, "--hold-out": hold_out, "--save-model": save_model, "--plot": plot}
-    for option, value in given.items():
-        if value is not None:
-            raise UsageError(f"{option} does not go with --design", remedy="leave it out")
-
-
-@dataclass(frozen=True, slots=True)
-class _Files:
-    """What the diagnosis of one table takes and writes beside it."""
-
-    model: str | None
-    effects: str | None
-    hold_out: str | None
-    save_model: Path | None
-    plot: Path | None
-    sigma: float | None
-
-    @property
-    def of_one_pose(self) -> str:
-        """The option, if any is given, that goes with the readings of one pose."""
-        given = {
-            "--model": self.model, "--hold-out": self.hold_out, "--plot": self.plot,
-            "--sigma": self.sigma,
-        }  # fmt: skip
-        return next((option for option, value in given.items() if value is not None), "")
-
-    def check(self, tables: Sequence[str]) -> None:
-        """Raise `UsageError` where this does not go with the tables that are named."""
-        single = {
-            "--hold-out": self.hold_out, "--save-model": self.save_model, "--plot": self.plot,
-            "--sigma": self.sigma,
-        }  # fmt: skip
-        asked = [option for option, value in single.items() if value is not None]
-        if not tables:
-            raise UsageError("no table is named", remedy="name one, or ask for --design")
-        if len(tables) > 1 and asked:
-            raise UsageError(
-                f"{asked[0]} is for one table", remedy="diagnose the tables one by one"
-            )
-        if self.save_model is not None and self.model is None:
-            raise UsageError("--save-model needs --model", remedy="name the one to add to")
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,7 +189,7 @@ class _How:
 
 def _diagnose_run(
     run: Run,
-    files: _Files,
+    files: Files,
     reading: TableOptions,
     wanted: CyclesWanted,
     how: _How,
@@ -235,30 +198,32 @@ def _diagnose_run(
 ) -> None:
     from scara_iso.diagnosis import DiagnosisOfPoses, save_model
 
-    labels = [label for label, _ in run.rows_by_pose()]
-    if wanted.pose is None and len(labels) > 1 and files.of_one_pose:
-        raise UsageError(
-            f"{files.of_one_pose} is for one pose, and there are {len(labels)}",
-            remedy=f"name it: --pose {labels[0]}",
-        )
+    second: Run | str | None = files.hold_out
+    if wanted.pose is None and len(list(run.rows_by_pose())) > 1:
+        files.check_poses(run)
+    elif files.hold_out is not None:
+        second = reading.read(files.hold_out)
     own = library.defined(files.effects or ())
     diagnosis = library.diagnose(
         run,
         files.model,
         **asdict(wanted),
-        hold_out=None if files.hold_out is None else reading.read(files.hold_out),
+        hold_out=second,
+        reach=files.map is not None,
         seed=seed,
         sigma=files.sigma,
         own_effects=own,
     )
+    if files.save_model is not None and files.model is not None:
+        said = save_model(diagnosis, files.model, files.save_model, own)
+        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     if isinstance(diagnosis, DiagnosisOfPoses):
+        if files.map is not None and diagnosis.joint_scatter is not None:
+            render.save_map(diagnosis.joint_scatter, files.map)
         _write_poses(diagnosis, run.origin.source, how)
         return
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)
-    if files.save_model is not None and files.model is not None:
-        said = save_model(diagnosis, files.model, files.save_model, own)
-        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     _write(diagnosis, run.origin.source, how)
 
 

@@ -8,16 +8,25 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.diagnosis.all_poses import AllPoses as AllPoses, whole_cycles as whole_cycles
     from scara_iso.diagnosis.choice import posterior as posterior
     from scara_iso.diagnosis.closed_loop import (
         CyclesWanted as CyclesWanted,
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
-        save_model as save_model,
     )
     from scara_iso.diagnosis.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.held_out import HeldOut as HeldOut
     from scara_iso.diagnosis.hypothesis_set import HypothesisSet as HypothesisSet
+    from scara_iso.diagnosis.joint_scatter import (
+        JointCorrelation as JointCorrelation,
+        JointScatter as JointScatter,
+        PoseLeftOut as PoseLeftOut,
+        PredictedRP as PredictedRP,
+        ReachMap as ReachMap,
+        SourceOfScatter as SourceOfScatter,
+        with_joint_scatter as with_joint_scatter,
+    )
     from scara_iso.diagnosis.looks import ALARM as ALARM
     from scara_iso.diagnosis.marginal import marginal_tests as marginal_tests
     from scara_iso.diagnosis.monitoring import Monitor as Monitor, Suspicion as Suspicion
@@ -31,13 +40,17 @@ if TYPE_CHECKING:
         design as design,
         planned_columns as planned_columns,
     )
-    from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses, holm as holm
+    from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
+    from scara_iso.diagnosis.poses_result import (
+        DiagnosisOfPoses as DiagnosisOfPoses,
+        Separation as Separation,
+    )
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
         SECOND as SECOND,
+        AtJoint as AtJoint,
         ByAxis as ByAxis,
         Diagnosis as Diagnosis,
-        DiagnosisOfPoses as DiagnosisOfPoses,
         Error as Error,
         Flag as Flag,
         Foretold as Foretold,
@@ -58,6 +71,7 @@ if TYPE_CHECKING:
         diagnose_sweep as diagnose_sweep,
         read_sweep as read_sweep,
     )
+    from scara_iso.diagnosis.saving import save_model as save_model
     from scara_iso.diagnosis.tuning import (
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,

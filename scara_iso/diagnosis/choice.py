@@ -207,12 +207,13 @@ def _columns(views: Views, division: FloatArray) -> list[tuple[int, float]]:
     """Return the columns in which states are sought, with the least scatter of their dial.
 
     Those are the axes that can show two and, with several, their principal directions in which
-    anything moves.
+    anything moves; of several poses the named ones.
     """
     q = views.axes
     dials = [(int(a), float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
     axes = [(a, least) for a, least in dials if can_show_two(views.columns[:, a], least)]
-    moving = np.flatnonzero(views.columns[:, q : 2 * q].any(axis=0))
+    seen = views.columns[:, q : 2 * q] if views.poses is None else views.columns[:, q:]
+    moving = np.flatnonzero(seen.any(axis=0))
     return axes if len(axes) < 2 else axes + [(q + int(a), 0.0) for a in moving]
 
 

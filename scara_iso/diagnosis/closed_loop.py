@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
+from scara_iso.diagnosis.all_poses import whole_cycles
 from scara_iso.diagnosis.poses import diagnose_poses
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.result import Diagnosis, Found
-from scara_iso.effects import Conditions, Effect, OwnEffect, Shape, find_effects
+from scara_iso.diagnosis.result import Diagnosis
+from scara_iso.diagnosis.saving import declarations
+from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
-from scara_iso.robot import DeclaredEffect, Model, declare, is_random, predict, read_model
+from scara_iso.robot import Model, is_random, predict
 from scara_iso.run import Run
 
 _PLANE = ("X", "Y")
@@ -82,6 +84,7 @@ def close_the_loop(
     `diagnosis.diagnose`, and `DataError` for a model that has none of the run's axes.
     """
     used = wanted.take(run)
+    model = None if model is None else model.at(wanted.pose or used.metadata.get("pose"))
     second = None if hold_out is None else wanted.take(hold_out)
     known_own = _all_own(own, model)
     found = diagnose_readings(
@@ -173,20 +176,56 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
 
 
 def close_the_loop_at_poses(
-    run: Run, wanted: CyclesWanted, *, seed: int, own: Sequence[OwnEffect] = ()
-) -> dict[str, Diagnosis]:
-    """Return the diagnosis of each pose against a constant, at one level for all (Holm 1979).
+    run: Run,
+    model: Model | None,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    own: Sequence[OwnEffect] = (),
+) -> DiagnosisOfPoses:
+    """Return what ``model`` (None: a constant) leaves unexplained at all poses of a run together.
 
-    ``own`` are effects of the user's.
+    Effects are traced to the joints where the model gives the arm and its joints at every pose.
+    ``own`` are effects of the user's beside those of the model.
     """
     run = run.unwrapped()
+    used = wanted.used(run)
+    test = whole_cycles(run, {str(p): rows for p, rows in zip(used.poses, used.rows, strict=True)})
+    known_own = _all_own(own, model)
+    catalogue = find_effects(known_own)
+    unseen = tuple(_not_looked_for(known_own, test.run))
+    if model is None:
+        found = diagnose_poses(test, seed=seed, effects=catalogue)
+        return replace(found, notes=(*unseen, *found.notes))
+    at = {label: run.arrival_at(label)[0] for label in test.parts}
+    joints = {label: model.at(pose).joints_deg for label, pose in at.items() if pose in model.poses}
+    known = {label: pair for label, pair in joints.items() if pair is not None}
+    traced = model.arm is not None and len(known) == len(test.parts)
+    expected = {
+        label: _predicted(model.at(at[label]), part) or {}
+        for label, part in test.parts.items()
+        if model.poses  # else its effects are of one pose, and nobody says which
+    }
     found = diagnose_poses(
-        run.take(np.concatenate(wanted.used(run).rows)),
-        lambda single, level: diagnose_readings(
-            single, seed=seed, level=level, effects=find_effects(own)
-        ),
+        test,
+        expected,
+        arm=model.arm if traced else None,
+        joints_deg=known,
+        seed=seed,
+        effects=catalogue,
     )
-    return {str(pose): diagnosis for pose, diagnosis in found.items()}
+    notes = (*unseen, *found.notes, *_not_traced(model, at, known), *_doubts(model, run))
+    return replace(found, notes=notes)
+
+
+def _not_traced(
+    model: Model, at: Mapping[str, str | None], known: Mapping[str, object]
+) -> Iterator[str]:
+    """Yield why effects are not traced to the joints, where they are not."""
+    missing = list(dict.fromkeys(f"[pose.{at[label]}]" for label in at if label not in known))
+    lacking = [*(["[robot] link_1_mm and link_2_mm"] if model.arm is None else []), *missing]
+    if lacking:
+        yield f"effects are not traced to the joints: the model lacks {', '.join(lacking)}"
 
 
 def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
@@ -224,68 +263,3 @@ def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
     return {
         name: dict(zip(_PLANE, vector.tolist(), strict=True)) for name, vector in vectors.items()
     }
-
-
-def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
-    """Return what was found as effects that a model declares.
-
-    Effects on the gear take the place of the reversal that they account for, unless the load
-    rests where the model cannot put it.
-    """
-    reversals = diagnosis.reversals
-    gear = reversals.gear if reversals is not None and not reversals.mirrored else None
-    on_gear = [] if gear is None else [
-        DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
-    ]  # fmt: skip
-    recorded = {effect.name for effect in find_effects() if effect.by_flank and effect.needs}
-    gone = set() if reversals is None else recorded | {*reversals.accounts_for}
-    kept = [f for f in diagnosis.effects if not (on_gear and f.effect in gone)]
-    return (*(declared(found) for found in kept), *on_gear)
-
-
-def declared(found: Found) -> DeclaredEffect:
-    """Return a found effect as one that a model declares."""
-    return DeclaredEffect(found.effect, {**found.parameters, **found.left_open})
-
-
-def save_model(
-    diagnosis: Diagnosis, model: str, to: Path, own: Sequence[OwnEffect] = ()
-) -> tuple[str, ...]:
-    """Write ``model`` with what was found to ``to``; return what of it was declared.
-
-    An effect that does not recur is left out; ``own`` are the user's effects beside the model's.
-    Raises as `declare`.
-    """
-    described = read_model(model, own)
-    known = {effect.name: effect for effect in find_effects(described.own)}
-    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
-    effects = declarations(replace(diagnosis, effects=recurring))
-    dials = described.indicators
-    scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
-    declare(model, effects, to, scatter, described.own)
-    said = [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
-    said += [
-        f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
-        for found in diagnosis.effects
-        if found not in recurring
-    ]
-    said = said or [f"{to} holds the model's effects as they were: none was found to declare"]
-    sizes = ", ".join(f"{axis} {value:g}" for axis, value in scatter.items())
-    return (*said, f"{to} states the scatter: {sizes}") if scatter else tuple(said)
-
-
-def _expectation(one: DeclaredEffect, effect: Effect | None) -> str:
-    """Return what a model with the effect says of the next table; none is known on the gear."""
-    if effect is not None and is_random(effect, one, one.axes[0]):
-        return (
-            " for simulate only: chance draws it anew in every test, so no prediction moves and "
-            "the next table will show it again"
-        )
-    if "at_cycle" in one.parameters:
-        return (
-            f" at cycle {one.parameters['at_cycle']}, and expects it there in the next table: take "
-            "it out once its cause is cured"
-        )
-    if "phase" in one.parameters:
-        return " with the phase of this table: the next one must begin at the same phase"
-    return ": the next table is expected to show it"

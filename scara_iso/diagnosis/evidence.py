@@ -28,19 +28,32 @@ the system and fetches anew for every block of permutations: half of the time.""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class ManyPoses:
+    """Which pose each axis belongs to, by number (axes,), and the share of each named direction.
+
+    Together the ``shares`` are 1.
+    """
+
+    of: IntArray
+    shares: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Views:
     """The axes' residuals seen in several ways: ``columns`` (n, v), each of unit variance.
 
     The first ``axes`` columns are the axes themselves. With two axes or more follow their
     principal directions, the axes freed of their correlation, and the directions that physics
     names (one column for each of ``named``). ``known`` (v,) are the squares of cycles on which
-    nothing acted, 0 for a column whose scatter is not known.
+    nothing acted, 0 for a column whose scatter is not known. The axes of several ``poses`` are seen
+    as they are and along the named directions only: they are too many for others.
     """
 
     columns: FloatArray
     axes: int
     named: tuple[str, ...] = ()
     known: FloatArray | None = None
+    poses: ManyPoses | None = None
 
 
 def views_of(
@@ -48,28 +61,50 @@ def views_of(
     basis: FloatArray,
     directions: Mapping[str, FloatArray] | None = None,
     sigma: FloatArray | None = None,
+    poses: ManyPoses | None = None,
 ) -> Views:
     """Return the views of residuals (n, axes) with ``basis`` (n, f) projected out.
 
     ``directions`` maps a name to how far each axis moves, shape (axes,); ``sigma`` (axes,) is the
-    known scatter, 0 where it is not. Whitening uses the covariance over the cycles, which no
-    permutation of them changes.
+    known scatter, 0 where it is not; ``poses`` as in `Views`. Whitening uses the covariance over
+    the cycles, which no permutation of them changes.
     """
     free = values - basis @ (basis.T @ values)
     scaled = free / np.maximum(np.linalg.norm(free, axis=0), _TINY)
     axes = values.shape[1]
     if axes == 1:
         return Views(scaled, 1, known=_known_squares(free, sigma, 1))
-    variance, rotation = np.linalg.eigh(scaled.T @ scaled)
-    principal = scaled @ (rotation / np.sqrt(np.maximum(variance, 1e-9)))
-    columns = [scaled, principal, principal @ rotation.T]
+    if poses is None:
+        correlation = scaled.T @ scaled
+        variance, rotation = np.linalg.eigh(correlation)
+        principal = scaled @ (rotation / np.sqrt(np.maximum(variance, 1e-9)))
+        columns = [scaled, principal, principal @ rotation.T]
+    else:
+        correlation = shrunk(scaled.T @ scaled, poses.of, len(values) - basis.shape[1])
+        columns = [scaled]
     for movement in (directions or {}).values():
         relative = movement / np.maximum(np.linalg.norm(free, axis=0), _TINY)
-        weight = np.linalg.lstsq(scaled.T @ scaled, relative, rcond=1e-9)[0]
+        weight = np.linalg.lstsq(correlation, relative, rcond=1e-9)[0]
         columns.append((scaled @ weight)[:, np.newaxis])
     seen = np.concatenate(columns, axis=1)
     known = _known_squares(free, sigma, seen.shape[1])
-    return Views(seen, axes, tuple(directions or {}), known)
+    return Views(seen, axes, tuple(directions or {}), known, poses)
+
+
+def shrunk(covariance: FloatArray, poses: IntArray, nu: int) -> FloatArray:
+    """Return a covariance of axes (axes, axes) from ``nu`` cycles, shrunk between ``poses``.
+
+    There are more pairs of axes than cycles could tell of: what the cycles of different poses share
+    counts for as much as it exceeds what chance gives it (Schaefer and Strimmer 2005, one factor
+    for all pairs).
+    """
+    apart = poses[:, np.newaxis] != poses
+    if not apart.any():
+        return covariance
+    size = np.maximum(np.sqrt(np.diag(covariance)), _TINY)
+    squares = float(((covariance / np.outer(size, size))[apart] ** 2).mean())
+    kept = max(0.0, 1 - 1 / (nu * squares)) if squares else 0.0
+    return np.where(apart, kept * covariance, covariance)
 
 
 def _known_squares(free: FloatArray, sigma: FloatArray | None, views: int) -> FloatArray | None:
@@ -133,12 +168,15 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     """Return Bayes factors over all axes, shape (members, m), from single ones (members, v, m).
 
     A mixture, in equal parts: each axis takes part or not (probability 1/2); one principal
-    direction does; one axis freed of the others does. Named directions count as much as these.
+    direction does; one axis freed of the others does. Of several poses: each axis takes part or
+    not; the axes of one pose do or not. Named directions count as much as these.
     """
     q = views.axes
     bf = np.exp(np.minimum(log_bf, LARGEST_LOG / q))
     if q == 1:
         return np.asarray(bf[:, 0])
+    if views.poses is not None:
+        return _of_poses(bf, q, views.poses)
     parts = [
         np.prod((1 + bf[:, :q]) / 2, axis=1),
         bf[:, q : 2 * q].mean(axis=1),
@@ -147,3 +185,11 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     if views.named:  # what physics expects weighs as much as all that it does not
         parts += [bf[:, 3 * q :].mean(axis=1)] * len(parts)
     return np.asarray(sum(parts) / len(parts))
+
+
+def _of_poses(bf: FloatArray, q: int, poses: ManyPoses) -> FloatArray:
+    takes_part = (1 + bf[:, :q]) / 2
+    every = np.prod(takes_part, axis=1)
+    alone = [np.prod(takes_part[:, poses.of == p], axis=1) for p in np.unique(poses.of)]
+    named = np.tensordot(bf[:, q:], poses.shares, axes=(1, 0))
+    return np.asarray((every + np.mean(alone, axis=0) + 2 * named) / 4)

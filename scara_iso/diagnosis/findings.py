@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from scara_iso.diagnosis.choice import Choice
-from scara_iso.diagnosis.direction import match
+from scara_iso.diagnosis.direction import Match, match
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.hypothesis_set import constant, extended
 from scara_iso.diagnosis.problem import SearchProblem
@@ -34,11 +34,13 @@ def found_effects(
     )
 
 
-def repeatabilities(readings: Mapping[str, FloatArray]) -> dict[str, float]:
-    """Return RP of each axis (eq. 6), and radially of XY and XYZ (ISO 9283 7.2.2) if there."""
+def repeatabilities(
+    readings: Mapping[str, FloatArray], groups: Mapping[str, tuple[str, ...]]
+) -> dict[str, float]:
+    """Return RP of each group of axes: of one axis eq. 6, of several radial (ISO 9283 7.2.2)."""
     return {
         name: float(repeatability(np.stack([readings[axis] for axis in axes])).RP)
-        for name, axes in groups_of(readings).items()
+        for name, axes in groups.items()
     }
 
 
@@ -68,7 +70,9 @@ def _found(
     term, residual = fitted.terms[i], problem.residual
     assert stage.choice is not None  # noqa: S101 - a term stands for the choice of its stage
     errors = _standard_errors(fitted, i, left)
-    where = match(*_movement(fitted.coefficients[i], errors), problem.directions)
+    where = Match(None, {})
+    if term.located is None:
+        where = match(*_movement(fitted.coefficients[i], errors), problem.directions)
     moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
     return Found(
         effect=effect.name,
@@ -150,6 +154,10 @@ def _standard_errors(fitted: Fit, i: int, left: FloatArray) -> FloatArray:
     free = columns - basis @ (basis.T @ columns)
     nu = max(1, len(left) - basis.shape[1] - columns.shape[1])
     scatter = np.sqrt((left**2).sum(axis=0) / nu)
+    located = fitted.terms[i].located
+    if located is not None and located.place.tied:
+        sizes = np.sqrt(((left @ located.weights) ** 2).sum(axis=0) / nu)
+        scatter = np.linalg.norm(located.place.movement * sizes, axis=1)
     return np.asarray(np.outer(1 / np.maximum(np.linalg.norm(free, axis=0), 1e-12), scatter))
 
 

@@ -10,9 +10,12 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import log_bayes_of_course
 from scara_iso.diagnosis.hypothesis_set import constant, extended
+from scara_iso.diagnosis.places import Located, Place, locate
 from scara_iso.diagnosis.tuning import TAKES_PART
 from scara_iso.effects import Form, Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
+
+_SWEEPS = 20
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -22,6 +25,13 @@ class Term:
     effect: str
     form: Form
     moves: npt.NDArray[np.bool_]
+    located: Located | None = None
+    """Where in the robot it acts, of several poses."""
+
+    @property
+    def tied(self) -> bool:
+        """Whether its axes move together, in proportions that its place gives."""
+        return self.located is not None and self.located.place.tied
 
     @property
     def columns(self) -> FloatArray | None:
@@ -56,6 +66,25 @@ def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: 
     return Term(effect, form, (log_bf > np.log(TAKES_PART)) | (log_bf == log_bf.max()))
 
 
+def located_term(
+    effect: str,
+    form: Shape,
+    values: FloatArray,
+    rows: IntArray,
+    basis: FloatArray,
+    places: Sequence[Place],
+    poses: IntArray,
+) -> Term:
+    """Return the term at the place where ``form`` acts; as `term_of`, of the axes of that place."""
+    located = locate(form.columns[rows], basis, values, places, poses)
+    there = np.asarray(located.place.movement.any(axis=1))
+    if located.place.tied:
+        return Term(effect, form, there, located)
+    some = np.zeros_like(there)
+    some[there] = term_of(effect, form, values[:, there], rows, basis).moves
+    return Term(effect, form, some, located)
+
+
 def spread_term(effect: str, form: Spread, values: FloatArray, rows: IntArray) -> Term:
     """Return the term with the axes whose scatter ``form`` changes in ``values`` (rows, axes).
 
@@ -76,21 +105,57 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
     axes = values.shape[1]
     pose = np.empty(axes)
     coefficients = [np.zeros((_width(term), axes)) for term in terms]
-    for a in range(axes):
-        used = [i for i, t in enumerate(terms) if t.columns is not None and t.moves[a]]
-        columns = [terms[i].form.columns for i in used]  # type: ignore[union-attr]
-        design = np.concatenate([np.ones((n, 1)), *columns], axis=1)
-        solution = np.linalg.lstsq(design[rows], values[:, a], rcond=1e-9)[0]
-        pose[a], rest = solution[0], solution[1:]
-        for i in used:
-            coefficients[i][:, a], rest = np.split(rest, [_width(terms[i])])
-    parts = [_part(t, c, n) for t, c in zip(terms, coefficients, strict=True)]
+    parts = [np.zeros((n, axes)) for _ in terms]
+    free = [i for i, t in enumerate(terms) if t.columns is not None and not t.tied]
+    tied = [i for i, t in enumerate(terms) if t.columns is not None and t.tied]
+    for _ in range(_SWEEPS if tied and len(terms) > 1 else 1):  # in turn: Buja and Hastie 1989
+        for i in tied:
+            others = sum((p for j, p in enumerate(parts) if j != i), np.zeros((n, axes)))
+            coefficients[i] = _tied(terms[i], values - others[rows], rows)
+            parts[i] = _part(terms[i], coefficients[i], n)
+        left = values - sum((parts[i] for i in tied), np.zeros((n, axes)))[rows]
+        for a in range(axes):
+            pose[a] = _fit_axis(terms, free, coefficients, left[:, a], rows, a)
+        for i in free:
+            parts[i] = _part(terms[i], coefficients[i], n)
     left = values - pose - sum(parts, np.zeros((n, axes)))[rows]
     for i, term in enumerate(terms):
         if isinstance(term.form, Process):
             parts[i] = _kriged(term.form.covariance, left, rows)
     predicted = pose + sum(parts, np.zeros((n, axes)))
     return Fit(tuple(terms), predicted, tuple(coefficients), tuple(parts))
+
+
+def _fit_axis(
+    terms: Sequence[Term],
+    free: Sequence[int],
+    coefficients: Sequence[FloatArray],
+    values: FloatArray,
+    rows: IntArray,
+    a: int,
+) -> float:
+    """Fit the terms that move one axis of their own accord into ``coefficients``; return its pose.
+
+    ``values`` (rows,) are those of axis ``a``.
+    """
+    used = [i for i in free if terms[i].moves[a]]
+    columns = [terms[i].form.columns[rows] for i in used]  # type: ignore[union-attr]
+    design = np.concatenate([np.ones((len(rows), 1)), *columns], axis=1)
+    solution = np.linalg.lstsq(design, values, rcond=1e-9)[0]
+    rest = solution[1:]
+    for i in used:
+        coefficients[i][:, a], rest = np.split(rest, [_width(terms[i])])
+    return float(solution[0])
+
+
+def _tied(term: Term, values: FloatArray, rows: IntArray) -> FloatArray:
+    """Return the coefficients (k, axes) of a term in its place, least squares along it."""
+    assert term.located is not None  # noqa: S101
+    assert term.columns is not None  # noqa: S101
+    seen = values @ term.located.weights
+    design = np.concatenate([np.ones((len(rows), 1)), term.columns[rows]], axis=1)
+    sizes = np.linalg.lstsq(design, seen, rcond=1e-9)[0][1:]
+    return np.asarray(sizes @ term.located.place.movement.T)
 
 
 def row_scale(terms: Sequence[Term], n: int) -> FloatArray:

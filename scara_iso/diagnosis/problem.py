@@ -9,11 +9,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.evidence import Views, views_of
+from scara_iso.diagnosis.evidence import ManyPoses, Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.on_dial import DialReadings
+from scara_iso.diagnosis.places import Place
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import NEIGHBOURS
 from scara_iso.effects import Chain, Effect, Shape, Spread
@@ -26,10 +27,11 @@ _OUT_OF_REACH = 0.01
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SearchProblem:
-    """A residual and every hypothesis about it; ``directions`` as in `views_of`.
+    """A residual and every hypothesis about it; ``directions`` and ``poses`` as in `views_of`.
 
     ``effects`` are those that the members belong to, by name; ``sigma`` (axes,) is the scatter of
-    the readings where it is known beforehand, else 0.
+    the readings where it is known beforehand, else 0. ``places`` are those where an effect may act
+    that several poses show.
     """
 
     residual: Residual
@@ -37,11 +39,17 @@ class SearchProblem:
     directions: Mapping[str, FloatArray] = field(default_factory=dict)
     effects: Mapping[str, Effect] = field(default_factory=dict)
     sigma: FloatArray | None = None
+    places: tuple[Place, ...] = ()
+    poses: ManyPoses | None = None
 
     @property
     def rows(self) -> IntArray:
         """All rows of the residual."""
         return np.arange(len(self.residual))
+
+    def views_of(self, values: FloatArray, basis: FloatArray) -> Views:
+        """Return the views of some residuals (n, axes), ``basis`` (n, f) projected out."""
+        return views_of(values, basis, self.directions, self.sigma, self.poses)
 
 
 def problem_of(
@@ -135,7 +143,7 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
     members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
     half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
     known = np.zeros(values.shape[1]) if problem.sigma is None else problem.sigma
-    views = views_of(values, basis, problem.directions, problem.sigma)
+    views = problem.views_of(values, basis)
     return Remainder(rows, basis, views, values, DialReadings(values, half, known), members)
 
 

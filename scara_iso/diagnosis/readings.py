@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.diagnosis.beyond import courses_of
 from scara_iso.diagnosis.completed import foretold, scatter_draws
+from scara_iso.diagnosis.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
@@ -70,53 +71,69 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     """
     run = run.unwrapped()
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
-    rng = np.random.default_rng(seed)
     known = tuple(catalogue.values())
     problem = problem_of(run, predicted, directions=directions or {}, effects=known, sigma=sigma)
+    second = None if held_out is None else (held_out.unwrapped(), held_out_predicted)
+    return diagnose_problem(
+        problem, run, predicted, groups_of(run.axes), seed=seed, level=level, second=second
+    ).diagnosis
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Solved:
+    """A problem's diagnosis, and the fit that it comes from."""
+
+    diagnosis: Diagnosis
+    fitted: Fit
+
+
+def diagnose_problem(
+    problem: SearchProblem,
+    run: Run,
+    predicted: Predicted | None,
+    groups: Mapping[str, tuple[str, ...]],
+    *,
+    seed: int,
+    level: float = LEVEL,
+    second: tuple[Run, Predicted | None] | None = None,
+) -> Solved:
+    """Return what was found in the problem that a run is; see `diagnose_readings`.
+
+    ``groups`` are the axes of each RP by its name; ``second`` is a run that is held out, with its
+    prediction.
+    """
+    rng = np.random.default_rng(seed)
     terms, stages = find(problem, rng, level=level)
     fitted = fit(terms, problem.residual.values, problem.rows, len(run))
-    second = _second(held_out, held_out_predicted, problem.residual)
     if second is None:
         unseen = _cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, catalogue, problem.residual.conditions, second)
-    courses = _courses(run, predicted or {}, problem.residual, fitted)
-    measured, before, after, removed = (repeatabilities(course) for course in courses)
+        there = _second(*second, problem.residual)
+        unseen = on_second_run(fitted, problem.effects, problem.residual.conditions, there)
+    courses = courses_of_axes(run, predicted or {}, problem.residual, fitted)
+    measured, before, after, removed = (repeatabilities(course, groups) for course in courses)
     drawn = scatter_draws(problem.residual, fitted, rng)
-    groups = _groups(run, predicted or {}, problem.residual)
-    next_test = foretold(problem, fitted, catalogue, groups, drawn, rng)
+    standing = standing_of(run, predicted or {}, problem.residual, groups)
+    next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
     other: UnseenRP | None
-    if held_out is None:
-        here = (run, predicted)
-        other = of_other_half(problem, stages, len(terms), catalogue, groups, here, rng)
+    if second is None:
+        other = of_other_half(problem, stages, len(terms), groups, standing, (run, predicted), rng)
     else:
-        there = (held_out.unwrapped(), held_out_predicted)
-        other = of_second_run(problem, fitted, catalogue, groups, there, rng)
-    found = _diagnosis(
+        other = of_second_run(problem, fitted, groups, standing, second, rng)
+    diagnosis = _diagnosis(
         problem,
         fitted,
         stages,
         unseen,
         courses[:3],
         Repeatabilities(measured, before, after, removed, next_test, other),
-        found_effects(problem, fitted, stages, catalogue),
+        found_effects(problem, fitted, stages, problem.effects),
         _named(problem.residual, np.quantile(drawn, 0.5, axis=0)),
     )
-    if found.verdict is not Verdict.UNEXPLAINED:
-        return found
-    return replace(found, courses=tuple(courses_of(problem.residual, fitted, rng)))
-
-
-def _groups(
-    run: Run, predicted: Predicted, residual: Residual
-) -> dict[str, tuple[tuple[int, float], ...]]:
-    """Return, for each RP, the axes of the search that stand for its own, and their slopes."""
-    model = {name: np.asarray(predicted.get(name, 0.0)) for name in run.axes}
-    stand = {
-        name: _searched(axis.readings - model[name], residual, name)
-        for name, axis in run.axes.items()
-    }
-    return {name: tuple(stand[axis] for axis in axes) for name, axes in groups_of(run.axes).items()}
+    if diagnosis.verdict is Verdict.UNEXPLAINED:
+        courses_left = tuple(courses_of(problem.residual, fitted, rng))
+        diagnosis = replace(diagnosis, courses=courses_left)
+    return Solved(diagnosis, fitted)
 
 
 def _diagnosis(
@@ -147,10 +164,7 @@ def _diagnosis(
     )
 
 
-def _second(run: Run | None, predicted: Predicted | None, first: Residual) -> Residual | None:
-    if run is None:
-        return None
-    run = run.unwrapped()
+def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:
     missing = [name for name in first.axes if name not in run.axes]
     if missing:
         raise DataError(
@@ -244,35 +258,3 @@ def _other_scatter(problem: SearchProblem, fitted: Fit) -> list[str]:
         for axis, scatter, stated in zip(problem.residual.axes, left, known, strict=True)
         if stated and not 1 / SAME_SCATTER < scatter / stated < SAME_SCATTER
     ]
-
-
-def _courses(
-    run: Run, predicted: Predicted, residual: Residual, fitted: Fit
-) -> tuple[dict[str, FloatArray], ...]:
-    """Return by axis: measured, predicted before and after, measured with effects removed."""
-    measured = {name: np.asarray(axis.readings) for name, axis in run.axes.items()}
-    before, after, removed = {}, {}, {}
-    for name, readings in measured.items():
-        model = np.asarray(predicted.get(name, np.zeros(len(run))), dtype=np.float64)
-        before[name] = model + (readings - model).mean()
-        after[name], removed[name] = before[name], readings
-        a, slope = _searched(readings - model, residual, name)
-        effect = slope * sum((part[:, a] for part in fitted.parts), np.zeros(len(run)))
-        after[name] = before[name] + effect - effect.mean()
-        if name in residual.axes:
-            after[name] = model + fitted.predicted[:, a]
-        removed[name] = readings - effect
-    return measured, before, after, removed
-
-
-def _searched(left: FloatArray, residual: Residual, name: str) -> tuple[int, float]:
-    """Return which axis of the search stands for this one, and its slope on it.
-
-    An axis that copies another has that one's effects; one that never moves has none (slope 0).
-    """
-    if name in residual.axes:
-        return residual.axes.index(name), 1.0
-    values = residual.values - residual.values.mean(axis=0)
-    slopes = (left - left.mean()) @ values / (values**2).sum(axis=0)
-    a = int(np.argmax(np.abs(slopes) * np.linalg.norm(values, axis=0)))
-    return a, float(slopes[a])

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-import numpy as np
-
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.display import Displayed, Plotted
+from scara_iso.display import Plotted
 from scara_iso.frames import make_frame
 from scara_iso.run import FloatArray, IntArray
 
@@ -20,6 +18,20 @@ if TYPE_CHECKING:
 
 ByAxis: TypeAlias = Mapping[str, float]
 """One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class AtJoint:
+    """The size of an effect in a joint, in the links (growth, of 1), or in an axis everywhere."""
+
+    value: float
+    """Its size."""
+    unit: str
+    """``rad``, ``1``, ``mm`` or ``deg``."""
+    standard_error: float
+    """Of the size."""
+    parameters: Mapping[str, float]
+    """All that the effect has one of for each axis, such as the phase."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -59,7 +71,15 @@ class Found:
     units: Mapping[str, str] = field(default_factory=dict)
     """Unit of each parameter; one that begins with ``reading`` is that of the axis."""
     poses: tuple[str, ...] = ()
-    """The poses at which it acts, of a test of several."""
+    """The poses at which it acts, of a test of several: by axis is then by pose and axis."""
+    place: str | None = None
+    """Where it acts, where that is sure: a joint, ``along the arm``, ``Z everywhere``, a pose."""
+    places: Mapping[str, float] = field(default_factory=dict)
+    """How likely each place is."""
+    joint_candidates: tuple[int, ...] = ()
+    """The joints that these poses cannot tell apart."""
+    at_joint: AtJoint | None = None
+    """Its size in its place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,64 +251,3 @@ class Diagnosis(Plotted):
         kinds = ("measured", "predicted_before", "predicted_after")
         columns = {f"{a}_{k}": getattr(series, k)[a] for a in series.measured for k in kinds}
         return make_frame({"cycle": series.cycle, **columns}, {"verdict": self.verdict.value})
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class DiagnosisOfPoses(Displayed):
-    """What was found at each pose of a test, against a constant, at one level for all."""
-
-    poses: Mapping[str, Diagnosis]
-    """By name."""
-    notes: tuple[str, ...] = ()
-    """How the tables were read, one line each."""
-
-    def __getitem__(self, at: int | str) -> Diagnosis:
-        """Return the diagnosis of a pose by its number or its name."""
-        if not isinstance(at, str):
-            return list(self.poses.values())[at]
-        if at not in self.poses:
-            raise KeyError(f"no pose {at!r}: there is {', '.join(self.poses)}")
-        return self.poses[at]
-
-    @property
-    def verdict(self) -> Verdict:
-        """Unexplained where any pose is, else explained where any is."""
-        found = {one.verdict for one in self.poses.values()}
-        ranked = (Verdict.UNEXPLAINED, Verdict.EXPLAINED, Verdict.NOTHING)
-        return next(verdict for verdict in ranked if verdict in found)
-
-    @property
-    def effects(self) -> tuple[Found, ...]:
-        """The effects of every pose, each with its pose."""
-        return tuple(
-            replace(one, poses=(pose,)) for pose, at in self.poses.items() for one in at.effects
-        )
-
-    @property
-    def p_value(self) -> float:
-        """Chance of structure as strong at any of the poses in scatter alone (Holm 1979)."""
-        return min(1.0, len(self.poses) * self._clearest.p_value)
-
-    @property
-    def p_value_at_floor(self) -> bool:
-        """Whether `p_value` is an upper bound, as of the pose that it is of."""
-        return self._clearest.p_value_at_floor
-
-    @property
-    def _clearest(self) -> Diagnosis:
-        return min(self.poses.values(), key=lambda one: one.p_value)
-
-    def __repr__(self) -> str:
-        said = ", ".join(f"{pose} {one.verdict.value}" for pose, one in self.poses.items())
-        return f"<DiagnosisOfPoses: {said}>"
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return the series of every pose below each other, as `Diagnosis.to_frame`, by pose."""
-        frames = [one.to_frame() for one in self.poses.values()]
-        counts = [len(frame) for frame in frames]
-        columns = {
-            str(name): np.concatenate([frame[name].to_numpy() for frame in frames])
-            for name in frames[0]
-        }
-        poses = np.repeat(np.array(list(self.poses)), counts)
-        return make_frame({"pose": poses, **columns}, {"verdict": self.verdict.value})

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.diagnosis.choice import Choice, choose, two_states
-from scara_iso.diagnosis.evidence import Views, log_bayes, views_of
-from scara_iso.diagnosis.fit import Term, spread_term, term_of
+from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
+from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
@@ -165,7 +165,7 @@ def _in_order(
     ordered = [member for member in left.members if member.ordered]
     calm = _drawn_in(left)
     emissions = [] if terms else _emissions(replace(problem.residual, values=calm), ordered)
-    views = views_of(calm, left.basis, problem.directions, problem.sigma)
+    views = problem.views_of(calm, left.basis)
     spreading = left.values[:, ~neighbours(problem.residual)]
     return left.set_of(ordered), views, emissions, spreading
 
@@ -276,6 +276,9 @@ def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remaind
     form = _refined(problem, name, choice.forms[name], left)
     if isinstance(form, Spread):
         return spread_term(name, form, left.values, left.rows)
+    if problem.poses is not None and isinstance(form, Shape):
+        data = (left.values, left.rows, left.basis)
+        return located_term(name, form, *data, problem.places, problem.poses.of)
     return term_of(name, form, left.values, left.rows, left.basis)
 
 
@@ -287,5 +290,10 @@ def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> 
     if not near:
         return form
     hypotheses = left.set_of([Hypothesis(name, one, 1.0) for one in near])
-    log_bf = log_bayes(hypotheses, left.views.columns[:, : left.views.axes])
-    return hypotheses.members[int(np.argmax(log_bf.sum(axis=1)))].form
+    if left.views.poses is not None:
+        log_bf = log_bayes(hypotheses, left.views.columns)
+        likely = joint_evidence(log_bf[:, :, np.newaxis], left.views)[:, 0]
+    else:
+        log_bf = log_bayes(hypotheses, left.views.columns[:, : left.views.axes])
+        likely = log_bf.sum(axis=1)
+    return hypotheses.members[int(np.argmax(likely))].form

@@ -127,6 +127,17 @@ SCATTER_POWERS = (0.0, 0.5, 1.0)
 """A scatter of reversals that is not known may grow with the deviation by any of these powers
 (gear.py, false alarms)."""
 
+PLACE_NAMED, PLACE_RIVAL = 0.6, 0.1
+"""Probability from which the place of an effect is named, and that which a joint or a single pose
+must not reach beside it. The right joint is less likely than it is right (joints.py)."""
+
+JOINTS_SHARE = 0.75
+"""Share of the joints among the directions of the test of all poses (joints.py)."""
+
+PLACES = {"joint": 0.5, "joints": 0.02, "arm": 0.06, "axis": 0.1, "pose": 0.27, "every": 0.05}
+"""Prior weight of the kinds of places: one of the joints, two, the links, an axis everywhere alike,
+one pose, anything else."""
+
 # the unknown (table *outside*)
 
 SMOOTH_WEIGHT, SMOOTH_LENGTHS, SMOOTH_VARIANCES = 0.4, (1.5, 3.0, 6.0, 12.0), (0.5, 2.0, 8.0)

@@ -14,25 +14,27 @@ from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import SECOND, UnseenRP
 from scara_iso.diagnosis.search import Stage, find_again
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES
-from scara_iso.effects import Effect
 from scara_iso.run import IntArray, Run
 
-Groups = Mapping[str, tuple[tuple[int, float], ...]]
+Groups = Mapping[str, tuple[str, ...]]
+"""The axes of each RP."""
+Standing = Mapping[str, tuple[tuple[int, float], ...]]
+"""The axes of the search that stand for those of each RP, and their slopes."""
 
 
 def of_second_run(
     problem: SearchProblem,
     fitted: Fit,
-    effects: Mapping[str, Effect],
     groups: Groups,
+    standing: Standing,
     second: tuple[Run, Predicted | None],
     rng: np.random.Generator,
 ) -> UnseenRP:
     """Return RP of another run of the same axes, of its model's prediction, and foretold of it."""
     run, predicted = second
     drawn = scatter_draws(problem.residual, fitted, rng)
-    told = foretold(problem, fitted, effects, groups, drawn, rng, cycles=len(run))
-    measured, before = _measured(run, predicted, np.arange(len(run)))
+    told = foretold(problem, fitted, problem.effects, standing, drawn, rng, cycles=len(run))
+    measured, before = _measured(run, predicted, np.arange(len(run)), groups)
     return UnseenRP(SECOND, len(run), measured, before, told)
 
 
@@ -40,8 +42,8 @@ def of_other_half(
     problem: SearchProblem,
     stages: Sequence[Stage],
     count: int,
-    effects: Mapping[str, Effect],
     groups: Groups,
+    standing: Standing,
     run: tuple[Run, Predicted | None],
     rng: np.random.Generator,
 ) -> UnseenRP | None:
@@ -59,15 +61,17 @@ def of_other_half(
     terms = find_again(problem, seen, count, with_chains=True, log_changes=changes, limits=limits)
     known = fit(terms, problem.residual.values[seen], seen, n)
     drawn = scatter_draws(problem.residual, known, rng, seen)
-    told = foretold(problem, known, effects, groups, drawn, rng, cycles=len(at), seen=seen, at=at)
-    return UnseenRP("every other cycle", len(at), *_measured(*run, at), told)
+    told = foretold(
+        problem, known, problem.effects, standing, drawn, rng, cycles=len(at), seen=seen, at=at
+    )
+    return UnseenRP("every other cycle", len(at), *_measured(*run, at, groups), told)
 
 
 def _measured(
-    run: Run, predicted: Predicted | None, rows: IntArray
+    run: Run, predicted: Predicted | None, rows: IntArray, groups: Groups
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Return RP of some rows as measured, and as the model predicts them."""
     read = {name: np.asarray(axis.readings)[rows] for name, axis in run.axes.items()}
     still = np.zeros(len(run))
     model = {name: np.asarray((predicted or {}).get(name, still))[rows] for name in read}
-    return repeatabilities(read), repeatabilities(model)
+    return repeatabilities(read, groups), repeatabilities(model, groups)

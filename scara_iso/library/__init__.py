@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         diagnose as diagnose,
         diagnose_each as diagnose_each,
         diagnose_many as diagnose_many,
+        held_out_pose as held_out_pose,
         one_test as one_test,
     )
     from scara_iso.library.models import (

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from scara_iso.diagnosis import (
     SEED,
@@ -15,9 +18,10 @@ from scara_iso.diagnosis import (
     DiagnosisOfPoses,
     close_the_loop,
     close_the_loop_at_poses,
+    with_joint_scatter,
 )
 from scara_iso.effects import OwnEffect
-from scara_iso.errors import ScaraIsoError
+from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, poses_in_cycles
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.engines import open_processes
@@ -45,18 +49,20 @@ def diagnose(
     all_count: bool = False,
     allow_gaps: bool = False,
     hold_out: Tables | None = None,
+    reach: bool = False,
     sigma: float | None = None,
     seed: int = SEED,
     own_effects: OwnEffects = (),
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
-    Several poses (a column, or several tables as in `analyze`) are each diagnosed against a
-    constant, at one level for all, and give a `DiagnosisOfPoses`; ``pose`` names one of them, which
-    a model, ``hold_out`` and ``sigma`` need. The other options are those of `analyze`, for both
-    tables, and so is the folder of a test. ``hold_out`` is a second table that measures the error
-    on unseen cycles. ``sigma`` is the known scatter in mm. ``own_effects`` are the user's, or the
-    file that defines them. Same arguments, same result.
+    Several poses (a column, or several tables as in `analyze`) are searched together and give a
+    `DiagnosisOfPoses`, with a model of the arm and ``[pose.P1]`` and so on traced to its joints,
+    effects and scatter alike; ``pose`` names one of them, which ``sigma`` needs. ``hold_out`` is a
+    second table that measures the error on unseen cycles, or of several poses the name of one that
+    takes no part; ``reach`` adds RP over the workspace. The other options are those of `analyze`,
+    for both tables, and so is the folder of a test. ``sigma`` is the known scatter in mm.
+    ``own_effects`` are the user's, or the file that defines them. Same arguments, same result.
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
@@ -66,19 +72,55 @@ def diagnose(
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     own = defined(own_effects)
     run = reading.read(table)
-    of_one = (pose, model, hold_out, sigma)
-    if len(list(run.rows_by_pose())) > 1 and all(option is None for option in of_one):
-        found = close_the_loop_at_poses(run, wanted, seed=seed, own=own)
-        return DiagnosisOfPoses(found, run.origin.notes if run.origin.files else ())
+    known = None if model is None else described(model, own)
+    unseen = held_out_pose(run, hold_out)
+    several = pose is None and sigma is None and len(list(run.rows_by_pose())) > 1
+    if several and (hold_out is None or unseen is not None):
+        return _of_poses(run, known, wanted, unseen=unseen, reach=reach, seed=seed, own=own)
+    if reach:
+        raise UsageError("the map is made of several poses", remedy="name a table of a test")
     return close_the_loop(
         run,
-        None if model is None else described(model, own),
+        known,
         wanted,
         hold_out=None if hold_out is None else reading.read(hold_out),
         sigma=sigma,
         seed=seed,
         own=own,
     )
+
+
+def held_out_pose(run: Run, hold_out: Tables | None) -> str | None:
+    """Return the pose of a run that ``hold_out`` names, None where it is a table."""
+    labels = [label for label, _ in run.rows_by_pose() if label is not None]
+    return hold_out if isinstance(hold_out, str) and hold_out in labels else None
+
+
+def _of_poses(
+    run: Run,
+    model: Model | None,
+    wanted: CyclesWanted,
+    *,
+    unseen: str | None,
+    reach: bool,
+    seed: int,
+    own: Sequence[OwnEffect],
+) -> DiagnosisOfPoses:
+    if model is None and (unseen is not None or reach):
+        raise UsageError(
+            "what other poses say of one takes the joints",
+            remedy="name a model that gives links and [pose.P1] joint_deg: `model=`",
+        )
+    seen = [rows for label, rows in run.rows_by_pose() if label != unseen]
+    if len(seen) <= 1:
+        raise UsageError("no two poses are left to fit", remedy="hold none of them out")
+    fitted = run.take(np.sort(np.concatenate(seen)))
+    found = close_the_loop_at_poses(fitted, model, wanted, seed=seed, own=own)
+    read = run.origin.notes if run.origin.files else ()
+    found = replace(found, notes=(*read, *found.notes))
+    if model is None:
+        return found
+    return with_joint_scatter(found, run, model, wanted, held_out=unseen, reach=reach)
 
 
 def diagnose_many(
@@ -174,8 +216,8 @@ def diagnose_analysis(
     if not labels:  # a drift test is its own course
         return {}
     try:
-        if len(labels) > 1:  # a model file describes one pose
-            found = close_the_loop_at_poses(analysis.run, wanted, seed=SEED, own=own)
+        if len(labels) > 1:
+            found = close_the_loop_at_poses(analysis.run, model, wanted, seed=SEED, own=own)
             return {label: found[str(label)] for label in labels}
         return {labels[0]: close_the_loop(analysis.run, model, wanted, seed=SEED, own=own)}
     except ScaraIsoError as error:

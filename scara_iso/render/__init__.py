@@ -46,6 +46,7 @@ if TYPE_CHECKING:
         save_figure as save_figure,
     )
     from scara_iso.render.progress import track as track
+    from scara_iso.render.reach_map import check_map as check_map, save_map as save_map
     from scara_iso.render.terminal import open_console as open_console, show as show
 else:
     __getattr__ = face(__name__)

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from scara_iso.render.json import Json, each, picked, plain, pose_json
+from scara_iso.render.json_joint_scatter import joint_scatter_json
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import (
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
 _RIVAL = "effect probability"
 _CHANCE = "p_value p_value_at_floor"
 _COURSES = "measured predicted_before predicted_after"
+_LEAST_PLACE = 0.001
+_JOINTS: dict[str, int | str] = {
+    "joint 1": 1, "joint 2": 2, "joint 4": 4, "along the arm": "along the arm",
+}  # fmt: skip
 _CROSSING = "load_deviation_rad inertia_ratio deviation_mm"
 
 
@@ -40,13 +45,38 @@ def poses_diagnosis_json(found: DiagnosisOfPoses) -> Json:
     poses = [{"pose": pose, **_of_one_pose(one)} for pose, one in found.poses.items()]
     for pose in poses:
         del pose["effects"]  # they stand together, each with its poses
+    separation = found.separation
     return {
         "schema": "scara-iso/diagnose/2",
         "unit": "mm",
         **picked(found, f"verdict {_CHANCE}"),
-        "effects": [{**_found(one), "poses": list(one.poses)} for one in found.effects],
+        "effects": [_found_at_poses(one) for one in found.effects],
+        "candidates": each(found.candidates, _RIVAL),
+        "error": _errors(found),
+        "joints_apart": separation and picked(separation, "angle_deg observability_index"),
         "poses": poses,
+        **({} if found.joint_scatter is None else joint_scatter_json(found.joint_scatter)),
         "notes": list(found.notes),
+    }
+
+
+def _found_at_poses(found: Found) -> Json:
+    at = found.at_joint
+    half = 0.0 if at is None else 2 * at.standard_error
+    size = at and {**picked(at, "value unit"), "interval": [at.value - half, at.value + half]}
+    return {
+        **_found(found),
+        "joint": _JOINTS.get(found.joint or ""),
+        **picked(found, "direction=place poses joint_candidates"),
+        "size_at_joint": size,
+        "places": {name: p for name, p in found.places.items() if p >= _LEAST_PLACE},
+    }
+
+
+def _errors(found: Diagnosis | DiagnosisOfPoses) -> Json:
+    return {
+        "before": picked(found.error_before, "rms held_out_rms"),
+        "after": picked(found.error_after, "rms held_out_rms"),
     }
 
 
@@ -57,10 +87,7 @@ def _of_one_pose(diagnosis: Diagnosis) -> Json:
         "effects": [_found(found) for found in diagnosis.effects],
         "candidates": each(diagnosis.candidates, _RIVAL),
         "courses": each(diagnosis.courses, "axis words formula held_out_rms p_value"),
-        "error": {
-            "before": picked(diagnosis.error_before, "rms held_out_rms"),
-            "after": picked(diagnosis.error_after, "rms held_out_rms"),
-        },
+        "error": _errors(diagnosis),
         "repeatability": {
             **picked(RP, "measured model_before model_after with_effect_removed"),
             "completed": _foretold(RP.completed),

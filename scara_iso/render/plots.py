@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from scara_iso.diagnosis import Diagnosis
+    from scara_iso.diagnosis import Diagnosis, ReachMap
 
+_LABEL = 20
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 
 
@@ -63,6 +64,29 @@ def plot_diagnosis(diagnosis: Diagnosis) -> Figure:
         rows[-1][column].legend(
             loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3, fontsize=8, frameon=False
         )
+    return figure
+
+
+def plot_reach(reach: ReachMap) -> Figure:
+    """Return predicted RP over the reach, the measured poses, and the best and the worst place."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+
+    figure = Figure(figsize=(6.4, 5.2), layout="constrained")
+    axes = figure.subplots()
+    shown = axes.pcolormesh(reach.x, reach.y, reach.RP, cmap="cividis", rasterized=True)
+    figure.colorbar(shown, ax=axes, label="RP in XY, 30 cycles [mm]")
+    marks = (("best", reach.best, "v"), ("worst", reach.worst, "^"))
+    for name, (x, y, value), mark in marks:
+        label = f"{name} {value:.3g} mm"
+        axes.plot(x, y, mark, mfc="white", mec=ARM, ms=8, ls="none", label=label)
+    for pose, (x, y) in reach.poses.items():
+        axes.plot(x, y, "o", color=PLANE, mec=ARM, ms=5)
+        axes.annotate(
+            pose[:_LABEL], (x, y), xytext=(4, 4), textcoords="offset points", fontsize=8,
+            parse_math=False,
+        )  # fmt: skip
+    axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]", title="predicted repeatability")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2, frameon=False)
     return figure
 
 

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from scara_iso.reporting.brief_comparison import comparison_brief as comparison_brief
     from scara_iso.reporting.brief_diagnosis import (
         diagnosis_brief as diagnosis_brief,
-        poses_brief as poses_brief,
     )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
     from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
@@ -49,7 +48,6 @@ if TYPE_CHECKING:
     from scara_iso.reporting.diagnosis import (
         Failure as Failure,
         diagnosis_report as diagnosis_report,
-        poses_report as poses_report,
         summary_report as summary_report,
     )
     from scara_iso.reporting.digits import U_of_scatter as U_of_scatter, rounded as rounded
@@ -99,6 +97,10 @@ if TYPE_CHECKING:
         ports_report as ports_report,
         probe_json as probe_json,
         probe_report as probe_report,
+    )
+    from scara_iso.reporting.poses_diagnosis import (
+        poses_brief as poses_brief,
+        poses_report as poses_report,
     )
     from scara_iso.reporting.provenance import (
         InputFile as InputFile,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from scara_iso.diagnosis import UNKNOWN, Diagnosis, DiagnosisOfPoses, Found, Verdict
+from scara_iso.diagnosis import UNKNOWN, Diagnosis, Found, Verdict
 from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import (
     Block,
@@ -15,7 +15,6 @@ from scara_iso.reporting.blocks import (
     Report,
     Section,
     Strip,
-    Table,
     Text,
 )
 from scara_iso.reporting.brief import digits_of, first_three
@@ -38,44 +37,11 @@ Again = Callable[..., str]
 def diagnosis_brief(diagnosis: Diagnosis, again: Again) -> Report:
     """Return a diagnosis in ten to twenty lines; ``again`` names its table."""
     lines = [_answer(diagnosis), *_sizes_said(diagnosis), _repeatability(diagnosis)]
-    head = first_three([*lines, *_why(diagnosis), *_doubts(diagnosis)], _next(diagnosis, again))
+    head = first_three([*lines, *_why(diagnosis), *doubts(diagnosis)], _next(diagnosis, again))
     return (
         Section("", head),
         Section("", tuple(_courses(diagnosis))),
         Section("", tuple(_behind(diagnosis))),
-    )
-
-
-def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
-    """Return a line for each pose, the doubts of those where something was found, what next."""
-    grave = (Verdict.UNEXPLAINED, Verdict.EXPLAINED, Verdict.NOTHING)
-    worst = min(found.poses, key=lambda pose: grave.index(found.poses[pose].verdict))
-    rows = tuple(
-        (pose, words(one.verdict.value), "; ".join(map(sureness, one.effects)))
-        for pose, one in found.poses.items()
-    )
-    verdicts = [one.verdict for one in found.poses.values()]
-    counts = ", ".join(f"{verdicts.count(v)} {words(v.value)}" for v in dict.fromkeys(verdicts))
-    structured = found.poses[worst].verdict is not Verdict.NOTHING
-    following = (
-        NextStep(f"scara-iso diagnose {again(pose=worst)}", "the gravest alone")
-        if structured
-        else NextStep(f"scara-iso report {again()}", "the report to sign")
-    )
-    head: list[Block] = [
-        Text(f"{len(verdicts)} poses: {counts}", "strong"),
-        *(Headline((f"{worst}: {first}", *others), "plain")
-          for one in found.poses[worst].effects[:1] for first, *others in [_sizes(one)]),
-    ]  # fmt: skip
-    doubts = [
-        Text(f"! {pose} {said.text.removeprefix('! ')}", said.tone)
-        for pose, one in found.poses.items() for said in _doubts(one)
-    ]  # fmt: skip
-    notes = [Text(note, "quiet") for note in (*found.notes, "errors, shares, courses: `full=`")]
-    return (
-        Section("", first_three(head, following) if len(head) > 1 else (*head, following)),
-        Section("", (Table(("pose", "", "what moves the readings"), rows),)),
-        Section("", (*doubts, *notes)),
     )
 
 
@@ -169,8 +135,9 @@ def _why(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Text(f"An effect that is too small for {cycles} cycles would not show.")
 
 
-def _doubts(diagnosis: Diagnosis) -> Iterator[Text]:
-    for found in diagnosis.effects:
+def doubts(diagnosis: Diagnosis, *, effects: bool = True) -> Iterator[Text]:
+    """Yield what speaks against the effects, and the readings to look at."""
+    for found in diagnosis.effects if effects else ():
         yield from (Text(f"! {line}", "warn") for line in found.unidentified)
     for flag in diagnosis.flags:
         yield Text(

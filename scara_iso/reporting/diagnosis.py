@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from scara_iso.diagnosis import (
     SECOND,
     Diagnosis,
-    DiagnosisOfPoses,
     Found,
     Rival,
     Verdict,
@@ -53,32 +52,14 @@ def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
     return (*sections, *((Section("notes", notices),) if notices else ()))
 
 
-def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
-    """Return the report on several poses: a row for each, and the effects behind."""
-    rows = tuple(_summary(pose, one) for pose, one in found.poses.items())
-    head: tuple[Block, ...] = (
-        Text(f"diagnosis of {title}", "strong"),
-        *(Text(note, "quiet") for note in found.notes),
-        Text(_of_all(found), "strong"),
-        Table(("pose", "verdict", "effects", "p"), rows, "each pose against a constant"),
-    )
-    behind = (part for pose, one in found.poses.items() for part in _of_pose(f"pose {pose}", one))
-    return (Section("", head), *behind)
-
-
-def _of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
+def of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
+    """Yield what was found at one of several poses, nothing where that is nothing."""
     for found in one.effects:
         yield Section(f"{name}: {words(found.effect)}", tuple(_effect(found)))
     if one.effects:
         yield Section(f"{name}: error and repeatability", tuple(_figures(one)))
     if notices := tuple(_notices(one)):
         yield Section(f"{name}: notes", notices)
-
-
-def _of_all(found: DiagnosisOfPoses) -> str:
-    verdicts = [one.verdict.value for one in found.poses.values()]
-    counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
-    return f"{len(verdicts)} poses: {counts}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,9 +132,11 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
             yield from map(Text, courses_said(diagnosis))
 
 
-def sureness(found: Found) -> str:
+def sureness(found: Found, *, on_axes: bool = True) -> str:
     """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
-    where = f" on {', '.join(found.axes)}" if found.axes else ""
+    where = f" on {', '.join(found.axes)}" if found.axes and on_axes else ""
+    if on_axes and found.joint is not None and found.place is not None:
+        where += f", {found.place}"
     if found.probability >= _SURE or not found.rivals:
         return f"{words(found.effect)}{where} ({found.probability:.0%})"
     others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals
@@ -172,7 +155,7 @@ def _effect(found: Found) -> Iterator[Block]:
         + (f"; not excluded: {rivals_said(found.rivals)}" if found.rivals else "")
     )
     yield Text(parameters_said(found))
-    if found.joint is not None:
+    if found.joint is not None and found.joint in found.angles:
         angle = found.angles[found.joint]
         yield Text(f"moves along {found.joint.removeprefix('along ')}, within {angle:.0f} degrees")
     elif found.angles:

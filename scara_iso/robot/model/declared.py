@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from scara_iso.effects import Effect, GearEffect, Parameter, find_effects, find_gear_effects
+from scara_iso.robot.model.at_joint import ARM_PLACES
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator
 from scara_iso.toml_keys import KeyFaults, is_number, only
 
@@ -71,9 +72,12 @@ def _check(
         faults.add(key, "missing")
         return
     by_axis = value if isinstance(value, dict) else {}
+    places = [name for name in by_axis if name in ARM_PLACES]
     for axis in by_axis:
-        if axis not in indicators:
+        if axis not in indicators and axis not in places:
             faults.add(f"{key}.{axis}", f"no indicator {axis}")
+    if places and len(places) < len(by_axis):
+        faults.add(key, f"give it for axes, or for {', '.join(ARM_PLACES)}")
     if not by_axis and parameter.per_axis:
         faults.add(key, "give a value for each axis it acts on, such as { X = 0.03 }")
         return

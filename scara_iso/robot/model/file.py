@@ -12,10 +12,11 @@ from scara_iso.effects import OwnEffect
 from scara_iso.errors import DataError, Fault, UsageError
 from scara_iso.files import read_file, read_toml
 from scara_iso.quantities import Dimension
-from scara_iso.robot.arm import Arm, Elbow
+from scara_iso.robot.arm import Arm
 from scara_iso.robot.model.declared import declared_effects
 from scara_iso.robot.model.own import all_own
 from scara_iso.robot.model.parts import DeclaredEffect, Gearbox, Indicator, Model, Rated
+from scara_iso.robot.model.poses import poses_of
 from scara_iso.run import AXES
 from scara_iso.toml_keys import KeyFaults, number_at, only, pair, section
 
@@ -44,12 +45,14 @@ def read_model(path: str | Path, own: Sequence[OwnEffect] = ()) -> Model:
     indicators = dict(_indicators(section(document, "indicator", faults), faults))
     gears = dict(_gearboxes(section(document, "gearbox", faults), faults))
     arm = _arm(robot, faults)
+    joints_deg, poses = poses_of(section(document, "pose", faults), arm, faults)
     defined = all_own(document.get("definition", []), own, faults)
     model = Model(
         robot=str(robot.get("name", "")),
         indicators=indicators,
         arm=arm,
-        joints_deg=_pose(section(document, "pose", faults), arm, faults),
+        joints_deg=joints_deg,
+        poses=poses,
         gearboxes=gears,
         effects=tuple(
             declared_effects(document.get("effect", []), indicators, gears, defined, faults)
@@ -161,36 +164,6 @@ def _arm(robot: Mapping[str, Any], faults: KeyFaults) -> Arm | None:
         return None
     arm: Arm | None = _checked(lambda: Arm(**given), "robot", faults)
     return arm
-
-
-def _pose(
-    pose: Mapping[str, Any], arm: Arm | None, faults: KeyFaults
-) -> tuple[float, float] | None:
-    only(pose, {"joint_deg", "x_mm", "y_mm", "elbow"}, "pose", faults)
-    if pose.get("elbow", "right") not in ("left", "right"):
-        faults.add("pose.elbow", f"{repr(pose['elbow'])[:40]}: right or left")
-    if "joint_deg" in pose:
-        if len(pose) > 1:
-            faults.add("pose", "give either joint_deg, or x_mm and y_mm")
-        return _within(pair(pose, "joint_deg", "pose", faults), arm, faults)
-    x, y = (number_at(pose, key, "pose", faults) for key in ("x_mm", "y_mm"))
-    if x is None or y is None:
-        if pose:
-            faults.add("pose", "give joint_deg, or x_mm and y_mm")
-        return None
-    if arm is None:
-        faults.add("pose", "x_mm and y_mm need the link lengths of robot")
-        return None
-    elbow = Elbow.LEFT if pose.get("elbow") == "left" else Elbow.RIGHT
-    joints = _checked(lambda: arm.inverse([x, y], elbow=elbow), "pose", faults)
-    return None if joints is None else (float(joints[0]), float(joints[1]))
-
-
-def _within(joints: tuple[float, float], arm: Arm | None, faults: KeyFaults) -> tuple[float, float]:
-    for k, over in enumerate([] if arm is None else arm.excess(joints).tolist(), 1):
-        if over > 0:
-            faults.add("pose.joint_deg", f"joint {k} is {over:g} deg outside its limits")
-    return joints
 
 
 def _gearboxes(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[int, Gearbox]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from scara_iso.effects import OwnEffect
 from scara_iso.quantities import Dimension
@@ -90,13 +90,13 @@ class DeclaredEffect:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """A robot at one pose, seen by indicators, with the effects that are known."""
+    """A robot at its poses, seen by indicators, with the effects that are known."""
 
     robot: str
     indicators: Mapping[str, Indicator]
     arm: Arm | None = None
     joints_deg: tuple[float, float] | None = None
-    """Joints 1 and 2 at the pose; None where the pose is not given."""
+    """Joints 1 and 2 at the pose of a table of one; None where it is not given."""
     gearboxes: Mapping[int, Gearbox] = field(default_factory=dict)
     """By the number of the joint."""
     effects: tuple[DeclaredEffect, ...] = ()
@@ -106,3 +106,14 @@ class Model:
     """As the file states it."""
     own: tuple[OwnEffect, ...] = ()
     """Effects of a user's own, which stand in the file or beside it."""
+    poses: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Joints 1 and 2 at each named pose of a test."""
+
+    def at(self, pose: str | None) -> Model:
+        """Return the model at a named pose; it stays as it is where it names none.
+
+        At one that is not among those it names, its joints are not known.
+        """
+        if pose is None or not self.poses:
+            return self
+        return replace(self, joints_deg=self.poses.get(pose))

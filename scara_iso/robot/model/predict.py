@@ -18,6 +18,7 @@ from scara_iso.effects import (
 from scara_iso.errors import UsageError
 from scara_iso.origin import Origin
 from scara_iso.robot.arm import project
+from scara_iso.robot.model.at_joint import on_dials
 from scara_iso.robot.model.parts import DeclaredEffect, Model
 from scara_iso.run import Axis, FloatArray, Run
 
@@ -43,10 +44,11 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
             readings += _reversal(model, procedure, name)
         for declared in model.effects:
             effect = known.get(declared.name)
-            if effect is None or name not in declared.axes:
+            if effect is None:
                 continue
-            if not is_random(effect, declared, name):
-                readings += course(effect, declared, procedure, name)
+            acting = on_dials(declared, effect, model)
+            if name in acting.axes and not is_random(effect, acting, name):
+                readings += course(effect, acting, procedure, name)
         axes[name] = Axis(
             name, readings, indicator.dimension, indicator.resolution, indicator.uncertainty
         )

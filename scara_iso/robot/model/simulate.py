@@ -9,6 +9,7 @@ import numpy as np
 
 from scara_iso.effects import Conditions, Effect, find_effects
 from scara_iso.errors import UsageError
+from scara_iso.robot.model.at_joint import on_dials
 from scara_iso.robot.model.parts import DeclaredEffect, Indicator, Model
 from scara_iso.robot.model.predict import course, is_random, predict
 from scara_iso.run import FloatArray, Run
@@ -57,7 +58,7 @@ def _random(model: Model, known: Mapping[str, Effect]) -> Iterator[tuple[Effect,
     for declared in model.effects:
         effect = known.get(declared.name)
         if effect is not None and is_random(effect, declared, declared.axes[0]):
-            yield effect, declared
+            yield effect, on_dials(declared, effect, model)
 
 
 def _courses(

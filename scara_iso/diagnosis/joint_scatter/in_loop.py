@@ -1,0 +1,60 @@
+"""A test's diagnosis with its scatter traced to the joints: what the command and library call."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from scara_iso.diagnosis.closed_loop import CyclesWanted
+from scara_iso.diagnosis.joint_scatter.from_run import Left, joint_scatter
+from scara_iso.diagnosis.joint_scatter.poses import PLANE
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
+from scara_iso.diagnosis.saving import declared_in_arm
+from scara_iso.effects import Conditions
+from scara_iso.errors import UsageError
+from scara_iso.robot import Model, predict
+from scara_iso.run import Run
+
+
+def with_joint_scatter(
+    found: DiagnosisOfPoses,
+    run: Run,
+    model: Model,
+    wanted: CyclesWanted,
+    *,
+    held_out: str | None = None,
+    reach: bool = False,
+) -> DiagnosisOfPoses:
+    """Return a test's diagnosis with its scatter traced to the joints, or a note why it is not.
+
+    ``run`` holds all poses, ``held_out`` names one that ``found`` has not seen. Raises as
+    `joint_scatter` where that pose, or the map (``reach``), was asked for and cannot be given.
+    """
+    run = run.unwrapped()
+    used = run.take(np.concatenate(wanted.used(run).rows))
+    in_arm = [declared_in_arm(one) for one in found.effects]
+    known = replace(model, effects=(*model.effects, *(one for one in in_arm if one is not None)))
+    unseen = {
+        str(label): _read_and_left(used.take(rows), known.at(used.arrival_at(label)[0]))
+        for label, rows in used.rows_by_pose()
+        if label == held_out
+    }
+    try:
+        traced = joint_scatter(used, model, found.poses, held_out=unseen, reach=reach)
+    except UsageError as error:
+        if held_out is not None or reach:
+            raise
+        said = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
+        return replace(found, notes=(*found.notes, said))
+    return replace(found, joint_scatter=traced, notes=(*found.notes, *traced.notes))
+
+
+def _read_and_left(run: Run, model: Model) -> Left:
+    """Return X and Y at a pose, as far as they are there, and what the model leaves of them."""
+    axes = [axis for axis in PLANE if axis in run.axes] or list(run.axes)
+    expected = predict(model, Conditions(run.cycle, run.covariates)).axes
+    read = np.stack([run.axes[axis].readings for axis in axes], axis=1)
+    still = np.zeros(len(run))
+    moved = [expected[axis].readings if axis in expected else still for axis in axes]
+    return read, read - np.stack(moved, axis=1)

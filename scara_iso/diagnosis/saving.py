@@ -1,0 +1,102 @@
+"""What was found as effects that a model declares, and the model file that holds them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
+from scara_iso.diagnosis.result import Diagnosis, Found
+from scara_iso.effects import Effect, OwnEffect, find_effects
+from scara_iso.robot import DeclaredEffect, declare, is_random, read_model
+
+
+def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
+    """Return what was found as effects that a model declares.
+
+    Effects on the gear take the place of the reversal that they account for, unless the load
+    rests where the model cannot put it.
+    """
+    reversals = diagnosis.reversals
+    gear = reversals.gear if reversals is not None and not reversals.mirrored else None
+    on_gear = [] if gear is None else [
+        DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
+    ]  # fmt: skip
+    recorded = {effect.name for effect in find_effects() if effect.by_flank and effect.needs}
+    gone = set() if reversals is None else recorded | {*reversals.accounts_for}
+    kept = [f for f in diagnosis.effects if not (on_gear and f.effect in gone)]
+    return (*(declared(found) for found in kept), *on_gear)
+
+
+def declared(found: Found) -> DeclaredEffect:
+    """Return a found effect as one that a model declares."""
+    return DeclaredEffect(found.effect, {**found.parameters, **found.left_open})
+
+
+def declared_in_arm(found: Found) -> DeclaredEffect | None:
+    """Return an effect of all poses as one that a model declares: in its joint, or in an axis.
+
+    None where it is sure of neither: a model knows no effect of one pose alone.
+    """
+    at, place = found.at_joint, found.place or ""
+    if at is None:
+        return None
+    axis = "theta" if place == "joint 4" else place.removesuffix(" everywhere")
+    shape = {k: v for k, v in found.parameters.items() if k not in at.parameters}
+    sizes = {name: {axis: value} for name, value in at.parameters.items()}
+    return DeclaredEffect(found.effect, {**shape, **sizes})
+
+
+def save_model(
+    diagnosis: Diagnosis | DiagnosisOfPoses, model: str, to: Path, own: Sequence[OwnEffect] = ()
+) -> tuple[str, ...]:
+    """Write ``model`` with what was found to ``to``; return what of it was declared.
+
+    An effect that does not recur is left out, and one of single poses; ``own`` are the user's
+    effects beside the model's. Raises as `declare`.
+    """
+    described = read_model(model, own)
+    known = {effect.name: effect for effect in find_effects(described.own)}
+    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
+    alone: tuple[Found, ...] = ()
+    if isinstance(diagnosis, Diagnosis):
+        effects = declarations(replace(diagnosis, effects=recurring))
+    else:
+        in_arm = {found: declared_in_arm(found) for found in recurring}
+        effects = tuple(one for one in in_arm.values() if one is not None)
+        alone = tuple(found for found, one in in_arm.items() if one is None)
+    dials = described.indicators
+    scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
+    declare(model, effects, to, scatter, described.own)
+    said = [
+        f"{to} does not hold the {found.effect} at {', '.join(found.poses)}: a model knows effects "
+        "of a joint or of a dial, not of single poses"
+        for found in alone
+    ]
+    said += [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
+    said += [
+        f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
+        for found in diagnosis.effects
+        if found not in recurring
+    ]
+    said = said or [f"{to} holds the model's effects as they were: none was found to declare"]
+    sizes = ", ".join(f"{axis} {value:g}" for axis, value in scatter.items())
+    return (*said, f"{to} states the scatter: {sizes}") if scatter else tuple(said)
+
+
+def _expectation(one: DeclaredEffect, effect: Effect | None) -> str:
+    """Return what a model with the effect says of the next table; none is known on the gear."""
+    if effect is not None and is_random(effect, one, one.axes[0]):
+        return (
+            " for simulate only: chance draws it anew in every test, so no prediction moves and "
+            "the next table will show it again"
+        )
+    if "at_cycle" in one.parameters:
+        return (
+            f" at cycle {one.parameters['at_cycle']}, and expects it there in the next table: take "
+            "it out once its cause is cured"
+        )
+    if "phase" in one.parameters:
+        return " with the phase of this table: the next one must begin at the same phase"
+    return ": the next table is expected to show it"

@@ -1,0 +1,129 @@
+"""What is said of scatter traced to the joints, and of RP where nobody measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from scara_iso.diagnosis import (
+    JointCorrelation,
+    JointScatter,
+    PoseLeftOut,
+    PredictedRP,
+    ReachMap,
+    SourceOfScatter,
+)
+from scara_iso.reporting.blocks import Block, Cell, Number, Section, Table, Text
+from scara_iso.reporting.brief import figure_cells, figure_said
+
+_SAID = {"dial": "dial's own", "neither": "neither"}
+_MEANING = (
+    "standard deviations beside effects and rounding; dial's own: alike in X and Y at every pose; "
+    "neither: in one direction at single poses; variance: share of X and Y over the poses"
+)
+_MICRO = 1e6
+
+
+def scatter_sections(found: JointScatter | None, *, full: bool = False) -> tuple[Section, ...]:
+    """Return what scatters, RP at other poses, and how well the poses foretell each other."""
+    if found is None:
+        return ()
+    blocks: list[Block] = [_sources(found.sources)]
+    if found.together is not None:
+        blocks.append(_together(found.together))
+    if found.predicted_RP:
+        rows = tuple(_predicted(pose, one) for pose, one in found.predicted_RP.items())
+        note = "XY, mm; the interval holds what 30 cycles there would measure, 19 times of 20"
+        blocks.append(Table(("RP where nobody measured", "", "95 % interval"), rows, note))
+    blocks += [_held_out(pose, one) for pose, one in found.held_out.items()]
+    if found.left_out and full:
+        blocks.append(_left_out(found.left_out))
+    blocks += _checked(found)
+    blocks += [] if found.reach is None else [_extremes(found.reach)]
+    return (Section("scatter, traced to the joints" if full else "", tuple(blocks)),)
+
+
+def _sources(sources: Mapping[str, SourceOfScatter]) -> Table:
+    rows = tuple(_source(_SAID.get(name, name), one) for name, one in sources.items())
+    return Table(("scatter of", "", "95 % interval", "", "variance"), rows, _MEANING)
+
+
+def _source(name: str, one: SourceOfScatter) -> tuple[Cell, ...]:
+    joint = one.unit == "rad"
+    scale, unit = (_MICRO, "µrad") if joint else (1.0, one.unit)
+    value, between = figure_cells(one.value * scale, (one.low * scale, one.high * scale))
+    share = "" if one.share is None else Number(one.share, ".0%")
+    return (name, value, between, unit, share)
+
+
+def _together(found: JointCorrelation) -> Text:
+    return Text(
+        f"The joints scatter together: correlation {found.value:+.2f} [{found.low:+.2f}, "
+        f"{found.high:+.2f}], p = {found.p_value:.2g}; one cause moves both, such as the supply, "
+        "the controller or the base",
+        "warn",
+    )
+
+
+def _predicted(pose: str, one: PredictedRP) -> tuple[Cell, ...]:
+    return (pose, *figure_cells(one.value, (one.low, one.high)))
+
+
+def _held_out(pose: str, one: PoseLeftOut) -> Text:
+    predicted = one.predicted
+    ends = (predicted.low, predicted.high)
+    said = figure_said(f"{pose} held out: RP", predicted.value, ends, "mm predicted")
+    measured, left = (figure_cells(value, ends)[0] for value in (one.measured, one.effects_removed))
+    error = "" if one.error is None else f" ({one.error:+.0%})"
+    where = "inside" if one.inside else "OUTSIDE"
+    moved = one.measured != one.effects_removed
+    without = f", {left} without the effects found" if moved else ""
+    brought = _brought(one) if moved else ""
+    return Text(
+        f"{said}, {measured} measured{without}{error}: {where} the interval{brought}",
+        "good" if one.inside else "warn",
+    )
+
+
+def _brought(one: PoseLeftOut) -> str:
+    """Return what the effects of the joints, found elsewhere, bring at a pose held out."""
+    changed = ", ".join(
+        f"{axis} {before:.2g} to {one.rms_after[axis]:.2g}"
+        for axis, before in one.rms_before.items()
+    )
+    return f"; error there with the effects of the other poses, rms: {changed} mm"
+
+
+def _left_out(poses: Mapping[str, PoseLeftOut]) -> Table:
+    rows = tuple(
+        (
+            pose,
+            figure_cells(one.effects_removed, (one.predicted.low, one.predicted.high))[0],
+            *figure_cells(one.predicted.value, (one.predicted.low, one.predicted.high)),
+            "" if one.error is None else Number(one.error, "+.0%"),
+        )
+        for pose, one in poses.items()
+    )
+    header = ("left out by turns", "RP", "predicted", "95 % interval", "error")
+    return Table(
+        header, rows, "each from all the other poses; RP in XY without the effects found, mm"
+    )
+
+
+def _checked(found: JointScatter) -> Iterator[Text]:
+    rms = found.left_out_rms
+    if rms is not None:
+        outside = [pose for pose, one in found.left_out.items() if not one.inside]
+        missed = f"; outside its interval: {', '.join(outside)}" if outside else ""
+        yield Text(
+            f"Each pose left out by turns: the others foretell its RP within {rms:.0%} rms; "
+            f"chance alone makes {found.left_out_chance:.0%}{missed}",
+            "warn" if outside else "plain",
+        )
+
+
+def _extremes(reach: ReachMap) -> Text:
+    (x, y, least), (u, v, most) = reach.best, reach.worst
+    return Text(
+        f"RP over the reach: {least:.3g} mm at best, such as {round(x)} mm along x and {round(y)} "
+        f"along y; {most:.3g} mm at worst, such as {round(u)} and {round(v)}"
+    )

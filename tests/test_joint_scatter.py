@@ -1,0 +1,298 @@
+"""Scatter of several poses traced to joints and dial, and RP where nobody measured."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from scipy.optimize import minimize
+
+import scara_iso
+from scara_iso.cli import main
+from scara_iso.diagnosis.joint_scatter import ScatterAtPose, trace_poses, trace_to_joints
+from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances, deviance, fit_variances
+from scara_iso.diagnosis.joint_scatter.gaussian_rp import gaussian_rp
+from scara_iso.diagnosis.joint_scatter.reach import reach_map
+from scara_iso.diagnosis.joint_scatter.tracing import patterns_of, rounding_of, source_intervals
+from scara_iso.errors import UsageError
+from scara_iso.robot import Arm
+
+LINKS = 250.0, 200.0
+ARM = Arm(*LINKS)
+POSES = {"P1": (-40.0, 60.0), "P2": (-10.0, 100.0), "P3": (20.0, 40.0), "P4": (45.0, 90.0)}
+TRUE = np.array([10e-6, 15e-6, 1.5e-3])
+DIVISION = (0.001, 0.001)
+
+
+def tool(q):
+    a, b = math.radians(q[0]), math.radians(q[0] + q[1])
+    return np.array([LINKS[0] * math.cos(a) + LINKS[1] * math.cos(b),
+                     LINKS[0] * math.sin(a) + LINKS[1] * math.sin(b)])  # fmt: skip
+
+
+def readings(rng, q, n=30, true=TRUE, division=0.001):
+    """Return what dials show of n arrivals (n, 2): forward kinematics of scattered joints."""
+    joints = np.array(q) + np.degrees(rng.normal(size=(n, 2)) * true[:2])
+    moved = np.array([tool(one) for one in joints]) + rng.normal(size=(n, 2)) * true[2]
+    return np.round(moved / division) * division
+
+
+def measured(seed=0, poses=POSES, **how):
+    rng = np.random.default_rng(seed)
+    return {pose: at_pose(q, readings(rng, q, **how)) for pose, q in poses.items()}
+
+
+def at_pose(joints, left):
+    return ScatterAtPose(joints, left, left)
+
+
+def traced(poses, **more):
+    given = {"elsewhere": {}, "held_out": {}} | more
+    return trace_to_joints(poses, ARM, DIVISION, **given)
+
+
+def covariances(variances, joints, freedom=29.0):
+    """Return those without chance; ``variances`` (4,), the last the joints' covariance."""
+    patterns = patterns_of(ARM, joints)
+    known = np.broadcast_to(rounding_of(np.array(DIVISION)), (len(joints), 2, 2))
+    observed = known + np.einsum("k,pkij->pij", variances, patterns)
+    return PoseCovariances(observed, np.full(len(joints), freedom), patterns, known)
+
+
+@pytest.mark.parametrize("n", [8, 30])
+@pytest.mark.parametrize("narrow", [1.0, 0.4, 0.0])
+def test_expected_rp_is_that_of_simulated_tests(n, narrow):
+    turn = np.array([[math.cos(1), -math.sin(1)], [math.sin(1), math.cos(1)]])
+    shape = turn @ np.diag([2.0, 2.0 * narrow])
+    drawn = shape @ np.random.default_rng(1).normal(size=(20_000, 2, n))
+    length = np.linalg.norm(drawn - drawn.mean(axis=-1, keepdims=True), axis=1)
+    RP = length.mean(axis=-1) + 3 * length.std(axis=-1, ddof=1)
+    value, error = gaussian_rp(shape @ shape.T, n)
+    assert value == pytest.approx(RP.mean(), rel=0.01)
+    assert error == pytest.approx(RP.std() / RP.mean(), rel=0.05)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    joints=st.lists(
+        st.tuples(st.floats(-120, 120), st.floats(20, 140)), min_size=3, max_size=6,
+        unique_by=lambda q: round(q[1] / 15),
+    ),
+    variances=st.tuples(*[st.sampled_from([0.0, 0.3, 1.0, 4.0])] * 3).filter(any),
+    rho=st.sampled_from([-0.7, 0.0, 0.5]),
+)  # fmt: skip
+def test_covariances_without_chance_give_back_what_they_were_made_of(joints, variances, rho):
+    first, second, dial = np.array(variances) * np.array([1e-10, 2e-10, 4e-6])
+    made = np.array([first, second, dial, rho * math.sqrt(first * second)])
+    found = fit_variances(covariances(made, joints))
+    assert found == pytest.approx(made, rel=1e-3, abs=1e-3 * max(first, second, dial / 1e5))
+
+
+def test_the_fit_is_the_likeliest_one():
+    given_ = trace_poses(measured(3), ARM, DIVISION).given
+    apart = np.array([np.nan, np.nan, np.nan, 0.0])
+
+    def minus(logs):
+        return float(deviance(given_, np.array([*TRUE**2 * np.exp(logs), 0.0])))
+
+    best = minimize(minus, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-6})
+    assert fit_variances(given_, apart)[:3] == pytest.approx(TRUE**2 * np.exp(best.x), rel=1e-3)
+
+
+def test_the_ends_of_an_interval_are_as_unlikely_as_chi_square_says():
+    fit = trace_poses(measured(3), ARM, DIVISION)
+    least = float(deviance(fit.given, fit.variances))
+    for end in (ends[1] for ends in source_intervals(fit)):
+
+        def at_the_end(logs, end=end):
+            others = TRUE[[0, 2]] ** 2 * np.exp(logs)
+            return float(deviance(fit.given, np.array([others[0], float(end) ** 2, others[1], 0])))
+
+        best = minimize(at_the_end, np.zeros(2), method="Nelder-Mead")
+        assert best.fun - least == pytest.approx(3.841 * fit.birge, rel=0.01)
+
+
+def test_scatter_is_traced_to_where_it_comes_from():
+    found = traced(measured(0))
+    for name, true in zip(("joint 1", "joint 2", "dial"), TRUE, strict=True):
+        source = found.sources[name]
+        assert source.low < true < source.high
+    assert found.sources["neither"].low == 0
+    assert found.sources["joint 1"].unit == "rad"
+    assert 0.8 < sum(one.share or 0 for one in found.sources.values()) < 1  # the rest is rounding
+
+
+def test_a_joint_that_does_not_scatter_gets_nothing_or_an_interval_from_nothing():
+    found = [traced(measured(seed, true=TRUE * [1, 0, 1])).sources["joint 2"] for seed in range(3)]
+    assert [one.low for one in found] == [0.0] * 3
+    assert 0.0 in [one.value for one in found]
+    assert all(one.high > one.value for one in found)
+
+
+def test_joints_that_scatter_together_are_seen_to_do_so():
+    rng = np.random.default_rng(2)
+    mixed = np.array([[1.0, 0.0], [-0.8, 0.6]]) * TRUE[:2, np.newaxis]
+    poses = {}
+    for pose, q in POSES.items():
+        moved = rng.normal(size=(30, 2)) @ mixed.T @ ARM.jacobian(q).T
+        poses[pose] = at_pose(q, moved + rng.normal(size=(30, 2)) * TRUE[2])
+    found = trace_to_joints(poses, ARM, (0.0, 0.0), elsewhere={}, held_out={})
+    assert found.together.low < -0.8 < found.together.high < -0.5
+    assert found.together.p_value < 0.001
+    assert sum(one.share or 0 for one in found.sources.values()) == pytest.approx(1)
+    for name, true in zip(("joint 1", "joint 2", "dial"), TRUE, strict=True):
+        assert found.sources[name].low < true < found.sources[name].high
+    assert traced(measured(0)).together is None
+
+
+def test_what_scatters_at_one_pose_only_is_neither_and_widens_the_intervals():
+    poses = measured(2)
+    plain = traced(poses, elsewhere={"P9": (0.0, 75.0)})
+    rng = np.random.default_rng(5)
+    loose = poses["P3"].left + rng.normal(size=(30, 1)) * [0.008, 0.008]
+    found = traced(poses | {"P3": at_pose(POSES["P3"], loose)}, elsewhere={"P9": (0.0, 75.0)})
+    assert found.misfit_p_value < 0.001 < plain.misfit_p_value
+    assert found.sources["neither"].low > 0.003
+    assert "something else scatters" in found.notes[0]
+    before, after = plain.predicted_RP["P9"], found.predicted_RP["P9"]
+    assert (after.high / after.low) > 1.5 * (before.high / before.low)
+
+
+def test_a_dial_of_half_the_scatter_in_divisions_is_too_coarse_and_says_so():
+    poses = measured(0, division=0.02)
+    found = trace_to_joints(poses, ARM, (0.02, 0.02), elsewhere={}, held_out={})
+    assert "rounding to the dial's division" in found.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("angle", "factor", "said"),
+    [(0.0, 1.0, "do not tell the scatter"), (90.0, 1.0, ""), (90.0, 0.0, "of the variance is")],
+)
+def test_poses_that_tell_little_give_finite_figures_and_say_so(angle, factor, said):
+    rng = np.random.default_rng(1)
+    poses = {}
+    for k, first in enumerate((0.0, 30.0, 60.0)):
+        left = np.round(rng.normal(size=(20, 2)) * 0.005, 3) * (1.0 if k else factor) * factor
+        poses[f"P{k}"] = at_pose((first, angle), left)
+    found = traced(poses, elsewhere={"P9": (0.0, 75.0)})
+    told = found.predicted_RP["P9"]
+    assert 0 < told.low < told.value < told.high < 1
+    assert all(0 <= one.low <= one.value <= one.high < 1 for one in found.sources.values())
+    assert any(said in note for note in found.notes) or not said
+
+
+def test_poses_left_out_are_foretold_by_the_others_only():
+    poses = measured(4)
+    found = traced(poses)
+    others = {pose: one for pose, one in poses.items() if pose != "P2"}
+    alone = traced(others, held_out={"P2": poses["P2"]})
+    assert alone.held_out["P2"].predicted.value == pytest.approx(
+        found.left_out["P2"].predicted.value, rel=1e-4
+    )
+    assert alone.predicted_RP.keys() == {"P2"}
+    assert found.left_out["P2"].measured == alone.held_out["P2"].measured
+
+
+def test_one_pose_traces_nothing():
+    with pytest.raises(UsageError, match="from 2 poses or more"):
+        traced({"P1": measured()["P1"]})
+
+
+def test_the_map_is_the_same_all_around_the_base_and_ends_where_the_arm_does():
+    arm = Arm(*LINKS, joint_2_deg=(-140.0, 140.0))
+    found = reach_map(trace_poses(measured(1), arm, DIVISION), arm, POSES, cells=40)
+    x, y = np.meshgrid(found.x, found.y)
+    radius = np.hypot(x, y)
+    assert np.isnan(found.RP[radius > 450.1]).all()
+    assert np.isnan(found.RP[radius < 150]).all()
+    ring = np.abs(radius - 320) < 3
+    assert np.ptp(found.RP[ring]) < 0.01 * found.RP[ring].mean()
+    assert found.best[2] == pytest.approx(np.nanmin(found.RP), abs=1e-9)
+    assert np.hypot(*found.worst[:2]) > np.hypot(*found.best[:2])
+
+
+MODEL = """
+[robot]
+link_1_mm = 250
+link_2_mm = 200
+joint_2_deg = [-145, 145]
+[indicator.X]
+[indicator.Y]
+"""
+
+
+@pytest.fixture(scope="module")
+def test_of_three(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("joints")
+    rng = np.random.default_rng(9)
+    named = {pose: POSES[pose] for pose in ("P1", "P2", "P3")}
+    columns = {pose: readings(rng, q, n=13) - tool(q) for pose, q in named.items()}
+    lines = ["# unit: mm", "# resolution: 0.001", "cycle,pose,X,Y"]
+    lines += [
+        f"{k + 1},{pose},{x:.3f},{y:.3f}"
+        for k in range(13) for pose, values in columns.items() for x, y in values[k : k + 1]
+    ]  # fmt: skip
+    (folder / "three.csv").write_text("\n".join(lines))
+    poses = "".join(f"[pose.{pose}]\njoint_deg = {list(q)}\n" for pose, q in POSES.items())
+    (folder / "robot.toml").write_text(MODEL + poses)
+    (folder / "nowhere.toml").write_text(MODEL + "[pose.P4]\njoint_deg = [0, 90]\n")
+    (folder / "no_arm.toml").write_text("[indicator.X]\n[pose.P1]\njoint_deg = [0, 90]\n")
+    return folder
+
+
+def test_diagnose_traces_the_scatter_of_a_test_and_foretells_a_pose(
+    test_of_three, monkeypatch, capsys
+):
+    monkeypatch.chdir(test_of_three)
+    asked = ["diagnose", "three.csv", "--model", "robot.toml", "--cycles", "13"]
+    assert main([*asked, "--hold-out", "P3", "--map", "map.csv", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [pose["pose"] for pose in told["poses"]] == ["P1", "P2"]
+    assert told["joint_scatter"].keys() == {"joint 1", "joint 2", "dial", "neither"}
+    assert told["joint_scatter"]["joint 2"]["unit"] == "rad"
+    assert told["predicted_RP"].keys() == {"P3", "P4"}
+    low, high = told["predicted_RP"]["P3"]["interval"]
+    assert low < told["predicted_RP"]["P3"]["value"] < high
+    whole = scara_iso.analyze("three.csv", cycles=13).poses["P3"].XY.RP
+    assert told["held_out"]["P3"]["measured"] == pytest.approx(whole)
+    rows = list(csv.DictReader((test_of_three / "map.csv").read_text().splitlines()))
+    values = [float(row["RP_mm"]) for row in rows]
+    assert told["map"]["worst"]["RP"] == pytest.approx(max(values), abs=1e-6)
+    assert all(float(row["low_mm"]) < float(row["high_mm"]) for row in rows)
+
+
+def test_the_library_says_the_same_of_all_poses(test_of_three):
+    table, model = test_of_three / "three.csv", test_of_three / "robot.toml"
+    found = scara_iso.diagnose(table, model, cycles=13)
+    assert found.joint_scatter.predicted_RP.keys() == {"P4"}
+    assert found.joint_scatter.left_out.keys() == {"P1", "P2", "P3"}
+    unknown = scara_iso.diagnose(table, test_of_three / "nowhere.toml", cycles=13)
+    assert unknown.joint_scatter is None
+    assert any("where the joints are at P1, P2, P3" in note for note in unknown.notes)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--hold-out", "P9", "--model", "robot.toml"], "no pose 'P9'"),
+        (["--hold-out", "P3"], "takes the joints"),
+        (["--hold-out", "three.csv", "--model", "robot.toml"], "--hold-out is for one pose"),
+        (["--map", "map.csv"], "--map needs --model"),
+        (["--map", "map.pdf", "--model", "robot.toml"], "map.pdf: a map is written as"),
+        (["--map", "map.csv", "--model", "robot.toml", "--pose", "P1"], "made of several poses"),
+        (["--map", "robot.toml", "--model", "robot.toml"], "robot.toml: a map is written as"),
+        (["--map", "map.csv", "--model", "no_arm.toml"], "gives no links"),
+        (["--map", "map.csv", "--design"], "does not go with"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(test_of_three, monkeypatch, capsys, options, said):
+    monkeypatch.chdir(test_of_three)
+    before = sorted(path.name for path in test_of_three.iterdir())
+    table = [] if "--design" in options else ["three.csv", "--cycles", "13"]
+    assert main(["diagnose", *table, *options]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+    assert sorted(path.name for path in test_of_three.iterdir()) == before

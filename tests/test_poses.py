@@ -1,0 +1,251 @@
+"""All poses in one search: joints against a Jacobian by finite differences, a slip at one pose."""
+
+import json
+
+import numpy as np
+import pytest
+
+from scara_iso.cli import main
+from scara_iso.diagnosis import Verdict, diagnose_poses, whole_cycles
+from scara_iso.diagnosis.all_poses import PoseAxis
+from scara_iso.diagnosis.evidence import ManyPoses, shrunk, views_of
+from scara_iso.diagnosis.hypothesis_set import constant
+from scara_iso.diagnosis.places import locate, places_of, separation
+from scara_iso.robot import Arm
+from scara_iso.run import Axis, Run
+
+ARM = Arm(250, 200)
+JOINTS = {"P1": (10, 80), "P2": (-30, 110), "P3": (45, 60), "P4": (-50, 60), "P5": (60, 110)}
+STRAIGHT = {"P1": (10, 2), "P2": (-30, 1), "P3": (45, 2), "P4": (-50, 1), "P5": (60, 2)}
+N = 30
+STEP = (np.arange(N) >= 14) * 1.0
+SCATTER = np.array([10e-6, 15e-6])
+LATE = STEP[:, np.newaxis]
+
+
+def place(q_1, q_2):
+    """Return (x, y) of the tool in mm; an oracle apart from `Arm`."""
+    return np.array([
+        250 * np.cos(q_1) + 200 * np.cos(q_1 + q_2), 250 * np.sin(q_1) + 200 * np.sin(q_1 + q_2)
+    ])  # fmt: skip
+
+
+def readings(rng, joints=JOINTS, moved=(0.0, 0.0), slip=None):
+    """Return readings (n, 2) by pose: ``moved`` joints [rad] from cycle 16 on, or a slip at one."""
+    found = {}
+    for pose, degrees in joints.items():
+        q = np.radians(degrees) + rng.normal(size=(N, 2)) * SCATTER + LATE * moved
+        seen = np.array([place(*row) - place(*np.radians(degrees)) for row in q])
+        seen += rng.normal(size=(N, 2)) * 0.0015 + LATE * (slip or {}).get(pose, 0.0)
+        found[pose] = np.round(seen, 3)
+    return found
+
+
+def table(path, found):
+    """Write a table of the poses in turn."""
+    rows = "".join(
+        f"{pose},{k + 2},{xy[k, 0]:.3f},{xy[k, 1]:.3f}\n"
+        for k in range(N)
+        for pose, xy in found.items()
+    )
+    path.write_text(f"# unit: mm\n# resolution: 0.001\npose,cycle,X,Y\n{rows}", encoding="utf-8")
+    return path
+
+
+def model(path, joints=JOINTS):
+    """Write the model file of the arm at the poses."""
+    poses = "".join(f"[pose.{p}]\njoint_deg = [{a}, {b}]\n" for p, (a, b) in joints.items())
+    path.write_text(
+        f"[robot]\nlink_1_mm = 250\nlink_2_mm = 200\n{poses}"
+        "[indicator.X]\nresolution = 0.001\n[indicator.Y]\nresolution = 0.001\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+@pytest.fixture(scope="module")
+def worn(tmp_path_factory):
+    """Return table and model of a robot whose joint 2 jumped by 40 microradians."""
+    folder = tmp_path_factory.mktemp("worn")
+    found = readings(np.random.default_rng(5), moved=(0.0, 40e-6))
+    return table(folder / "five.csv", found), model(folder / "five.toml")
+
+
+@pytest.fixture(scope="module")
+def found(worn):
+    """Return the JSON object of the diagnosis."""
+    return said(worn[0], "--model", worn[1])
+
+
+def said(*words):
+    """Return what ``diagnose --json`` says."""
+    import contextlib  # noqa: PLC0415
+    import io  # noqa: PLC0415
+
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        assert main(["diagnose", *map(str, words), "--json"]) == 0
+    return json.loads(out.getvalue())
+
+
+def test_a_worn_joint_is_named_with_its_size(found):
+    (effect,) = found["effects"]
+    assert found["schema"] == "scara-iso/diagnose/2"
+    assert (effect["effect"], effect["joint"], effect["poses"]) == ("step", 2, [*JOINTS])
+    low, high = effect["size_at_joint"]["interval"]
+    assert low < 40e-6 < high
+    assert effect["size_at_joint"]["unit"] == "rad"
+
+
+def test_the_size_at_each_pose_is_that_of_the_joint_through_the_geometry(found):
+    (effect,) = found["effects"]
+    value = effect["size_at_joint"]["value"]
+    for pose, degrees in JOINTS.items():
+        q = np.radians(degrees)
+        moved = (place(q[0], q[1] + 1e-6) - place(*q)) * value / 1e-6
+        sizes = effect["parameters"]["size"][pose]
+        assert [sizes["X"], sizes["Y"]] == pytest.approx(moved, abs=1e-7)
+
+
+def test_every_pose_has_its_error_and_all_have_one(found):
+    assert [one["pose"] for one in found["poses"]] == [*JOINTS]
+    for kind in ("before", "after"):
+        for figure in ("rms", "held_out_rms"):
+            squares = [one["error"][kind][figure]["X"] ** 2 for one in found["poses"]]
+            whole = found["error"][kind][figure]["X"]
+            assert whole == pytest.approx(np.sqrt(np.mean(squares)))
+    held_out = [found["error"][kind]["held_out_rms"]["X"] for kind in ("before", "after")]
+    assert held_out[1] < held_out[0]
+    first = found["poses"][0]
+    assert len(first["series"]["measured"]["X"]) == len(first["series"]["cycle"]) == N
+    assert set(first["repeatability"]["completed"]) == {"X", "Y", "XY"}
+
+
+def test_without_a_model_the_same_table_names_axes_and_poses(worn):
+    (effect,) = said(worn[0])["effects"]
+    assert effect["joint"] is None
+    assert effect["size_at_joint"] is None
+    assert set(effect["poses"]) <= set(JOINTS)
+    assert len(effect["poses"]) > 1
+
+
+def test_a_saved_joint_foretells_a_table_of_other_poses(worn, tmp_path):
+    new = tmp_path / "new.toml"
+    notes = said(*worn[:1], "--model", worn[1], "--save-model", new)["notes"]
+    assert any("declares step" in note for note in notes)
+    others = {"P6": (-60, 90), "P7": (25, 120), "P8": (0, 50)}
+    text = new.read_text(encoding="utf-8")
+    poses = "".join(f"[pose.{p}]\njoint_deg = [{a}, {b}]\n" for p, (a, b) in others.items())
+    new.write_text(f"{poses}{text}", encoding="utf-8")
+    seen = readings(np.random.default_rng(6), others, moved=(0.0, 40e-6))
+    second = table(tmp_path / "others.csv", seen)
+    plain, told = said(second, "--model", worn[1]), said(second, "--model", new)
+    assert plain["verdict"] == "explained"
+    assert told["verdict"] == "nothing-to-explain"
+    before = [one["error"]["before"]["rms"]["Y"] for one in (plain, told)]
+    assert before[1] < 0.9 * before[0]
+
+
+def test_a_joint_that_the_model_cannot_place_is_refused(worn, tmp_path, capsys):
+    text = worn[1].read_text(encoding="utf-8")
+    effect = "[[effect]]\nname = 'step'\nat_cycle = 9\nsize = { 'joint 2' = 4e-5 }\n"
+    bad = tmp_path / "bad.toml"
+    bad.write_text(text.replace("[pose.P3]", "[pose.Q3]") + effect, encoding="utf-8")
+    assert main(["diagnose", str(worn[0]), "--model", str(bad)]) == 2
+    said_so = capsys.readouterr()
+    assert said_so.out == ""
+    assert "joint 2" in said_so.err
+    assert "joint_deg" in said_so.err
+
+
+def run_of(found):
+    """Return the run of the poses' readings, and their rows by pose."""
+    pose = np.repeat([*found], N)
+    xy = np.concatenate([*found.values()])
+    axes = {name: Axis(name, xy[:, k], resolution=0.001) for k, name in enumerate("XY")}
+    run = Run(np.tile(np.arange(2, N + 2), len(found)), axes, pose=pose)
+    return whole_cycles(run, {str(p): rows for p, rows in run.rows_by_pose()})
+
+
+def test_a_slip_at_one_pose_is_put_on_no_joint():
+    seen = readings(np.random.default_rng(8), slip={"P3": (0.012, -0.006)})
+    (effect,) = diagnose_poses(run_of(seen), arm=ARM, joints_deg=JOINTS).effects
+    assert (effect.joint, effect.place, effect.poses) == (None, "P3", ("P3",))
+    assert effect.joint_candidates == ()
+
+
+def test_scatter_alone_is_nothing_at_any_pose():
+    seen = readings(np.random.default_rng(11))
+    found = diagnose_poses(run_of(seen), arm=ARM, joints_deg=JOINTS)
+    assert found.verdict is Verdict.NOTHING
+    assert {one.verdict for one in found.poses.values()} == {Verdict.NOTHING}
+
+
+def test_a_straight_arm_does_not_tell_its_joints_apart():
+    seen = readings(np.random.default_rng(3), STRAIGHT, moved=(0.0, 60e-6))
+    found = diagnose_poses(run_of(seen), arm=ARM, joints_deg=STRAIGHT)
+    (effect,) = found.effects
+    assert (effect.joint, effect.joint_candidates) == (None, (1, 2))
+    assert found.verdict is Verdict.EXPLAINED
+    assert found.separation.observability_index < 0.02
+
+
+COLUMNS = [PoseAxis(pose, axis, "mm") for pose in JOINTS for axis in "XY"]
+NUMBERS = np.repeat(np.arange(5), 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "size"),
+    [("joint 1", 4e-5), ("joint 2", 6e-5), ("along the arm", 4e-5), ("Y everywhere", 0.008)],
+)
+def test_a_place_is_found_by_the_movements_it_makes(name, size, rng):
+    places = places_of(COLUMNS, ARM, JOINTS)
+    moved = next(p.movement for p in places if p.name == name)[:, 0] * size
+    seen = np.concatenate([*readings(rng).values()], axis=1) + LATE * moved
+    located = locate(LATE, constant(N), seen, places, NUMBERS)
+    assert located.place.name == name
+    assert (located.weights.T @ moved)[0] == pytest.approx(size)
+
+
+def test_what_the_test_looks_at_does_not_depend_on_the_order_of_the_cycles(rng):
+    """So the shuffles give the exact chance of the statistic."""
+    seen = np.concatenate([*readings(rng, moved=(0.0, 40e-6)).values()], axis=1)
+    directions = {p.name: p.movement[:, 0] for p in places_of(COLUMNS, ARM, JOINTS) if p.tied}
+    poses = ManyPoses(NUMBERS, np.full(len(directions), 1 / len(directions)))
+    order = rng.permutation(N)
+    one = views_of(seen, constant(N), directions, poses=poses).columns
+    other = views_of(seen[order], constant(N), directions, poses=poses).columns
+    assert one.shape == (N, 10 + len(directions))
+    assert other == pytest.approx(one[order])
+
+
+def test_what_poses_share_counts_as_far_as_chance_does_not_give_it(rng):
+    own, shared = rng.normal(size=(2, 400, 4)), rng.normal(size=(400, 1))
+    numbers = np.array([0, 0, 1, 1])
+    alone = own[0].T @ own[0] / 400
+    assert abs(shrunk(alone, numbers, 400)[0, 2]) < abs(alone[0, 2])
+    assert shrunk(alone, numbers, 400)[0, 1] == alone[0, 1]
+    alike = (own[1] + shared).T @ (own[1] + shared) / 400
+    assert shrunk(alike, numbers, 400)[0, 2] == pytest.approx(alike[0, 2], rel=0.05)
+    assert shrunk(alone, np.zeros(4, dtype=int), 400) is alone
+
+
+def test_poses_that_turn_joint_1_alone_still_tell_the_joints_apart(rng):
+    same = {f"P{k}": (20 * k, 90) for k in range(1, 6)}
+    seen = np.concatenate([*readings(rng, same).values()], axis=1)
+    angle, index = separation(places_of(COLUMNS, ARM, same), seen, NUMBERS)
+    assert angle > 45
+    assert 0.2 < index < 1
+
+
+def test_a_cycle_that_one_pose_lacks_is_left_out_and_said(rng):
+    seen = readings(rng)
+    pose = np.repeat([*seen], N)
+    cycle = np.tile(np.arange(2, N + 2), 5)
+    xy = np.concatenate([*seen.values()])
+    keep = ~((pose == "P4") & (cycle == 9))
+    run = Run(cycle[keep], {"X": Axis("X", xy[keep, 0])}, pose=pose[keep])
+    test = whole_cycles(run, {str(p): rows for p, rows in run.rows_by_pose()})
+    assert 9 not in test.run.cycle
+    assert len(test.run) == N - 1
+    assert "cycle 9" in test.notes[0]
