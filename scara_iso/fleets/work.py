@@ -9,6 +9,7 @@ from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
     Diagnosis,
+    DiagnosisOfPoses,
     close_the_loop,
     close_the_loop_at_poses,
 )
@@ -30,7 +31,7 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class TableRow:
-    """What is found of one table; of several poses the largest RP and the smallest p-value."""
+    """What is found of one table, of all its poses together; the largest RP of a pose."""
 
     robot: str
     test: str
@@ -38,7 +39,7 @@ class TableRow:
     poses: int = 0
     verdict: str | None = None
     p_value: float | None = None
-    """Of all poses together: the smallest times their number, 1 at most (Bonferroni)."""
+    """Of all poses together."""
     at_floor: bool = False
     """Nothing drawn came as far: the p-value is a bound."""
     effects: tuple[str, ...] = ()
@@ -79,26 +80,24 @@ def _row(table: FleetTable, task: Task) -> TableRow:
     if isinstance(table.run, ScaraIsoError):
         return TableRow(table.robot, table.test, error=_said(table.run))
     try:
-        poses = _diagnoses(table.run, task)
+        found = _diagnosed(table.run, task)
     except ScaraIsoError as error:
         return TableRow(table.robot, table.test, error=_said(error))
-    smallest = min(poses, key=lambda one: one.p_value)
-    said = [one.verdict.value for one in poses]
-    order = ("unexplained", "explained", "nothing-to-explain")
+    poses = list(found.poses.values()) if isinstance(found, DiagnosisOfPoses) else [found]
     measured = [one.repeatability.measured for one in poses]
     return TableRow(
         robot=table.robot,
         test=table.test,
         cycles=max(len(one.series.cycle) for one in poses),
         poses=len(poses),
-        verdict=next(word for word in order if word in said),
-        p_value=min(smallest.p_value * len(poses), 1.0),
-        at_floor=smallest.p_value_at_floor,
-        effects=tuple(dict.fromkeys(one.effect for pose in poses for one in pose.effects)),
+        verdict=found.verdict.value,
+        p_value=found.p_value,
+        at_floor=found.p_value_at_floor,
+        effects=tuple(dict.fromkeys(one.effect for one in found.effects)),
         RP={
-            name: max(found[name] for found in measured if name in found)
+            name: max(figures[name] for figures in measured if name in figures)
             for name in FIGURES
-            if any(name in found for found in measured)
+            if any(name in figures for figures in measured)
         },
     )
 
@@ -108,7 +107,7 @@ def _said(error: ScaraIsoError) -> str:
     return "; ".join(line.strip() for line in str(error).splitlines())
 
 
-def _diagnoses(run: Run, task: Task) -> list[Diagnosis]:
+def _diagnosed(run: Run, task: Task) -> Diagnosis | DiagnosisOfPoses:
     if len(list(run.rows_by_pose())) > 1:
-        return list(close_the_loop_at_poses(run, task.wanted, seed=task.seed).values())
-    return [close_the_loop(run, None, task.wanted, seed=task.seed)]
+        return close_the_loop_at_poses(run, None, task.wanted, seed=task.seed)
+    return close_the_loop(run, None, task.wanted, seed=task.seed)
