@@ -28,7 +28,15 @@ def main(archive: str, wheel: str) -> int:
         built = set(file.namelist())
     wrong = [f"not in {archive}: {path}" for path in sorted({*package, *IN_THE_ARCHIVE} - inside)]
     wrong += [f"not in {wheel}: {path}" for path in sorted(package - built)]
-    strange = {path for path in built - package if ".dist-info/" not in path}
+    fixtures = tuple(f"scara_iso/validation/data/{name}/" for name in ("streams", "nist_strd"))
+    wrong += [
+        f"not in {wheel}: {one}" for one in fixtures if not any(p.startswith(one) for p in built)
+    ]
+    strange = {
+        path
+        for path in built - package
+        if ".dist-info/" not in path and not path.startswith(fixtures)
+    }
     wrong += [f"in {wheel}, and not known to git: {path}" for path in sorted(strange)]
     print("\n".join(wrong) or f"{len(inside)} files in the archive, {len(built)} in the wheel")  # noqa: T201
     return int(bool(wrong))

@@ -523,7 +523,9 @@ def test_no_visit_of_a_drift_test_is_discarded(rng, name):
 def test_a_drift_test_that_cannot_be_read_says_why(rng):
     run = drift_test(rng)
     stated = Run(run.cycle, run.axes, metadata={"test": "drift"})
-    with pytest.raises(DataError, match="neither a column 'block' nor times"):
+    with pytest.raises(
+        DataError, match="neither a column 'block', nor '# visits_per_block: 10', nor"
+    ):
         analyze(stated)
     cycle = run.cycle.copy()
     cycle[5] = 9

@@ -23,7 +23,7 @@ from scara_iso.iso9283.statistics import (
 )
 
 ROOT = Path(__file__).parents[1]
-NIST = ROOT / "scara_iso" / "validation" / "data" / "nist_strd"
+NIST = ROOT / "tests" / "fixtures" / "nist_strd"
 
 sizes = st.integers(2, 40)
 components = st.integers(1, 3)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oracles import vectors as oracle
+from oracles import effect_tables, vectors as oracle
 from scipy import constants
 
 import scara_iso
@@ -57,6 +57,11 @@ def test_the_versions_are_of_what_the_program_stands_on(whole):
     names = {text.split(">")[0] for text in project["dependencies"]}
     assert set(whole[1]["versions"]) == {"Python", *names}
     assert whole[1]["versions"]["numpy"] == np.__version__
+
+
+def test_the_tables_of_known_effects_are_those_of_their_courses():
+    for effect, text in effect_tables.tables().items():
+        assert (effect_tables.FOLDER / f"{effect}.csv").read_text(encoding="utf-8") == text
 
 
 def test_the_tables_and_their_figures_are_those_of_the_oracle():

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso import validation
 from scara_iso.acquisition.indicators import (
     Decoder,
     DeviceNotice,
@@ -17,7 +16,7 @@ from scara_iso.acquisition.indicators import (
     find_dialects,
 )
 
-STREAMS = Path(validation.__file__).parent / "data" / "streams"
+STREAMS = Path(__file__).parents[1] / "fixtures" / "streams"
 DIALECTS = find_dialects()
 RECORDED = sorted(STREAMS.glob("*/*.bin"))
 
