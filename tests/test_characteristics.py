@@ -524,7 +524,7 @@ def test_a_drift_test_that_cannot_be_read_says_why(rng):
     run = drift_test(rng)
     stated = Run(run.cycle, run.axes, metadata={"test": "drift"})
     with pytest.raises(
-        DataError, match="neither a column 'block', nor '# visits_per_block: 10', nor"
+        DataError, match="'# visits_per_block: 10', nor times tell its blocks"
     ):
         analyze(stated)
     cycle = run.cycle.copy()

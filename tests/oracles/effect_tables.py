@@ -38,7 +38,7 @@ COLUMNS = {
 
 def table(effect, seed):
     """Return the text of a table with an effect in X [mm]."""
-    rng = random.Random(seed)
+    rng = random.Random(seed)  # noqa: S311 - readings
     name, values = COLUMNS.get(effect, (None, None))
     rows = [["cycle", "X", *([name] if name else [])]]
     for k in range(1, CYCLES + 1):
