@@ -523,9 +523,7 @@ def test_no_visit_of_a_drift_test_is_discarded(rng, name):
 def test_a_drift_test_that_cannot_be_read_says_why(rng):
     run = drift_test(rng)
     stated = Run(run.cycle, run.axes, metadata={"test": "drift"})
-    with pytest.raises(
-        DataError, match="'# visits_per_block: 10', nor times tell its blocks"
-    ):
+    with pytest.raises(DataError, match="'# visits_per_block: 10', nor times tell its blocks"):
         analyze(stated)
     cycle = run.cycle.copy()
     cycle[5] = 9

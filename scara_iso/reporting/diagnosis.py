@@ -58,6 +58,8 @@ def of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
         yield Section(f"{name}: {words(found.effect)}", tuple(_effect(found)))
     if one.effects:
         yield Section(f"{name}: error and repeatability", tuple(_figures(one)))
+    if said := tuple(map(Text, courses_said(one))):
+        yield Section(f"{name}: unexplained", said)
     if notices := tuple(_notices(one)):
         yield Section(f"{name}: notes", notices)
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Set
 from typing import Any
 
-from scara_iso.diagnosis import DiagnosisOfPoses, Found, Verdict
+from scara_iso.diagnosis import UNKNOWN, DiagnosisOfPoses, Found, Verdict
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -18,7 +18,7 @@ from scara_iso.reporting.blocks import (
     Text,
 )
 from scara_iso.reporting.brief import digits_of, first_three
-from scara_iso.reporting.brief_diagnosis import Again, doubts
+from scara_iso.reporting.brief_diagnosis import Again, doubts, is_explained
 from scara_iso.reporting.diagnosis import of_pose, parameters_said, rivals_said, sureness
 from scara_iso.reporting.digits import U_of_scatter, p_equals, rounded
 from scara_iso.reporting.joint_scatter import scatter_sections
@@ -133,8 +133,9 @@ def _why(found: DiagnosisOfPoses) -> Iterator[Block]:
         usual = f"Usual causes of a {words(one.effect)}" if because else "Likely"
         yield Text(f"{usual}: {one.cause}")
         yield Text(f"To be sure: {one.confirm_by}")
-    if found.verdict is Verdict.UNEXPLAINED and found.candidates:
-        yield Text(f"Nearest known effects: {rivals_said(found.candidates)}")
+    near = [rival for rival in found.candidates if rival.effect != UNKNOWN]
+    if found.verdict is Verdict.UNEXPLAINED and near:
+        yield Text(f"Nearest known effects: {rivals_said(near)}")
     if found.verdict is Verdict.NOTHING:
         yield Text(
             f"An effect that is too small for these cycles would not show ({p_equals(found)})."
@@ -159,8 +160,8 @@ def _because(found: Found) -> str:
 def _next(found: DiagnosisOfPoses, again: Again) -> NextStep:
     if found.verdict is Verdict.NOTHING:
         return NextStep(f"scara-iso report {again()}", "the report to sign")
-    if not found.effects:
-        pose = next(iter(found.poses))
+    if not found.effects or not is_explained(found.effects[0]):
+        pose = next(iter(found.effects[0].poses if found.effects else found.poses))
         return NextStep(f"scara-iso diagnose {again(pose=pose)}", "one pose alone")
     return NextStep(
         f"scara-iso explain {found.effects[0].effect}", "what it means, and how to be sure"
