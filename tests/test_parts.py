@@ -248,8 +248,8 @@ def test_the_faults_of_two_sheets_are_told_together(folder):
         book[pose]["B9"] = "bad"
     book.save(path)
     found = refused(path)
-    assert "sheet 'P1': line 9, column 2" in found
-    assert "sheet 'P4': line 9, column 2" in found
+    assert "P1!B9: " in found
+    assert "P4!B9: " in found
 
 
 def test_lines_and_columns_of_a_block_are_those_of_the_file(folder):

@@ -224,6 +224,13 @@ def validated(*, passing):
     return json.loads(json.dumps(validation_json(Validation(checks, on))))
 
 
+def with_push_test(folder):
+    """Add a push test with a maker's limit on two sides to the folder of a test."""
+    (folder / "push.csv").write_bytes((EXAMPLES / "push.csv").read_bytes())
+    with (folder / "test.toml").open("a", encoding="utf-8") as file:
+        file.write("\n[push]\narm_m = 0.25\nlimits = { deflection_mm = [0.01, 9] }\n")
+
+
 @pytest.fixture(scope="session")
 def documents(tmp_path_factory):
     """Return what every command writes, by the name of its schema."""
@@ -254,6 +261,8 @@ def documents(tmp_path_factory):
     written("record", one, *gauge, "--part", "P1-v100-l100", "--repeat", "knocked")
     written("record", one, *gauge, "--part", "P3-v100-l100", "--meta", "temperature=35 C")
     status += written("test", "status", one)
+    for of_it in (one, two):
+        with_push_test(of_it)
     return {
         "analyze": [
             *written("analyze", table_1),
@@ -307,6 +316,7 @@ def documents(tmp_path_factory):
         "push": [
             *written("push", EXAMPLES / "push.csv", "--arm", "0.25", "--limit", "1.2"),
             *written("push", EXAMPLES / "push.csv", "--limit", "deflection_mm=0.1", code=1),
+            *written("push", EXAMPLES / "push.csv", "--limit", "deflection_mm=0.01..9"),
         ],
         "record": [
             *written("record", folder / "run.csv", "--gauge", "X=opto-rs232@sim:?pace=0",
@@ -330,7 +340,7 @@ def documents(tmp_path_factory):
         "selftest": [validated(passing=True), validated(passing=False)],
         "visits": written("visits", EXAMPLES / "stream.csv", "--poses", "P1,-"),
         "tables": [*written("tables", full), *written("tables", *two_poses(folder))],
-        "test-conditions": written("diagnose", two),
+        "test-conditions": [*written("diagnose", two), *written("report", two)],
         "test-status": status,
         "simulate": written("simulate", MODEL, "--temperature", "20:24"),
     }  # fmt: skip

@@ -21,9 +21,11 @@ _MEANING = (
     "neither: in one direction at single poses; variance: share of X and Y over the poses"
 )
 _MICRO = 1e6
+_WORTH_A_WORD = 0.05
+"""Share of the variance from which the short form names a source that is no joint."""
 
 
-def scatter_sections(found: JointScatter | None, *, full: bool = False) -> tuple[Section, ...]:
+def scatter_sections(found: JointScatter | None) -> tuple[Section, ...]:
     """Return what scatters, RP at other poses, and how well the poses foretell each other."""
     if found is None:
         return ()
@@ -35,11 +37,39 @@ def scatter_sections(found: JointScatter | None, *, full: bool = False) -> tuple
         note = "XY, mm; the interval holds what 30 cycles there would measure, 19 times of 20"
         blocks.append(Table(("RP where nobody measured", "", "95 % interval"), rows, note))
     blocks += [_held_out(pose, one) for pose, one in found.held_out.items()]
-    if found.left_out and full:
+    if found.left_out:
         blocks.append(_left_out(found.left_out))
     blocks += _checked(found)
     blocks += [] if found.reach is None else [_extremes(found.reach)]
-    return (Section("scatter, traced to the joints" if full else "", tuple(blocks)),)
+    return (Section("scatter, traced to the joints", tuple(blocks)),)
+
+
+def scatter_brief(found: JointScatter | None) -> Iterator[Text]:
+    """Yield a line on what scatters, one on RP at other poses, and what was asked beside them."""
+    if found is None:
+        return
+    said = (
+        _in_short(_SAID.get(name, name), one)
+        for name, one in found.sources.items()
+        if one.unit == "rad" or (one.share or 0) >= _WORTH_A_WORD
+    )
+    yield Text(f"Scatter: {', '.join(said)}")
+    if found.together is not None:
+        yield _together(found.together)
+    elsewhere = (
+        figure_said(pose, one.value, (one.low, one.high), "mm")
+        for pose, one in found.predicted_RP.items()
+    )
+    if found.predicted_RP:
+        yield Text(f"RP in XY where nobody measured: {', '.join(elsewhere)}")
+    yield from (_held_out(pose, one) for pose, one in found.held_out.items())
+    if found.reach is not None:
+        yield _extremes(found.reach)
+
+
+def _in_short(name: str, one: SourceOfScatter) -> str:
+    scale, unit = (_MICRO, "µrad") if one.unit == "rad" else (1.0, one.unit)
+    return figure_said(name, one.value * scale, (one.low * scale, one.high * scale), unit)
 
 
 def _sources(sources: Mapping[str, SourceOfScatter]) -> Table:

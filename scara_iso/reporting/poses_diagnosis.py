@@ -21,7 +21,7 @@ from scara_iso.reporting.brief import digits_of, first_three
 from scara_iso.reporting.brief_diagnosis import Again, doubts, is_explained
 from scara_iso.reporting.diagnosis import of_pose, parameters_said, rivals_said, sureness
 from scara_iso.reporting.digits import U_of_scatter, p_equals, rounded
-from scara_iso.reporting.joint_scatter import scatter_sections
+from scara_iso.reporting.joint_scatter import scatter_brief, scatter_sections
 from scara_iso.reporting.words import words
 
 _SURE = 0.9
@@ -41,8 +41,7 @@ def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
         Section("", first_three(head, _next(found, again)) if len(head) > 1 else
                 (*head, _next(found, again))),
         Section("", (_table(found),)),
-        *scatter_sections(found.joint_scatter),
-        Section("", (*_doubts(found), *notes)),
+        Section("", (*scatter_brief(found.joint_scatter), *_doubts(found), *notes)),
     )  # fmt: skip
 
 
@@ -58,7 +57,7 @@ def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
         _table(found),
     )
     behind = (part for pose, one in found.poses.items() for part in of_pose(f"pose {pose}", one))
-    return (Section("", head), *scatter_sections(found.joint_scatter, full=True), *behind)
+    return (Section("", head), *scatter_sections(found.joint_scatter), *behind)
 
 
 def _answer(found: DiagnosisOfPoses) -> Headline:
