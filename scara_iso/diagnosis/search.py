@@ -18,6 +18,7 @@ from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_te
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.tuning import (
+    FEWEST_ON_A_LEVEL,
     FURTHER_LEVEL,
     GROSS,
     LEVEL,
@@ -225,6 +226,8 @@ def _is_rough(problem: SearchProblem, term: Term) -> bool:
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissions]:
     """Return the two states of each axis that can show them, if those of some effect persist."""
+    if len(residual.values) < 2 * FEWEST_ON_A_LEVEL:
+        return []  # a fold of the shortest run
     chains = [member.form for member in members if isinstance(member.form, Chain)]
     persistent = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
     return [

@@ -24,7 +24,9 @@ class FleetRun:
     """What became of the parts."""
 
     folder: Path
+    """Where the results stand."""
     parts: int
+    """How many the source has."""
     before: int
     """Parts that an earlier run had done."""
     failed: Mapping[str, str]

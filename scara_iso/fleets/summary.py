@@ -31,7 +31,9 @@ class RobotResult:
     """What is found of one robot."""
 
     robot: str
+    """Its name."""
     tables: int
+    """How many there are of it."""
     p_value: float
     """Smallest of its tables times their number, 1 at most."""
     q_value: float
@@ -39,6 +41,7 @@ class RobotResult:
     found: bool
     """Whether it is named at the level asked for."""
     effects: tuple[str, ...]
+    """What its tables show, each once."""
     RP_XY: float | None
     """Largest of its tables [mm]; None without X and Y."""
 
@@ -48,9 +51,13 @@ class FailedTable:
     """A table of which there is nothing, and why."""
 
     part: str
+    """The file that it stands in."""
     robot: str
+    """Whose it is; empty where nothing says so."""
     test: str
+    """Which of the robot's tests; empty where nothing says so."""
     error: str
+    """Why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +65,11 @@ class TwiceThere:
     """A test of a robot that several tables claim to be."""
 
     robot: str
+    """Its name."""
     test: str
+    """Which of its tests."""
     parts: tuple[str, ...]
+    """The files that hold it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -67,9 +77,11 @@ class FleetSummary(Displayed):
     """The fleet: robots by how far they stand out, effects by how many robots show them."""
 
     run: FleetRun
+    """What became of the parts."""
     level: float
     """False discovery rate."""
     tables: int
+    """How many were diagnosed."""
     robots: tuple[RobotResult, ...]
     """The worst first: by q-value, then by RP in XY."""
     effects: Mapping[str, int]
@@ -77,6 +89,7 @@ class FleetSummary(Displayed):
     RP_quantiles: Mapping[str, tuple[float, ...]]
     """By figure, of its tables: 5, 25, 50, 75 and 95 % [mm, deg]."""
     failed: tuple[FailedTable, ...]
+    """Tables of which there is nothing."""
     twice: tuple[TwiceThere, ...] = ()
     """Tests that are there more than once: each counts."""
 

@@ -22,14 +22,17 @@ class Criterion:
     of: str
     """The guideline."""
     axis: str
+    """Whose dial."""
     value: float | None
     """None where the readings give none."""
     interval: Interval | None
     """95 %; None where it has none."""
     limit: float
+    """What the guideline asks for."""
     at_least: bool
     """Whether the figure must be at least the limit; else at most."""
     decision: DecisionRule
+    """Whether the figure itself decides, or its interval."""
 
     @property
     def verdict(self) -> Conformity:

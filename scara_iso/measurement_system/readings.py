@@ -20,8 +20,11 @@ class Remark:
     """Something to know about the dial of an axis before its figures are signed."""
 
     severity: Literal["warning", "info"]
+    """Whether it doubts the figures."""
     axis: str
+    """Whose dial."""
     said: str
+    """In words."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -31,6 +34,7 @@ class GaugeReadings:
     axis: str
     """``X``, ``Y``, ``Z``, ``theta`` or ``reading``."""
     values: FloatArray
+    """What the dial showed."""
     unit: str
     """``mm`` or ``deg``, of every size here."""
     resolution: float | None = None

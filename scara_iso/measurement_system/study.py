@@ -50,10 +50,13 @@ class AxisStudy:
     """The study of one dial."""
 
     kind: StudyKind
+    """By the columns of its table."""
     readings: GaugeReadings
+    """What it was made of."""
     tolerance: float | None
     """Width of the tolerance [mm, deg]; None where not stated."""
     figures: Figures
+    """Those of its kind."""
     criteria: tuple[Criterion, ...]
     """What the guidelines ask; none without a tolerance."""
 
@@ -70,10 +73,13 @@ class GaugeStudy(Plotted):
     axes: Mapping[str, AxisStudy]
     """By axis."""
     remarks: tuple[Remark, ...]
+    """What is to be known beside the figures."""
     decision: DecisionRule
+    """Whether the figure itself decides, or its interval."""
     statements: Mapping[str, str]
     """``# key: value`` lines of the tables."""
     source: str
+    """Names of the tables."""
     notes: tuple[str, ...] = ()
     """What of the tables was not used."""
 
