@@ -226,14 +226,12 @@ def _is_rough(problem: SearchProblem, term: Term) -> bool:
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissions]:
     """Return the two states of each axis that can show them, if those of some effect persist."""
-    if len(residual.values) < 2 * FEWEST_ON_A_LEVEL:
-        return []  # a fold of the shortest run
     chains = [member.form for member in members if isinstance(member.form, Chain)]
     persistent = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
     return [
         emissions_of(residual.values[:, a], residual.division[a], persistent)
         for a in np.flatnonzero(~neighbours(residual))
-        if persistent
+        if persistent and len(residual.values) >= 2 * FEWEST_ON_A_LEVEL
     ]
 
 
