@@ -13,7 +13,6 @@ from typing import Any, BinaryIO
 from scara_iso.errors import DataError, NoInputError
 
 _LARGEST_TOML = 1_000_000
-_TOML = "examples/fum_scara.toml is such a file"
 _REMEDY = "name a file that can be read"
 
 
@@ -45,17 +44,23 @@ def read_file(path: str | Path, limit: int) -> bytes:
     return data
 
 
-def read_toml(path: str | Path) -> dict[str, Any]:
-    """Return what a TOML file of at most a megabyte holds; raises as `read_file`, `DataError`."""
+def read_toml(path: str | Path, like: str) -> dict[str, Any]:
+    """Return what a TOML file of at most a megabyte holds; raises as `read_file`, `DataError`.
+
+    ``like`` names an example of such a file, or the page that shows one.
+    """
     import tomllib  # noqa: PLC0415 - of all files only those
 
+    remedy = f"compare it with {like}"
     try:
         found = tomllib.loads(read_file(path, _LARGEST_TOML).decode("utf-8-sig"))
         str(found)  # fails where a number has more digits than Python prints
     except RecursionError as error:
-        raise DataError("nested deeper than any model", where=str(path), remedy=_TOML) from error
+        raise DataError(
+            "nested deeper than any of these", where=str(path), remedy=remedy
+        ) from error
     except ValueError as error:
-        raise DataError(f"is no TOML: {error}", where=str(path), remedy=_TOML) from error
+        raise DataError(f"is no TOML: {error}", where=str(path), remedy=remedy) from error
     return found
 
 

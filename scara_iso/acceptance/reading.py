@@ -49,7 +49,7 @@ def read_test(folder: Path) -> WholeTest:
     """
     path = folder / FILE
     faults = KeyFaults()
-    found = parse_test(read_toml(path), faults)
+    found = parse_test(read_toml(path, "docs/test-folder.md"), faults)
     if faults:
         raise DataError(
             f"is no test: {len(faults)} fault{'s' if len(faults) > 1 else ''}", where=str(path),

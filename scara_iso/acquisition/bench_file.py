@@ -49,7 +49,7 @@ def read_bench(path: Path) -> RememberedBench:
     Raises `NoInputError`, and `DataError` for an unknown key, a gauge that is not valid, or one
     that names a file.
     """
-    found = read_toml(path)
+    found = read_toml(path, "docs/recording.md")
     gauges, trigger = found.get("gauges"), found.get("trigger")
     unknown = sorted(set(found) - {"gauges", "trigger"})
     if unknown or not isinstance(gauges, dict) or not isinstance(trigger, str | None):

@@ -153,7 +153,7 @@ def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
     """Return what a file and options state; an option holds against the file."""
     from scara_iso.files import read_toml
 
-    found = {} if file is None else read_toml(file)
+    found = {} if file is None else read_toml(file, "docs/report.md")
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
     if nested:
         raise DataError(

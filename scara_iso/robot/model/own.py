@@ -19,7 +19,7 @@ def read_effects(path: str | Path) -> tuple[OwnEffect, ...]:
     Raises `NoInputError` for a file that cannot be read and `DataError` with every fault, each
     named by its key.
     """
-    document = read_toml(path)
+    document = read_toml(path, "examples/my_effects.toml")
     faults = KeyFaults()
     only(document, {_KEY}, "file", faults)
     found = tuple(own_effects(document.get(_KEY, []), _KEY, _taken(), faults))
