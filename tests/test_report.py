@@ -373,12 +373,18 @@ def test_without_pango_a_pdf_is_refused_with_what_to_install(tmp_path, monkeypat
     assert "libpango-1.0-0" in capsys.readouterr().err
 
 
-def test_the_pdf_is_the_page_and_the_same_every_time():
+def test_the_pdf_is_the_page_and_the_same_every_time(five_poses):
     pytest.importorskip("weasyprint", exc_type=(ImportError, OSError))
-    report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
+    pdfium = pytest.importorskip("pypdfium2")
+    report = document(Dossier(analyze(read_table(five_poses)), MADE))
     report = replace(report, sections=report.sections[:2])
     data = pdf.render(report)
     assert data.startswith(b"%PDF")
+    pages = [page.get_textpage().get_text_range() for page in pdfium.PdfDocument(data)]
+    assert "Figures" in pages[1]
+    assert "Attained places in the XY plane:" in pages[1]  # as wide as the sheet
+    report = replace(report, sections=report.sections[:1])
+    data = pdf.render(report)
     assert pdf.render(report) == data
     assert pdf.render(replace(report, title="another")) != data
 
