@@ -40,6 +40,11 @@ class Wanted:
         for name, value in (("dwell", self.dwell_s), ("still", self.still), ("band", self.band)):
             if value is not None and not 0 < value < math.inf:
                 raise UsageError(f"`{name}={value:g}`", remedy="give a size above zero")
+        if not all(name.strip() for name in self.poses):
+            raise UsageError(
+                f"`poses={','.join(self.poses)}`: a rest without a name",
+                remedy="name each in its order, - for one that is no pose: `poses=P1,-`",
+            )
 
 
 def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
@@ -50,6 +55,11 @@ def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
     """
     stream = _stream(run)
     interval = float(np.median(np.diff(stream.time)))
+    if wanted.dwell_s > (lasts := float(stream.time[-1] - stream.time[0])):
+        raise UsageError(
+            f"`dwell={wanted.dwell_s:g}`: the stream lasts {lasts:.3g} s", where=run.origin.source,
+            remedy="state the seconds for which the robot stood at each pose, at the least",
+        )  # fmt: skip
     found = motion(stream.time, stream.lengths, wanted.dwell_s / _WINDOWS_IN_DWELL)
     still, notes = _still(run, found, wanted, interval)
     stays = join(stream, find_rests(found, still), wanted.dwell_s / 2, still)
