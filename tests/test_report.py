@@ -131,9 +131,11 @@ def test_the_report_says_what_its_results_relate_to():
 
 def test_a_condition_is_what_was_stated_and_what_was_measured():
     run = read_table(WARM_UP)
-    run = replace(run, metadata={"speed": "100 %"}, covariates={"speed": run.cycle + 50.0})
+    stated = {"speed": "100 %", "jig[P1]": "a vice"}
+    run = replace(run, metadata=stated, covariates={"speed": run.cycle + 50.0})
     rows = dict(head(run, analyze(run).cycles).rows)
     assert rows["velocity"] == "100 %; 51 .. 81 (speed, by cycle)"
+    assert rows["jig at P1"] == "a vice"
 
 
 def test_what_nobody_stated_is_said_to_be_not_stated():
