@@ -8,7 +8,8 @@ from scara_iso.diagnosis import Diagnosis, Found, Verdict
 from scara_iso.reporting.blocks import Block, Facts, Text
 from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words, parameters_said, rivals_said
 from scara_iso.reporting.digits import p_equals
-from scara_iso.reporting.words import listed, words
+from scara_iso.reporting.words import words
+from scara_iso.tables import listed
 
 _CHANCE = (
     "p: how often scatter alone would look this structured. Where nothing was found, an effect too "

@@ -1,7 +1,6 @@
 """Names of the code as a reader says them, and text of files as it may be shown."""
 
 import unicodedata
-from collections.abc import Sequence
 
 _HIDDEN = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 
@@ -9,12 +8,6 @@ _HIDDEN = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 def words(name: str) -> str:
     """Return an effect's or a verdict's name in words: ``warm_up`` is ``warm up``."""
     return name.replace("_", " ").replace("-", " ")
-
-
-def listed(parts: Sequence[str]) -> str:
-    """Return parts as a sentence lists them: ``a``, ``a and b``, ``a, b and c``."""
-    *others, last = parts
-    return f"{', '.join(others)} and {last}" if others else last
 
 
 def printable(text: str) -> str:
