@@ -138,6 +138,14 @@ def test_a_condition_is_what_was_stated_and_what_was_measured():
     assert rows["jig at P1"] == "a vice"
 
 
+def test_colours_of_the_dark_reach_the_marks_of_a_picture():
+    """A mark is drawn by ``use``: in its copy it has no svg above it."""
+    page = html.render(document(Dossier(analyze(read_table(WARM_UP)), MADE))).decode()
+    dark = page.partition("prefers-color-scheme: dark")[2].partition("* { box-sizing")[0]
+    assert '[stroke="#444444"]' in dark
+    assert "svg [" not in dark
+
+
 def test_what_nobody_stated_is_said_to_be_not_stated():
     run = read_table(TABLE_1)
     stated = dict(head(run, analyze(run).cycles).rows)
