@@ -258,7 +258,9 @@ def test_a_part_that_lost_a_line_says_which_and_how_to_go_on(folder, capsys):
 def test_a_part_that_is_there_twice_is_refused(folder):
     record(folder)
     shutil.copy(folder / "P1-v100-l100.csv", folder / "P1-v100-l100-r2.csv")
-    assert "recorded twice" in read_folder(folder).parts[0].why
+    why = read_folder(folder).parts[0].why
+    assert "recorded twice" in why
+    assert '[[struck]] with recording = "P1-v100-l100-r2"' in why
     with pytest.raises(DataError, match="cannot be taken"):
         read_conditions(folder)
     strike(folder, Struck("P1-v100-l100-r2", "a copy"))

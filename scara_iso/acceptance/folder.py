@@ -170,7 +170,10 @@ def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartStat
     if not counting:
         return PartState(part, STRUCK if struck else MISSING, struck=struck)
     if len(counting) > 1:
-        why = f"recorded twice: {', '.join(one.name for one in counting)}; strike one of them"
+        why = (
+            f"recorded twice: {', '.join(one.name for one in counting)}; strike one of them in "
+            f'test.toml: [[struck]] with recording = "{counting[-1].name}" and its reason'
+        )
         return PartState(part, FAULTY, counting[-1], struck, why=why)
     return _state_of(counting[0], struck, test)
 
