@@ -311,6 +311,10 @@ def documents(tmp_path_factory):
         "evidence": [evidence(short, folder / "evidence.zip")],
         "explain": [*written("explain"), *written("explain", "trend")],
         "plan": written("plan", MODEL),
+        "plan-separating": [
+            *written("plan", MODEL, "--separating", "--elbow", "left"),
+            *written("plan", FIVE_POSES, "--separating"),
+        ],
         "ports": ports,
         "probe": written("ports", "--probe", "sim:", "--ask", "opto-rs232"),
         "push": [

@@ -1,16 +1,24 @@
-"""``scara-iso plan``: the test cube, the poses P1 to P5 and how they are visited."""
+"""``scara-iso plan``: the test cube, P1 to P5 and how they are visited; or separating poses."""
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from scara_iso import library, render, reporting
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
+from scara_iso.errors import UsageError
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis import SeparatingPlan
+    from scara_iso.iso9283 import PosePlan
+
+_M = 0.1
 
 
 class SolidName(StrEnum):
@@ -48,6 +56,9 @@ Cycles = Annotated[int, typer.Option(help="Cycles run, the first counted.", min=
 Velocity = Annotated[float, typer.Option(help="Percent of the rated velocity.")]
 Load = Annotated[float, typer.Option(help="Percent of the rated load.")]
 Dwell = Annotated[float, typer.Option(help="Seconds at each pose before its reading.")]
+Separating = Annotated[
+    bool, typer.Option("--separating", help="Poses that tell the joints apart, not ISO 9283's.")
+]
 Picture = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Workspace and poses as .svg or .png.")
 ]
@@ -61,8 +72,9 @@ def plan_command(
     *,
     solid: SolidOption = SolidName.CUBE,
     plane: PlaneOption = PlaneName.C1,
+    separating: Separating = False,
     elbow: ElbowOption = None,
-    m: ShareOfDiagonal = 0.1,
+    m: ShareOfDiagonal = _M,
     cycles: Cycles = 31,
     velocity: Velocity = 100.0,
     load: Load = 100.0,
@@ -77,26 +89,63 @@ def plan_command(
     Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
     """
     from scara_iso.robot import read_model
-    from scara_iso.tables import find_locale
 
     check_outputs([picture, output], [model])
-    described = read_model(model)
-    found = library.plan(
-        model,
-        solid=solid.value,
-        plane=plane.value,
-        elbow=None if elbow is None else elbow.value,
-        m=m,
-        cycles=cycles,
-        velocity=velocity,
-        load=load,
-        dwell=dwell,
-    )
-    if picture is not None:
-        render.save_figure(found.plot(), picture)
-    if output is not None:
-        write_text(reporting.visits_csv(found, find_locale(excel_locale)), output)
+    robot = read_model(model).robot
+    how = _How(None if elbow is None else elbow.value, cycles, velocity, load, dwell)
+    files = _Files(picture, output, excel_locale)
+    if separating:
+        _refuse_beside_separating(solid, plane, m)
+        apart = library.plan_separating(model, **asdict(how))
+        files.write(apart)
+        if json:
+            write_json(render.separating_json(apart))
+        else:
+            write_report(reporting.separating_report(apart, robot))
+        return
+    found = library.plan(model, solid=solid.value, plane=plane.value, m=m, **asdict(how))
+    files.write(found)
     if json:
         write_json(render.plan_json(found))
     else:
-        write_report(reporting.plan_report(found, described.robot))
+        write_report(reporting.plan_report(found, robot))
+
+
+@dataclass(frozen=True, slots=True)
+class _How:
+    """What every plan takes, as the library names it."""
+
+    elbow: str | None
+    cycles: int
+    velocity: float
+    load: float
+    dwell: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Files:
+    """Where a plan is written beside the report."""
+
+    picture: Path | None
+    output: Path | None
+    excel_locale: str | None
+
+    def write(self, found: PosePlan | SeparatingPlan) -> None:
+        from scara_iso.tables import find_locale
+
+        if self.picture is not None:
+            render.save_figure(found.plot(), self.picture)
+        if self.output is not None:
+            write_text(reporting.visits_csv(found, find_locale(self.excel_locale)), self.output)
+
+
+def _refuse_beside_separating(solid: SolidName, plane: PlaneName, m: float) -> None:
+    """Raise `UsageError` where something is wanted that only the test of ISO 9283 has."""
+    given = {"--solid": solid is not SolidName.CUBE, "--plane": plane is not PlaneName.C1,
+             "--m": m != _M}  # fmt: skip
+    for option, changed in given.items():
+        if changed:
+            raise UsageError(
+                f"{option} is of the test of ISO 9283, and --separating lays no cube",
+                remedy="leave one of them out",
+            )

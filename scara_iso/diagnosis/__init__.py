@@ -72,6 +72,14 @@ if TYPE_CHECKING:
         read_sweep as read_sweep,
     )
     from scara_iso.diagnosis.saving import save_model as save_model
+    from scara_iso.diagnosis.separating import (
+        GIVEN as GIVEN,
+        PROPOSED as PROPOSED,
+        STANDARD as STANDARD,
+        PosesApart as PosesApart,
+        SeparatingPlan as SeparatingPlan,
+        separating_plan as separating_plan,
+    )
     from scara_iso.diagnosis.tuning import (
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         explain_json as explain_json,
         plan_json as plan_json,
         run_json as run_json,
+        separating_json as separating_json,
         to_text as to_text,
     )
     from scara_iso.render.json_diagnosis import (
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from scara_iso.render.plots import (
         plot_diagnosis as plot_diagnosis,
         plot_plan as plot_plan,
+        plot_separating as plot_separating,
         save_figure as save_figure,
     )
     from scara_iso.render.progress import track as track

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import numpy as np
 
 from scara_iso.disk import write_file
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import PosePlan
+from scara_iso.iso9283 import PlannedPose, PosePlan
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from scara_iso.diagnosis import Diagnosis, ReachMap
+    from scara_iso.diagnosis import Diagnosis, ReachMap, SeparatingPlan
 
 _LABEL = 20
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
@@ -35,6 +36,17 @@ def plot_plan(plan: PosePlan) -> Figure:
     spec = right.get_subplotspec()
     right.remove()
     _draw_solid(figure.add_subplot(spec, projection="3d"), plan)
+    return figure
+
+
+def plot_separating(plan: SeparatingPlan) -> Figure:
+    """Return the workspace from above, and the poses that tell the joints apart."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+
+    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    axes = figure.subplots()
+    _fill_workspace(axes, plan.arm)
+    _draw_poses(axes, plan.arm, plan.poses)
     return figure
 
 
@@ -115,19 +127,22 @@ def save_figure(figure: Figure, path: Path) -> None:
 
 
 def _draw_from_above(axes: Axes, plan: PosePlan) -> None:
-    arm = plan.arm
-    axes.set_title("Workspace seen from above")
-    _fill_workspace(axes, arm)
+    _fill_workspace(axes, plan.arm)
     face = plan.corners[[0, 1, 2, 3, 0], :2]
     axes.plot(*face.T, color=SOLID, lw=1.5, label=plan.solid.value)
-    first = plan.poses[0]
+    _draw_poses(axes, plan.arm, plan.poses)
+
+
+def _draw_poses(axes: Axes, arm: Arm, poses: Sequence[PlannedPose]) -> None:
+    axes.set_title("Workspace seen from above")
+    first = poses[0]
     elbow = (
         arm.link_1_mm * np.cos(np.radians(first.joint_1_deg)),
         arm.link_1_mm * np.sin(np.radians(first.joint_1_deg)),
     )
     links = np.array([(0.0, 0.0), elbow, (first.x_mm, first.y_mm)])
     axes.plot(*links.T, "o-", color=ARM, lw=3, ms=7, mfc="white", label="arm at P1")
-    for place, names in _names_by_place(plan).items():
+    for place, names in _names_by_place(poses).items():
         axes.plot(*place, "o", color=PLANE, mec="black", ms=6, zorder=3)
         axes.annotate(names, place, (6, 5), textcoords="offset points", fontsize=9, zorder=4)
     axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
@@ -136,10 +151,10 @@ def _draw_from_above(axes: Axes, plan: PosePlan) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3, fontsize=8, frameon=False)
 
 
-def _names_by_place(plan: PosePlan) -> dict[tuple[float, float], str]:
+def _names_by_place(poses: Sequence[PlannedPose]) -> dict[tuple[float, float], str]:
     """Return the poses' names by their place seen from above, where two may coincide."""
     names: dict[tuple[float, float], str] = {}
-    for pose in plan.poses:
+    for pose in poses:
         place = (pose.x_mm, pose.y_mm)
         names[place] = f"{names[place]}, {pose.name}" if place in names else pose.name
     return names

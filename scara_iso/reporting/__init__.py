@@ -77,7 +77,11 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.paper import paper_section as paper_section
-    from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
+    from scara_iso.reporting.plan import (
+        plan_report as plan_report,
+        separating_report as separating_report,
+        visits_csv as visits_csv,
+    )
     from scara_iso.reporting.plotted import (
         Chart as Chart,
         ControlPicture as ControlPicture,
