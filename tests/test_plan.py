@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 import scara_iso
 from scara_iso.cli import main
@@ -229,7 +230,8 @@ def test_separating_poses_tell_the_joints_apart_better_than_those_of_the_model(s
     proposed, given = separating.apart["proposed"], separating.apart["given"]
     assert proposed.angle_deg > given.angle_deg + 10
     assert proposed.observability_index > 1.3 * given.observability_index
-    assert proposed.smallest_angle_deg >= 45
+    assert proposed.smallest_angle_deg > given.smallest_angle_deg
+    assert proposed.uncertainty < 0.7 * given.uncertainty
 
 
 def test_the_angles_of_separating_poses_are_those_of_their_movements(separating):
@@ -240,6 +242,25 @@ def test_the_angles_of_separating_poses_are_those_of_their_movements(separating)
     assert expected[found.between] == pytest.approx(min(expected.values()))
     movements = np.concatenate([separating.arm.jacobian(one) for one in joints])
     assert found.observability_index == pytest.approx(1 / np.linalg.cond(movements))
+
+
+def test_the_uncertainty_at_separating_poses_is_that_of_a_weighted_fit(separating):
+    arm, covariances, moves = separating.arm, [], []
+    for pose in separating.poses:
+        joints = (pose.joint_1_deg, pose.joint_2_deg)
+        jacobian = arm.jacobian(joints)
+        dial = (arm.link_1_mm + arm.link_2_mm) / 5
+        covariances.append(jacobian @ jacobian.T + dial**2 * np.eye(2))
+        moves.append(np.column_stack([jacobian, arm.forward(joints), np.eye(2)]))
+    root = np.linalg.inv(np.linalg.cholesky(block_diag(*covariances)))
+    seen = root @ np.concatenate(moves)
+    errors = [
+        np.linalg.inv(seen[:, [joint, other]].T @ seen[:, [joint, other]])[0, 0] ** 0.5
+        for joint in (0, 1)
+        for other in range(5)
+        if other != joint
+    ]
+    assert separating.apart["proposed"].uncertainty == pytest.approx(max(errors))
 
 
 def test_separating_poses_are_reached_with_one_elbow_and_leave_room(separating):

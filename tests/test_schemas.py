@@ -286,6 +286,7 @@ def documents(tmp_path_factory):
                              "--exchangeability")],
         "demo": written("demo"),
         "design": written("diagnose", "--design", "--columns", "approach"),
+        "design-poses": written("diagnose", "--design", "--model", FIVE_POSES, "--cycles", "9"),
         "diagnose": [
             *written("diagnose", one_apart(folder / "apart.csv")),
             *written("diagnose", EXAMPLES / "unexplained.csv"),

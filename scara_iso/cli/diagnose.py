@@ -131,11 +131,9 @@ def diagnose_command(
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        refuse_beside_design(Files(model, effects, hold_out, save_model, plot, map_, None))
-        show_design(
-            named, reading, wanted, sigma=sigma, columns=columns, effects=effects, seed=seed,
-            as_json=json,
-        )  # fmt: skip
+        files = Files(model, effects, hold_out, save_model, plot, map_, sigma)
+        refuse_beside_design(files)
+        show_design(named, files, reading, wanted, seed=seed, as_json=json)
         return
     files = Files(model, effects, hold_out, save_model, plot, map_, sigma)
     files.check(named)

@@ -79,7 +79,7 @@ def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
 def refuse_beside_design(files: Files) -> None:
     """Raise `UsageError` where something is wanted that needs readings."""
     given = {
-        "--model": files.model, "--hold-out": files.hold_out, "--save-model": files.save_model,
+        "--hold-out": files.hold_out, "--save-model": files.save_model,
         "--plot": files.plot, "--map": files.map,
     }  # fmt: skip
     _refuse(given, "does not go with --design", "leave it out")

@@ -40,6 +40,13 @@ if TYPE_CHECKING:
         design as design,
         planned_columns as planned_columns,
     )
+    from scara_iso.diagnosis.planning_poses import (
+        ChangeOfPoses as ChangeOfPoses,
+        DesignOfPoses as DesignOfPoses,
+        PlannedPosesTest as PlannedPosesTest,
+        design_of_poses as design_of_poses,
+        like_test as like_test,
+    )
     from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
     from scara_iso.diagnosis.poses_result import (
         DiagnosisOfPoses as DiagnosisOfPoses,

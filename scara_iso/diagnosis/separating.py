@@ -2,9 +2,9 @@
 
 A movement is told from another by its direction in the space of all axes at all poses. What
 `diagnose` tells apart there are the two joints, the growth of the links, and X and Y everywhere
-alike. Poses are sought at which the joints are as far apart as they can be, and any other two of
-these at least 45 degrees: by exchange (Fedorov 1972), one pose at a time, from several random
-starts.
+alike. Sought are poses from which the size of an effect in either joint is known best, although
+any one of the others may act as well: by exchange (Fedorov 1972), one pose at a time, from several
+random starts.
 """
 
 from __future__ import annotations
@@ -47,22 +47,22 @@ _MARGIN = 0.05
 """Share of a joint's range at either end that is left out: a pose is approached from both sides."""
 _SINGULAR_DEG = 20.0
 """Nearest to straight or folded that a pose is taken: the arm is slow and stiff there."""
-_ENOUGH_DEG = 45.0
-"""From which angle two movements other than the joints are apart enough: half of the square of the
-one is then left by the other. Without it all poses are the same, nearly folded (docs/joints.md)."""
+_JOINTS_OVER_DIAL = 5.0
+"""Scatter of each joint at full reach over that of a dial, as far as poses are compared: of 2, 3
+and 5 the one at which the angles between the joints gain too (docs/joints.md)."""
 _NEAREST = 0.12
 """Share of the reach by which poses are apart: each has a fixture and its indicators."""
 _STARTS = 20
 _DIGITS = 9
-"""Digits of a cosine that count: rounding must not choose between equal poses."""
+"""Decimals that count: rounding must not choose between equal poses."""
 
 
 @dataclass(frozen=True, slots=True)
 class PosesApart:
-    """How well poses tell apart what moves them, dials alike at all of them.
+    """How well poses tell apart what moves them.
 
     ``angle_deg`` and ``observability_index`` are of joint 1 and joint 2, as those of
-    `Separation` where only the dials scatter; ``smallest_angle_deg`` is the smallest between any
+    `Separation`; ``smallest_angle_deg`` is the smallest between any
     two of `MOVEMENTS`, which are ``between``.
     """
 
@@ -70,6 +70,9 @@ class PosesApart:
     observability_index: float
     smallest_angle_deg: float
     between: tuple[str, str]
+    uncertainty: float
+    """Of the size of an effect in a joint from one cycle, in that joint's scatter, where any one of
+    the other movements may act too: the larger of both joints, joints scattering as `_nominal`."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -130,7 +133,7 @@ def separating_plan(
             remedy="take the other elbow, or correct the arm's limits",
         )
     # rounding must not choose between mirrored elbows
-    best = min(found, key=lambda side: _likeness(_products(arm, found[side]).sum(axis=0)))
+    best = min(found, key=lambda side: poses_apart(arm, found[side]).uncertainty)
     joints = found[best][np.argsort(found[best][:, 0], kind="stable")]
     # whole micrometres, as a controller takes them
     joints = arm.inverse(np.round(arm.forward(joints), 3), elbow=best)
@@ -143,10 +146,15 @@ def separating_plan(
     return SeparatingPlan(best, Poses(poses), apart, conditions, arm, rated)
 
 
-def poses_apart(arm: Arm, joints_deg: npt.ArrayLike) -> PosesApart:
-    """Return how well poses (P, 2), joints 1 and 2 in degrees, tell `MOVEMENTS` apart."""
+def poses_apart(
+    arm: Arm, joints_deg: npt.ArrayLike, scatter: FloatArray | None = None
+) -> PosesApart:
+    """Return how well poses (P, 2), joints 1 and 2 in degrees, tell `MOVEMENTS` apart.
+
+    Angles are beside the covariances ``scatter`` (P, 2, 2) of X and Y, else dials alike everywhere.
+    """
     products = _products(arm, joints_deg).sum(axis=0)
-    cosines = _cosines(products)
+    cosines = _cosines(_products(arm, joints_deg, scatter).sum(axis=0))
     pairs = list(combinations(range(len(MOVEMENTS)), 2))
     one, other = max(pairs, key=lambda pair: round(float(cosines[pair]), _DIGITS))
     least, most = np.linalg.eigvalsh(products[:2, :2])
@@ -155,6 +163,7 @@ def poses_apart(arm: Arm, joints_deg: npt.ArrayLike) -> PosesApart:
         math.sqrt(max(0.0, float(least / most))),
         _angle(cosines[one, other]),
         (MOVEMENTS[one], MOVEMENTS[other]),
+        float(_uncertainty(_products(arm, joints_deg, _nominal(arm, joints_deg)).sum(axis=0))),
     )
 
 
@@ -173,15 +182,16 @@ def _grid(arm: Arm, elbow: Elbow) -> FloatArray:
     return np.asarray(joints[own & (arm.singularity_deg(joints) >= _SINGULAR_DEG)])
 
 
-def _products(arm: Arm, joints_deg: npt.ArrayLike) -> FloatArray:
+def _products(arm: Arm, joints_deg: npt.ArrayLike, scatter: FloatArray | None = None) -> FloatArray:
     """Return the products of the `MOVEMENTS` with each other at every pose, shape (P, 5, 5).
 
-    Those of several poses together are their sums.
+    Those of several poses together are their sums; beside ``scatter`` (P, 2, 2) they are weighted.
     """
     jacobian = arm.jacobian(joints_deg)
     alike = np.broadcast_to(np.eye(2), jacobian.shape)
     moves = np.concatenate([jacobian, arm.forward(joints_deg)[..., np.newaxis], alike], axis=-1)
-    return np.asarray(np.swapaxes(moves, -1, -2) @ moves)
+    weighted = moves if scatter is None else np.linalg.solve(scatter, moves)
+    return np.asarray(np.swapaxes(moves, -1, -2) @ weighted)
 
 
 def _cosines(products: FloatArray) -> FloatArray:
@@ -191,27 +201,33 @@ def _cosines(products: FloatArray) -> FloatArray:
     return np.asarray(np.abs(products) / np.maximum(lengths, np.finfo(float).tiny))
 
 
-def _likeness(products: FloatArray) -> FloatArray:
-    """Return how bad poses (..., 5, 5) are: the joints' cosine, above 1 where others are near."""
-    cosines = _cosines(products)
-    joints = cosines[..., 0, 1].copy()
-    cosines[..., 0, 1] = 0.0
-    upper = np.triu_indices(len(MOVEMENTS), 1)
-    others = cosines[..., *upper].max(axis=-1)
-    enough = math.cos(math.radians(_ENOUGH_DEG))
-    return np.asarray(np.where(others > enough, 1 + others, joints).round(_DIGITS))
+def _nominal(arm: Arm, joints_deg: npt.ArrayLike) -> FloatArray:
+    """Return covariances (P, 2, 2) of X and Y, in those of a joint alone where its lever is 1."""
+    jacobian = arm.jacobian(joints_deg)
+    dial = ((arm.link_1_mm + arm.link_2_mm) / _JOINTS_OVER_DIAL) ** 2
+    return np.asarray(jacobian @ np.swapaxes(jacobian, -1, -2) + dial * np.eye(2))
+
+
+def _uncertainty(products: FloatArray) -> FloatArray:
+    """Return how well poses (..., 5, 5) show a joint's size beside any one other movement."""
+    own = np.diagonal(products, axis1=-2, axis2=-1)
+    shared = products[..., :2, :] ** 2 / np.maximum(own, np.finfo(float).tiny)[..., np.newaxis, :]
+    known = own[..., :2, np.newaxis] - shared
+    known[..., [0, 1], [0, 1]] = np.inf
+    least = np.maximum(known.min(axis=(-2, -1)), np.finfo(float).tiny)
+    return np.asarray((1 / np.sqrt(least)).round(_DIGITS))
 
 
 def _exchanged(arm: Arm, grid: FloatArray, rng: np.random.Generator) -> FloatArray | None:
     """Return the poses (P, 2) of a grid (m, 2) that tell the movements apart; None: no room."""
     if not len(grid):
         return None
-    products, places = _products(arm, grid), arm.forward(grid)
+    products, places = _products(arm, grid, _nominal(arm, grid)), arm.forward(grid)
     between = np.linalg.norm(places[:, np.newaxis] - places, axis=-1)
     near = between < _NEAREST * (arm.link_1_mm + arm.link_2_mm)
     starts = [rng.choice(len(grid), _POSES).tolist() for _ in range(_STARTS)]
     found = [_improved(chosen, products, near) for chosen in starts]
-    best = min(found, key=lambda one: float(_likeness(products[one].sum(axis=0))))
+    best = min(found, key=lambda one: float(_uncertainty(products[one].sum(axis=0))))
     room = np.count_nonzero(near[np.ix_(best, best)]) == _POSES
     return np.asarray(grid[best]) if room else None
 
@@ -222,10 +238,10 @@ def _improved(chosen: list[int], products: FloatArray, near: npt.NDArray[np.bool
     while True:
         for k in range(len(chosen)):
             others = chosen[:k] + chosen[k + 1 :]
-            likeness = _likeness(products[others].sum(axis=0) + products)
-            likeness[near[others].any(axis=0)] = np.inf
-            chosen = [*chosen[:k], int(np.argmin(likeness)), *chosen[k + 1 :]]
-        now = float(_likeness(products[chosen].sum(axis=0)))
+            worse = _uncertainty(products[others].sum(axis=0) + products)
+            worse[near[others].any(axis=0)] = np.inf
+            chosen = [*chosen[:k], int(np.argmin(worse)), *chosen[k + 1 :]]
+        now = float(_uncertainty(products[chosen].sum(axis=0)))
         if now >= reached:
             return chosen
         reached = now

@@ -32,6 +32,7 @@ LIMIT = (
     "figure pose RP interval limit verdict rule=decision interval_void cycles_wanted guard "
     "inside clear"
 )
+APART = "angle_deg observability_index smallest_angle_deg between uncertainty"
 _RADIAL = (
     "RP_radial=RP RP_radial_interval=RP_interval l_bar S_l uncertainty uncertainty_ratio accuracy"
 )
@@ -194,12 +195,11 @@ def plan_json(plan: PosePlan) -> Json:
 
 def separating_json(plan: SeparatingPlan) -> Json:
     """Return the object of separating poses, schema ``scara-iso/plan-separating/1``."""
-    angles = "angle_deg observability_index smallest_angle_deg between"
     return {
         "schema": "scara-iso/plan-separating/1",
         "unit": "mm",
         **picked(plan, "elbow"),
-        "apart": {name: picked(one, angles) for name, one in plan.apart.items()},
+        "apart": {name: picked(one, APART) for name, one in plan.apart.items()},
         "rated": picked(plan.rated, "load_kg velocity_mm_s"),
         "cycles": picked(plan.conditions, "run=cycles used"),
         "visits": plain(plan.rows()),

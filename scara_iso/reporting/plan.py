@@ -78,15 +78,18 @@ def _apart(apart: Mapping[str, PosesApart]) -> Table:
             _SETS[name],
             Number(one.angle_deg, ".0f"),
             Number(one.observability_index, ".2f"),
+            Number(one.uncertainty, ".2f"),
             Number(one.smallest_angle_deg, ".0f"),
             " and ".join(one.between),
         )
         for name, one in apart.items()
     )
-    header = ("poses", "joints 1, 2", "index", "smallest", "which is that of")
+    header = ("poses", "joints 1, 2", "index", "size to", "smallest", "which is of")
     note = (
         "angles in degrees between what moves all poses, 90 best: joint 1, joint 2, the growth of "
-        "the links, X or Y everywhere; index: observability, 0 where the joints are not told apart"
+        "the links, X or Y everywhere; index: observability, 0 where the joints are not told "
+        "apart; size to: how well one cycle shows that of an effect in a joint, whichever of the "
+        "others acts too, in the scatter of that joint"
     )
     return Table(header, rows, note)
 
