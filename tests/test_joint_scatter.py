@@ -247,7 +247,8 @@ def test_diagnose_traces_the_scatter_of_a_test_and_foretells_a_pose(
 ):
     monkeypatch.chdir(test_of_three)
     asked = ["diagnose", "three.csv", "--model", "robot.toml", "--cycles", "13"]
-    assert main([*asked, "--hold-out", "P3", "--map", "map.csv", "--json"]) == 0
+    wanted = ["--hold-out", "P3", "--map", "map.csv", "--limit", "XY=0.02", "--json"]
+    assert main([*asked, *wanted]) == 0
     told = json.loads(capsys.readouterr().out)
     assert [pose["pose"] for pose in told["poses"]] == ["P1", "P2"]
     assert told["joint_scatter"].keys() == {"joint 1", "joint 2", "dial", "neither"}
@@ -261,6 +262,9 @@ def test_diagnose_traces_the_scatter_of_a_test_and_foretells_a_pose(
     values = [float(row["RP_mm"]) for row in rows]
     assert told["map"]["worst"]["RP"] == pytest.approx(max(values), abs=1e-6)
     assert all(float(row["low_mm"]) < float(row["high_mm"]) for row in rows)
+    kept = [row["kept"] == "1" for row in rows]
+    assert kept == [float(row["high_mm"]) <= 0.02 for row in rows]
+    assert told["map"]["share_kept"] == pytest.approx(sum(kept) / len(kept))
 
 
 def test_the_library_says_the_same_of_all_poses(test_of_three):
@@ -285,6 +289,9 @@ def test_the_library_says_the_same_of_all_poses(test_of_three):
         (["--map", "robot.toml", "--model", "robot.toml"], "robot.toml: a map is written as"),
         (["--map", "map.csv", "--model", "no_arm.toml"], "gives no links"),
         (["--map", "map.csv", "--design"], "does not go with"),
+        (["--limit", "XY=0.02"], "--limit needs --model"),
+        (["--limit", "Z=0.02", "--model", "robot.toml"], "of RP in XY"),
+        (["--limit", "-1", "--model", "robot.toml"], "not a positive"),
     ],
 )
 def test_what_cannot_be_asked_is_refused(test_of_three, monkeypatch, capsys, options, said):

@@ -294,7 +294,7 @@ def documents(tmp_path_factory):
             *written("diagnose", both_ways, "--model", loaded),
             *written("diagnose", *two_poses(folder)),
             *written("diagnose", EXAMPLES / "five_poses.csv", "--model", FIVE_POSES,
-                     "--hold-out", "P5", "--map", folder / "map.csv"),
+                     "--hold-out", "P5", "--map", folder / "map.csv", "--limit", "XY=0.014"),
             *written("diagnose", joints_together(folder / "joints.csv"), "--model", FIVE_POSES,
                      "--cycles", "13"),
         ],

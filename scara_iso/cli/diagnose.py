@@ -65,6 +65,10 @@ Map = Annotated[
     Path | None,
     typer.Option("--map", metavar="FILE", help="RP over the robot's reach, as .png, .svg or .csv."),
 ]
+Limit = Annotated[
+    list[str] | None,
+    typer.Option(metavar="XY=MM", help="RP in XY that is wanted: where over the reach it is kept."),
+]
 SaveModel = Annotated[
     Path | None, typer.Option(metavar="NEW", help="Write the model with the effects declared.")
 ]
@@ -101,6 +105,7 @@ def diagnose_command(
     save_model: SaveModel = None,
     plot: Plot = None,
     map_: Map = None,
+    limit: Limit = None,
     pose: Pose = None,
     design: Design = False,
     sigma: Sigma = None,
@@ -131,11 +136,11 @@ def diagnose_command(
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        files = Files(model, effects, hold_out, save_model, plot, map_, sigma)
+        files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
         refuse_beside_design(files)
         show_design(named, files, reading, wanted, seed=seed, as_json=json)
         return
-    files = Files(model, effects, hold_out, save_model, plot, map_, sigma)
+    files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
     files.check(named)
     check_outputs([plot, save_model, map_], [*files_of(named), model, effects, hold_out])
     show = partial(_How, full=full, as_json=json)
@@ -208,6 +213,7 @@ def _diagnose_run(
         **asdict(wanted),
         hold_out=second,
         reach=files.map is not None,
+        limit=files.limit_of_plane(),
         seed=seed,
         sigma=files.sigma,
         own_effects=own,

@@ -50,6 +50,7 @@ def diagnose(
     allow_gaps: bool = False,
     hold_out: Tables | None = None,
     reach: bool = False,
+    limit: float | None = None,
     sigma: float | None = None,
     seed: int = SEED,
     own_effects: OwnEffects = (),
@@ -60,7 +61,8 @@ def diagnose(
     `DiagnosisOfPoses`, with a model of the arm and ``[pose.P1]`` and so on traced to its joints,
     effects and scatter alike; ``pose`` names one of them, which ``sigma`` needs. ``hold_out`` is a
     second table that measures the error on unseen cycles, or of several poses the name of one that
-    takes no part; ``reach`` adds RP over the workspace. The other options are those of `analyze`,
+    takes no part; ``reach`` adds RP over the workspace, ``limit`` (in mm) also where it is at most
+    that. The other options are those of `analyze`,
     for both tables, and so is the folder of a test. ``sigma`` is the known scatter in mm.
     ``own_effects`` are the user's, or the file that defines them. Same arguments, same result.
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
@@ -70,13 +72,18 @@ def diagnose(
     if (measured := reading.measured(table, condition)) is not None:
         table, cycles = measured.readings, cycles or measured.cycles
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
+    if limit is not None and not 0 < limit < np.inf:
+        raise UsageError(f"`limit={limit:g}`: not a positive, finite length")
+    reach = reach or limit is not None
     own = defined(own_effects)
     run = reading.read(table)
     known = None if model is None else described(model, own)
     unseen = held_out_pose(run, hold_out)
     several = pose is None and sigma is None and len(list(run.rows_by_pose())) > 1
     if several and (hold_out is None or unseen is not None):
-        return _of_poses(run, known, wanted, unseen=unseen, reach=reach, seed=seed, own=own)
+        return _of_poses(
+            run, known, wanted, unseen=unseen, reach=reach, limit=limit, seed=seed, own=own
+        )
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
     return close_the_loop(
@@ -103,6 +110,7 @@ def _of_poses(
     *,
     unseen: str | None,
     reach: bool,
+    limit: float | None,
     seed: int,
     own: Sequence[OwnEffect],
 ) -> DiagnosisOfPoses:
@@ -120,7 +128,7 @@ def _of_poses(
     found = replace(found, notes=(*read, *found.notes))
     if model is None:
         return found
-    return with_joint_scatter(found, run, model, wanted, held_out=unseen, reach=reach)
+    return with_joint_scatter(found, run, model, wanted, held_out=unseen, reach=reach, limit=limit)
 
 
 def diagnose_many(

@@ -45,7 +45,8 @@ def _beside(one: PoseLeftOut) -> Json:
 
 
 def _extremes(reach: ReachMap) -> Json:
-    return {
+    ends = {
         name: dict(zip(("x_mm", "y_mm", "RP"), place, strict=True))
         for name, place in (("best", reach.best), ("worst", reach.worst))
     }
+    return ends if reach.limit is None else {**ends, **picked(reach, "limit share_kept")}

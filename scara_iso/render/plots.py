@@ -87,6 +87,8 @@ def plot_reach(reach: ReachMap) -> Figure:
     axes = figure.subplots()
     shown = axes.pcolormesh(reach.x, reach.y, reach.RP, cmap="cividis", rasterized=True)
     figure.colorbar(shown, ax=axes, label="RP in XY, 30 cycles [mm]")
+    if reach.limit is not None:
+        _draw_limit(axes, reach, reach.limit)
     marks = (("best", reach.best, "v"), ("worst", reach.worst, "^"))
     for name, (x, y, value), mark in marks:
         label = f"{name} {value:.3g} mm"
@@ -100,6 +102,13 @@ def plot_reach(reach: ReachMap) -> Figure:
     axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]", title="predicted repeatability")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2, frameon=False)
     return figure
+
+
+def _draw_limit(axes: Axes, reach: ReachMap, limit: float) -> None:
+    """Hatch where the limit is not kept, and say what it is."""
+    axes.contourf(reach.x, reach.y, reach.kept, levels=[-0.5, 0.5], colors="none", hatches=["////"])
+    said = f"hatched: {limit:g} mm is not kept"
+    axes.plot([], [], "s", mfc="none", mec=ARM, ms=8, ls="none", label=said)
 
 
 def save_figure(figure: Figure, path: Path) -> None:

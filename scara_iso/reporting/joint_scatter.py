@@ -153,7 +153,15 @@ def _checked(found: JointScatter) -> Iterator[Text]:
 
 def _extremes(reach: ReachMap) -> Text:
     (x, y, least), (u, v, most) = reach.best, reach.worst
-    return Text(
+    said = (
         f"RP over the reach: {least:.3g} mm at best, such as {round(x)} mm along x and {round(y)} "
         f"along y; {most:.3g} mm at worst, such as {round(u)} and {round(v)}"
+    )
+    if reach.limit is None:
+        return Text(said)
+    kept = reach.share_kept
+    return Text(
+        f"{said}; {reach.limit:g} mm is kept in {kept:.0%} of it: 39 of 40 tests there would "
+        "measure less",
+        "good" if kept == 1 else "warn",
     )

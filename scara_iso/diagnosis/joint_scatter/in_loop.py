@@ -25,11 +25,13 @@ def with_joint_scatter(
     *,
     held_out: str | None = None,
     reach: bool = False,
+    limit: float | None = None,
 ) -> DiagnosisOfPoses:
     """Return a test's diagnosis with its scatter traced to the joints, or a note why it is not.
 
     ``run`` holds all poses, ``held_out`` names one that ``found`` has not seen. Raises as
-    `joint_scatter` where that pose, or the map (``reach``), was asked for and cannot be given.
+    `joint_scatter` where that pose, or the map (``reach``, with the ``limit`` of RP in mm), was
+    asked for and cannot be given.
     """
     run = run.unwrapped()
     used = run.take(np.concatenate(wanted.used(run).rows))
@@ -41,7 +43,7 @@ def with_joint_scatter(
         if label == held_out
     }
     try:
-        traced = joint_scatter(used, model, found.poses, held_out=unseen, reach=reach)
+        traced = joint_scatter(used, model, found.poses, held_out=unseen, reach=reach, limit=limit)
     except UsageError as error:
         if held_out is not None or reach:
             raise

@@ -104,6 +104,19 @@ class ReachMap:
     """Upper end, likewise."""
     poses: Mapping[str, tuple[float, float]]
     """Where the poses are from which it is made: x, y."""
+    limit: float | None = None
+    """RP that is wanted, in mm; None: nobody said."""
+
+    @property
+    def kept(self) -> FloatArray:
+        """Where the limit is kept: 1 where the upper end is at most that, else 0, nan outside."""
+        limit = np.nan if self.limit is None else self.limit
+        return np.asarray(np.where(np.isnan(self.high), np.nan, self.high <= limit))
+
+    @property
+    def share_kept(self) -> float:
+        """Share of the reach at which the limit is kept, seen from above."""
+        return float(np.nanmean(self.kept))
 
     @property
     def best(self) -> tuple[float, float, float]:
