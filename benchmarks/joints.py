@@ -16,17 +16,24 @@ import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 import scara_iso.diagnosis.search as search_module
-from scara_iso.diagnosis import AllPoses, separating_plan, whole_cycles
+from scara_iso.diagnosis import (
+    AllPoses,
+    PlannedPosesTest,
+    design_of_poses,
+    separating_plan,
+    whole_cycles,
+)
 from scara_iso.diagnosis.permutation import order_test
 from scara_iso.diagnosis.poses import problem_of_poses
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.search import find, tested
-from scara_iso.effects import find_effects
+from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import PoseTestConditions
 from scara_iso.robot import Arm, Rated
 from scara_iso.run import Axis, FloatArray, Run
@@ -189,6 +196,23 @@ def elsewhere(runs: int, seed: int) -> Iterator[str]:
     )
 
 
+def designed(runs: int, seed: int) -> Iterator[str]:
+    """Yield how many effects are found of the size at which ``--design`` promises 80 %."""
+    variances = np.array([*SCATTER**2, OWN**2, 0.0])
+    cycles = Conditions(np.arange(2, N + 2), {})
+    plan = PlannedPosesTest(cycles, ARM, JOINTS, variances, (DIVISION, DIVISION))
+    for (joint, smallest), kind in product(design_of_poses(plan).smallest.items(), KINDS):
+        number = int(joint[-1])
+        travel = next(one.travel for one in smallest if one.effect == kind)
+        size = (travel or 0.0) / SCATTER[number - 1]
+        tests = (
+            simulated(np.random.default_rng([seed, k]), kind=kind, joint=number, size=size)
+            for k in range(runs)
+        )
+        found = np.mean([searched(test) is not None for test in tests])
+        yield f"| {kind} {size:.2f}, {joint} | {100 * found:.0f} |"
+
+
 def _share(found: list[str], name: str) -> str:
     return f"{100 * found.count(name) / max(1, len(found)):.0f}"
 
@@ -215,6 +239,7 @@ def write_example(path: Path, seed: int) -> None:
     path.write_text("\n".join([*head, *rows, ""]), encoding="utf-8")
 
 
+KINDS = ("step", "warm_up")
 POWER = {"step1": ("step", 1.0), "step1.5": ("step", 1.5), "warm1.5": ("warm_up", 1.5),
          "warm2": ("warm_up", 2.0)}  # fmt: skip
 
@@ -226,7 +251,7 @@ def main() -> None:
     )
     parser.add_argument("--runs", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", choices=[*POWER, "alarms", "elsewhere"])
+    parser.add_argument("--only", choices=[*POWER, "alarms", "elsewhere", "design"])
     parser.add_argument("--shuffles", type=int, default=199)
     parser.add_argument("--example", type=Path, help="write the table of docs/joints.md")
     parser.add_argument("--beside", action="store_true", help="the other two tests as well")
@@ -245,7 +270,7 @@ def main() -> None:
         if given.only in (None, cell):
             for row in power(given.runs, given.seed, kind, size, beside=given.beside):
                 print(row, flush=True)
-    for cell, rows in {"alarms": alarms, "elsewhere": elsewhere}.items():
+    for cell, rows in {"alarms": alarms, "elsewhere": elsewhere, "design": designed}.items():
         if given.only in (None, cell):
             for row in rows(given.runs, given.seed):
                 print(row, flush=True)

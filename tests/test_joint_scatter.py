@@ -229,9 +229,9 @@ def test_of_three(tmp_path_factory):
     rng = np.random.default_rng(9)
     named = {pose: POSES[pose] for pose in ("P1", "P2", "P3")}
     columns = {pose: readings(rng, q, n=13) - tool(q) for pose, q in named.items()}
-    lines = ["# unit: mm", "# resolution: 0.001", "cycle,pose,X,Y"]
+    lines = ["# unit: mm", "# resolution: 0.001", "cycle,pose,X,Y,approach"]
     lines += [
-        f"{k + 1},{pose},{x:.3f},{y:.3f}"
+        f"{k + 1},{pose},{x:.3f},{y:.3f},{(-1) ** k:+d}"
         for k in range(13) for pose, values in columns.items() for x, y in values[k : k + 1]
     ]  # fmt: skip
     (folder / "three.csv").write_text("\n".join(lines))
@@ -272,6 +272,8 @@ def test_the_library_says_the_same_of_all_poses(test_of_three):
     found = scara_iso.diagnose(table, model, cycles=13)
     assert found.joint_scatter.predicted_RP.keys() == {"P4"}
     assert found.joint_scatter.left_out.keys() == {"P1", "P2", "P3"}
+    (one,) = found.followed
+    assert (one.effect, one.column, one.sizes["joint 2"].unit) == ("lost_motion", "approach", "rad")
     unknown = scara_iso.diagnose(table, test_of_three / "nowhere.toml", cycles=13)
     assert unknown.joint_scatter is None
     assert any("where the joints are at P1, P2, P3" in note for note in unknown.notes)

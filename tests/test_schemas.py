@@ -157,13 +157,15 @@ def two_poses(folder):
 
 
 def joints_together(path):
-    """Write three poses at which both joints scatter as one."""
+    """Write three poses, from either side by turns, at which both joints scatter as one."""
     rng, model = np.random.default_rng(3), scara_iso.robot.read_model(FIVE_POSES)
-    lines = ["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y"]
+    lines = ["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y,approach"]
     for pose in ("P1", "P2", "P3"):
         turned = rng.normal(size=(13, 1)) * [2e-5, -3e-5]
         places = turned @ model.arm.jacobian(model.poses[pose]).T
-        lines += [f"{pose},{k},{x:.3f},{y:.3f}" for k, (x, y) in enumerate(places, start=1)]
+        lines += [
+            f"{pose},{k},{x:.3f},{y:.3f},{(-1) ** k:+d}" for k, (x, y) in enumerate(places, start=1)
+        ]
     path.write_text("\n".join([*lines, ""]), encoding="utf-8")
     return path
 

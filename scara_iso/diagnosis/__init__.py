@@ -19,11 +19,13 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.held_out import HeldOut as HeldOut
     from scara_iso.diagnosis.hypothesis_set import HypothesisSet as HypothesisSet
     from scara_iso.diagnosis.joint_scatter import (
+        FollowedInJoints as FollowedInJoints,
         JointCorrelation as JointCorrelation,
         JointScatter as JointScatter,
         PoseLeftOut as PoseLeftOut,
         PredictedRP as PredictedRP,
         ReachMap as ReachMap,
+        SizeInJoint as SizeInJoint,
         SourceOfScatter as SourceOfScatter,
         with_joint_scatter as with_joint_scatter,
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.evidence import ManyPoses
-from scara_iso.diagnosis.fit import Fit
+from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.places import BOTH, JOINTS, Place, places_of, separation
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
@@ -33,6 +33,7 @@ from scara_iso.diagnosis.tuning import (
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Effect, find_effects
 from scara_iso.robot import Arm
+from scara_iso.run import FloatArray
 
 _Value = TypeVar("_Value")
 _DUST = 1e-12
@@ -77,6 +78,7 @@ def diagnose_poses(
         error_before=_over_poses(whole.error_before, test),
         error_after=_over_poses(whole.error_after, test),
         separation=_separation(problem),
+        courses=tuple(_course(term, len(test.run)) for term in solved.fitted.terms[: len(found)]),
         notes=(*test.notes, *whole.notes),
     )
 
@@ -110,6 +112,10 @@ def _shares(lines: Sequence[Place]) -> np.ndarray:
         return np.full(len(lines), 1 / max(1, len(lines)))
     others = max(1, int((~joints).sum()))
     return np.where(joints, JOINTS_SHARE / joints.sum(), (1 - JOINTS_SHARE) / others)
+
+
+def _course(term: Term, n: int) -> FloatArray:
+    return np.empty((n, 0)) if term.columns is None else term.columns
 
 
 def _separation(problem: SearchProblem) -> Separation | None:

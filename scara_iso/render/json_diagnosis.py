@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from scara_iso.render.json import APART, Json, each, picked, plain, pose_json
-from scara_iso.render.json_joint_scatter import joint_scatter_json
+from scara_iso.render.json_joint_scatter import followed_json, joint_scatter_json
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import (
@@ -58,6 +58,7 @@ def poses_diagnosis_json(found: DiagnosisOfPoses) -> Json:
         "joints_apart": separation and picked(separation, "angle_deg observability_index"),
         "poses": poses,
         **({} if found.joint_scatter is None else joint_scatter_json(found.joint_scatter)),
+        **(followed_json(found.followed) if found.followed else {}),
         "notes": list(found.notes),
     }
 

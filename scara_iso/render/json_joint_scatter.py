@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from scara_iso.render.json import Json, picked
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import JointScatter, PoseLeftOut, ReachMap
+    from scara_iso.diagnosis import FollowedInJoints, JointScatter, PoseLeftOut, ReachMap
 
 
 def joint_scatter_json(found: JointScatter) -> Json:
@@ -33,6 +34,22 @@ def joint_scatter_json(found: JointScatter) -> Json:
         "held_out": {pose: _beside(one) for pose, one in found.held_out.items()},
         **({} if found.reach is None else {"map": _extremes(found.reach)}),
     }  # fmt: skip
+
+
+def followed_json(found: Sequence[FollowedInJoints]) -> Json:
+    """Return the key that recorded columns add to ``diagnose`` of several poses."""
+    return {
+        "followed": [
+            {
+                **picked(one, "effect column misfit_p_value"),
+                "sizes": {
+                    name: {**picked(size, "value unit"), "interval": [size.low, size.high]}
+                    for name, size in one.sizes.items()
+                },
+            }
+            for one in found
+        ]
+    }
 
 
 def _beside(one: PoseLeftOut) -> Json:

@@ -133,6 +133,36 @@ class ReachMap:
         return float(self.x[column]), float(self.y[row]), float(self.RP[row, column])
 
 
+@dataclass(frozen=True, slots=True)
+class SizeInJoint:
+    """How much one source follows a recorded column, with its 95 % interval.
+
+    ``unit`` is rad of a joint, 1 of the growth of the links, mm of a dial, over that of the column.
+    """
+
+    value: float
+    unit: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FollowedInJoints:
+    """What follows a recorded column at all poses, traced to joints, links and dials.
+
+    ``effect`` is lost motion (half of the distance between the approaches), compliance or thermal
+    growth.
+    """
+
+    effect: str
+    column: str
+    sizes: Mapping[str, SizeInJoint]
+    """``joint 1``, ``joint 2``, ``along the arm`` of a temperature, ``X everywhere`` and ``Y
+    everywhere``: its dial or datum."""
+    misfit_p_value: float
+    """Chance of poses that disagree as much where these sources are all."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class JointScatter:
     """Scatter of all poses traced to the joints and the dial, and RP at other poses from it."""
