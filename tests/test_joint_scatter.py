@@ -267,11 +267,37 @@ def test_diagnose_traces_the_scatter_of_a_test_and_foretells_a_pose(
     assert told["map"]["share_kept"] == pytest.approx(sum(kept) / len(kept))
 
 
+def test_a_second_test_of_the_same_poses_measures_the_error(test_of_three, rng, capsys):
+    columns = {pose: readings(rng, POSES[pose], n=12) for pose in ("P1", "P2", "P3")}
+    rows = [
+        f"{k + 2},{pose},{x:.3f},{y:.3f},{(-1) ** k:+d}"
+        for k in range(12) for pose, values in columns.items() for x, y in values[k : k + 1]
+    ]  # fmt: skip
+    second = test_of_three / "second.csv"
+    head = ["# unit: mm", "# resolution: 0.001", "# first_cycle_discarded: true"]
+    second.write_text("\n".join([*head, "cycle,pose,X,Y,approach", *rows]))
+    table = test_of_three / "three.csv"
+    found = scara_iso.diagnose(table, cycles=13, hold_out=second, sigma=0.004)
+    shown = np.round(np.array([*columns.values()]), 3)
+    expected = np.sqrt(((shown - shown.mean(axis=1, keepdims=True)) ** 2).mean(axis=(0, 1)))
+    unseen = found.error_before.held_out_rms
+    assert [unseen["X"], unseen["Y"]] == pytest.approx(expected.tolist())
+    lacking = test_of_three / "lacking.csv"
+    lacking.write_text("\n".join([*head, "cycle,pose,X,Y,approach"] +
+                                 [row for row in rows if ",P3," not in row]))  # fmt: skip
+    assert main(["diagnose", str(table), "--cycles", "13", "--hold-out", str(lacking)]) == 65
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "X at P3" in err
+
+
 def test_the_library_says_the_same_of_all_poses(test_of_three):
     table, model = test_of_three / "three.csv", test_of_three / "robot.toml"
     found = scara_iso.diagnose(table, model, cycles=13)
     assert found.joint_scatter.predicted_RP.keys() == {"P4"}
     assert found.joint_scatter.left_out.keys() == {"P1", "P2", "P3"}
+    rows = found.plot().axes[::2]
+    assert [row.get_ylabel() for row in rows[:3]] == ["X P1", "Y P1", "X P2"]
     (one,) = found.followed
     assert (one.effect, one.column, one.sizes["joint 2"].unit) == ("lost_motion", "approach", "rad")
     unknown = scara_iso.diagnose(table, test_of_three / "nowhere.toml", cycles=13)
@@ -284,7 +310,6 @@ def test_the_library_says_the_same_of_all_poses(test_of_three):
     [
         (["--hold-out", "P9", "--model", "robot.toml"], "no pose 'P9'"),
         (["--hold-out", "P3"], "takes the joints"),
-        (["--hold-out", "three.csv", "--model", "robot.toml"], "--hold-out is for one pose"),
         (["--map", "map.csv"], "--map needs --model"),
         (["--map", "map.pdf", "--model", "robot.toml"], "map.pdf: a map is written as"),
         (["--map", "map.csv", "--model", "robot.toml", "--pose", "P1"], "made of several poses"),

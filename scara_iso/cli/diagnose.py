@@ -201,11 +201,11 @@ def _diagnose_run(
 ) -> None:
     from scara_iso.diagnosis import DiagnosisOfPoses, save_model
 
-    second: Run | str | None = files.hold_out
     if wanted.pose is None and len(list(run.rows_by_pose())) > 1:
         files.check_poses(run)
-    elif files.hold_out is not None:
-        second = reading.read(files.hold_out)
+    second: Run | str | None = files.hold_out
+    if second is not None and library.held_out_pose(run, second) is None:
+        second = reading.read(second)
     own = library.defined(files.effects or ())
     diagnosis = library.diagnose(
         run,
@@ -221,14 +221,14 @@ def _diagnose_run(
     if files.save_model is not None and files.model is not None:
         said = save_model(diagnosis, files.model, files.save_model, own)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
-    if isinstance(diagnosis, DiagnosisOfPoses):
-        if files.map is not None and diagnosis.joint_scatter is not None:
-            render.save_map(diagnosis.joint_scatter, files.map)
-        _write_poses(diagnosis, run.origin.source, how)
-        return
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)
-    _write(diagnosis, run.origin.source, how)
+    if not isinstance(diagnosis, DiagnosisOfPoses):
+        _write(diagnosis, run.origin.source, how)
+        return
+    if files.map is not None and diagnosis.joint_scatter is not None:
+        render.save_map(diagnosis.joint_scatter, files.map)
+    _write_poses(diagnosis, run.origin.source, how)
 
 
 def _write(diagnosis: Diagnosis, title: str, how: _How) -> None:

@@ -70,19 +70,16 @@ class Files:
         _refuse(asked, "is for one test", "name its tables by their poses, P1.csv P2.csv")
 
     def check_poses(self, run: Run) -> None:
-        """Raise `UsageError` where something goes with one pose and ``run`` holds several."""
+        """Raise `UsageError` where what is held out is neither a pose of ``run`` nor a file."""
         from scara_iso.library import held_out_pose
 
-        labels = [label for label, _ in run.rows_by_pose()]
         second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
         if second and not Path(self.hold_out or "").exists():
+            labels = [str(label) for label, _ in run.rows_by_pose()]
             raise UsageError(
                 f"no pose {self.hold_out!r} in {run.origin.source}",
-                remedy=f"it has {', '.join(map(str, labels[:20]))}",
+                remedy=f"it has {', '.join(labels[:20])}",
             )
-        given = {"--hold-out": second or None, "--plot": self.plot, "--sigma": self.sigma}
-        what = f"is for one pose, and there are {len(labels)}"
-        _refuse(given, what, f"name it: --pose {labels[0]}")
 
 
 def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:

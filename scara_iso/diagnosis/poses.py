@@ -40,7 +40,7 @@ _DUST = 1e-12
 """What the sine of a whole turn leaves of a size, in mm or degrees."""
 
 
-def diagnose_poses(
+def diagnose_poses(  # noqa: PLR0913 - as `diagnose_readings`
     test: AllPoses,
     predicted: Mapping[str, Predicted] | None = None,
     *,
@@ -49,20 +49,22 @@ def diagnose_poses(
     seed: int = SEED,
     level: float = LEVEL,
     effects: Sequence[Effect] | None = None,
+    sigma: float | None = None,
+    held_out: tuple[AllPoses, Mapping[str, Predicted]] | None = None,
 ) -> DiagnosisOfPoses:
     """Return what all poses of a test show together that is more than scatter, and where it acts.
 
     ``predicted`` is that of a model by pose and axis; with an ``arm`` and its joints at every pose
-    effects are traced to them. Whole cycles are shuffled by the test. Errors as in
-    `diagnose_readings`.
+    effects are traced to them. Whole cycles are shuffled by the test. ``sigma`` is the known
+    scatter of every axis in mm, ``held_out`` a second test of the same poses with its prediction.
+    Errors as in `diagnose_readings`.
     """
-    expected = {
-        axis_at(axis, pose): readings
-        for pose, own in (predicted or {}).items()
-        for axis, readings in own.items()
-    }
-    problem = problem_of_poses(test, expected, arm, joints_deg, effects)
-    solved = diagnose_problem(problem, test.run, expected, test.planes(), seed=seed, level=level)
+    expected = _by_axis_at(predicted or {})
+    problem = problem_of_poses(test, expected, arm, joints_deg, effects, sigma)
+    second = None if held_out is None else (held_out[0].run, _by_axis_at(held_out[1]))
+    solved = diagnose_problem(
+        problem, test.run, expected, test.planes(), seed=seed, level=level, second=second
+    )
     found = tuple(
         _found(one, solved.fitted, i, test, problem)
         for i, one in enumerate(solved.diagnosis.effects)
@@ -83,16 +85,26 @@ def diagnose_poses(
     )
 
 
+def _by_axis_at(predicted: Mapping[str, Predicted]) -> dict[str, FloatArray]:
+    return {
+        axis_at(axis, pose): np.asarray(readings)
+        for pose, own in predicted.items()
+        for axis, readings in own.items()
+    }
+
+
 def problem_of_poses(
     test: AllPoses,
     predicted: Predicted | None = None,
     arm: Arm | None = None,
     joints_deg: Mapping[str, tuple[float, float]] | None = None,
     effects: Sequence[Effect] | None = None,
+    sigma: float | None = None,
 ) -> SearchProblem:
     """Return the search that `diagnose_poses` makes; ``predicted`` is by the test's axes."""
     catalogue = tuple(find_effects() if effects is None else effects)
-    problem = problem_of(test.run, predicted, directions={}, effects=catalogue)
+    known = {name: sigma for name, one in test.axes.items() if sigma and one.unit == "mm"}
+    problem = problem_of(test.run, predicted, directions={}, effects=catalogue, sigma=known)
     columns = [test.axes[name] for name in problem.residual.axes]
     places = places_of(columns, arm, joints_deg)
     lines = [place for place in places if place.tied and place.name != BOTH]

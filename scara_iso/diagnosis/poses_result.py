@@ -10,7 +10,7 @@ import numpy as np
 
 from scara_iso.diagnosis.result import Diagnosis, Error, Found
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.display import Displayed
+from scara_iso.display import Plotted
 from scara_iso.frames import make_frame
 from scara_iso.run import FloatArray
 
@@ -31,7 +31,7 @@ class Separation:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class DiagnosisOfPoses(Displayed):
+class DiagnosisOfPoses(Plotted):
     """What one search over all poses of a test found."""
 
     poses: Mapping[str, Diagnosis]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import replace
@@ -59,7 +59,7 @@ def diagnose(
 
     Several poses (a column, or several tables as in `analyze`) are searched together and give a
     `DiagnosisOfPoses`, with a model of the arm and ``[pose.P1]`` and so on traced to its joints,
-    effects and scatter alike; ``pose`` names one of them, which ``sigma`` needs. ``hold_out`` is a
+    effects and scatter alike; ``pose`` names one of them. ``hold_out`` is a
     second table that measures the error on unseen cycles, or of several poses the name of one that
     takes no part; ``reach`` adds RP over the workspace, ``limit`` (in mm) also where it is at most
     that. The other options are those of `analyze`,
@@ -79,22 +79,13 @@ def diagnose(
     run = reading.read(table)
     known = None if model is None else described(model, own)
     unseen = held_out_pose(run, hold_out)
-    several = pose is None and sigma is None and len(list(run.rows_by_pose())) > 1
-    if several and (hold_out is None or unseen is not None):
-        return _of_poses(
-            run, known, wanted, unseen=unseen, reach=reach, limit=limit, seed=seed, own=own
-        )
+    second = None if hold_out is None or unseen is not None else reading.read(hold_out)
+    if pose is None and len(list(run.rows_by_pose())) > 1:
+        search = partial(close_the_loop_at_poses, hold_out=second, seed=seed, sigma=sigma, own=own)
+        return _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=limit)
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
-    return close_the_loop(
-        run,
-        known,
-        wanted,
-        hold_out=None if hold_out is None else reading.read(hold_out),
-        sigma=sigma,
-        seed=seed,
-        own=own,
-    )
+    return close_the_loop(run, known, wanted, hold_out=second, sigma=sigma, seed=seed, own=own)
 
 
 def held_out_pose(run: Run, hold_out: Tables | None) -> str | None:
@@ -107,12 +98,11 @@ def _of_poses(
     run: Run,
     model: Model | None,
     wanted: CyclesWanted,
+    search: Callable[[Run, Model | None, CyclesWanted], DiagnosisOfPoses],
     *,
     unseen: str | None,
     reach: bool,
     limit: float | None,
-    seed: int,
-    own: Sequence[OwnEffect],
 ) -> DiagnosisOfPoses:
     if model is None and (unseen is not None or reach):
         raise UsageError(
@@ -123,7 +113,7 @@ def _of_poses(
     if len(seen) <= 1:
         raise UsageError("no two poses are left to fit", remedy="hold none of them out")
     fitted = run.take(np.sort(np.concatenate(seen)))
-    found = close_the_loop_at_poses(fitted, model, wanted, seed=seed, own=own)
+    found = search(fitted, model, wanted)
     read = run.origin.notes if run.origin.files else ()
     found = replace(found, notes=(*read, *found.notes))
     if model is None:

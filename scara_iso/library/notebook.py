@@ -20,6 +20,7 @@ from scara_iso.render import (
     plot_diagnosis,
     plot_gauge_study,
     plot_plan,
+    plot_poses,
     plot_separating,
 )
 from scara_iso.reporting import (
@@ -70,6 +71,7 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
 _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
     Comparison: plot_comparison,
     Diagnosis: plot_diagnosis,
+    DiagnosisOfPoses: plot_poses,
     GaugeStudy: plot_gauge_study,
     PosePlan: plot_plan,
     SeparatingPlan: plot_separating,

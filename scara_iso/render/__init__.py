@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from scara_iso.render.plots import (
         plot_diagnosis as plot_diagnosis,
         plot_plan as plot_plan,
+        plot_poses as plot_poses,
         plot_separating as plot_separating,
         save_figure as save_figure,
     )

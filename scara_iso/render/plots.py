@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from scara_iso.diagnosis import Diagnosis, ReachMap, SeparatingPlan
+    from scara_iso.diagnosis import (
+        Diagnosis,
+        DiagnosisOfPoses,
+        ReachMap,
+        SeparatingPlan,
+        Series,
+    )
 
 _LABEL = 20
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
@@ -52,31 +58,49 @@ def plot_separating(plan: SeparatingPlan) -> Figure:
 
 def plot_diagnosis(diagnosis: Diagnosis) -> Figure:
     """Return readings and predictions, and what is left, before and after, for each axis."""
+    return _plot_series({"": diagnosis}, diagnosis.verdict.value, height=2.1)
+
+
+def plot_poses(found: DiagnosisOfPoses) -> Figure:
+    """Return the same of all poses of a test, below each other."""
+    return _plot_series(found.poses, found.verdict.value, height=1.2)
+
+
+def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float) -> Figure:
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
-    series = diagnosis.series
-    figure = Figure(figsize=(9, 1.2 + 2.1 * len(series.measured)), layout="constrained")
-    rows = figure.subplots(len(series.measured), 2, sharex=True, squeeze=False)
-    for (left, right), (axis, measured) in zip(rows, series.measured.items(), strict=True):
-        before, after = series.predicted_before[axis], series.predicted_after[axis]
-        left.plot(series.cycle, measured, "o", color=ARM, ms=3.5, label="measured")
-        left.plot(series.cycle, before, color=EDGE, lw=1.4, ls="--", label="predicted before")
-        left.plot(series.cycle, after, color=PLANE, lw=1.8, label="predicted after")
-        left.set_ylabel(axis)
-        right.axhline(0, color=EDGE, lw=0.8)
-        right.plot(
-            series.cycle, measured - before, "o", mfc="none", color=EDGE, ms=4, label="before"
-        )
-        right.plot(series.cycle, measured - after, "o", color=PLANE, ms=3.5, label="after")
-    rows[0][0].set_title(f"readings: {diagnosis.verdict.value}")
+    of = [
+        (f"{axis} {pose[:_LABEL]}".strip(), axis, one.series)
+        for pose, one in found.items()
+        for axis in one.series.measured
+    ]
+    figure = Figure(figsize=(9, 1.2 + height * len(of)), layout="constrained")
+    rows = figure.subplots(len(of), 2, sharex=True, squeeze=False)
+    for (left, right), (label, axis, series) in zip(rows, of, strict=True):
+        _draw_series(left, right, series, axis)
+        left.set_ylabel(label, parse_math=False)
+    rows[0][0].set_title(f"readings: {verdict}")
     rows[0][1].set_title("measured minus predicted")
     figure.supylabel("lengths in mm, angles in degrees", fontsize=9)
     for column in (0, 1):
         rows[-1][column].set_xlabel("cycle")
         rows[-1][column].legend(
-            loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3, fontsize=8, frameon=False
-        )
+            loc="upper center", bbox_to_anchor=(0.5, -0.588 / height), ncols=3, fontsize=8,
+            frameon=False,
+        )  # fmt: skip
     return figure
+
+
+def _draw_series(left: Axes, right: Axes, series: Series, axis: str) -> None:
+    """Draw one axis: readings and predictions, and what they leave."""
+    measured = series.measured[axis]
+    before, after = series.predicted_before[axis], series.predicted_after[axis]
+    left.plot(series.cycle, measured, "o", color=ARM, ms=3.5, label="measured")
+    left.plot(series.cycle, before, color=EDGE, lw=1.4, ls="--", label="predicted before")
+    left.plot(series.cycle, after, color=PLANE, lw=1.8, label="predicted after")
+    right.axhline(0, color=EDGE, lw=0.8)
+    right.plot(series.cycle, measured - before, "o", mfc="none", color=EDGE, ms=4, label="before")
+    right.plot(series.cycle, measured - after, "o", color=PLANE, ms=3.5, label="after")
 
 
 def plot_reach(reach: ReachMap) -> Figure:
