@@ -41,8 +41,8 @@ from scara_iso.run import FloatArray
 
 _SHARED = 1.17
 """Size found by the search over all poses over that found in one channel: its level is shared with
-the other places (python benchmarks/joints.py --only design: 80 % as a mean of steps and warm-ups
-in either joint)."""
+the other places (benchmarks/joints.py, its cell "design": 80 % as a mean of steps and warm-ups in
+either joint)."""
 _ALIKE = 1e-3
 """Share of a movement from which poses do not tell the joints apart at all."""
 _NO_SCATTER_MM = 1e-6

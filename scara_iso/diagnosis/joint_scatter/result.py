@@ -135,27 +135,27 @@ class ReachMap:
 
 @dataclass(frozen=True, slots=True)
 class SizeInJoint:
-    """How much one source follows a recorded column, with its 95 % interval.
-
-    ``unit`` is rad of a joint, 1 of the growth of the links, mm of a dial, over that of the column.
-    """
+    """How much one source follows a recorded column, with its 95 % interval."""
 
     value: float
+    """In ``unit``."""
     unit: str
+    """``rad`` of a joint, 1 of the growth of the links, ``mm`` of a dial; over that of the column,
+    such as ``rad/kg``."""
     low: float
+    """Lower end."""
     high: float
+    """Upper end."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FollowedInJoints:
-    """What follows a recorded column at all poses, traced to joints, links and dials.
-
-    ``effect`` is lost motion (half of the distance between the approaches), compliance or thermal
-    growth.
-    """
+    """What follows a recorded column at all poses, traced to joints, links and dials."""
 
     effect: str
+    """``lost_motion`` (half of the distance of the approaches), ``compliance``, ``temperature``."""
     column: str
+    """The recorded column."""
     sizes: Mapping[str, SizeInJoint]
     """``joint 1``, ``joint 2``, ``along the arm`` of a temperature, ``X everywhere`` and ``Y
     everywhere``: its dial or datum."""
