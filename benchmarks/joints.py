@@ -1,34 +1,51 @@
 """What five poses tell of the joints: found, the right joint, false alarms, by simulation.
 
     python benchmarks/joints.py [--runs 12] [--seed 1] [--shuffles 199] [--only CELL] [--beside]
+        [--separating]
 
 Links of 250 and 200 mm, joint scatter of 10 and 15 microradians, 1.5 um of each dial's own, dials
 of 1 um, 30 cycles. Sizes of joint effects are in that joint's scatter; a change comes after any
 cycle from 8 to 22, a warm-up has a time constant of 3 to 10 cycles. Beside the search stand the
-same test without the arm (all axes) and of each pose alone with Holm's rule.
+same test without the arm (all axes) and of each pose alone with Holm's rule. ``--separating`` takes
+the poses that ``plan --separating`` proposes for this arm.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 import scara_iso.diagnosis.search as search_module
-from scara_iso.diagnosis import AllPoses, whole_cycles
+from scara_iso.diagnosis import (
+    AllPoses,
+    PlannedPosesTest,
+    design_of_poses,
+    separating_plan,
+    whole_cycles,
+)
 from scara_iso.diagnosis.permutation import order_test
 from scara_iso.diagnosis.poses import problem_of_poses
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.search import find, tested
-from scara_iso.effects import find_effects
-from scara_iso.robot import Arm
+from scara_iso.effects import Conditions, find_effects
+from scara_iso.iso9283 import PoseTestConditions
+from scara_iso.robot import Arm, Rated
 from scara_iso.run import Axis, FloatArray, Run
 
 ARM = Arm(250, 200)
-JOINTS = {"P1": (10, 80), "P2": (-30, 110), "P3": (45, 60), "P4": (-50, 60), "P5": (60, 110)}
+JOINTS: dict[str, tuple[float, float]] = {
+    "P1": (10, 80),
+    "P2": (-30, 110),
+    "P3": (45, 60),
+    "P4": (-50, 60),
+    "P5": (60, 110),
+}
 STRAIGHT = {pose: (q_1, 2) for pose, (q_1, _) in JOINTS.items()}
 SCATTER = np.array([10e-6, 15e-6])
 OWN, DIVISION, N = 0.0015, 0.001, 30
@@ -179,8 +196,32 @@ def elsewhere(runs: int, seed: int) -> Iterator[str]:
     )
 
 
+def designed(runs: int, seed: int) -> Iterator[str]:
+    """Yield how many effects are found of the size at which ``--design`` promises 80 %."""
+    variances = np.array([*SCATTER**2, OWN**2, 0.0])
+    cycles = Conditions(np.arange(2, N + 2), {})
+    plan = PlannedPosesTest(cycles, ARM, JOINTS, variances, (DIVISION, DIVISION))
+    for (joint, smallest), kind in product(design_of_poses(plan).smallest.items(), KINDS):
+        number = int(joint[-1])
+        travel = next(one.travel for one in smallest if one.effect == kind)
+        size = (travel or 0.0) / SCATTER[number - 1]
+        tests = (
+            simulated(np.random.default_rng([seed, k]), kind=kind, joint=number, size=size)
+            for k in range(runs)
+        )
+        found = np.mean([searched(test) is not None for test in tests])
+        yield f"| {kind} {size:.2f}, {joint} | {100 * found:.0f} |"
+
+
 def _share(found: list[str], name: str) -> str:
     return f"{100 * found.count(name) / max(1, len(found)):.0f}"
+
+
+def _separating_poses() -> dict[str, tuple[float, float]]:
+    """Return the poses that are proposed for this arm."""
+    arm = replace(ARM, joint_2_deg=(-145, 145))
+    plan = separating_plan(arm, {}, conditions=PoseTestConditions(), rated=Rated())
+    return {one.name: (one.joint_1_deg, one.joint_2_deg) for one in plan.poses}
 
 
 def write_example(path: Path, seed: int) -> None:
@@ -198,6 +239,7 @@ def write_example(path: Path, seed: int) -> None:
     path.write_text("\n".join([*head, *rows, ""]), encoding="utf-8")
 
 
+KINDS = ("step", "warm_up")
 POWER = {"step1": ("step", 1.0), "step1.5": ("step", 1.5), "warm1.5": ("warm_up", 1.5),
          "warm2": ("warm_up", 2.0)}  # fmt: skip
 
@@ -209,11 +251,15 @@ def main() -> None:
     )
     parser.add_argument("--runs", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", choices=[*POWER, "alarms", "elsewhere"])
+    parser.add_argument("--only", choices=[*POWER, "alarms", "elsewhere", "design"])
     parser.add_argument("--shuffles", type=int, default=199)
     parser.add_argument("--example", type=Path, help="write the table of docs/joints.md")
     parser.add_argument("--beside", action="store_true", help="the other two tests as well")
+    parser.add_argument(
+        "--separating", action="store_true", help="at the poses of plan --separating"
+    )
     given = parser.parse_args()
+    JOINTS.update(_separating_poses() if given.separating else {})
     if given.example:
         write_example(given.example, given.seed)
         return
@@ -224,7 +270,7 @@ def main() -> None:
         if given.only in (None, cell):
             for row in power(given.runs, given.seed, kind, size, beside=given.beside):
                 print(row, flush=True)
-    for cell, rows in {"alarms": alarms, "elsewhere": elsewhere}.items():
+    for cell, rows in {"alarms": alarms, "elsewhere": elsewhere, "design": designed}.items():
         if given.only in (None, cell):
             for row in rows(given.runs, given.seed):
                 print(row, flush=True)

@@ -17,12 +17,13 @@ import numpy as np
 from scipy.stats import norm, t as student
 
 from benchmarks import page
+from scara_iso.diagnosis import Monitor, Suspicion
 from scara_iso.diagnosis.e_process import EProcess
 from scara_iso.diagnosis.evidence import joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.looks import ALARM, _hypotheses, evidence_of, is_look, normal_scores
 from scara_iso.run import FloatArray
 
-RUNS, ORDERS, AXIS_RUNS = 2000, 20_000, 1000
+RUNS, ORDERS, AXIS_RUNS, NAMED = 2000, 20_000, 1000, 25
 PLANNED = 30
 SIGMA = 0.7
 """Scatter in divisions of the dial, where readings are rounded."""
@@ -48,6 +49,10 @@ COURSES = {
     "alternating 2": 2.0 * (K % 2),
     "alternating 2 from 15 on": 2.0 * (K % 2) * (K >= 15),
 }
+KINDS = {
+    "step": "step", "drift": "linear_drift", "warm-up": "warm_up", "alternating": "contact_side",
+}  # fmt: skip
+SURE = 0.9
 BEGINS = {name: next((int(k) for k in K if course[k]), 0) for name, course in COURSES.items()}
 
 
@@ -227,5 +232,33 @@ def joint_statistic(values: FloatArray) -> FloatArray:
     return np.concatenate(found)
 
 
+def names() -> Iterator[str]:
+    """Yield a row for each course: what is said at the alarm, and how often it is right."""
+    yield "| effect [scatters] | alarms | named right | of shares above 90 % | or a rival |"
+    yield "|---|---|---|---|---|"
+    for k, name in enumerate(COURSES):
+        told = [one for one in _at_alarm(300 + k, name) if one is not None]
+        right = {KINDS[name.split()[0]]}
+        named = [one.effect in right for one in told]
+        sure = [ok for ok, one in zip(named, told, strict=True) if (one.share or 0.0) > SURE]
+        among = [bool(right & {str(one.effect), *(one.rivals or {})}) for one in told]
+        cells = (named, sure, among)
+        shares = " | ".join(f"{sum(one)} of {len(one)}" for one in cells)
+        yield f"| {name} | {len(told)} | {shares} |"
+
+
+def _at_alarm(seed: int, name: str) -> Iterator[Suspicion | None]:
+    """Yield what is known at the first alarm of each recording, None where there is none."""
+    rng = np.random.default_rng(seed)
+    values = rounded(rng.normal(size=(NAMED, PLANNED)) + COURSES[name], rng)
+    for run, row in enumerate(values):
+        monitor, told = Monitor(planned=PLANNED + 1, seed=run), None
+        for value in (row[0], *row):
+            monitor.take([float(value)])
+            if told is None and monitor.evidence >= ALARM:
+                told = monitor.suspicion
+        yield told
+
+
 if __name__ == "__main__":
-    page.run({"level": level, "found": found, "axes": axes}, PAGE, __doc__)
+    page.run({"level": level, "found": found, "axes": axes, "names": names}, PAGE, __doc__)

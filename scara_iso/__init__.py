@@ -7,7 +7,7 @@
 
 There is one function for each command, with its options as keywords: `analyze`, `analyze_many`,
 `diagnose`, `diagnose_many`, `fleet`, `gauge_study`, `compare`, `report`, `simulate`, `plan`,
-`backlash`, `record`, `visits`, `push`, `history`, `selftest`.
+`plan_separating`, `backlash`, `record`, `visits`, `push`, `history`, `selftest`.
 Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
@@ -49,6 +49,7 @@ if TYPE_CHECKING:
         gauge_study as gauge_study,
         history as history,
         plan as plan,
+        plan_separating as plan_separating,
         push as push,
         record as record,
         report as report,
@@ -97,6 +98,7 @@ __all__ = [
     "gauge_study",
     "history",
     "plan",
+    "plan_separating",
     "push",
     "read_table",
     "record",

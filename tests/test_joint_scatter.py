@@ -229,9 +229,9 @@ def test_of_three(tmp_path_factory):
     rng = np.random.default_rng(9)
     named = {pose: POSES[pose] for pose in ("P1", "P2", "P3")}
     columns = {pose: readings(rng, q, n=13) - tool(q) for pose, q in named.items()}
-    lines = ["# unit: mm", "# resolution: 0.001", "cycle,pose,X,Y"]
+    lines = ["# unit: mm", "# resolution: 0.001", "cycle,pose,X,Y,approach"]
     lines += [
-        f"{k + 1},{pose},{x:.3f},{y:.3f}"
+        f"{k + 1},{pose},{x:.3f},{y:.3f},{(-1) ** k:+d}"
         for k in range(13) for pose, values in columns.items() for x, y in values[k : k + 1]
     ]  # fmt: skip
     (folder / "three.csv").write_text("\n".join(lines))
@@ -247,7 +247,8 @@ def test_diagnose_traces_the_scatter_of_a_test_and_foretells_a_pose(
 ):
     monkeypatch.chdir(test_of_three)
     asked = ["diagnose", "three.csv", "--model", "robot.toml", "--cycles", "13"]
-    assert main([*asked, "--hold-out", "P3", "--map", "map.csv", "--json"]) == 0
+    wanted = ["--hold-out", "P3", "--map", "map.csv", "--limit", "XY=0.02", "--json"]
+    assert main([*asked, *wanted]) == 0
     told = json.loads(capsys.readouterr().out)
     assert [pose["pose"] for pose in told["poses"]] == ["P1", "P2"]
     assert told["joint_scatter"].keys() == {"joint 1", "joint 2", "dial", "neither"}
@@ -261,6 +262,33 @@ def test_diagnose_traces_the_scatter_of_a_test_and_foretells_a_pose(
     values = [float(row["RP_mm"]) for row in rows]
     assert told["map"]["worst"]["RP"] == pytest.approx(max(values), abs=1e-6)
     assert all(float(row["low_mm"]) < float(row["high_mm"]) for row in rows)
+    kept = [row["kept"] == "1" for row in rows]
+    assert kept == [float(row["high_mm"]) <= 0.02 for row in rows]
+    assert told["map"]["share_kept"] == pytest.approx(sum(kept) / len(kept))
+
+
+def test_a_second_test_of_the_same_poses_measures_the_error(test_of_three, rng, capsys):
+    columns = {pose: readings(rng, POSES[pose], n=12) for pose in ("P1", "P2", "P3")}
+    rows = [
+        f"{k + 2},{pose},{x:.3f},{y:.3f},{(-1) ** k:+d}"
+        for k in range(12) for pose, values in columns.items() for x, y in values[k : k + 1]
+    ]  # fmt: skip
+    second = test_of_three / "second.csv"
+    head = ["# unit: mm", "# resolution: 0.001", "# first_cycle_discarded: true"]
+    second.write_text("\n".join([*head, "cycle,pose,X,Y,approach", *rows]))
+    table = test_of_three / "three.csv"
+    found = scara_iso.diagnose(table, cycles=13, hold_out=second, sigma=0.004)
+    shown = np.round(np.array([*columns.values()]), 3)
+    expected = np.sqrt(((shown - shown.mean(axis=1, keepdims=True)) ** 2).mean(axis=(0, 1)))
+    unseen = found.error_before.held_out_rms
+    assert [unseen["X"], unseen["Y"]] == pytest.approx(expected.tolist())
+    lacking = test_of_three / "lacking.csv"
+    lacking.write_text("\n".join([*head, "cycle,pose,X,Y,approach"] +
+                                 [row for row in rows if ",P3," not in row]))  # fmt: skip
+    assert main(["diagnose", str(table), "--cycles", "13", "--hold-out", str(lacking)]) == 65
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "X at P3" in err
 
 
 def test_the_library_says_the_same_of_all_poses(test_of_three):
@@ -268,6 +296,10 @@ def test_the_library_says_the_same_of_all_poses(test_of_three):
     found = scara_iso.diagnose(table, model, cycles=13)
     assert found.joint_scatter.predicted_RP.keys() == {"P4"}
     assert found.joint_scatter.left_out.keys() == {"P1", "P2", "P3"}
+    rows = found.plot().axes[::2]
+    assert [row.get_ylabel() for row in rows[:3]] == ["X P1", "Y P1", "X P2"]
+    (one,) = found.followed
+    assert (one.effect, one.column, one.sizes["joint 2"].unit) == ("lost_motion", "approach", "rad")
     unknown = scara_iso.diagnose(table, test_of_three / "nowhere.toml", cycles=13)
     assert unknown.joint_scatter is None
     assert any("where the joints are at P1, P2, P3" in note for note in unknown.notes)
@@ -278,13 +310,15 @@ def test_the_library_says_the_same_of_all_poses(test_of_three):
     [
         (["--hold-out", "P9", "--model", "robot.toml"], "no pose 'P9'"),
         (["--hold-out", "P3"], "takes the joints"),
-        (["--hold-out", "three.csv", "--model", "robot.toml"], "--hold-out is for one pose"),
         (["--map", "map.csv"], "--map needs --model"),
         (["--map", "map.pdf", "--model", "robot.toml"], "map.pdf: a map is written as"),
         (["--map", "map.csv", "--model", "robot.toml", "--pose", "P1"], "made of several poses"),
         (["--map", "robot.toml", "--model", "robot.toml"], "robot.toml: a map is written as"),
         (["--map", "map.csv", "--model", "no_arm.toml"], "gives no links"),
         (["--map", "map.csv", "--design"], "does not go with"),
+        (["--limit", "XY=0.02"], "--limit needs --model"),
+        (["--limit", "Z=0.02", "--model", "robot.toml"], "of RP in XY"),
+        (["--limit", "-1", "--model", "robot.toml"], "not a positive"),
     ],
 )
 def test_what_cannot_be_asked_is_refused(test_of_three, monkeypatch, capsys, options, said):

@@ -7,13 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
+import scara_iso
 from scara_iso.acceptance import read_test
 from scara_iso.cli import main
 from scara_iso.errors import UsageError
 from scara_iso.iso9283.pose_plan import DiagonalPlane, PoseTestConditions, Solid
 from scara_iso.iso9283.poses import make_plan
-from scara_iso.robot import Rated
+from scara_iso.robot import Model, Rated
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.workspace import Workspace
 
@@ -209,3 +211,105 @@ def test_rated_values_are_read_from_the_model_and_said(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "rated.load_kg: must be positive" in said
     assert "rated.mass: no such key" in said
+
+
+FIVE_POSES = Path(__file__).parents[1] / "examples" / "five_poses.toml"
+
+
+def angles(arm, joints):
+    """Return the angles in degrees between what moves all of some poses, written out."""
+    (a, b), (p, q) = (arm.link_1_mm, arm.link_2_mm), np.radians(np.array(joints, dtype=float)).T
+    x, y = a * np.cos(p) + b * np.cos(p + q), a * np.sin(p) + b * np.sin(p + q)
+    still, all_of = np.zeros_like(x), np.ones_like(x)
+    moves = {
+        "joint 1": (-y, x), "joint 2": (-b * np.sin(p + q), b * np.cos(p + q)),
+        "along the arm": (x, y), "X everywhere": (all_of, still), "Y everywhere": (still, all_of),
+    }  # fmt: skip
+    unit = {name: np.concatenate(xy) / np.linalg.norm(xy) for name, xy in moves.items()}
+    return {
+        (one, other): math.degrees(math.acos(min(1, abs(unit[one] @ unit[other]))))
+        for one, other in itertools.combinations(unit, 2)
+    }
+
+
+@pytest.fixture(scope="module")
+def separating():
+    return scara_iso.plan_separating(FIVE_POSES)
+
+
+def test_separating_poses_tell_the_joints_apart_better_than_those_of_the_model(separating):
+    proposed, given = separating.apart["proposed"], separating.apart["given"]
+    assert proposed.angle_deg > given.angle_deg + 10
+    assert proposed.observability_index > 1.3 * given.observability_index
+    assert proposed.smallest_angle_deg > given.smallest_angle_deg
+    assert proposed.uncertainty < 0.7 * given.uncertainty
+
+
+def test_the_angles_of_separating_poses_are_those_of_their_movements(separating):
+    joints = [(pose.joint_1_deg, pose.joint_2_deg) for pose in separating.poses]
+    found, expected = separating.apart["proposed"], angles(separating.arm, joints)
+    assert found.angle_deg == pytest.approx(expected["joint 1", "joint 2"])
+    assert found.smallest_angle_deg == pytest.approx(min(expected.values()))
+    assert expected[found.between] == pytest.approx(min(expected.values()))
+    movements = np.concatenate([separating.arm.jacobian(one) for one in joints])
+    assert found.observability_index == pytest.approx(1 / np.linalg.cond(movements))
+
+
+def test_the_uncertainty_at_separating_poses_is_that_of_a_weighted_fit(separating):
+    arm, covariances, moves = separating.arm, [], []
+    for pose in separating.poses:
+        joints = (pose.joint_1_deg, pose.joint_2_deg)
+        jacobian = arm.jacobian(joints)
+        dial = (arm.link_1_mm + arm.link_2_mm) / 5
+        covariances.append(jacobian @ jacobian.T + dial**2 * np.eye(2))
+        moves.append(np.column_stack([jacobian, arm.forward(joints), np.eye(2)]))
+    root = np.linalg.inv(np.linalg.cholesky(block_diag(*covariances)))
+    seen = root @ np.concatenate(moves)
+    errors = [
+        np.linalg.inv(seen[:, [joint, other]].T @ seen[:, [joint, other]])[0, 0] ** 0.5
+        for joint in (0, 1)
+        for other in range(5)
+        if other != joint
+    ]
+    assert separating.apart["proposed"].uncertainty == pytest.approx(max(errors))
+
+
+def test_separating_poses_are_reached_with_one_elbow_and_leave_room(separating):
+    arm = separating.arm
+    assert np.array([one.z_mm for one in separating.poses]) == pytest.approx(0)
+    for pose in separating.poses:
+        joints = (pose.joint_1_deg, pose.joint_2_deg)
+        assert arm.forward(joints) == pytest.approx((pose.x_mm, pose.y_mm), abs=1e-6)
+        assert np.all(arm.excess(joints) == 0)
+        assert np.sign(math.sin(math.radians(joints[1]))) == separating.elbow.sign
+        assert pose.singularity_deg > 19
+    for one, other in itertools.combinations(points(separating), 2):
+        assert np.linalg.norm(one - other) > 0.11 * (arm.link_1_mm + arm.link_2_mm)
+
+
+def test_separating_poses_are_planned_from_the_shell(tmp_path, capsys):
+    visits = tmp_path / "visits.csv"
+    assert main(["plan", str(FIVE_POSES), "--separating", "-o", str(visits)]) == 0
+    out = capsys.readouterr().out
+    assert "of the model" in out
+    assert "no poses of ISO 9283" in out
+    rows = list(csv.DictReader(visits.read_text(encoding="utf-8").splitlines()))
+    assert [row["pose"] for row in rows] == ["P5", "P4", "P3", "P2", "P1"]
+    assert {row["path"] for row in rows} == {"joint"}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"), [(["--solid", "box"], "--solid"), (["--m", "0.11"], "--m")]
+)
+def test_a_cube_is_refused_beside_separating(options, said, capsys):
+    assert main(["plan", str(FIVE_POSES), "--separating", *options]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+
+
+@pytest.mark.parametrize("turns", [((-1, 1), (80, 90)), ((-180, 180), (-10, 10))])
+def test_limits_without_room_for_five_poses_are_refused(turns):
+    model = Model("", {}, arm=Arm(250, 200, *turns))
+    with pytest.raises(UsageError, match="leave no"):
+        scara_iso.plan_separating(model)

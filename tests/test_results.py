@@ -176,9 +176,3 @@ def test_a_command_writes_the_figure_that_the_function_returns(command, drawn, t
     assert main([*map(str, command), str(tmp_path / "command.svg")]) == 0
     save_figure(drawn().plot(), tmp_path / "own.svg")
     assert (tmp_path / "own.svg").read_bytes() == (tmp_path / "command.svg").read_bytes()
-
-
-def test_several_poses_are_not_drawn_as_one(poses, tmp_path, capsys):
-    assert main(["diagnose", str(poses), "--plot", str(tmp_path / "a.svg")]) == 2
-    assert "--plot is for one pose, and there are 2" in capsys.readouterr().err
-    assert not (tmp_path / "a.svg").exists()

@@ -52,7 +52,7 @@ EVENTS = [
     events.CycleDone(1, discarded=True, pose="P2"),
     events.Voided(1, ("X",), "knocked", "P2"),
     events.Watched(13, 1.6, "nothing yet"),
-    events.Watched(19, 46.2, "structure", "step", 12),
+    events.Watched(19, 46.2, "structure", "step", 12, 0.8, {"onset": 0.1}),
     events.Done(31, 31, "run.csv", "run.raw.jsonl"),
 ]
 
@@ -158,13 +158,15 @@ def two_poses(folder):
 
 
 def joints_together(path):
-    """Write three poses at which both joints scatter as one."""
+    """Write three poses, from either side by turns, at which both joints scatter as one."""
     rng, model = np.random.default_rng(3), scara_iso.robot.read_model(FIVE_POSES)
-    lines = ["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y"]
+    lines = ["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y,approach"]
     for pose in ("P1", "P2", "P3"):
         turned = rng.normal(size=(13, 1)) * [2e-5, -3e-5]
         places = turned @ model.arm.jacobian(model.poses[pose]).T
-        lines += [f"{pose},{k},{x:.3f},{y:.3f}" for k, (x, y) in enumerate(places, start=1)]
+        lines += [
+            f"{pose},{k},{x:.3f},{y:.3f},{(-1) ** k:+d}" for k, (x, y) in enumerate(places, start=1)
+        ]
     path.write_text("\n".join([*lines, ""]), encoding="utf-8")
     return path
 
@@ -287,6 +289,7 @@ def documents(tmp_path_factory):
                              "--exchangeability")],
         "demo": written("demo"),
         "design": written("diagnose", "--design", "--columns", "approach"),
+        "design-poses": written("diagnose", "--design", "--model", FIVE_POSES, "--cycles", "9"),
         "diagnose": [
             *written("diagnose", one_apart(folder / "apart.csv")),
             *written("diagnose", EXAMPLES / "unexplained.csv"),
@@ -294,7 +297,7 @@ def documents(tmp_path_factory):
             *written("diagnose", both_ways, "--model", loaded),
             *written("diagnose", *two_poses(folder)),
             *written("diagnose", EXAMPLES / "five_poses.csv", "--model", FIVE_POSES,
-                     "--hold-out", "P5", "--map", folder / "map.csv"),
+                     "--hold-out", "P5", "--map", folder / "map.csv", "--limit", "XY=0.014"),
             *written("diagnose", joints_together(folder / "joints.csv"), "--model", FIVE_POSES,
                      "--cycles", "13"),
         ],
@@ -312,6 +315,10 @@ def documents(tmp_path_factory):
         "evidence": [evidence(short, folder / "evidence.zip")],
         "explain": [*written("explain"), *written("explain", "trend")],
         "plan": written("plan", MODEL),
+        "plan-separating": [
+            *written("plan", MODEL, "--separating", "--elbow", "left"),
+            *written("plan", FIVE_POSES, "--separating"),
+        ],
         "ports": ports,
         "probe": written("ports", "--probe", "sim:", "--ask", "opto-rs232"),
         "push": [

@@ -36,6 +36,7 @@ from scara_iso.diagnosis.e_process import EProcess, _bet, _normal, _step_table
 from scara_iso.diagnosis.looks import is_look, look, normal_scores
 from scara_iso.library import Watcher
 from scara_iso.render.live import LiveScreen, draw
+from scara_iso.reporting.watching import warning
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "slipping_fixture.toml"
 SLIP = "sim:?model=slipping_fixture.toml&pace=0"
@@ -77,7 +78,9 @@ def test_a_fixture_that_slips_at_cycle_12_is_told_by_cycle_19(whole):
     alarm = next(event for event in found if event["says"] == "structure")
     assert 14 <= alarm["cycle"] <= 19
     assert (alarm["effect"], alarm["since"]) == ("step", 12)
-    assert set(alarm) == {"event", "cycle", "evidence", "says", "effect", "since"}
+    assert set(alarm) == {
+        "event", "cycle", "evidence", "says", "effect", "since", "share", "rivals"}  # fmt: skip
+    assert alarm["share"] + sum(alarm["rivals"].values()) <= 1.001
     for event in found:
         assert (event["says"] == "structure") == (event["evidence"] >= ALARM)
         assert event["says"] in ("structure", "nothing yet")
@@ -262,16 +265,34 @@ def test_the_screen_says_what_where_and_what_to_do(width):
     screen._take(Started({"X": "a"}, 1, 31, "enter"))
     screen._warn(Watched(13, 2.0, "nothing yet"))
     assert screen._view().warning == ()
-    screen._warn(Watched(19, 46.2, "structure", "step", 12))
+    screen._warn(Watched(19, 46.2, "structure", "step", 12, 0.97, {}))
     with console.capture() as capture:
         console.print(draw(screen._view(), console))
     lines = capture.get().splitlines()
     text = " ".join(" ".join(lines).split())
-    assert "More than scatter: likeliest step, since cycle 12 (evidence 46.2" in text
+    assert "More than scatter: likeliest step (97%), since cycle 12 (evidence 46.2" in text
     assert "Check the clamps of fixture and indicator; strike cycles 12-19, or start again" in text
     assert "no ISO 9283 test" in text
     assert all(len(line) <= width for line in lines)
     assert len(screen._bells) == 2
+
+
+def test_a_name_that_is_not_sure_stands_beside_its_rivals():
+    rivals = {"onset": 0.2, "linear_drift": 0.12, "transient": 0.07}
+    first, *_ = warning(Watched(19, 46.2, "structure", "step", 12, 0.61, rivals))
+    assert "likeliest so far step (61%) or onset (20%) or linear drift (12%), since" in first
+    first, *_ = warning(Watched(19, 46.2, "structure", "unknown", 12, 0.6, {"step": 0.4}))
+    assert "nothing known fits yet or step (40%)" in first
+
+
+def test_the_share_of_a_name_is_its_probability_among_all(rng):
+    monitor = Monitor(planned=31, seed=1)
+    for value in rng.normal(0, 1, 31) + 3.0 * (np.arange(31) >= 12):
+        monitor.take([value])
+    found = monitor.suspicion
+    assert found.alarm
+    assert 0 < found.share <= 1
+    assert all(0 < rival <= found.share for rival in found.rivals.values())
 
 
 def test_a_test_stopped_early_says_so(tmp_path, capsys):

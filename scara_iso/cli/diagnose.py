@@ -65,6 +65,10 @@ Map = Annotated[
     Path | None,
     typer.Option("--map", metavar="FILE", help="RP over the robot's reach, as .png, .svg or .csv."),
 ]
+Limit = Annotated[
+    list[str] | None,
+    typer.Option(metavar="XY=MM", help="RP in XY that is wanted: where over the reach it is kept."),
+]
 SaveModel = Annotated[
     Path | None, typer.Option(metavar="NEW", help="Write the model with the effects declared.")
 ]
@@ -101,6 +105,7 @@ def diagnose_command(
     save_model: SaveModel = None,
     plot: Plot = None,
     map_: Map = None,
+    limit: Limit = None,
     pose: Pose = None,
     design: Design = False,
     sigma: Sigma = None,
@@ -131,13 +136,11 @@ def diagnose_command(
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        refuse_beside_design(Files(model, effects, hold_out, save_model, plot, map_, None))
-        show_design(
-            named, reading, wanted, sigma=sigma, columns=columns, effects=effects, seed=seed,
-            as_json=json,
-        )  # fmt: skip
+        files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
+        refuse_beside_design(files)
+        show_design(named, files, reading, wanted, seed=seed, as_json=json)
         return
-    files = Files(model, effects, hold_out, save_model, plot, map_, sigma)
+    files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
     files.check(named)
     check_outputs([plot, save_model, map_], [*files_of(named), model, effects, hold_out])
     show = partial(_How, full=full, as_json=json)
@@ -199,11 +202,11 @@ def _diagnose_run(
 ) -> None:
     from scara_iso.diagnosis import DiagnosisOfPoses, save_model
 
-    second: Run | str | None = files.hold_out
     if wanted.pose is None and len(list(run.rows_by_pose())) > 1:
         files.check_poses(run)
-    elif files.hold_out is not None:
-        second = reading.read(files.hold_out)
+    second: Run | str | None = files.hold_out
+    if second is not None and library.held_out_pose(run, second) is None:
+        second = reading.read(second)
     own = library.defined(files.effects or ())
     diagnosis = library.diagnose(
         run,
@@ -211,6 +214,7 @@ def _diagnose_run(
         **asdict(wanted),
         hold_out=second,
         reach=files.map is not None,
+        limit=files.limit_of_plane(),
         seed=seed,
         sigma=files.sigma,
         own_effects=own,
@@ -218,14 +222,14 @@ def _diagnose_run(
     if files.save_model is not None and files.model is not None:
         said = save_model(diagnosis, files.model, files.save_model, own)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
-    if isinstance(diagnosis, DiagnosisOfPoses):
-        if files.map is not None and diagnosis.joint_scatter is not None:
-            render.save_map(diagnosis.joint_scatter, files.map)
-        _write_poses(diagnosis, run.origin.source, how)
-        return
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)
-    _write(diagnosis, run.origin.source, how)
+    if not isinstance(diagnosis, DiagnosisOfPoses):
+        _write(diagnosis, run.origin.source, how)
+        return
+    if files.map is not None and diagnosis.joint_scatter is not None:
+        render.save_map(diagnosis.joint_scatter, files.map)
+    _write_poses(diagnosis, run.origin.source, how)
 
 
 def _write(diagnosis: Diagnosis, title: str, how: _How) -> None:

@@ -4,49 +4,95 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.cli.diagnose_files import Files
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.diagnosis import CyclesWanted, PlannedRun, design, planned_columns
+from scara_iso.diagnosis import (
+    CyclesWanted,
+    PlannedPosesTest,
+    PlannedRun,
+    design,
+    design_of_poses,
+    like_test,
+    planned_columns,
+    whole_cycles,
+)
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.library import TableOptions, defined
 from scara_iso.quantities import Dimension
-from scara_iso.render import design_json
-from scara_iso.reporting import design_report
+from scara_iso.render import design_json, design_of_poses_json
+from scara_iso.reporting import design_of_poses_report, design_report
+from scara_iso.robot import Model, read_model
 from scara_iso.run import FloatArray, Run
 
+_FEWEST_POSES = 2
 _SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
 
 
 def show_design(
     tables: Sequence[str],
+    files: Files,
     reading: TableOptions,
     wanted: CyclesWanted,
     *,
-    sigma: float | None,
-    columns: str | None,
-    effects: str | None,
     seed: int,
     as_json: bool,
 ) -> None:
-    """Write what a test like that of a table, or of the options, will find."""
+    """Write what a test like that of a table, or of the options, will find.
+
+    With a model it is one of several poses, and what it finds is in the joints.
+    """
     if len(tables) > 1:
         raise UsageError("--design takes one table at most")
+    sigma = files.sigma
     if sigma is not None and not 0 < sigma < math.inf:
         raise UsageError(f"--sigma {sigma:g}: not a positive, finite length")
-    plan = (
-        _like(wanted.take(reading.read(tables[0])), sigma)
-        if tables
-        else _planned(wanted.cycles or CYCLES_RUN, sigma, reading.resolution, columns or "")
-    )
-    found = design(plan, seed=seed, effects=find_effects(defined(effects or ())))
-    if as_json:
-        write_json(design_json(plan, found))
+    effects = find_effects(defined(files.effects or ()))
+    if files.model is not None:
+        run = reading.read(tables[0]) if tables else None
+        test = _of_poses(read_model(files.model), run, reading, wanted, sigma)
+        found = design_of_poses(test, seed=seed, effects=effects)
+        show, write = design_of_poses_json(test, found), design_of_poses_report(test, found)
     else:
-        write_report(design_report(plan, found))
+        plan = (
+            _like(wanted.take(reading.read(tables[0])), sigma) if tables
+            else _planned(_conditions(reading, wanted), reading, sigma)
+        )  # fmt: skip
+        one = design(plan, seed=seed, effects=effects)
+        show, write = design_json(plan, one), design_report(plan, one)
+    if as_json:
+        write_json(show)
+    else:
+        write_report(write)
+
+
+def _of_poses(
+    model: Model, run: Run | None, reading: TableOptions, wanted: CyclesWanted, sigma: float | None
+) -> PlannedPosesTest:
+    """Return the test of a model's poses, like that of a table where one is named."""
+    labels = [str(label) for label, _ in run.rows_by_pose()] if run else list(model.poses)
+    poses = {one: model.poses[one] for one in labels if one in model.poses}
+    if model.arm is None or len(poses) < _FEWEST_POSES or len(poses) < len(labels):
+        raise UsageError(
+            "--model does not go with --design but for a test of several poses",
+            remedy="give links and [pose.P1] joint_deg at each of them, or leave it out",
+        )
+    if run is None:
+        dial = _planned(_conditions(reading, wanted), reading, sigma)
+        variances = np.array([0.0, 0.0, dial.sigma**2, 0.0])
+        steps = (dial.division, dial.division)
+        return PlannedPosesTest(dial.conditions, model.arm, poses, variances, steps)
+    used = wanted.used(run.unwrapped())
+    rows = {str(pose): rows for pose, rows in zip(used.poses, used.rows, strict=True)}
+    test = like_test(whole_cycles(run, rows), model.arm, poses)
+    if sigma is None:
+        return test
+    return replace(test, variances=np.array([0.0, 0.0, sigma**2, 0.0]))
 
 
 def _like(run: Run, sigma: float | None) -> PlannedRun:
@@ -68,19 +114,22 @@ def _scatter(readings: FloatArray) -> float:
     return float(np.sqrt((np.diff(readings) ** 2).mean() / 2)) if len(readings) > 1 else 0.0
 
 
-def _planned(
-    cycles: int, sigma: float | None, resolution: float | None, columns: str
-) -> PlannedRun:
-    cycle = np.arange(2, cycles + 1)
+def _conditions(reading: TableOptions, wanted: CyclesWanted) -> Conditions:
+    """Return the cycles that are planned, with the columns that are named."""
+    cycle = np.arange(2, (wanted.cycles or CYCLES_RUN) + 1)
     known = planned_columns(cycle)
+    columns = str(reading.columns or "")
     names = [name.strip() for name in columns.split(",") if name.strip()]
     unknown = [name for name in names if name not in known]
     if unknown:
         raise UsageError(
             f"--columns {unknown[0]}: no such column", remedy=f"known are {', '.join(known)}"
         )
+    return Conditions(cycle, {name: known[name] for name in names})
+
+
+def _planned(conditions: Conditions, reading: TableOptions, sigma: float | None) -> PlannedRun:
+    division = reading.resolution
     return PlannedRun(
-        Conditions(cycle, {name: known[name] for name in names}),
-        sigma or _SIGMA_MM,
-        _RESOLUTION_MM if resolution is None else resolution,
+        conditions, sigma or _SIGMA_MM, _RESOLUTION_MM if division is None else division
     )

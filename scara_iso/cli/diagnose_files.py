@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scara_iso import render
+from scara_iso.cli.options import parse_limits
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ class Files:
     save_model: Path | None
     plot: Path | None
     map: Path | None
+    limit: Sequence[str] | None
     sigma: float | None
 
     def under(self, condition: str) -> Files:
@@ -42,32 +44,42 @@ class Files:
             _refuse(single, "is for one table", "diagnose the tables one by one")
         if self.save_model is not None and self.model is None:
             raise UsageError("--save-model needs --model", remedy="name the one to add to")
-        if self.map is not None and self.model is None:
-            raise UsageError(
-                "--map needs --model", remedy="name one that gives links and [pose.P1] joint_deg"
-            )
+        for option, value in {"--map": self.map, "--limit": self.limit}.items():
+            if value is not None and self.model is None:
+                raise UsageError(
+                    f"{option} needs --model",
+                    remedy="name one that gives links and [pose.P1] joint_deg",
+                )
+        self.limit_of_plane()
         if self.map is not None:
             render.check_map(self.map)
 
+    def limit_of_plane(self) -> float | None:
+        """Return the limit of RP in XY in mm; `UsageError` for another one."""
+        given = parse_limits(self.limit or ())
+        if set(given) - {"", "XY"}:
+            raise UsageError(
+                f"--limit {min(set(given) - {'', 'XY'})}: the map is of RP in XY",
+                remedy="write --limit XY=0.02",
+            )
+        return next(iter(given.values()), None)
+
     def refuse_of_test(self) -> None:
         """Raise `UsageError` where something is wanted that unrelated tables do not give."""
-        asked = {"--hold-out": self.hold_out, "--map": self.map}
+        asked = {"--hold-out": self.hold_out, "--map": self.map, "--limit": self.limit}
         _refuse(asked, "is for one test", "name its tables by their poses, P1.csv P2.csv")
 
     def check_poses(self, run: Run) -> None:
-        """Raise `UsageError` where something goes with one pose and ``run`` holds several."""
+        """Raise `UsageError` where what is held out is neither a pose of ``run`` nor a file."""
         from scara_iso.library import held_out_pose
 
-        labels = [label for label, _ in run.rows_by_pose()]
         second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
         if second and not Path(self.hold_out or "").exists():
+            labels = [str(label) for label, _ in run.rows_by_pose()]
             raise UsageError(
                 f"no pose {self.hold_out!r} in {run.origin.source}",
-                remedy=f"it has {', '.join(map(str, labels[:20]))}",
+                remedy=f"it has {', '.join(labels[:20])}",
             )
-        given = {"--hold-out": second or None, "--plot": self.plot, "--sigma": self.sigma}
-        what = f"is for one pose, and there are {len(labels)}"
-        _refuse(given, what, f"name it: --pose {labels[0]}")
 
 
 def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
@@ -79,7 +91,7 @@ def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
 def refuse_beside_design(files: Files) -> None:
     """Raise `UsageError` where something is wanted that needs readings."""
     given = {
-        "--model": files.model, "--hold-out": files.hold_out, "--save-model": files.save_model,
-        "--plot": files.plot, "--map": files.map,
+        "--hold-out": files.hold_out, "--save-model": files.save_model,
+        "--plot": files.plot, "--map": files.map, "--limit": files.limit,
     }  # fmt: skip
     _refuse(given, "does not go with --design", "leave it out")

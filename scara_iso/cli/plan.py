@@ -1,10 +1,11 @@
-"""``scara-iso plan``: the test cube, the poses P1 to P5 and how they are visited."""
+"""``scara-iso plan``: the test cube, P1 to P5 and how they are visited; or separating poses."""
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +13,12 @@ from scara_iso import library, render, reporting
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
 from scara_iso.errors import UsageError
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis import SeparatingPlan
+    from scara_iso.iso9283 import PosePlan
+
+_M = 0.1
 
 
 class SolidName(StrEnum):
@@ -49,6 +56,9 @@ Cycles = Annotated[int, typer.Option(help="Cycles run, the first counted.", min=
 Velocity = Annotated[float, typer.Option(help="Percent of the rated velocity.")]
 Load = Annotated[float, typer.Option(help="Percent of the rated load.")]
 Dwell = Annotated[float, typer.Option(help="Seconds at each pose before its reading.")]
+Separating = Annotated[
+    bool, typer.Option("--separating", help="Poses that tell the joints apart, not ISO 9283's.")
+]
 Picture = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Workspace and poses as .svg or .png.")
 ]
@@ -65,8 +75,9 @@ def plan_command(
     *,
     solid: SolidOption = SolidName.CUBE,
     plane: PlaneOption = PlaneName.C1,
+    separating: Separating = False,
     elbow: ElbowOption = None,
-    m: ShareOfDiagonal = 0.1,
+    m: ShareOfDiagonal = _M,
     cycles: Cycles = 31,
     velocity: Velocity = 100.0,
     load: Load = 100.0,
@@ -81,32 +92,81 @@ def plan_command(
     Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
     """
     from scara_iso.robot import read_model
-    from scara_iso.tables import find_locale
 
     check_outputs([picture, output], [model])
-    locale = find_locale(excel_locale)
-    as_test = output is not None and output.suffix.lower() == ".toml"
-    if as_test and excel_locale is not None:
-        raise UsageError("--excel-locale is for a .csv", remedy="let the name end in .csv")
-    described = read_model(model)
-    found = library.plan(
-        model,
-        solid=solid.value,
-        plane=plane.value,
-        elbow=None if elbow is None else elbow.value,
-        m=m,
-        cycles=cycles,
-        velocity=velocity,
-        load=load,
-        dwell=dwell,
-    )
-    if picture is not None:
-        render.save_figure(found.plot(), picture)
-    if output is not None and as_test:
+    robot = read_model(model).robot
+    how = _How(None if elbow is None else elbow.value, cycles, velocity, load, dwell)
+    files = _Files(picture, output, excel_locale)
+    files.check(separating=separating)
+    if separating:
+        _refuse_beside_separating(solid, plane, m)
+        apart = library.plan_separating(model, **asdict(how))
+        files.write(apart)
+        if json:
+            write_json(render.separating_json(apart))
+        else:
+            write_report(reporting.separating_report(apart, robot))
+        return
+    found = library.plan(model, solid=solid.value, plane=plane.value, m=m, **asdict(how))
+    files.write(found)
+    if output is not None and files.as_test:
         library.write_planned_test(output, found, model)
-    elif output is not None:
-        write_text(reporting.visits_csv(found, locale), output)
     if json:
         write_json(render.plan_json(found))
     else:
-        write_report(reporting.plan_report(found, described.robot))
+        write_report(reporting.plan_report(found, robot))
+
+
+@dataclass(frozen=True, slots=True)
+class _How:
+    """What every plan takes, as the library names it."""
+
+    elbow: str | None
+    cycles: int
+    velocity: float
+    load: float
+    dwell: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Files:
+    """Where a plan is written beside the report."""
+
+    picture: Path | None
+    output: Path | None
+    excel_locale: str | None
+
+    @property
+    def as_test(self) -> bool:
+        """Whether the plan is written as a test.toml."""
+        return self.output is not None and self.output.suffix.lower() == ".toml"
+
+    def check(self, *, separating: bool) -> None:
+        """Raise `UsageError` for a test.toml of what is none, or with a locale."""
+        if self.as_test and self.excel_locale is not None:
+            raise UsageError("--excel-locale is for a .csv", remedy="let the name end in .csv")
+        if self.as_test and separating:
+            raise UsageError(
+                "separating poses are no test of ISO 9283", remedy="let the name end in .csv"
+            )
+
+    def write(self, found: PosePlan | SeparatingPlan) -> None:
+        """Write the picture, and the visits as CSV."""
+        from scara_iso.tables import find_locale
+
+        if self.picture is not None:
+            render.save_figure(found.plot(), self.picture)
+        if self.output is not None and not self.as_test:
+            write_text(reporting.visits_csv(found, find_locale(self.excel_locale)), self.output)
+
+
+def _refuse_beside_separating(solid: SolidName, plane: PlaneName, m: float) -> None:
+    """Raise `UsageError` where something is wanted that only the test of ISO 9283 has."""
+    given = {"--solid": solid is not SolidName.CUBE, "--plane": plane is not PlaneName.C1,
+             "--m": m != _M}  # fmt: skip
+    for option, changed in given.items():
+        if changed:
+            raise UsageError(
+                f"{option} is of the test of ISO 9283, and --separating lays no cube",
+                remedy="leave one of them out",
+            )

@@ -19,11 +19,13 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.held_out import HeldOut as HeldOut
     from scara_iso.diagnosis.hypothesis_set import HypothesisSet as HypothesisSet
     from scara_iso.diagnosis.joint_scatter import (
+        FollowedInJoints as FollowedInJoints,
         JointCorrelation as JointCorrelation,
         JointScatter as JointScatter,
         PoseLeftOut as PoseLeftOut,
         PredictedRP as PredictedRP,
         ReachMap as ReachMap,
+        SizeInJoint as SizeInJoint,
         SourceOfScatter as SourceOfScatter,
         with_joint_scatter as with_joint_scatter,
     )
@@ -39,6 +41,13 @@ if TYPE_CHECKING:
         Smallest as Smallest,
         design as design,
         planned_columns as planned_columns,
+    )
+    from scara_iso.diagnosis.planning_poses import (
+        ChangeOfPoses as ChangeOfPoses,
+        DesignOfPoses as DesignOfPoses,
+        PlannedPosesTest as PlannedPosesTest,
+        design_of_poses as design_of_poses,
+        like_test as like_test,
     )
     from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
     from scara_iso.diagnosis.poses_result import (
@@ -72,6 +81,14 @@ if TYPE_CHECKING:
         read_sweep as read_sweep,
     )
     from scara_iso.diagnosis.saving import save_model as save_model
+    from scara_iso.diagnosis.separating import (
+        GIVEN as GIVEN,
+        PROPOSED as PROPOSED,
+        STANDARD as STANDARD,
+        PosesApart as PosesApart,
+        SeparatingPlan as SeparatingPlan,
+        separating_plan as separating_plan,
+    )
     from scara_iso.diagnosis.tuning import (
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.diagnosis.all_poses import whole_cycles
+from scara_iso.diagnosis.all_poses import AllPoses, whole_cycles
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
 from scara_iso.diagnosis.readings import diagnose_readings
+from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis
 from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
@@ -180,42 +181,55 @@ def close_the_loop_at_poses(
     model: Model | None,
     wanted: CyclesWanted,
     *,
+    hold_out: Run | None = None,
     seed: int,
+    sigma: float | None = None,
     own: Sequence[OwnEffect] = (),
 ) -> DiagnosisOfPoses:
     """Return what ``model`` (None: a constant) leaves unexplained at all poses of a run together.
 
     Effects are traced to the joints where the model gives the arm and its joints at every pose.
-    ``own`` are effects of the user's beside those of the model.
+    The other options are those of `close_the_loop`; ``hold_out`` holds the same poses.
     """
-    run = run.unwrapped()
-    used = wanted.used(run)
-    test = whole_cycles(run, {str(p): rows for p, rows in zip(used.poses, used.rows, strict=True)})
     known_own = _all_own(own, model)
-    catalogue = find_effects(known_own)
-    unseen = tuple(_not_looked_for(known_own, test.run))
-    if model is None:
-        found = diagnose_poses(test, seed=seed, effects=catalogue)
-        return replace(found, notes=(*unseen, *found.notes))
-    at = {label: run.arrival_at(label)[0] for label in test.parts}
-    joints = {label: model.at(pose).joints_deg for label, pose in at.items() if pose in model.poses}
-    known = {label: pair for label, pair in joints.items() if pair is not None}
-    traced = model.arm is not None and len(known) == len(test.parts)
-    expected = {
-        label: _predicted(model.at(at[label]), part) or {}
-        for label, part in test.parts.items()
-        if model.poses  # else its effects are of one pose, and nobody says which
+    test, expected, at = _test_of(run, model, wanted)
+    second = None if hold_out is None else _test_of(hold_out, model, wanted)[:2]
+    known = {} if model is None else model.poses
+    joints = {
+        label: known[pose] for label, pose in at.items() if pose is not None and pose in known
     }
+    traced = model is not None and len(joints) == len(test.parts)
     found = diagnose_poses(
         test,
         expected,
-        arm=model.arm if traced else None,
-        joints_deg=known,
+        arm=model.arm if model is not None and traced else None,
+        joints_deg=joints,
         seed=seed,
-        effects=catalogue,
+        effects=find_effects(known_own),
+        sigma=sigma,
+        held_out=second,
     )
-    notes = (*unseen, *found.notes, *_not_traced(model, at, known), *_doubts(model, run))
+    notes = (*_not_looked_for(known_own, test.run), *found.notes)
+    if model is not None:
+        notes = (*notes, *_not_traced(model, at, joints), *_doubts(model, run))
     return replace(found, notes=notes)
+
+
+_Test = tuple[AllPoses, dict[str, Predicted], dict[str, str | None]]
+"""All poses of a run, what a model predicts at each, and the pose of each label."""
+
+
+def _test_of(run: Run, model: Model | None, wanted: CyclesWanted) -> _Test:
+    run = run.unwrapped()
+    used = wanted.used(run)
+    test = whole_cycles(run, {str(p): rows for p, rows in zip(used.poses, used.rows, strict=True)})
+    at = {label: run.arrival_at(label)[0] for label in test.parts}
+    if model is None or not model.poses:  # its effects are of one pose, and nobody says which
+        return test, {}, at
+    expected: dict[str, Predicted] = {
+        label: _predicted(model.at(at[label]), part) or {} for label, part in test.parts.items()
+    }
+    return test, expected, at
 
 
 def _not_traced(

@@ -6,12 +6,12 @@ test martingale (`e_process`). All channels (axes at poses) count together.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.choice import choose
+from scara_iso.diagnosis.choice import Choice, choose
 from scara_iso.diagnosis.e_process import EProcess
 from scara_iso.diagnosis.evidence import views_of
 from scara_iso.diagnosis.hypotheses import hypotheses_of
@@ -32,14 +32,17 @@ _NOTHING = 1.0
 class Suspicion:
     """What is known after a cycle; alarm from evidence `ALARM` on, and for all cycles after it.
 
-    ``effect`` is the likeliest one so far (or the unknown) and ``since`` the cycle from which it
-    acts; both are None without alarm.
+    ``effect`` is the likeliest one so far (or the unknown), ``since`` the cycle from which it acts,
+    ``share`` its probability and ``rivals`` those of others at least a tenth as likely; there are
+    none without alarm.
     """
 
     evidence: float
     alarm: bool = False
     effect: str | None = None
     since: int | None = None
+    share: float | None = None
+    rivals: Mapping[str, float] | None = None
 
 
 class Monitor:
@@ -97,7 +100,12 @@ class Monitor:
             return Suspicion(evidence)
         n = min(self.cycles - 1, _NAMED_FROM)
         cycles = np.arange(self.cycles - n, self.cycles) + 1
-        return Suspicion(evidence, True, *likeliest(np.array(self._values[-n:]), cycles))
+        choice = explained(np.array(self._values[-n:]), cycles)
+        since = int(cycles[_begin(choice.forms[choice.best])])
+        rivals = {one.effect: one.probability for one in choice.rivals}
+        return Suspicion(
+            evidence, True, choice.best, since, choice.probability[choice.best], rivals
+        )
 
     def _looked(self, within: FloatArray) -> float:
         """Return the evidence with the last cycle, which lies ``within`` its rank (0 to 1)."""
@@ -118,17 +126,16 @@ def _rank_of_last(values: FloatArray, noise: FloatArray, within: FloatArray) -> 
     return np.asarray(((before < last).sum(axis=0) + tied.sum(axis=0) + within) / len(values))
 
 
-def likeliest(values: FloatArray, cycles: IntArray) -> tuple[str, int]:
-    """Return the likeliest effect in readings (n, channels), and the cycle from which it acts.
+def explained(values: FloatArray, cycles: IntArray) -> Choice[Form]:
+    """Return how likely each effect is in readings (n, channels) of ``cycles``.
 
-    It is the unknown where nothing known fits better.
+    The unknown is the likeliest where nothing known fits better.
     """
     n = len(values)
     members = hypotheses_of(find_effects(), Conditions(cycles, {}))
     named = [m for m in members if m.named and m.ordered]
     hypotheses = build(named, np.arange(n), constant(n))
-    choice = choose(hypotheses, views_of(_drawn_in(values), hypotheses.basis))
-    return choice.best, int(cycles[_begin(choice.forms[choice.best])])
+    return choose(hypotheses, views_of(_drawn_in(values), hypotheses.basis))
 
 
 def _drawn_in(values: FloatArray) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
@@ -88,11 +88,7 @@ def design(
     covariate, by their distribution. Raises `DataError` for fewer than 8 cycles, which no
     diagnosis takes.
     """
-    if len(plan.conditions) < FEWEST_CYCLES:
-        raise DataError(
-            f"{len(plan.conditions)} usable cycles cannot tell structure from scatter",
-            remedy=f"plan at least {FEWEST_CYCLES} beside a discarded one, better 30",
-        )
+    enough(plan.conditions)
     catalogue = tuple(find_effects() if effects is None else effects)
     members = hypotheses_of(catalogue, plan.conditions)
     return Design(
@@ -103,6 +99,15 @@ def design(
             for words, other in _changes(plan)
         ),
     )
+
+
+def enough(conditions: Conditions) -> None:
+    """Raise `DataError` for fewer cycles than any diagnosis takes."""
+    if len(conditions) < FEWEST_CYCLES:
+        raise DataError(
+            f"{len(conditions)} usable cycles cannot tell structure from scatter",
+            remedy=f"plan at least {FEWEST_CYCLES} beside a discarded one, better 30",
+        )
 
 
 def smallest_effects(
@@ -152,18 +157,21 @@ def planned_columns(cycle: IntArray) -> dict[str, FloatArray]:
 
 def _changes(plan: PlannedRun) -> list[tuple[str, PlannedRun]]:
     changes = [("three axes that move together", replace(plan, moved=3))]
-    if len(plan.conditions) < _MORE_CYCLES:
-        longer = replace(plan, conditions=_longer(plan.conditions))
-        changes.append((f"{_MORE_CYCLES} cycles", longer))
     if plan.division > plan.sigma / 3:
         changes.append(("a dial ten times as fine", replace(plan, division=plan.division / 10)))
-    planned = planned_columns(plan.conditions.cycle)
+    others = other_conditions(plan.conditions)
+    return [*changes, *((words, replace(plan, conditions=other)) for words, other in others)]
+
+
+def other_conditions(conditions: Conditions) -> Iterator[tuple[str, Conditions]]:
+    """Yield other ways to take as many cycles or more, in words: longer, or with more recorded."""
+    if len(conditions) < _MORE_CYCLES:
+        yield f"{_MORE_CYCLES} cycles", _longer(conditions)
+    planned = planned_columns(conditions.cycle)
     for name, words in _WORTH_RECORDING.items():
-        if name not in plan.conditions.covariates:
-            covariates = {**plan.conditions.covariates, name: planned[name]}
-            recorded = Conditions(plan.conditions.cycle, covariates)
-            changes.append((words, replace(plan, conditions=recorded)))
-    return changes
+        if name not in conditions.covariates:
+            covariates = {**conditions.covariates, name: planned[name]}
+            yield words, Conditions(conditions.cycle, covariates)
 
 
 def _longer(conditions: Conditions) -> Conditions:

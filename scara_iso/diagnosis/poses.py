@@ -10,7 +10,7 @@ import numpy as np
 
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.evidence import ManyPoses
-from scara_iso.diagnosis.fit import Fit
+from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.places import BOTH, JOINTS, Place, places_of, separation
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
@@ -33,13 +33,14 @@ from scara_iso.diagnosis.tuning import (
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Effect, find_effects
 from scara_iso.robot import Arm
+from scara_iso.run import FloatArray
 
 _Value = TypeVar("_Value")
 _DUST = 1e-12
 """What the sine of a whole turn leaves of a size, in mm or degrees."""
 
 
-def diagnose_poses(
+def diagnose_poses(  # noqa: PLR0913 - as `diagnose_readings`
     test: AllPoses,
     predicted: Mapping[str, Predicted] | None = None,
     *,
@@ -48,20 +49,22 @@ def diagnose_poses(
     seed: int = SEED,
     level: float = LEVEL,
     effects: Sequence[Effect] | None = None,
+    sigma: float | None = None,
+    held_out: tuple[AllPoses, Mapping[str, Predicted]] | None = None,
 ) -> DiagnosisOfPoses:
     """Return what all poses of a test show together that is more than scatter, and where it acts.
 
     ``predicted`` is that of a model by pose and axis; with an ``arm`` and its joints at every pose
-    effects are traced to them. Whole cycles are shuffled by the test. Errors as in
-    `diagnose_readings`.
+    effects are traced to them. Whole cycles are shuffled by the test. ``sigma`` is the known
+    scatter of every axis in mm, ``held_out`` a second test of the same poses with its prediction.
+    Errors as in `diagnose_readings`.
     """
-    expected = {
-        axis_at(axis, pose): readings
-        for pose, own in (predicted or {}).items()
-        for axis, readings in own.items()
-    }
-    problem = problem_of_poses(test, expected, arm, joints_deg, effects)
-    solved = diagnose_problem(problem, test.run, expected, test.planes(), seed=seed, level=level)
+    expected = _by_axis_at(predicted or {})
+    problem = problem_of_poses(test, expected, arm, joints_deg, effects, sigma)
+    second = None if held_out is None else (held_out[0].run, _by_axis_at(held_out[1]))
+    solved = diagnose_problem(
+        problem, test.run, expected, test.planes(), seed=seed, level=level, second=second
+    )
     found = tuple(
         _found(one, solved.fitted, i, test, problem)
         for i, one in enumerate(solved.diagnosis.effects)
@@ -77,8 +80,17 @@ def diagnose_poses(
         error_before=_over_poses(whole.error_before, test),
         error_after=_over_poses(whole.error_after, test),
         separation=_separation(problem),
+        courses=tuple(_course(term, len(test.run)) for term in solved.fitted.terms[: len(found)]),
         notes=(*test.notes, *whole.notes),
     )
+
+
+def _by_axis_at(predicted: Mapping[str, Predicted]) -> dict[str, FloatArray]:
+    return {
+        axis_at(axis, pose): np.asarray(readings)
+        for pose, own in predicted.items()
+        for axis, readings in own.items()
+    }
 
 
 def problem_of_poses(
@@ -87,10 +99,12 @@ def problem_of_poses(
     arm: Arm | None = None,
     joints_deg: Mapping[str, tuple[float, float]] | None = None,
     effects: Sequence[Effect] | None = None,
+    sigma: float | None = None,
 ) -> SearchProblem:
     """Return the search that `diagnose_poses` makes; ``predicted`` is by the test's axes."""
     catalogue = tuple(find_effects() if effects is None else effects)
-    problem = problem_of(test.run, predicted, directions={}, effects=catalogue)
+    known = {name: sigma for name, one in test.axes.items() if sigma and one.unit == "mm"}
+    problem = problem_of(test.run, predicted, directions={}, effects=catalogue, sigma=known)
     columns = [test.axes[name] for name in problem.residual.axes]
     places = places_of(columns, arm, joints_deg)
     lines = [place for place in places if place.tied and place.name != BOTH]
@@ -110,6 +124,10 @@ def _shares(lines: Sequence[Place]) -> np.ndarray:
         return np.full(len(lines), 1 / max(1, len(lines)))
     others = max(1, int((~joints).sum()))
     return np.where(joints, JOINTS_SHARE / joints.sum(), (1 - JOINTS_SHARE) / others)
+
+
+def _course(term: Term, n: int) -> FloatArray:
+    return np.empty((n, 0)) if term.columns is None else term.columns
 
 
 def _separation(problem: SearchProblem) -> Separation | None:

@@ -10,13 +10,14 @@ import numpy as np
 
 from scara_iso.diagnosis.result import Diagnosis, Error, Found
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.display import Displayed
+from scara_iso.display import Plotted
 from scara_iso.frames import make_frame
+from scara_iso.run import FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from scara_iso.diagnosis.joint_scatter.result import JointScatter
+    from scara_iso.diagnosis.joint_scatter.result import FollowedInJoints, JointScatter
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +31,7 @@ class Separation:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class DiagnosisOfPoses(Displayed):
+class DiagnosisOfPoses(Plotted):
     """What one search over all poses of a test found."""
 
     poses: Mapping[str, Diagnosis]
@@ -53,6 +54,10 @@ class DiagnosisOfPoses(Displayed):
     """None without the joints at every pose."""
     notes: tuple[str, ...] = ()
     """How the tables were read and what could not be searched, one line each."""
+    courses: tuple[FloatArray, ...] = ()
+    """Over the cycles, of each effect found, shape (n, k) for a known course, (n, 0) for none."""
+    followed: tuple[FollowedInJoints, ...] = ()
+    """What follows a recorded column, found or not, traced to the joints; likewise."""
     joint_scatter: JointScatter | None = None
     """Scatter of all poses traced to the joints; None without a model that says where they are."""
 

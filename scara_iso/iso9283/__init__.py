@@ -46,11 +46,13 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.pose_plan import (
         DiagonalPlane as DiagonalPlane,
+        PlannedPose as PlannedPose,
         PosePlan as PosePlan,
         PoseTestConditions as PoseTestConditions,
         Solid as Solid,
+        visit_rows as visit_rows,
     )
-    from scara_iso.iso9283.poses import make_plan as make_plan
+    from scara_iso.iso9283.poses import make_plan as make_plan, planned_poses as planned_poses
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,

@@ -185,25 +185,31 @@ class PosePlan(Plotted):
         A cycle begins at P1, so every pose is always approached from the same one; the path from
         it is a line in the plane, as the paper's.
         """
-        numbers = PlannedPose.__slots__[1:]
-        how, rated = self.conditions, self.rated
-        before = ("P1", *how.order)
-        return [
-            {
-                "visit": number,
-                "pose": name,
-                **{key: getattr(self.poses[name], key) for key in numbers},
-                "from_pose": before[number - 1],
-                "path": "linear",
-                "velocity_percent": how.velocity_percent,
-                "velocity_mm_s": _share(how.velocity_percent, rated.velocity_mm_s),
-                "load_percent": how.load_percent,
-                "load_kg": _share(how.load_percent, rated.load_kg),
-                "dwell_s": how.dwell_s,
-                "cycles": how.cycles,
-            }
-            for number, name in enumerate(how.order, start=1)
-        ]
+        return visit_rows(self.poses, self.conditions, self.rated, path="linear")
+
+
+def visit_rows(
+    poses: Poses[PlannedPose], how: PoseTestConditions, rated: Rated, *, path: str
+) -> list[Mapping[str, str | int | float | None]]:
+    """Return one cycle as a table, one row for each visit in order; ``path`` leads to each."""
+    numbers = PlannedPose.__slots__[1:]
+    before = ("P1", *how.order)
+    return [
+        {
+            "visit": number,
+            "pose": name,
+            **{key: getattr(poses[name], key) for key in numbers},
+            "from_pose": before[number - 1],
+            "path": path,
+            "velocity_percent": how.velocity_percent,
+            "velocity_mm_s": _share(how.velocity_percent, rated.velocity_mm_s),
+            "load_percent": how.load_percent,
+            "load_kg": _share(how.load_percent, rated.load_kg),
+            "dwell_s": how.dwell_s,
+            "cycles": how.cycles,
+        }
+        for number, name in enumerate(how.order, start=1)
+    ]
 
 
 def _share(percent: float, rated: float | None) -> float | None:

@@ -59,7 +59,7 @@ def make_plan(
         corners=corners,
         plane=plane,
         elbow=side,
-        poses=Poses(_planned(arm, poses, joints)),
+        poses=Poses(planned_poses(arm, poses, joints)),
         diagonal_mm=diagonal,
         m_mm=m_over_diagonal * diagonal,
         stroke_limits=solid is Solid.CUBE and area.width > arm.stroke_mm,
@@ -126,7 +126,8 @@ def _reached(arm: Arm, poses: FloatArray, elbows: tuple[Elbow, ...]) -> tuple[El
     return elbow, joints
 
 
-def _planned(arm: Arm, poses: FloatArray, joints: FloatArray) -> tuple[PlannedPose, ...]:
+def planned_poses(arm: Arm, poses: FloatArray, joints: FloatArray) -> tuple[PlannedPose, ...]:
+    """Return P1 and so on at ``poses`` (n, 4), reached by ``joints`` (n, 4), in mm and degrees."""
     apart, turn = arm.singularity_deg(joints), np.abs(np.sin(np.radians(joints[:, 1])))
     table = np.column_stack([poses, joints, apart, turn]).tolist()
     return tuple(PlannedPose(name, *row) for name, row in zip(POSES, table, strict=True))

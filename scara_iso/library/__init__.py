@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from scara_iso.library.models import (
         defined as defined,
         plan as plan,
+        plan_separating as plan_separating,
         simulate as simulate,
     )
     from scara_iso.library.months import history as history

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import replace
@@ -50,6 +50,7 @@ def diagnose(
     allow_gaps: bool = False,
     hold_out: Tables | None = None,
     reach: bool = False,
+    limit: float | None = None,
     sigma: float | None = None,
     seed: int = SEED,
     own_effects: OwnEffects = (),
@@ -58,9 +59,10 @@ def diagnose(
 
     Several poses (a column, or several tables as in `analyze`) are searched together and give a
     `DiagnosisOfPoses`, with a model of the arm and ``[pose.P1]`` and so on traced to its joints,
-    effects and scatter alike; ``pose`` names one of them, which ``sigma`` needs. ``hold_out`` is a
+    effects and scatter alike; ``pose`` names one of them. ``hold_out`` is a
     second table that measures the error on unseen cycles, or of several poses the name of one that
-    takes no part; ``reach`` adds RP over the workspace. The other options are those of `analyze`,
+    takes no part; ``reach`` adds RP over the workspace, ``limit`` (in mm) also where it is at most
+    that. The other options are those of `analyze`,
     for both tables, and so is the folder of a test. ``sigma`` is the known scatter in mm.
     ``own_effects`` are the user's, or the file that defines them. Same arguments, same result.
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
@@ -70,24 +72,20 @@ def diagnose(
     if (measured := reading.measured(table, condition)) is not None:
         table, cycles = measured.readings, cycles or measured.cycles
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
+    if limit is not None and not 0 < limit < np.inf:
+        raise UsageError(f"`limit={limit:g}`: not a positive, finite length")
+    reach = reach or limit is not None
     own = defined(own_effects)
     run = reading.read(table)
     known = None if model is None else described(model, own)
     unseen = held_out_pose(run, hold_out)
-    several = pose is None and sigma is None and len(list(run.rows_by_pose())) > 1
-    if several and (hold_out is None or unseen is not None):
-        return _of_poses(run, known, wanted, unseen=unseen, reach=reach, seed=seed, own=own)
+    second = None if hold_out is None or unseen is not None else reading.read(hold_out)
+    if pose is None and len(list(run.rows_by_pose())) > 1:
+        search = partial(close_the_loop_at_poses, hold_out=second, seed=seed, sigma=sigma, own=own)
+        return _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=limit)
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
-    return close_the_loop(
-        run,
-        known,
-        wanted,
-        hold_out=None if hold_out is None else reading.read(hold_out),
-        sigma=sigma,
-        seed=seed,
-        own=own,
-    )
+    return close_the_loop(run, known, wanted, hold_out=second, sigma=sigma, seed=seed, own=own)
 
 
 def held_out_pose(run: Run, hold_out: Tables | None) -> str | None:
@@ -100,11 +98,11 @@ def _of_poses(
     run: Run,
     model: Model | None,
     wanted: CyclesWanted,
+    search: Callable[[Run, Model | None, CyclesWanted], DiagnosisOfPoses],
     *,
     unseen: str | None,
     reach: bool,
-    seed: int,
-    own: Sequence[OwnEffect],
+    limit: float | None,
 ) -> DiagnosisOfPoses:
     if model is None and (unseen is not None or reach):
         raise UsageError(
@@ -115,12 +113,12 @@ def _of_poses(
     if len(seen) <= 1:
         raise UsageError("no two poses are left to fit", remedy="hold none of them out")
     fitted = run.take(np.sort(np.concatenate(seen)))
-    found = close_the_loop_at_poses(fitted, model, wanted, seed=seed, own=own)
+    found = search(fitted, model, wanted)
     read = run.origin.notes if run.origin.files else ()
     found = replace(found, notes=(*read, *found.notes))
     if model is None:
         return found
-    return with_joint_scatter(found, run, model, wanted, held_out=unseen, reach=reach)
+    return with_joint_scatter(found, run, model, wanted, held_out=unseen, reach=reach, limit=limit)
 
 
 def diagnose_many(

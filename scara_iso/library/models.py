@@ -1,4 +1,4 @@
-"""`simulate` and `plan`: what a model file makes of a test."""
+"""`simulate`, `plan` and `plan_separating`: what a model file makes of a test."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 
 from scara_iso import robot
+from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
 from scara_iso.effects import Conditions as Procedure, OwnEffect
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import (
@@ -22,6 +23,7 @@ from scara_iso.iso9283 import (
 )
 from scara_iso.robot import (
     Approach,
+    Arm,
     DeclaredEffect,
     Elbow,
     Model,
@@ -148,15 +150,12 @@ def plan(
     0.12; ``velocity`` and ``load`` are percent of the rated ones, ``dwell`` seconds at each pose.
     Raises `UsageError` where a word is not known, the model holds no arm, or no cube fits.
     """
-    known = described(model)
-    if known.arm is None:
-        named = "the model" if isinstance(model, Model) else str(model)
-        raise UsageError(f"{named} holds no arm", remedy="give link lengths and limits in [robot]")
+    known, arm = _with_arm(model)
     conditions = PoseTestConditions(
         cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
     )
     return make_plan(
-        known.arm,
+        arm,
         solid=_named(Solid, "solid", solid),
         plane=_named(DiagonalPlane, "plane", plane),
         elbow=None if elbow is None else _named(Elbow, "elbow", elbow),
@@ -164,6 +163,47 @@ def plan(
         conditions=conditions,
         rated=known.rated,
     )
+
+
+def plan_separating(
+    model: Model | str | Path,
+    *,
+    elbow: str | None = None,
+    cycles: int = CYCLES_RUN,
+    velocity: float = 100.0,
+    load: float = 100.0,
+    dwell: float = 2.0,
+) -> SeparatingPlan:
+    """Return five poses at which the joints of a model's arm are told apart best.
+
+    They are no poses of ISO 9283. Beside them stand the model's own poses and those of `plan`, as
+    far as there are any. Options as in `plan`. Raises `UsageError` where a word is not known, the
+    model holds no arm, or its limits leave no room for such poses.
+    """
+    known, arm = _with_arm(model)
+    conditions = PoseTestConditions(
+        cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
+    )
+    side = None if elbow is None else _named(Elbow, "elbow", elbow)
+    given = {GIVEN: [*known.poses.values()], STANDARD: _standard(arm, side)}
+    others = {name: poses for name, poses in given.items() if poses}
+    return separating_plan(arm, others, elbow=side, conditions=conditions, rated=known.rated)
+
+
+def _standard(arm: Arm, elbow: Elbow | None) -> list[tuple[float, float]]:
+    """Return joints 1 and 2 of the standard's poses; none where no cube fits."""
+    try:
+        return [(one.joint_1_deg, one.joint_2_deg) for one in make_plan(arm, elbow=elbow).poses]
+    except UsageError:
+        return []
+
+
+def _with_arm(model: Model | str | Path) -> tuple[Model, Arm]:
+    known = described(model)
+    if known.arm is None:
+        named = "the model" if isinstance(model, Model) else str(model)
+        raise UsageError(f"{named} holds no arm", remedy="give link lengths and limits in [robot]")
+    return known, known.arm
 
 
 def _named(kind: type[_Word], option: str, word: str) -> _Word:

@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.comparison import Comparison
-from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses
+from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, SeparatingPlan
 from scara_iso.fleets import FleetSummary
 from scara_iso.iso9283 import Analysis, PosePlan, PushResult
 from scara_iso.library.diagnoses import Diagnoses
@@ -20,6 +20,8 @@ from scara_iso.render import (
     plot_diagnosis,
     plot_gauge_study,
     plot_plan,
+    plot_poses,
+    plot_separating,
 )
 from scara_iso.reporting import (
     Document,
@@ -36,6 +38,7 @@ from scara_iso.reporting import (
     poses_report,
     push_report,
     readings_report,
+    separating_report,
     summary_report,
     validation_report,
     visits_report,
@@ -61,14 +64,17 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
     PushResult: ("Push test", push_report),
     RobotHistory: ("Months of a robot", history_report),
     Run: ("Readings", readings_report),
+    SeparatingPlan: ("Poses that tell the joints apart", separating_report),
     StreamVisits: ("Visits of a stream", visits_report),
     Validation: ("Validation", validation_report),
 }
 _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
     Comparison: plot_comparison,
     Diagnosis: plot_diagnosis,
+    DiagnosisOfPoses: plot_poses,
     GaugeStudy: plot_gauge_study,
     PosePlan: plot_plan,
+    SeparatingPlan: plot_separating,
 }
 
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis import Monitor
 
 _DIGITS = 6
+_SHARE = 3
 _Channel: TypeAlias = tuple[str | None, str]
 """Pose and axis."""
 
@@ -125,7 +126,9 @@ def _known(monitor: Monitor) -> Watched:
     evidence = float(f"{found.evidence:.{_DIGITS}g}")
     if not found.alarm:
         return Watched(monitor.cycles, evidence, "nothing yet")
-    return Watched(monitor.cycles, evidence, "structure", found.effect, found.since)
+    rivals = {name: round(share, _SHARE) for name, share in (found.rivals or {}).items()}
+    share = round(found.share or 0.0, _SHARE)
+    return Watched(monitor.cycles, evidence, "structure", found.effect, found.since, share, rivals)
 
 
 def _head_of(job: Job) -> dict[str, Any]:

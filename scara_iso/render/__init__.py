@@ -15,11 +15,13 @@ if TYPE_CHECKING:
         explain_json as explain_json,
         plan_json as plan_json,
         run_json as run_json,
+        separating_json as separating_json,
         to_text as to_text,
     )
     from scara_iso.render.json_diagnosis import (
         backlash_json as backlash_json,
         design_json as design_json,
+        design_of_poses_json as design_of_poses_json,
         diagnosis_json as diagnosis_json,
         poses_diagnosis_json as poses_diagnosis_json,
     )
@@ -43,6 +45,8 @@ if TYPE_CHECKING:
     from scara_iso.render.plots import (
         plot_diagnosis as plot_diagnosis,
         plot_plan as plot_plan,
+        plot_poses as plot_poses,
+        plot_separating as plot_separating,
         save_figure as save_figure,
     )
     from scara_iso.render.progress import track as track

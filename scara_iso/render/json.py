@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from scara_iso.comparison import Comparison, Contrast
+    from scara_iso.diagnosis import SeparatingPlan
     from scara_iso.iso9283 import (
         Analysis,
         AxisResult,
@@ -31,6 +32,7 @@ LIMIT = (
     "figure pose RP interval limit verdict rule=decision interval_void cycles_wanted guard "
     "inside clear"
 )
+APART = "angle_deg observability_index smallest_angle_deg between uncertainty"
 _RADIAL = (
     "RP_radial=RP RP_radial_interval=RP_interval l_bar S_l uncertainty uncertainty_ratio accuracy"
 )
@@ -185,6 +187,19 @@ def plan_json(plan: PosePlan) -> Json:
         "schema": "scara-iso/plan/1",
         "unit": "mm",
         **picked(plan, "solid size_mm corners plane elbow diagonal_mm m_mm stroke_limits"),
+        "rated": picked(plan.rated, "load_kg velocity_mm_s"),
+        "cycles": picked(plan.conditions, "run=cycles used"),
+        "visits": plain(plan.rows()),
+    }
+
+
+def separating_json(plan: SeparatingPlan) -> Json:
+    """Return the object of separating poses, schema ``scara-iso/plan-separating/1``."""
+    return {
+        "schema": "scara-iso/plan-separating/1",
+        "unit": "mm",
+        **picked(plan, "elbow"),
+        "apart": {name: picked(one, APART) for name, one in plan.apart.items()},
         "rated": picked(plan.rated, "load_kg velocity_mm_s"),
         "cycles": picked(plan.conditions, "run=cycles used"),
         "visits": plain(plan.rows()),

@@ -6,18 +6,20 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from scara_iso.render.json import Json, each, picked, plain, pose_json
-from scara_iso.render.json_joint_scatter import joint_scatter_json
+from scara_iso.render.json import APART, Json, each, picked, plain, pose_json
+from scara_iso.render.json_joint_scatter import followed_json, joint_scatter_json
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import (
         Design,
+        DesignOfPoses,
         Diagnosis,
         DiagnosisOfPoses,
         Foretold,
         Found,
         GearDiagnosis,
         GearFound,
+        PlannedPosesTest,
         PlannedRun,
         RunReversals,
         Smallest,
@@ -56,6 +58,7 @@ def poses_diagnosis_json(found: DiagnosisOfPoses) -> Json:
         "joints_apart": separation and picked(separation, "angle_deg observability_index"),
         "poses": poses,
         **({} if found.joint_scatter is None else joint_scatter_json(found.joint_scatter)),
+        **(followed_json(found.followed) if found.followed else {}),
         "notes": list(found.notes),
     }
 
@@ -168,6 +171,35 @@ def design_json(plan: PlannedRun, found: Design) -> Json:
         "smallest": _smallest(found.smallest),
         "alike": [{"effects": [a.first, a.second], "cosine": a.cosine} for a in found.alike],
         "changes": [{"change": c.change, "smallest": _smallest(c.smallest)} for c in found.changes],
+    }
+
+
+def design_of_poses_json(plan: PlannedPosesTest, found: DesignOfPoses) -> Json:
+    """Return the object of a test of poses that is planned, ``scara-iso/design-poses/1``."""
+    return {
+        "schema": "scara-iso/design-poses/1",
+        "unit": "rad",
+        "cycles": len(plan.conditions),
+        "poses": list(plan.joints_deg),
+        "resolution_mm": list(plan.division),
+        "columns": list(plan.conditions.covariates),
+        "scatter": {
+            name: {"value": value, "unit": "mm" if name == "dial" else "rad"}
+            for name, value in plan.sources.items()
+        },
+        "seen_in_a_cycle": plan.sigma,
+        "smallest": {joint: _smallest(own) for joint, own in found.smallest.items()},
+        "joints_apart": picked(found.apart, APART),
+        "alike": [{"effects": [a.first, a.second], "cosine": a.cosine} for a in found.alike],
+        "changes": [
+            {
+                "change": one.change,
+                "smallest": {joint: _smallest(own) for joint, own in one.smallest.items()},
+                "joints_apart": picked(one.apart, APART),
+                **picked(one, "size_needed adds"),
+            }
+            for one in found.changes
+        ],
     }
 
 

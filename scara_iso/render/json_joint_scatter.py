@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from scara_iso.render.json import Json, picked
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import JointScatter, PoseLeftOut, ReachMap
+    from scara_iso.diagnosis import FollowedInJoints, JointScatter, PoseLeftOut, ReachMap
 
 
 def joint_scatter_json(found: JointScatter) -> Json:
@@ -35,6 +36,22 @@ def joint_scatter_json(found: JointScatter) -> Json:
     }  # fmt: skip
 
 
+def followed_json(found: Sequence[FollowedInJoints]) -> Json:
+    """Return the key that recorded columns add to ``diagnose`` of several poses."""
+    return {
+        "followed": [
+            {
+                **picked(one, "effect column misfit_p_value"),
+                "sizes": {
+                    name: {**picked(size, "value unit"), "interval": [size.low, size.high]}
+                    for name, size in one.sizes.items()
+                },
+            }
+            for one in found
+        ]
+    }
+
+
 def _beside(one: PoseLeftOut) -> Json:
     predicted = one.predicted
     return {
@@ -45,7 +62,8 @@ def _beside(one: PoseLeftOut) -> Json:
 
 
 def _extremes(reach: ReachMap) -> Json:
-    return {
+    ends = {
         name: dict(zip(("x_mm", "y_mm", "RP"), place, strict=True))
         for name, place in (("best", reach.best), ("worst", reach.worst))
     }
+    return ends if reach.limit is None else {**ends, **picked(reach, "limit share_kept")}

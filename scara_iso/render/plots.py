@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import numpy as np
 
 from scara_iso.disk import write_file
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import PosePlan
+from scara_iso.iso9283 import PlannedPose, PosePlan
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 
@@ -19,7 +20,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from scara_iso.diagnosis import Diagnosis, ReachMap
+    from scara_iso.diagnosis import (
+        Diagnosis,
+        DiagnosisOfPoses,
+        ReachMap,
+        SeparatingPlan,
+        Series,
+    )
 
 _LABEL = 20
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
@@ -38,33 +45,62 @@ def plot_plan(plan: PosePlan) -> Figure:
     return figure
 
 
-def plot_diagnosis(diagnosis: Diagnosis) -> Figure:
-    """Return readings and predictions, and what is left, before and after, for each axis."""
+def plot_separating(plan: SeparatingPlan) -> Figure:
+    """Return the workspace from above, and the poses that tell the joints apart."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
-    series = diagnosis.series
-    figure = Figure(figsize=(9, 1.2 + 2.1 * len(series.measured)), layout="constrained")
-    rows = figure.subplots(len(series.measured), 2, sharex=True, squeeze=False)
-    for (left, right), (axis, measured) in zip(rows, series.measured.items(), strict=True):
-        before, after = series.predicted_before[axis], series.predicted_after[axis]
-        left.plot(series.cycle, measured, "o", color=ARM, ms=3.5, label="measured")
-        left.plot(series.cycle, before, color=EDGE, lw=1.4, ls="--", label="predicted before")
-        left.plot(series.cycle, after, color=PLANE, lw=1.8, label="predicted after")
-        left.set_ylabel(axis)
-        right.axhline(0, color=EDGE, lw=0.8)
-        right.plot(
-            series.cycle, measured - before, "o", mfc="none", color=EDGE, ms=4, label="before"
-        )
-        right.plot(series.cycle, measured - after, "o", color=PLANE, ms=3.5, label="after")
-    rows[0][0].set_title(f"readings: {diagnosis.verdict.value}")
+    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    axes = figure.subplots()
+    _fill_workspace(axes, plan.arm)
+    _draw_poses(axes, plan.arm, plan.poses)
+    return figure
+
+
+def plot_diagnosis(diagnosis: Diagnosis) -> Figure:
+    """Return readings and predictions, and what is left, before and after, for each axis."""
+    return _plot_series({"": diagnosis}, diagnosis.verdict.value, height=2.1)
+
+
+def plot_poses(found: DiagnosisOfPoses) -> Figure:
+    """Return the same of all poses of a test, below each other."""
+    return _plot_series(found.poses, found.verdict.value, height=1.2)
+
+
+def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float) -> Figure:
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+
+    of = [
+        (f"{axis} {pose[:_LABEL]}".strip(), axis, one.series)
+        for pose, one in found.items()
+        for axis in one.series.measured
+    ]
+    figure = Figure(figsize=(9, 1.2 + height * len(of)), layout="constrained")
+    rows = figure.subplots(len(of), 2, sharex=True, squeeze=False)
+    for (left, right), (label, axis, series) in zip(rows, of, strict=True):
+        _draw_series(left, right, series, axis)
+        left.set_ylabel(label, parse_math=False)
+    rows[0][0].set_title(f"readings: {verdict}")
     rows[0][1].set_title("measured minus predicted")
     figure.supylabel("lengths in mm, angles in degrees", fontsize=9)
     for column in (0, 1):
         rows[-1][column].set_xlabel("cycle")
         rows[-1][column].legend(
-            loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3, fontsize=8, frameon=False
-        )
+            loc="upper center", bbox_to_anchor=(0.5, -0.588 / height), ncols=3, fontsize=8,
+            frameon=False,
+        )  # fmt: skip
     return figure
+
+
+def _draw_series(left: Axes, right: Axes, series: Series, axis: str) -> None:
+    """Draw one axis: readings and predictions, and what they leave."""
+    measured = series.measured[axis]
+    before, after = series.predicted_before[axis], series.predicted_after[axis]
+    left.plot(series.cycle, measured, "o", color=ARM, ms=3.5, label="measured")
+    left.plot(series.cycle, before, color=EDGE, lw=1.4, ls="--", label="predicted before")
+    left.plot(series.cycle, after, color=PLANE, lw=1.8, label="predicted after")
+    right.axhline(0, color=EDGE, lw=0.8)
+    right.plot(series.cycle, measured - before, "o", mfc="none", color=EDGE, ms=4, label="before")
+    right.plot(series.cycle, measured - after, "o", color=PLANE, ms=3.5, label="after")
 
 
 def plot_reach(reach: ReachMap) -> Figure:
@@ -75,6 +111,8 @@ def plot_reach(reach: ReachMap) -> Figure:
     axes = figure.subplots()
     shown = axes.pcolormesh(reach.x, reach.y, reach.RP, cmap="cividis", rasterized=True)
     figure.colorbar(shown, ax=axes, label="RP in XY, 30 cycles [mm]")
+    if reach.limit is not None:
+        _draw_limit(axes, reach, reach.limit)
     marks = (("best", reach.best, "v"), ("worst", reach.worst, "^"))
     for name, (x, y, value), mark in marks:
         label = f"{name} {value:.3g} mm"
@@ -88,6 +126,13 @@ def plot_reach(reach: ReachMap) -> Figure:
     axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]", title="predicted repeatability")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2, frameon=False)
     return figure
+
+
+def _draw_limit(axes: Axes, reach: ReachMap, limit: float) -> None:
+    """Hatch where the limit is not kept, and say what it is."""
+    axes.contourf(reach.x, reach.y, reach.kept, levels=[-0.5, 0.5], colors="none", hatches=["////"])
+    said = f"hatched: {limit:g} mm is not kept"
+    axes.plot([], [], "s", mfc="none", mec=ARM, ms=8, ls="none", label=said)
 
 
 def save_figure(figure: Figure, path: Path) -> None:
@@ -115,19 +160,22 @@ def save_figure(figure: Figure, path: Path) -> None:
 
 
 def _draw_from_above(axes: Axes, plan: PosePlan) -> None:
-    arm = plan.arm
-    axes.set_title("Workspace seen from above")
-    _fill_workspace(axes, arm)
+    _fill_workspace(axes, plan.arm)
     face = plan.corners[[0, 1, 2, 3, 0], :2]
     axes.plot(*face.T, color=SOLID, lw=1.5, label=plan.solid.value)
-    first = plan.poses[0]
+    _draw_poses(axes, plan.arm, plan.poses)
+
+
+def _draw_poses(axes: Axes, arm: Arm, poses: Sequence[PlannedPose]) -> None:
+    axes.set_title("Workspace seen from above")
+    first = poses[0]
     elbow = (
         arm.link_1_mm * np.cos(np.radians(first.joint_1_deg)),
         arm.link_1_mm * np.sin(np.radians(first.joint_1_deg)),
     )
     links = np.array([(0.0, 0.0), elbow, (first.x_mm, first.y_mm)])
     axes.plot(*links.T, "o-", color=ARM, lw=3, ms=7, mfc="white", label="arm at P1")
-    for place, names in _names_by_place(plan).items():
+    for place, names in _names_by_place(poses).items():
         axes.plot(*place, "o", color=PLANE, mec="black", ms=6, zorder=3)
         axes.annotate(names, place, (6, 5), textcoords="offset points", fontsize=9, zorder=4)
     axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
@@ -136,10 +184,10 @@ def _draw_from_above(axes: Axes, plan: PosePlan) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3, fontsize=8, frameon=False)
 
 
-def _names_by_place(plan: PosePlan) -> dict[tuple[float, float], str]:
+def _names_by_place(poses: Sequence[PlannedPose]) -> dict[tuple[float, float], str]:
     """Return the poses' names by their place seen from above, where two may coincide."""
     names: dict[tuple[float, float], str] = {}
-    for pose in plan.poses:
+    for pose in poses:
         place = (pose.x_mm, pose.y_mm)
         names[place] = f"{names[place]}, {pose.name}" if place in names else pose.name
     return names

@@ -38,10 +38,13 @@ def save_map(found: JointScatter, path: Path) -> None:
 
 
 def _rows(reach: ReachMap) -> str:
-    """Return a line for each place that the arm reaches [mm]."""
-    lines = ["x_mm,y_mm,RP_mm,low_mm,high_mm"]
+    """Return a line for each place that the arm reaches [mm], with a limit whether it is kept."""
+    limited = reach.limit is not None
+    lines = ["x_mm,y_mm,RP_mm,low_mm,high_mm" + (",kept" if limited else "")]
+    kept = reach.kept
     for row, column in np.argwhere(~np.isnan(reach.RP)):
         cell = (reach.RP[row, column], reach.low[row, column], reach.high[row, column])
         place = f"{reach.x[column]:.3f},{reach.y[row]:.3f}"
-        lines.append(",".join([place, *(f"{value:.6f}" for value in cell)]))
+        line = ",".join([place, *(f"{value:.6f}" for value in cell)])
+        lines.append(f"{line},{kept[row, column]:.0f}" if limited else line)
     return "\n".join(lines) + "\n"

@@ -44,7 +44,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
     from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
-    from scara_iso.reporting.design import design_report as design_report
+    from scara_iso.reporting.design import (
+        design_of_poses_report as design_of_poses_report,
+        design_report as design_report,
+    )
     from scara_iso.reporting.diagnosis import (
         Failure as Failure,
         diagnosis_report as diagnosis_report,
@@ -77,7 +80,11 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.paper import paper_section as paper_section
-    from scara_iso.reporting.plan import plan_report as plan_report, visits_csv as visits_csv
+    from scara_iso.reporting.plan import (
+        plan_report as plan_report,
+        separating_report as separating_report,
+        visits_csv as visits_csv,
+    )
     from scara_iso.reporting.plotted import (
         Chart as Chart,
         ControlPicture as ControlPicture,

@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
-from scara_iso.diagnosis import Design, PlannedRun, Smallest
-from scara_iso.reporting.blocks import Number, Report, Section, Table, Text
+from scara_iso.diagnosis import (
+    Alike,
+    ChangeOfPoses,
+    Design,
+    DesignOfPoses,
+    PlannedPosesTest,
+    PlannedRun,
+    PosesApart,
+    Smallest,
+)
+from scara_iso.reporting.blocks import Cell, Number, Report, Section, Table, Text
 from scara_iso.reporting.digits import decimals
 from scara_iso.reporting.words import words
+
+_MICRO = 1e6
 
 
 def design_report(plan: PlannedRun, found: Design) -> Report:
@@ -15,7 +27,7 @@ def design_report(plan: PlannedRun, found: Design) -> Report:
     return (
         Section("", tuple(_head(plan))),
         Section("smallest travel found in 80 % of tests [mm]", (_table(plan, found),)),
-        Section("cannot be told apart", tuple(_alike(found))),
+        Section("cannot be told apart", tuple(_alike(found.alike))),
     )
 
 
@@ -50,9 +62,71 @@ def _travel(column: Sequence[Smallest], name: str, places: int) -> Number | str:
     return ""
 
 
-def _alike(found: Design) -> list[Text]:
-    if not found.alike:
+def _alike(pairs: Sequence[Alike]) -> list[Text]:
+    if not pairs:
         return [Text("every pair of effects has shapes that differ")]
-    return [
-        Text(f"{words(a.first)} and {words(a.second)} (cosine {a.cosine:.2f})") for a in found.alike
+    return [Text(f"{words(a.first)} and {words(a.second)} (cosine {a.cosine:.2f})") for a in pairs]
+
+
+def design_of_poses_report(plan: PlannedPosesTest, found: DesignOfPoses) -> Report:
+    """Return the smallest effects in the joints, and what would help, the largest gain first."""
+    return (
+        Section("", tuple(_head_of_poses(plan, found.apart))),
+        Section("smallest travel in a joint found in 80 % of tests [µrad]", (_in_joints(found),)),
+        Section("what would help, the largest gain first", (_helps(found),)),
+        Section("cannot be told apart", tuple(_alike(found.alike))),
+    )
+
+
+def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
+    *joints, dial = plan.sources.items()
+    scatter = ", ".join(f"{name} {value * _MICRO:.1f} µrad" for name, value in joints)
+    steps = " and ".join(f"{step:g}" for step in dict.fromkeys(plan.division))
+    seen = ", ".join(f"{name} to {value * _MICRO:.1f} µrad" for name, value in plan.sigma.items())
+    columns = ", ".join(plan.conditions.covariates) or "none"
+    yield Text("what this test will be able to tell of the joints", "strong")
+    yield Text(f"{len(plan.conditions)} cycles at {', '.join(plan.joints_deg)}; columns: {columns}")
+    yield Text(f"scatter: {scatter}, dials {dial[1]:.2g} mm beside their division of {steps} mm")
+    yield Text(f"so the poses of one cycle show {seen}")
+    yield Text(
+        f"joints 1 and 2 are {apart.angle_deg:.0f} degrees apart beside the scatter; nearest are "
+        f"{' and '.join(apart.between)}, by {apart.smallest_angle_deg:.0f} degrees"
+    )
+
+
+def _in_joints(found: DesignOfPoses) -> Table:
+    first = next(iter(found.smallest.values()))
+    micro = {
+        joint: tuple(replace(s, travel=s.travel and s.travel * _MICRO) for s in smallest)
+        for joint, smallest in found.smallest.items()
+    }
+    rows = tuple(
+        (words(one.effect), *(_travel(column, one.effect, 1) for column in micro.values()))
+        for one in first
+    )
+    return Table(("effect", *micro), rows)
+
+
+def _helps(found: DesignOfPoses) -> Table:
+    now = Number(found.apart.angle_deg, ".0f")
+    rows: list[tuple[Cell, ...]] = [("as planned", *("" for _ in found.smallest), now)]
+    lettered = {chr(ord("a") + k): one for k, one in enumerate(found.changes)}
+    rows += [
+        (
+            letter,
+            *(Number(share - 1, "+.0%") for share in one.size_needed.values()),
+            Number(one.apart.angle_deg, ".0f"),
+        )
+        for letter, one in lettered.items()
     ]
+    said = "; ".join(f"{letter}: {_said(one)}" for letter, one in lettered.items())
+    note = (
+        f"{said}. Size of an effect in a joint that is found and told from the other joint, "
+        "against the plan; up to 3 % of it is chance of the simulation; apart: degrees"
+    )
+    return Table(("change", *found.smallest, "apart"), tuple(rows), note)
+
+
+def _said(one: ChangeOfPoses) -> str:
+    adds = ", ".join(map(words, one.adds))
+    return f"{one.change} (tells {adds} besides)" if adds else one.change

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from scara_iso.diagnosis import (
+    FollowedInJoints,
     JointCorrelation,
     JointScatter,
     PoseLeftOut,
     PredictedRP,
     ReachMap,
+    SizeInJoint,
     SourceOfScatter,
 )
 from scara_iso.reporting.blocks import Block, Cell, Number, Section, Table, Text
-from scara_iso.reporting.brief import figure_cells, figure_said
+from scara_iso.reporting.brief import digits_of, figure_cells, figure_said
+from scara_iso.reporting.words import printable, words
 
 _SAID = {"dial": "dial's own", "neither": "neither"}
 _MEANING = (
     "standard deviations beside effects and rounding; dial's own: alike in X and Y at every pose; "
     "neither: in one direction at single poses; variance: share of X and Y over the poses"
 )
+_FOLLOWED = (
+    "lost motion: half of the distance between the approaches; everywhere: a dial or its datum; "
+    "each beside all the others; one interval in twenty misses the truth"
+)
+_ODD = 0.05
 _MICRO = 1e6
 _WORTH_A_WORD = 0.05
 """Share of the variance from which the short form names a source that is no joint."""
@@ -65,6 +73,55 @@ def scatter_brief(found: JointScatter | None) -> Iterator[Text]:
     yield from (_held_out(pose, one) for pose, one in found.held_out.items())
     if found.reach is not None:
         yield _extremes(found.reach)
+
+
+def followed_sections(found: Sequence[FollowedInJoints]) -> tuple[Section, ...]:
+    """Return what follows recorded columns, in each joint, along the links and in the dials."""
+    if not found:
+        return ()
+    rows = tuple(
+        (words(one.effect) if k == 0 else "", source, *_size(size))
+        for one in found
+        for k, (source, size) in enumerate(one.sizes.items())
+    )
+    table = Table(("follows", "in", "", "95 % interval", ""), rows, _FOLLOWED)
+    odd = [one for one in found if one.misfit_p_value < _ODD]
+    said = (
+        f"{words(one.effect)}: the poses follow {printable(one.column)} otherwise than joints, "
+        f"links and dials let them (p = {one.misfit_p_value:.2g}); intervals are widened for it"
+        for one in odd
+    )
+    blocks: tuple[Block, ...] = (table, *(Text(text, "warn") for text in said))
+    return (Section("what follows the recorded columns, traced to the joints", blocks),)
+
+
+def followed_brief(
+    followed: Sequence[FollowedInJoints], effects: Collection[str]
+) -> Iterator[Text]:
+    """Yield a line for each recorded column of which an effect was found, joints and links only.
+
+    Others stand in the long form: of so many intervals some miss 0 by chance.
+    """
+    for one in followed:
+        if one.effect in effects:
+            joints = {name: size for name, size in one.sizes.items() if "everywhere" not in name}
+            said = ", ".join(" ".join((name, *_joined(size))) for name, size in joints.items())
+            yield Text(f"Follows {printable(one.column)}, {words(one.effect)}: {said}")
+
+
+def _joined(size: SizeInJoint) -> tuple[str, ...]:
+    value, between, unit = _size(size)
+    low, _, high = between.partition("..")
+    return f"{value} {unit}", f"[{low}, {high}]"
+
+
+def _size(size: SizeInJoint) -> tuple[str, str, str]:
+    """Return a size and its interval as far as the interval tells, and the unit."""
+    first, _, per = size.unit.partition("/")
+    factor, unit = (1.0, "mm") if first == "mm" else (_MICRO, "µrad" if first == "rad" else "µm/m")
+    value, low, high = (factor * v for v in (size.value, size.low, size.high))
+    spec = f"+.{digits_of(value, (low, high))}f"
+    return f"{value:{spec}}", f"{low:{spec}}..{high:{spec}}", unit + (f"/{per}" if per else "")
 
 
 def _in_short(name: str, one: SourceOfScatter) -> str:
@@ -153,7 +210,15 @@ def _checked(found: JointScatter) -> Iterator[Text]:
 
 def _extremes(reach: ReachMap) -> Text:
     (x, y, least), (u, v, most) = reach.best, reach.worst
-    return Text(
+    said = (
         f"RP over the reach: {least:.3g} mm at best, such as {round(x)} mm along x and {round(y)} "
         f"along y; {most:.3g} mm at worst, such as {round(u)} and {round(v)}"
+    )
+    if reach.limit is None:
+        return Text(said)
+    kept = reach.share_kept
+    return Text(
+        f"{said}; {reach.limit:g} mm is kept in {kept:.0%} of it: 39 of 40 tests there would "
+        "measure less",
+        "good" if kept == 1 else "warn",
     )

@@ -2,24 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
-from scara_iso.iso9283 import PosePlan
+from scara_iso.diagnosis import GIVEN, PROPOSED, STANDARD, PosesApart, SeparatingPlan
+from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
 from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
+
+_SETS = {PROPOSED: "proposed", GIVEN: "of the model", STANDARD: "of ISO 9283"}
 
 
 def plan_report(plan: PosePlan, robot: str = "") -> Report:
     """Return the report on a plan: size, poses, how they are visited."""
     return (
         Section("", tuple(_verdict(plan, robot))),
-        Section("poses", (_poses(plan),)),
+        Section("poses", (_poses(plan.poses),)),
         Section("corners", (_corners(plan),)),
         Section("visits", tuple(_visits(plan))),
     )
 
 
-def visits_csv(plan: PosePlan, locale: SheetLocale = PLAIN) -> str:
+def separating_report(plan: SeparatingPlan, robot: str = "") -> Report:
+    """Return the report on poses that tell the joints apart: how well, where, how visited."""
+    return (
+        Section(
+            "",
+            (
+                Text(f"Poses that tell the joints{_of_robot(robot)} apart", "strong"),
+                _apart(plan.apart),
+                *_limits_of_it(plan),
+            ),
+        ),
+        Section("poses", (_poses(plan.poses), _in_model(plan.poses[0]))),
+        Section("visits", tuple(_how(plan.conditions, plan.rated))),
+    )
+
+
+def visits_csv(plan: PosePlan | SeparatingPlan, locale: SheetLocale = PLAIN) -> str:
     """Return one cycle's visits as CSV, one row each in their order."""
     rows = plan.rows()
     cells = [[round(v, 6) if isinstance(v, float) else v for v in row.values()] for row in rows]
@@ -28,7 +48,7 @@ def visits_csv(plan: PosePlan, locale: SheetLocale = PLAIN) -> str:
 
 def _verdict(plan: PosePlan, robot: str) -> Iterator[Block]:
     x, y, z = plan.size_mm
-    yield Text(f"ISO 9283 test{f' of {robot}' if robot else ''}", "strong")
+    yield Text(f"ISO 9283 test{_of_robot(robot)}", "strong")
     yield Text(f"largest {plan.solid.value}: {x:.1f} x {y:.1f} x {z:.1f} mm", "strong")
     if plan.stroke_limits:
         yield Text("the stroke limits the cube; `solid=box` takes the largest area instead", "warn")
@@ -48,7 +68,41 @@ def _verdict(plan: PosePlan, robot: str) -> Iterator[Block]:
     )
 
 
-def _poses(plan: PosePlan) -> Table:
+def _of_robot(robot: str) -> str:
+    return f" of {robot}" if robot else ""
+
+
+def _apart(apart: Mapping[str, PosesApart]) -> Table:
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (
+            _SETS[name],
+            Number(one.angle_deg, ".0f"),
+            Number(one.observability_index, ".2f"),
+            Number(one.uncertainty, ".2f"),
+            Number(one.smallest_angle_deg, ".0f"),
+            " and ".join(one.between),
+        )
+        for name, one in apart.items()
+    )
+    header = ("poses", "joints 1, 2", "index", "size to", "smallest", "which is of")
+    note = (
+        "angles in degrees between what moves all poses, 90 best: joint 1, joint 2, the growth of "
+        "the links, X or Y everywhere; index: observability, 0 where the joints are not told "
+        "apart; size to: how well one cycle shows that of an effect in a joint, whichever of the "
+        "others acts too, in the scatter of that joint"
+    )
+    return Table(header, rows, note)
+
+
+def _limits_of_it(plan: SeparatingPlan) -> Iterator[Block]:
+    yield Text("these are no poses of ISO 9283: figures of that test need its cube", "warn")
+    yield Text(
+        f"elbow {plan.elbow.value} throughout; each pose wants room for a fixture and its "
+        "indicators: narrow the limits in the model where there is none, and plan again"
+    )
+
+
+def _poses(poses: Sequence[PlannedPose]) -> Table:
     rows: tuple[tuple[Cell, ...], ...] = tuple(
         (
             pose.name,
@@ -58,11 +112,19 @@ def _poses(plan: PosePlan) -> Table:
             Number(pose.joint_4_deg, ".2f"),
             Number(pose.singularity_deg, ".1f"),
         )
-        for pose in plan.poses
+        for pose in poses
     )
     header = ("pose", "x", "y", "z", "joint 1", "joint 2", "joint 3", "joint 4", "singular")
     note = "mm and degrees in the base frame; singular: degrees of joint 2 from straight or folded"
     return Table(header, rows, note)
+
+
+def _in_model(first: PlannedPose) -> Text:
+    joints = f"[{first.joint_1_deg:.2f}, {first.joint_2_deg:.2f}]"
+    return Text(
+        "`diagnose` wants them in the model, under the names that the table gives them: "
+        f"[pose.{first.name}] joint_deg = {joints}, and so on"
+    )
 
 
 def _corners(plan: PosePlan) -> Table:
@@ -78,24 +140,28 @@ def _of(rated: float | None, unit: str) -> str:
 
 
 def _visits(plan: PosePlan) -> Iterator[Block]:
-    how = plan.conditions
-    yield Text(
-        f"{how.cycles} cycles, {how.used} used, each from P1 through {', '.join(how.order)}; "
-        f"{how.velocity_percent:g} % of the rated velocity{_of(plan.rated.velocity_mm_s, 'mm/s')}, "
-        f"{how.load_percent:g} % of the rated load{_of(plan.rated.load_kg, 'kg')}, "
-        f"{how.dwell_s:g} s at each pose before its reading"
-    )
+    how, *missing = _how(plan.conditions, plan.rated)
+    yield how
     yield Text(
         "each pose is approached from the one before, along a line, so always from the same side"
     )
-    missing = [
-        name for name, value in (("velocity_mm_s", plan.rated.velocity_mm_s),
-                                 ("load_kg", plan.rated.load_kg)) if value is None
-    ]  # fmt: skip
-    if missing:
-        yield Text(f"the model states no rated {' and '.join(missing)}: add [rated]", "warn")
+    yield from missing
     yield Text(
         "measure the stabilisation time first: it fixes the dwell (6.10); -o FILE.csv writes the "
         "visits for a robot program, -o FILE.toml the test.toml of a folder",
         "quiet",
     )
+
+
+def _how(how: PoseTestConditions, rated: Rated) -> Iterator[Block]:
+    """Yield the conditions of the visits, and what the model does not state of them."""
+    yield Text(
+        f"{how.cycles} cycles, {how.used} used, each from P1 through {', '.join(how.order)}; "
+        f"{how.velocity_percent:g} % of the rated velocity{_of(rated.velocity_mm_s, 'mm/s')}, "
+        f"{how.load_percent:g} % of the rated load{_of(rated.load_kg, 'kg')}, "
+        f"{how.dwell_s:g} s at each pose before its reading"
+    )
+    stated = {"velocity_mm_s": rated.velocity_mm_s, "load_kg": rated.load_kg}
+    missing = [name for name, value in stated.items() if value is None]
+    if missing:
+        yield Text(f"the model states no rated {' and '.join(missing)}: add [rated]", "warn")

@@ -21,7 +21,12 @@ from scara_iso.reporting.brief import digits_of, first_three
 from scara_iso.reporting.brief_diagnosis import Again, doubts, is_explained
 from scara_iso.reporting.diagnosis import of_pose, parameters_said, rivals_said, sureness
 from scara_iso.reporting.digits import U_of_scatter, p_equals, rounded
-from scara_iso.reporting.joint_scatter import scatter_brief, scatter_sections
+from scara_iso.reporting.joint_scatter import (
+    followed_brief,
+    followed_sections,
+    scatter_brief,
+    scatter_sections,
+)
 from scara_iso.reporting.words import words
 
 _SURE = 0.9
@@ -41,8 +46,14 @@ def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
         Section("", first_three(head, _next(found, again)) if len(head) > 1 else
                 (*head, _next(found, again))),
         Section("", (_table(found),)),
-        Section("", (*scatter_brief(found.joint_scatter), *_doubts(found), *notes)),
+        Section("", (*scatter_brief(found.joint_scatter), *_followed(found),
+                     *_doubts(found), *notes)),
     )  # fmt: skip
+
+
+def _followed(found: DiagnosisOfPoses) -> Iterator[Text]:
+    named = {effect.effect.replace("_lagged", "") for effect in found.effects}
+    return followed_brief(found.followed, named)
 
 
 def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
@@ -57,7 +68,8 @@ def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
         _table(found),
     )
     behind = (part for pose, one in found.poses.items() for part in of_pose(f"pose {pose}", one))
-    return (Section("", head), *scatter_sections(found.joint_scatter), *behind)
+    joints = (*scatter_sections(found.joint_scatter), *followed_sections(found.followed))
+    return (Section("", head), *joints, *behind)
 
 
 def _answer(found: DiagnosisOfPoses) -> Headline:

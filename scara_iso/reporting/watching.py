@@ -5,6 +5,7 @@ from __future__ import annotations
 from scara_iso.acquisition import Watched
 from scara_iso.reporting.words import words
 
+_RIVALS = 2
 _UNKNOWN = "look at robot, fixture and indicator"
 _YOURS = "Nothing stops by itself; a test that is stopped early is no ISO 9283 test"
 
@@ -18,7 +19,7 @@ def warning(watched: Watched) -> tuple[str, ...]:
     since = watched.since or 1
     named = {effect.name: effect for effect in find_effects()}
     effect = named.get(watched.effect or "")
-    likeliest = f"likeliest {words(effect.name)}" if effect else "nothing known fits yet"
+    likeliest = _named(watched) if effect else f"nothing known fits yet{_others(watched)}"
     begun = f"since cycle {since}" if since > 2 else "from the start"
     do = effect.at_once if effect else _UNKNOWN
     strike = f"strike cycles {since}-{watched.cycle}, or" if since > 2 else "then"
@@ -27,3 +28,18 @@ def warning(watched: Watched) -> tuple[str, ...]:
         f"{do[0].upper()}{do[1:]}; {strike} start again",
         _YOURS,
     )
+
+
+def _named(watched: Watched) -> str:
+    """Return the likeliest effect with its share, and its rivals while there are any."""
+    name = words(watched.effect or "")
+    if watched.share is None:
+        return f"likeliest {name}"
+    so_far = "likeliest so far" if watched.rivals else "likeliest"
+    return f"{so_far} {name} ({watched.share:.0%}){_others(watched)}"
+
+
+def _others(watched: Watched) -> str:
+    """Return the likeliest rivals."""
+    first = list((watched.rivals or {}).items())[:_RIVALS]
+    return "".join(f" or {words(name)} ({share:.0%})" for name, share in first)

@@ -127,7 +127,8 @@ class Paused:
 class Watched:
     """What all readings up to ``cycle`` say together: ``structure`` at an alarm.
 
-    Then ``effect`` is the likeliest one so far, and ``since`` the cycle from which it acts.
+    Then ``effect`` is the likeliest one so far, ``since`` the cycle from which it acts, ``share``
+    its probability, and ``rivals`` the others that are likely, with theirs.
     """
 
     cycle: int
@@ -135,6 +136,8 @@ class Watched:
     says: Literal["structure", "nothing yet"]
     effect: str | None = None
     since: int | None = None
+    share: float | None = None
+    rivals: Mapping[str, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,16 +10,18 @@ from scara_iso.diagnosis.joint_scatter.poses import (
 )
 from scara_iso.diagnosis.joint_scatter.reach import reach_map
 from scara_iso.diagnosis.joint_scatter.result import (
+    FollowedInJoints,
     JointCorrelation,
     JointScatter,
     PoseLeftOut,
     PredictedRP,
     ReachMap,
+    SizeInJoint,
     SourceOfScatter,
 )
 
 __all__ = [
-    "PLANE", "JointCorrelation", "JointScatter", "PoseLeftOut", "PredictedRP", "ReachMap",
-    "ScatterAtPose", "SourceOfScatter", "joint_scatter", "reach_map", "trace_poses",
-    "trace_to_joints", "with_joint_scatter",
+    "PLANE", "FollowedInJoints", "JointCorrelation", "JointScatter", "PoseLeftOut", "PredictedRP",
+    "ReachMap", "ScatterAtPose", "SizeInJoint", "SourceOfScatter", "joint_scatter", "reach_map",
+    "trace_poses", "trace_to_joints", "with_joint_scatter",
 ]  # fmt: skip

@@ -35,13 +35,14 @@ def joint_scatter(
     *,
     held_out: Mapping[str, Left],
     reach: bool = False,
+    limit: float | None = None,
 ) -> JointScatter:
     """Return the scatter of a test traced to the joints, and RP where nobody measured.
 
     ``run`` holds all rows that count, ``found`` the diagnosis of each of its poses but those
-    ``held_out``. ``reach`` adds the map. Raises `UsageError` where the model gives no arm, the run
-    not X and Y as lengths, or the model not where the joints are at two poses of ``found`` and at
-    every one that is held out.
+    ``held_out``. ``reach`` adds the map, with the ``limit`` of RP in mm. Raises `UsageError` where
+    the model gives no arm, the run not X and Y as lengths, or the model not where the joints are at
+    two poses of ``found`` and at every one that is held out.
     """
     arm = _arm(run, model)
     at = {label: model.poses.get(_pose(run, label)) for label in (*found, *held_out)}
@@ -69,7 +70,8 @@ def joint_scatter(
     if not reach:
         return traced
     places = {label: one.joints_deg for label, one in measured.items()}
-    return replace(traced, reach=reach_map(trace_poses(measured, arm, division), arm, places))
+    seen = reach_map(trace_poses(measured, arm, division), arm, places, limit=limit)
+    return replace(traced, reach=seen)
 
 
 def _arm(run: Run, model: Model) -> Arm:

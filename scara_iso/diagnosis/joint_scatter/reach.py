@@ -14,9 +14,15 @@ CELLS = 81
 
 
 def reach_map(
-    traced: Traced, arm: Arm, poses: Mapping[str, tuple[float, float]], cells: int = CELLS
+    traced: Traced,
+    arm: Arm,
+    poses: Mapping[str, tuple[float, float]],
+    cells: int = CELLS,
+    limit: float | None = None,
 ) -> ReachMap:
     """Return RP over the workspace, ``cells`` along its longer side, and where ``poses`` are.
+
+    ``limit`` is the RP that is wanted, in mm.
 
     Where both elbows reach a place, the right one is taken: the left one's scatter is its mirror
     image, of the same RP.
@@ -35,4 +41,4 @@ def reach_map(
     maps = np.full((3, *inside.shape), np.nan)
     maps[:, inside] = found
     marked = {pose: tuple(arm.forward(joints).tolist()) for pose, joints in poses.items()}
-    return ReachMap(x, y, maps[0], maps[1], maps[2], marked)
+    return ReachMap(x, y, maps[0], maps[1], maps[2], marked, limit)

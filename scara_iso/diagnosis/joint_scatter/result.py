@@ -104,6 +104,19 @@ class ReachMap:
     """Upper end, likewise."""
     poses: Mapping[str, tuple[float, float]]
     """Where the poses are from which it is made: x, y."""
+    limit: float | None = None
+    """RP that is wanted, in mm; None: nobody said."""
+
+    @property
+    def kept(self) -> FloatArray:
+        """Where the limit is kept: 1 where the upper end is at most that, else 0, nan outside."""
+        limit = np.nan if self.limit is None else self.limit
+        return np.asarray(np.where(np.isnan(self.high), np.nan, self.high <= limit))
+
+    @property
+    def share_kept(self) -> float:
+        """Share of the reach at which the limit is kept, seen from above."""
+        return float(np.nanmean(self.kept))
 
     @property
     def best(self) -> tuple[float, float, float]:
@@ -118,6 +131,36 @@ class ReachMap:
     def _at(self, cell: int) -> tuple[float, float, float]:
         row, column = divmod(cell, len(self.x))
         return float(self.x[column]), float(self.y[row]), float(self.RP[row, column])
+
+
+@dataclass(frozen=True, slots=True)
+class SizeInJoint:
+    """How much one source follows a recorded column, with its 95 % interval."""
+
+    value: float
+    """In ``unit``."""
+    unit: str
+    """``rad`` of a joint, 1 of the growth of the links, ``mm`` of a dial; over that of the column,
+    such as ``rad/kg``."""
+    low: float
+    """Lower end."""
+    high: float
+    """Upper end."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FollowedInJoints:
+    """What follows a recorded column at all poses, traced to joints, links and dials."""
+
+    effect: str
+    """``lost_motion`` (half of the distance of the approaches), ``compliance``, ``temperature``."""
+    column: str
+    """The recorded column."""
+    sizes: Mapping[str, SizeInJoint]
+    """``joint 1``, ``joint 2``, ``along the arm`` of a temperature, ``X everywhere`` and ``Y
+    everywhere``: its dial or datum."""
+    misfit_p_value: float
+    """Chance of poses that disagree as much where these sources are all."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
