@@ -31,7 +31,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from scipy.special import ndtr
 
-from scara_iso.diagnosis.readings import diagnose_readings
+from scara_iso.diagnosis.problem import problem_of
+from scara_iso.diagnosis.search import chosen
+from scara_iso.diagnosis.tuning import SEED
+from scara_iso.effects import find_effects
 from scara_iso.run import Axis, Run
 
 FIXTURES = Path(__file__).parents[1] / "tests" / "fixtures"
@@ -301,18 +304,21 @@ def foretold(designs: list[np.ndarray], test: Test) -> float:
 
 
 def said_of(test: Test) -> dict[str, object]:
-    """Return what the diagnosis says first of a window, and the judgement where it is sure."""
+    """Return the first name that the diagnosis gives, and the judgement where it is sure."""
     axis = Axis("Z", test.y, resolution=1.0)
-    found = diagnose_readings(Run(np.arange(1, len(test.y) + 1), {"Z": axis}))
-    said = {"series": test.series, "start": test.start, "verdict": found.verdict.value, "sure": []}
-    for one in found.effects:
-        if one.probability >= SURE and one.effect in MEANS:
-            first = not said["sure"] and one is found.effects[0]
-            near = rivals_of(one.effect, test.y) if first else {}
-            left = not_refuted(one.effect, near, test)
-            alone = first and not in_context(one.effect, test)
-            said["sure"].append((one.effect, one.probability, first, near, alone, left))
-    said["names"] = [(one.effect, round(one.probability, 3)) for one in found.effects]
+    run = Run(np.arange(1, len(test.y) + 1), {"Z": axis})
+    problem = problem_of(run, directions={}, effects=find_effects())
+    choice = chosen(problem, (), np.random.default_rng(SEED))[0].choice
+    said = {"series": test.series, "start": test.start, "name": None, "sure": False}
+    if choice is None:
+        return said
+    name, p = choice.best, choice.probability[choice.best]
+    said |= {"name": name, "p": p, "sure": p >= SURE and name in MEANS}
+    if said["sure"]:
+        near = rivals_of(name, test.y)
+        alone = not in_context(name, test)
+        said |= {"near": near, "wrong": bool(alone or not_refuted(name, near, test))}
+        said["doubtful"] = bool(alone or near)
     return said
 
 
@@ -332,10 +338,9 @@ def main() -> None:
     report(said, listed=options.list)
 
 
-def counted(sure: list[tuple]) -> str:
+def counted(sure: list[dict]) -> str:
     """Return how many names there are, doubtful by their window and wrong by its neighbours."""
-    doubtful = sum(bool(s[4] or s[5]) for s in sure)
-    wrong = sum(bool(s[6] or s[5]) for s in sure)
+    doubtful, wrong = (sum(one[key] for one in sure) for key in ("doubtful", "wrong"))
     return f"{len(sure)}, doubtful {doubtful}, wrong {wrong}"
 
 
@@ -343,20 +348,18 @@ def report(said: list[dict], *, listed: bool) -> None:
     """Print a row for each series and each name."""
     print(f"{len(said)} tests")
     for series in dict.fromkeys(one["series"] for one in said):
-        own = [one for one in said if one["series"] == series]
-        names = Counter(o["names"][0][0] if o["names"] else o["verdict"] for o in own)
+        names = Counter(one["name"] or "nothing" for one in said if one["series"] == series)
         print(f"{series}: {', '.join(f'{n} {c}' for n, c in names.most_common())}")
-    sure = [(one, *s) for one in said for s in one["sure"] if s[2]]
-    for effect in sorted({s[1] for s in sure}):
-        own = [s for s in sure if s[1] == effect]
+    sure = [one for one in said if one["sure"]]
+    for effect in sorted({one["name"] for one in sure}):
+        own = [one for one in sure if one["name"] == effect]
         print(f"{effect}: 0.9 or more {counted(own)}")
-        for one, _, p, _, near, alone, left in own if listed else ():
-            why = ", ".join(f"{n} {d:+.1f}" for n, d in sorted(near.items(), key=lambda x: x[1]))
-            verdict = "WRONG " * bool(alone or left)
-            print(f"    {one['series']} {one['start']} p {p:.3f} {verdict}{why}")
+        for one in own if listed else ():
+            near = sorted(one["near"].items(), key=lambda item: item[1])
+            why = ", ".join(f"{name} {d:+.1f}" for name, d in near)
+            wrong = "WRONG " * one["wrong"]
+            print(f"    {one['series']} {one['start']} p {one['p']:.3f} {wrong}{why}")
     print(f"names of 0.9 or more: {counted(sure)}")
-    later = Counter(s[0] for one in said for s in one["sure"] if not s[2])
-    print(f"later effects of 0.9 or more, not judged: {dict(later)}")
 
 
 if __name__ == "__main__":
