@@ -41,7 +41,7 @@ from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.diagnosis.search import chosen, find, tested
-from scara_iso.diagnosis.tuning import FLAG_LEVEL
+from scara_iso.diagnosis.tuning import FLAG_LEVEL, ORDER_SHARE
 from scara_iso.effects import Process, find_effects
 from scara_iso.run import AXES, Axis, Run
 
@@ -164,37 +164,46 @@ def null(pool, runs):
         print(f"{noise}, {axes} axes, correlation {rho}: " + "   ".join(row), flush=True)
 
 
-FAMILIES = ("uniform", "arcsine", "Laplace", "Cauchy", "lognormal")
+FAMILIES = ("normal", "t5", "t3", "skewed", "uniform", "arcsine", "Laplace", "Cauchy", "lognormal")
+KINDS = FAMILIES
 LENGTHS, AXIS_COUNTS = (10, 12, 20, 30, 60, 100), (1, 3, 6)
 
 
 def alarm(task):
-    """Return whether scatter alone, of any length and number of axes, gives structure."""
+    """Return whether scatter alone, of any length and number of axes, gives structure or order."""
     kind, n, axes, sigma, seed = task
     rng = np.random.default_rng(seed)
     columns = [dial(rng, distributed(rng, kind, n), sigma) for _ in range(axes)]
     read = {f"A{a}": Axis(f"A{a}", y, resolution=1.0) for a, y in enumerate(columns)}
     run = Run(np.arange(2, n + 2), read)
     problem = problem_in(run)
-    return {"found": problem is not None and tested(problem, (), rng).p_value <= LEVEL}
+    if problem is None:
+        return {"found": False, "order": False}
+    stage = tested(problem, (), rng)
+    return {
+        "found": stage.p_value <= LEVEL,
+        "order": stage.order.p_value <= LEVEL * ORDER_SHARE,
+    }
 
 
 def families(pool, runs):
     """Print false alarms by distribution, number of cycles and of axes."""
-    print(f"\n## False alarms [%], sigma 1 division, by cycles; axes {AXIS_COUNTS}")
-    print(f"{'scatter':10s}" + "".join(f"{n:>15}" for n in LENGTHS))
-    every = {}
-    for kind in FAMILIES:
-        row = []
+    print(f"\n## False alarms [%], sigma 1 division, by cycles; axes {AXIS_COUNTS}: all tests, and")
+    print("## (of these) the test of order at 0.95 of the level")
+    print(f"{'scatter':10s}" + "".join(f"{n:>26}" for n in LENGTHS))
+    for kind in KINDS:
+        row, every = [], []
         for n in LENGTHS:
             cell = []
             for axes in AXIS_COUNTS:
                 tasks = [(kind, n, axes, 1.0, [SEED, 10, i]) for i in range(runs)]
-                cell.append(percent(tabled(pool, alarm, tasks), "found"))
-            row.append(" / ".join(f"{found:.0f}" for found in cell))
-            every.setdefault(kind, []).extend(cell)
-        print(f"{kind:10s}" + "".join(f"{c:>15}" for c in row) + f"{np.mean(every[kind]):8.1f}",
-              flush=True)  # fmt: skip
+                found = tabled(pool, alarm, tasks)
+                cell.append((percent(found, "found"), percent(found, "order")))
+            row.append(" / ".join(f"{every:.0f} ({order:.0f})" for every, order in cell))
+            every += cell
+        mean = np.mean(every, axis=0)
+        print(f"{kind:10s}" + "".join(f"{c:>26}" for c in row)
+              + f"   mean {mean[0]:.1f} ({mean[1]:.1f})", flush=True)  # fmt: skip
 
 
 def power(pool, runs):
@@ -456,8 +465,9 @@ def main():
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--lengths", nargs="*", type=int, default=LENGTHS, help="of families")
     parser.add_argument("--axes", nargs="*", type=int, default=AXIS_COUNTS, help="of families")
+    parser.add_argument("--kinds", nargs="*", choices=FAMILIES, default=FAMILIES, help="likewise")
     options = parser.parse_args()
-    globals().update(LENGTHS=options.lengths, AXIS_COUNTS=options.axes)
+    globals().update(LENGTHS=options.lengths, AXIS_COUNTS=options.axes, KINDS=options.kinds)
     globals()["SEED"] = options.seed
     print(f"seed {SEED}, {options.runs} runs a cell, n = {N}")
     with Pool(options.processes, initializer=os.nice, initargs=(10,)) as pool:

@@ -37,6 +37,8 @@ NAME = {
 
 def noise(rng, kind="normal", n=N):  # noqa: C901, PLR0911 - one line for each
     """Return scatter of unit variance."""
+    if kind == "t5":
+        return rng.standard_t(5, size=n) / np.sqrt(5 / 3)
     if kind == "t3":
         return rng.standard_t(3, size=n) / np.sqrt(3)
     if kind == "skewed":

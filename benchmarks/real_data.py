@@ -1,15 +1,17 @@
 """What the diagnosis says of readings that others measured, and an independent judgement of it.
 
-    python benchmarks/real_data.py [--data FOLDER] [--rows 30] [--processes 2] [--list]
+    python benchmarks/real_data.py [--data FOLDER] [--rows 30] [--first 0] [--processes 2] [--list]
 
 FOLDER holds series by kind: probe_thermal/*.json (touches of a probe), nist_dataplot/*.DAT,
-nist_strd/*.dat; without it the series of tests/fixtures are taken. Each is cut into tests of
---rows readings, one after the other.
+nist_strd/*.dat, columns/*.txt (one number a line); without it the series of tests/fixtures are
+taken. Each is cut into tests of --rows readings, one after the other from reading --first on.
 
-A name stated above 0.9 is judged by maximum likelihood of rounded Gaussian readings (EM, scatter
-not below a tenth of a division) and BIC: it is *wrong* where a course that does not contain it
-comes within 4 of it; a step also where, between the window's neighbours, it does not beat a smooth
-trend of all three.
+A name stated with 0.9 or more is judged by maximum likelihood of rounded Gaussian readings (EM,
+scatter not below a tenth of a division) and BIC. It is *doubtful* where a course that does not
+contain it comes within 4 of it. It is *wrong* where the window's neighbours do not refute all of
+these: jumps beside a smooth name are refuted where a smooth trend of all three windows does not
+need them, a parabola or cubic where it foretells the next window worse. A step is wrong also where
+it does not stand out of the smooth trend of the three.
 """
 
 from __future__ import annotations
@@ -29,11 +31,15 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from scipy.special import ndtr
 
-from scara_iso.diagnosis.readings import diagnose_readings
+from scara_iso.diagnosis.problem import problem_of
+from scara_iso.diagnosis.search import chosen
+from scara_iso.diagnosis.tuning import SEED
+from scara_iso.effects import find_effects
 from scara_iso.run import Axis, Run
 
 FIXTURES = Path(__file__).parents[1] / "tests" / "fixtures"
 WITHIN = 4.0
+SURE = 0.9
 LEAST = 0.1
 STATISTICS = {"Lew": 200, "Lottery": 218, "Mavro": 50, "Michelso": 100}
 
@@ -68,6 +74,8 @@ def series_of(folder: Path) -> Iterator[tuple[str, np.ndarray]]:
         if file.stem in STATISTICS:
             rows = [row for row in map(_numbers, file.read_text().splitlines()[60:]) if row]
             yield file.stem, divisions(np.array([v for row in rows for v in row]))
+    for file in sorted(folder.glob("columns/*.txt")):
+        yield file.stem, divisions(np.loadtxt(file))
 
 
 def _numbers(line: str) -> list[float]:
@@ -83,12 +91,12 @@ def divisions(y: np.ndarray) -> np.ndarray:
     return np.rint(y * 10**written)
 
 
-def tests_of(folder: Path, rows: int) -> list[Test]:
-    """Return the windows of every series in which anything moves."""
+def tests_of(folder: Path, rows: int, first: int) -> list[Test]:
+    """Return the windows, from reading ``first`` on, of every series in which anything moves."""
     found = [
         Test(name, k, y[k : k + rows], y[max(0, k - rows) : k], y[k + rows : k + 2 * rows])
         for name, y in series_of(folder)
-        for k in range(0, len(y) - rows + 1, rows)
+        for k in range(first, len(y) - rows + 1, rows)
     ]
     return [test for test in found if np.ptp(test.y)]
 
@@ -248,55 +256,110 @@ def in_context(effect: str, test: Test) -> bool:
     return min(jumps) < min(trends)
 
 
+SMOOTH = {"linear_drift", "warm_up", "onset"}
+JUMPS = {"two steps", "step and line"}
+CURVES = {"quadratic": 2, "cubic": 3}
+
+
+def not_refuted(effect: str, near: dict[str, float], test: Test) -> dict[str, float]:
+    """Return those courses that are ``near`` and that the window's neighbours do not refute."""
+    if effect not in SMOOTH or not near:
+        return near
+    jumps = near.keys() & JUMPS and len(test.before) and len(test.after) and not jumping(test)
+    curves = {n for n in near.keys() & CURVES.keys() if len(test.after) and worse(effect, n, test)}
+    return {n: d for n, d in near.items() if n not in curves and not (jumps and n in JUMPS)}
+
+
+def jumping(test: Test) -> bool:
+    """Return whether a smooth trend of the three windows wants two jumps in the middle one."""
+    y = np.concatenate([test.before, test.y, test.after])
+    t, first, n = np.linspace(-1, 1, len(y)), len(test.before), len(test.y)
+    smooth = [np.column_stack([t**p for p in range(1, degree + 1)]) for degree in range(1, 7)]
+    at = [1.0 * (np.arange(len(y)) >= first + k) for k in range(2, n - 1)]
+    two = [np.column_stack([a, b]) for a in at[::2] for b in at[::2] if a @ b < a @ a]
+    beside = [best_bic(y, [np.column_stack([s, jump]) for jump in two], 2) for s in smooth[:3]]
+    return min(best_bic(y, two, 2), *beside) < min(best_bic(y, [s], 0) for s in smooth)
+
+
+def worse(effect: str, curve: str, test: Test) -> bool:
+    """Return whether a curve foretells the next window worse than the named course does."""
+    n, j = len(test.y), np.arange(len(test.y) + len(test.after))
+    named = {
+        "linear_drift": [j / n],
+        "warm_up": [np.exp(-j / tau) for tau in np.geomspace(1.5, n / 2, 12)],
+        "onset": [np.maximum(j - k, 0) for k in range(3, n - 3)],
+    }[effect]
+    power = np.column_stack([(j / n) ** p for p in range(1, CURVES[curve] + 1)])
+    return foretold(named, test) < foretold([power], test)
+
+
+def foretold(designs: list[np.ndarray], test: Test) -> float:
+    """Return the squared error on the next window of the design that fits this one best."""
+    n, found = len(test.y), []
+    for design in designs:
+        A = np.column_stack([np.ones(len(design)), design])
+        at = A @ np.linalg.lstsq(A[:n], test.y, rcond=None)[0]
+        found.append((((at[:n] - test.y) ** 2).sum(), ((at[n:] - test.after) ** 2).sum()))
+    return min(found)[1]
+
+
 def said_of(test: Test) -> dict[str, object]:
-    """Return what the diagnosis says first of a window, and the judgement where it is sure."""
+    """Return the first name that the diagnosis gives, and the judgement where it is sure."""
     axis = Axis("Z", test.y, resolution=1.0)
-    found = diagnose_readings(Run(np.arange(1, len(test.y) + 1), {"Z": axis}))
-    said = {"series": test.series, "start": test.start, "verdict": found.verdict.value, "sure": []}
-    for one in found.effects:
-        if one.probability > 0.9 and one.effect in MEANS:
-            first = not said["sure"] and one is found.effects[0]
-            near = rivals_of(one.effect, test.y) if first else {}
-            alone = first and not in_context(one.effect, test)
-            said["sure"].append((one.effect, one.probability, first, near, alone))
-    said["names"] = [(one.effect, round(one.probability, 3)) for one in found.effects]
+    run = Run(np.arange(1, len(test.y) + 1), {"Z": axis})
+    problem = problem_of(run, directions={}, effects=find_effects())
+    choice = chosen(problem, (), np.random.default_rng(SEED))[0].choice
+    said = {"series": test.series, "start": test.start, "name": None, "sure": False}
+    if choice is None:
+        return said
+    name, p = choice.best, choice.probability[choice.best]
+    said |= {"name": name, "p": p, "sure": p >= SURE and name in MEANS}
+    if said["sure"]:
+        near = rivals_of(name, test.y)
+        alone = not in_context(name, test)
+        said |= {"near": near, "wrong": bool(alone or not_refuted(name, near, test))}
+        said["doubtful"] = bool(alone or near)
     return said
 
 
 def main() -> None:
-    """Print names above 0.9 and how many of them the judge does not allow."""
+    """Print names of 0.9 or more, and how many of them the judge does not allow."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--data", type=Path, default=FIXTURES)
     parser.add_argument("--rows", type=int, default=30)
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--every", type=int, default=1, help="take each such window only")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--list", action="store_true", help="print each judged name")
     options = parser.parse_args()
-    tests = tests_of(options.data, options.rows)[:: options.every]
+    tests = tests_of(options.data, options.rows, options.first)[:: options.every]
     with Pool(options.processes, initializer=os.nice, initargs=(10,)) as pool:
         said = pool.map(said_of, tests, chunksize=4)
     report(said, listed=options.list)
+
+
+def counted(sure: list[dict]) -> str:
+    """Return how many names there are, doubtful by their window and wrong by its neighbours."""
+    doubtful, wrong = (sum(one[key] for one in sure) for key in ("doubtful", "wrong"))
+    return f"{len(sure)}, doubtful {doubtful}, wrong {wrong}"
 
 
 def report(said: list[dict], *, listed: bool) -> None:
     """Print a row for each series and each name."""
     print(f"{len(said)} tests")
     for series in dict.fromkeys(one["series"] for one in said):
-        own = [one for one in said if one["series"] == series]
-        names = Counter(o["names"][0][0] if o["names"] else o["verdict"] for o in own)
+        names = Counter(one["name"] or "nothing" for one in said if one["series"] == series)
         print(f"{series}: {', '.join(f'{n} {c}' for n, c in names.most_common())}")
-    sure = [(one, *s) for one in said for s in one["sure"] if s[2]]
-    for effect in sorted({s[1] for s in sure}):
-        own = [s for s in sure if s[1] == effect]
-        bad = [s for s in own if s[4] or s[5]]
-        print(f"{effect}: above 0.9 {len(own)}, wrong {len(bad)}")
-        for one, _, p, _, near, alone in own if listed else ():
-            why = ", ".join(f"{n} {d:+.1f}" for n, d in sorted(near.items(), key=lambda x: x[1]))
-            print(f"    {one['series']} {one['start']} p {p:.3f} {why}{' context' * alone}")
-    wrong = sum(bool(s[4] or s[5]) for s in sure)
-    print(f"names above 0.9: {len(sure)}, wrong {wrong} ({100 * wrong / max(1, len(sure)):.0f} %)")
-    later = Counter(s[0] for one in said for s in one["sure"] if not s[2])
-    print(f"later effects above 0.9, not judged: {dict(later)}")
+    sure = [one for one in said if one["sure"]]
+    for effect in sorted({one["name"] for one in sure}):
+        own = [one for one in sure if one["name"] == effect]
+        print(f"{effect}: 0.9 or more {counted(own)}")
+        for one in own if listed else ():
+            near = sorted(one["near"].items(), key=lambda item: item[1])
+            why = ", ".join(f"{name} {d:+.1f}" for name, d in near)
+            wrong = "WRONG " * one["wrong"]
+            print(f"    {one['series']} {one['start']} p {one['p']:.3f} {wrong}{why}")
+    print(f"names of 0.9 or more: {counted(sure)}")
 
 
 if __name__ == "__main__":

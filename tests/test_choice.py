@@ -2,13 +2,21 @@
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, strategies as st
 
 from scara_iso.diagnosis import choice as module
-from scara_iso.diagnosis.choice import Choice, Weighed, choose, posterior, two_states
+from scara_iso.diagnosis.choice import (
+    Choice,
+    Weighed,
+    beside_near_rivals,
+    choose,
+    posterior,
+    two_states,
+)
 from scara_iso.diagnosis.evidence import Views, joint_evidence, views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import build, constant
-from scara_iso.diagnosis.tuning import AMPLITUDES, SHARPNESS
+from scara_iso.diagnosis.tuning import AMPLITUDES, SHARPNESS, UNSURE
 from scara_iso.diagnosis.two_state import two_levels
 from scara_iso.effects import Chain, Process, Shape
 
@@ -88,6 +96,26 @@ def test_the_choice_sums_each_effect_over_its_forms_and_amplitudes(wandering):
     sharp = {name: evidence**SHARPNESS for name, evidence in total.items()}
     expected = {name: value / sum(sharp.values()) for name, value in sharp.items()}
     assert chosen(wandering).probability == pytest.approx(expected, rel=1e-3)
+
+
+@given(
+    st.floats(0, 1),
+    st.dictionaries(st.sampled_from("bcd"), st.floats(0.001, 1), min_size=1),
+    st.dictionaries(st.sampled_from("bcde"), st.floats(-20, 4), min_size=1),
+)
+def test_no_name_stands_alone_while_another_effect_is_near(best, others, near):
+    whole = sum(others.values()) / (0.2 + best / 5)
+    before = {"a": 1 - sum(others.values()) / whole} | {n: p / whole for n, p in others.items()}
+    assume(max(before, key=before.get) == "a")
+    after = beside_near_rivals(before, near)
+    assert sum(after.values()) == pytest.approx(1)
+    assert after["a"] < 0.9
+    if before["a"] >= 0.9:
+        assert max(after, key=after.get) == "a"
+        nearest = min(near, key=near.get)
+        assert nearest in {rival.effect for rival in Choice(after, {}).rivals}
+    if before["a"] <= UNSURE:
+        assert after == before
 
 
 @pytest.mark.parametrize("size", [0.3, 1.0, 3.0, 30.0])

@@ -52,6 +52,18 @@ def test_an_unknown_code_names_the_nearest(capsys):
     assert "did you mean coarse-resolution" in capsys.readouterr().err
 
 
+def test_an_effect_of_a_users_file_has_its_page(capsys):
+    file = str(ROOT / "examples" / "my_effects.toml")
+    assert main(["explain", "cooled-while-open", "--effects", file, "--json"]) == 0
+    (page,) = json.loads(capsys.readouterr().out)["pages"]
+    assert "abs(k - closed)" in page["title"]
+    assert any("the guard door stood open" in text for text in page["text"])
+    assert [p["name"] for p in page["parameters"]] == ["closed", "size"]
+    assert main(["explain", "--effects", file]) == 0
+    assert "cooled_while_open: " in capsys.readouterr().out
+    assert main(["explain", "cooled_while_open"]) == 2
+
+
 @pytest.mark.parametrize("code", [t for t in TEXTS if not t.startswith("-") and "\0" not in t])
 def test_a_hostile_code_does_no_harm(code, capsys):
     assert main(["explain", code]) == 2

@@ -64,8 +64,26 @@ def run_of(y, **recorded):
 def test_a_perfect_step_of_one_division_is_not_surely_a_step():
     (found,) = diagnose(run_of([0] * 14 + [1] * 16)).effects
     assert found.effect == "step"
-    assert found.probability <= 0.9
+    assert found.probability < 0.9
     assert "linear_drift" in {rival.effect for rival in found.rivals}
+
+
+PROBE = [0, 0, 0, 1, 1, 2, 2, 2, 3, 3, *[5] * 9, *[6] * 11]
+"""Touches of a probe while its machine heats and soaks, in divisions."""
+
+
+def test_a_course_that_wanders_is_no_surer_than_the_smooth_one_beside_it():
+    found = diagnose(run_of(PROBE)).effects[0]
+    assert found.probability < 0.9
+    assert "warm_up" in {found.effect, *(rival.effect for rival in found.rivals)}
+
+
+def test_two_levels_in_no_order_may_be_sure():
+    rng = np.random.default_rng(3)
+    y = np.round(0.7 * (rng.normal(size=30) + 7 * (rng.random(30) < 0.5)))
+    (found,) = diagnose(run_of(y)).effects
+    assert found.effect == "contact_side"
+    assert found.probability > 0.9
 
 
 def test_an_odd_reading_does_not_hide_what_else_moves():

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from scara_iso.cli.options import AsJson
+from scara_iso.cli.options import AsJson, OwnEffectsFile
 from scara_iso.cli.output import write_json, write_report
 
 
@@ -27,15 +27,19 @@ Code = Annotated[
 ]
 
 
-def explain_command(code: Code = None, *, json: AsJson = False) -> None:
+def explain_command(
+    code: Code = None, *, effects: OwnEffectsFile = None, json: AsJson = False
+) -> None:
     """Say what a finding, a characteristic or an effect means, and what to do.
 
     Example: scara-iso explain coarse-resolution
     """
     from scara_iso.render import explain_json
     from scara_iso.reporting import find_page, list_report, page_report, pages
+    from scara_iso.robot import read_effects
 
-    wanted = list(pages().values()) if code is None else [find_page(code)]
+    own = () if effects is None else read_effects(effects)
+    wanted = list(pages(own).values()) if code is None else [find_page(code, own)]
     if json:
         write_json(explain_json(wanted))
     else:

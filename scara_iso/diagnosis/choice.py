@@ -18,7 +18,8 @@ from scara_iso.diagnosis.evidence import (
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.on_dial import DialReadings, on_dial
-from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, SURE
+from scara_iso.diagnosis.rounded import DialCourse, course_beside
+from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNSURE
 from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
@@ -27,6 +28,8 @@ from scara_iso.run import FloatArray, IntArray
 AnyForm = TypeVar("AnyForm")
 
 _TINY = 1e-300
+_SAID = 1.001 * RIVAL
+"""Share that no rounding of numbers takes below RIVAL."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -91,7 +94,8 @@ def choose(
         for factor, _ in AMPLITUDES
     ])  # fmt: skip
     log_evidence = _log_evidence(hypotheses, views, log_bf)
-    seen = readings and on_dial(hypotheses, views, log_evidence, log_bf, readings)
+    others = [(one.effect, one.on_dial) for one in beside if one.on_dial is not None]
+    seen = readings and on_dial(hypotheses, views, log_evidence, log_bf, readings, others)
     of: dict[str, list[int]] = {}
     for i, member in enumerate(hypotheses.members):
         of.setdefault(member.effect, []).append(i)
@@ -119,18 +123,24 @@ def choose(
 def beside_near_rivals(
     probability: Mapping[str, float], near: Mapping[str, float]
 ) -> dict[str, float]:
-    """Return probabilities of which none is above SURE while another effect is near in BIC.
+    """Return probabilities of which none is above UNSURE while another effect is near in BIC.
 
-    What is taken from the best goes to those ``near``, by exp(-difference / 2).
+    The nearest becomes a rival, at least RIVAL times as likely as the best; those farther, by the
+    differences ``near``, exp(-difference / 2) times that.
     """
     best = max(probability, key=probability.__getitem__)
-    excess = probability[best] - SURE
-    if excess <= 0 or not near:
+    if probability[best] <= UNSURE or not near:
         return dict(probability)
-    odds = {name: float(np.exp(-max(d, 0.0) / 2)) for name, d in near.items()}
-    given = {name: excess * value / sum(odds.values()) for name, value in odds.items()}
-    shared = {name: p + given.pop(name, 0.0) for name, p in probability.items()}
-    return {**shared, best: SURE, **given}
+    nearest = min(near.values())
+    least = {name: _SAID * float(np.exp((nearest - d) / 2)) for name, d in near.items()}
+    others = {
+        name: max(probability.get(name, 0.0), least.get(name, 0.0) * probability[best])
+        for name in {**probability, **least}
+        if name != best
+    }
+    whole = sum(others.values())
+    sure = min(UNSURE, probability[best] / (probability[best] + whole))
+    return {best: sure, **{name: p * (1 - sure) / whole for name, p in others.items()}}
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:
@@ -159,6 +169,8 @@ class Weighed:
     evidence: float
     column: int | None = None
     """The column of the views in which it was found; None for all."""
+    on_dial: DialCourse | None = None
+    """The whole course that the evidence is of."""
 
     @property
     def log_evidence(self) -> float:
@@ -255,7 +267,17 @@ def _over_axes(
     together = float(joint_evidence(log_bf[np.newaxis, :, np.newaxis], views)[0, 0])
     gained = together / float(np.exp(log_bf[column]))
     form = Shape(course, {"switching": levels.switching})
-    return Weighed(effect, form, evidence * gained, column)
+    seen = course_beside(basis, course[rows], 1 + _numbers_of(course[rows, 0]))
+    return Weighed(effect, form, evidence * gained, column, seen)
+
+
+def _numbers_of(states: FloatArray) -> float:
+    """Return how many numbers of BIC a course of states (n,) is worth: -2 log of its chance."""
+    n = len(states)
+    changes = (states[1:] != states[:-1]).mean()
+    chance = np.array([changes, 1 - changes])
+    bits = -(n - 1) * float(chance @ np.log(np.maximum(chance, _TINY)))
+    return float(2 * (bits + np.log(2)) / np.log(n))
 
 
 def _log(evidence: float) -> float:

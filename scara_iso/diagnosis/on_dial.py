@@ -7,7 +7,7 @@ largest likelihoods of the same forms say which effects are within RIVAL_BIC of 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,14 @@ from scara_iso.diagnosis.rounded import (
     fitted_courses,
     scatter_alone,
 )
-from scara_iso.diagnosis.tuning import AMPLITUDES, DIAL_FORMS, HEAVY_SHARE, RIVAL_BIC, UNKNOWN
+from scara_iso.diagnosis.tuning import (
+    ALIKE,
+    AMPLITUDES,
+    DIAL_FORMS,
+    HEAVY_SHARE,
+    RIVAL_BIC,
+    UNKNOWN,
+)
 from scara_iso.run import FloatArray
 
 
@@ -46,37 +53,55 @@ class DialReadings:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Seen:
+    """A course of an effect, and its BIC (families,) against scatter alone."""
+
+    effect: str
+    course: DialCourse
+    bic: FloatArray
+
+    def numbers_beyond(self, other: Seen) -> float:
+        """Return how many numbers more it fits than one that it resembles, else 0."""
+        if self.course.random or other.course.random:
+            return 0
+        if np.linalg.norm(self.course.columns.T @ other.course.columns, 2) < ALIKE:
+            return 0
+        return max(0.0, self.course.numbers - other.course.numbers)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class OnDial:
     """What rounding and tails change.
 
     ``log_change`` of each effect's evidence, and of its forms that were ``compared`` (by amplitude
-    and member); ``bic`` (families,) of its best form against scatter alone, and how many
-    ``numbers`` it fits; the effects with ``random`` courses; ``log_gaussian`` (axes,), the share of
-    the Gaussian family in scatter alone; ``log_cycles``, the logarithm of their number.
+    and member); what was ``seen``; ``log_gaussian`` (axes,), the share of the Gaussian family in
+    scatter alone; ``log_cycles``, the logarithm of their number.
     """
 
     log_change: Mapping[str, float]
     compared: Mapping[tuple[int, int], float]
-    bic: Mapping[str, FloatArray]
-    numbers: Mapping[str, int]
-    random: Set[str]
+    seen: Sequence[Seen]
     log_gaussian: FloatArray
     log_cycles: float
 
     def near(self, best: str) -> dict[str, float]:
         """Return other effects within RIVAL_BIC of the best one, and by how much they are behind.
 
-        Under either family. One that fits more numbers comes near whatever it resembles, and must
-        be so much nearer. A course of no name is a rival of random ones only.
+        Under either family. A course that resembles the best and fits more numbers comes near
+        whatever is true, and must be so much nearer. A course of no name is a rival of random ones
+        only.
         """
-        if best not in self.bic:
+        own = [one for one in self.seen if one.effect == best]
+        if not own:
             return {}
-        apart = {
-            name: float((value - self.bic[best]).min())
-            + self.log_cycles * max(0, self.numbers[name] - self.numbers[best])
-            for name, value in self.bic.items()
-            if name != best and (name != UNKNOWN or best in self.random)
-        }
+        mine = min(own, key=lambda one: float(one.bic.min()))
+        least = np.min([one.bic for one in own], axis=0)
+        apart: dict[str, float] = {}
+        for one in self.seen:
+            if one.effect == best or (one.effect == UNKNOWN and not mine.course.random):
+                continue
+            d = float((one.bic - least).min()) + self.log_cycles * one.numbers_beyond(mine)
+            apart[one.effect] = min(d, apart.get(one.effect, np.inf))
         return {name: d for name, d in apart.items() if d <= RIVAL_BIC}
 
 
@@ -86,31 +111,30 @@ def on_dial(
     log_evidence: FloatArray,
     log_bf: FloatArray,
     readings: DialReadings,
+    beside: Sequence[tuple[str, DialCourse]] = (),
 ) -> OnDial:
     """Return what changes in ``log_evidence`` (amplitudes, members) of a set.
 
-    ``log_bf`` (amplitudes, members, views) are the Bayes factors that it comes from.
+    ``log_bf`` (amplitudes, members, views) are the Bayes factors that it comes from; ``beside`` are
+    courses of effects that are no members, which may be near as well.
     """
     top = _likeliest(hypotheses, log_evidence)
     places = [place for own in top.values() for place in own]
     larger = [hypotheses.amplified(factor) for factor, _ in AMPLITUDES]
-    courses = [course_of(larger[a], i) for a, i in places]
+    courses = [course_of(larger[a], i) for a, i in places] + [course for _, course in beside]
     by_axis = readings.fitted(hypotheses.basis, courses)
     mixed = np.stack([fitted.mixed for fitted in by_axis], axis=1)
+    mixed = mixed[[*range(len(places)), -1]]
     plain = np.array([log_bf[a, i, : views.axes] for a, i in places])
     change = _together(mixed[:-1] - mixed[-1]) - _together(
         np.minimum(plain, LARGEST_LOG / views.axes)
     )
     compared = dict(zip(places, change.tolist(), strict=True))
-    bic = _bic(courses, by_axis)
-    numbers = [course.parameters + course.coefficients for course in courses]
-    of = {name: [places.index(place) for place in own] for name, own in top.items()}
+    effects = [hypotheses.members[i].effect for _, i in places] + [name for name, _ in beside]
     return OnDial(
         {name: _ratio(log_evidence, own, compared) for name, own in top.items()},
         compared,
-        {name: bic[own].min(axis=0) for name, own in of.items()},
-        {name: max(numbers[i] for i in own) for name, own in of.items()},
-        {name for name, own in of.items() if any(courses[i].random for i in own)},
+        [Seen(*one) for one in zip(effects, courses, _bic(courses, by_axis), strict=True)],
         np.array([f.marginal[-1, 0] + np.log(1 - HEAVY_SHARE) - f.mixed[-1] for f in by_axis]),
         float(np.log(len(readings.values))),
     )

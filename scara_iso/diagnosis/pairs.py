@@ -16,6 +16,7 @@ from scara_iso.diagnosis.choice import Weighed
 from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, extended
+from scara_iso.diagnosis.rounded import DialCourse, course_beside, course_of
 from scara_iso.diagnosis.tuning import (
     AMPLITUDES,
     PAIR_EFFECTS,
@@ -39,10 +40,10 @@ def pairs(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list[Weigh
     strength = alone.weights * joint[:, 0]
     found = []
     for first in _likeliest(alone.members, strength):
-        evidence = _beside(alone, first, strength <= strength[first], views, rows)
+        evidence, seen = _beside(alone, first, strength <= strength[first], views, rows)
         member = alone.members[first]
         weight = PAIR_WEIGHT * member.weight / alone.weights.sum()
-        found.append(Weighed(member.effect, member.form, weight * evidence))
+        found.append(Weighed(member.effect, member.form, weight * evidence, on_dial=seen))
     return found
 
 
@@ -60,11 +61,11 @@ def _beside(
     weaker: npt.NDArray[np.bool_],
     views: Views,
     rows: IntArray,
-) -> float:
-    """Return the weighted Bayes factor of one member together with each of the weaker ones."""
+) -> tuple[float, DialCourse | None]:
+    """Return the weighted Bayes factor of one member with each weaker one, and the best two."""
     q, form = views.axes, alone.members[first].form
     if not isinstance(form, Shape):
-        return 0.0
+        return 0.0, None
     basis = extended(alone.basis, form.columns[rows])
     others = [m for m, use in zip(alone.members, weaker, strict=True) if use]
     beside = build(others, rows, basis)
@@ -73,13 +74,22 @@ def _beside(
     columns = views.columns[:, :q]
     known = None if views.known is None else views.known[:q]
     free = columns - basis @ (basis.T @ columns)
-    total = 0.0
+    total = np.zeros(len(second))
     for factor, share in AMPLITUDES:
         single = log_bayes(alone.amplified(factor), columns, known)
         both = single[first] + log_bayes(beside.amplified(factor), free, known)
         mixed = _mixed(single[first], single[second], both, q)
-        total += share * float(beside.weights @ mixed)
-    return total
+        total += share * beside.weights * mixed
+    return float(total.sum()), _together(
+        alone, first, second[int(total.argmax())]
+    ) if second else None
+
+
+def _together(alone: HypothesisSet, first: int, second: int) -> DialCourse:
+    """Return two members as one course, which as many numbers choose as choose both."""
+    one, other = course_of(alone, first), course_of(alone, second)
+    columns = np.concatenate([one.columns, other.columns], axis=1)
+    return course_beside(alone.basis, columns, one.parameters + other.parameters)
 
 
 def _mixed(one: FloatArray, other: FloatArray, both: FloatArray, q: int) -> FloatArray:

@@ -16,9 +16,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
 from scara_iso.diagnosis.normal import normal_cdf
-from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL, MISFIT
+from scara_iso.diagnosis.tuning import (
+    AMPLITUDES,
+    GAIN,
+    HEAVY_SHARE,
+    KNOWN_FROM,
+    LEAST_ON_DIAL,
+    MISFIT,
+)
 from scara_iso.effects import Chain, Shape
 from scara_iso.run import FloatArray
 
@@ -40,15 +47,21 @@ Distribution = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 class DialCourse:
     """A member of a set beside what is fitted: columns (n, k), prior variances (k,), scale (n,).
 
-    ``parameters`` is how many numbers choose it among the forms of its effect, ``coefficients`` how
-    many each axis estimates: those of a shape, none of a random course.
+    ``parameters`` is how many numbers choose it among the forms of its effect (those of hidden
+    states as many as their chance is worth), ``coefficients`` how many each axis estimates: those
+    of a shape, none of a random course.
     """
 
     columns: FloatArray
     variances: FloatArray
     scale: FloatArray
-    parameters: int = 0
+    parameters: float = 0
     coefficients: int = 0
+
+    @property
+    def numbers(self) -> float:
+        """How many numbers are fitted in each axis, those that choose the course included."""
+        return self.parameters + self.coefficients
 
     @property
     def random(self) -> bool:
@@ -92,6 +105,13 @@ def course_of(hypotheses: HypothesisSet, i: int) -> DialCourse:
         return DialCourse(vectors, variances, np.ones(n), searched, len(variances))
     kept = variances > _NEGLIGIBLE
     return DialCourse(vectors[:, kept], variances[kept], np.ones(n), searched + 1)
+
+
+def course_beside(basis: FloatArray, columns: FloatArray, parameters: float) -> DialCourse:
+    """Return the course of ``columns`` (n, k) beside ``basis``, as large as it may be."""
+    own = extended(basis, columns)[:, basis.shape[1] :]
+    k = own.shape[1]
+    return DialCourse(own, np.full(k, GAIN * AMPLITUDES[-1][0]), np.ones(len(own)), parameters, k)
 
 
 def scatter_alone(n: int) -> DialCourse:

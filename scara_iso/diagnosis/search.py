@@ -52,11 +52,10 @@ class Stage:
     @property
     def p_value_at_floor(self) -> bool:
         """Whether the test of the smallest p-value met nothing as far from scatter by chance."""
-        floor = self.marginal.floor
         at_floor = (
             self.order.at_floor,
-            self.marginal.two_levels <= floor,
-            self.marginal.outlier <= floor,
+            self.marginal.two_levels <= self.marginal.floor,
+            self.marginal.outlier <= self.marginal.floor,
         )
         return min(zip(_shared(self.order, self.marginal), at_floor, strict=True))[1]
 

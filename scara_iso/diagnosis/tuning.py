@@ -74,9 +74,10 @@ RIVAL = 0.1
 """Share of the best one's probability from which another is its rival: an effect, or a way in
 which unknown scatter may grow with a deviation."""
 
-RIVAL_BIC, SURE = 4.0, 0.9
-"""A name is not stated above SURE while another effect is within RIVAL_BIC of its BIC, under
-Gaussian or heavy-tailed scatter read on the dial (real_data.py)."""
+RIVAL_BIC, UNSURE = 4.0, 0.89
+"""A name is not stated above UNSURE while another effect is within RIVAL_BIC of its BIC, under
+Gaussian or heavy-tailed scatter read on the dial (real_data.py): not 90 %, from which a name stands
+alone."""
 
 DIAL_FORMS = 3
 """So many of the likeliest forms of each effect are compared as read on the dial."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from inspect import cleandoc
@@ -11,7 +11,7 @@ from itertools import groupby
 
 from scara_iso import effects
 from scara_iso.comparison import PAGES
-from scara_iso.effects import Effect, GearEffect
+from scara_iso.effects import Effect, GearEffect, OwnEffect
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks
 from scara_iso.plugins import find_modules
@@ -32,8 +32,11 @@ class Page:
     parameters: tuple[tuple[str, str, str], ...] = ()
 
 
-def pages() -> dict[str, Page]:
-    """Return the pages by code: findings, characteristics, effects on readings, on reversals."""
+def pages(own: Sequence[OwnEffect] = ()) -> dict[str, Page]:
+    """Return the pages by code: findings, characteristics, effects on readings, on reversals.
+
+    The user's ``own`` effects are effects on readings.
+    """
     modules = find_modules(checks, "scara_iso.checks")
     texts = {module.CODE: module.__doc__ or "" for module in modules}
     texts |= PAGES
@@ -47,13 +50,14 @@ def pages() -> dict[str, Page]:
         _effect(module.EFFECT, module.__doc__ or "")
         for module in find_modules(effects, "scara_iso.effects")
     ]
+    found += [_effect(effect, _own_text(effect)) for effect in own]
     every = (*findings, *figures, *sorted(found, key=lambda page: page.kind))
     return {page.code: page for page in every}
 
 
-def find_page(code: str) -> Page:
+def find_page(code: str, own: Sequence[OwnEffect] = ()) -> Page:
     """Return a page; ``-`` and ``_`` are the same. Raises `UsageError` with the nearest codes."""
-    found = pages()
+    found = pages(own)
     known = {_plain(name): name for name in found}
     if _plain(code) in known:
         return found[known[_plain(code)]]
@@ -116,6 +120,11 @@ def _effect(effect: Effect | GearEffect, doc: str) -> Page:
     said = (*text, f"Cause: {effect.cause}.", f"To confirm: {effect.confirm_by}.")
     given = tuple((p.name, p.unit, p.meaning) for p in effect.parameters)
     return Page(effect.name, kind, title, said, given)
+
+
+def _own_text(effect: OwnEffect) -> str:
+    formula = effect.definition["formula"]
+    return f"An effect of your own: {formula}\n\nEach axis has a size of its own."
 
 
 def _paragraphs(doc: str) -> list[str]:
