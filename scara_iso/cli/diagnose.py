@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -34,6 +34,7 @@ from scara_iso.cli.output import (
     write_json,
     write_report,
 )
+from scara_iso.frozen import dataclass
 
 if TYPE_CHECKING:
     from scara_iso.cli.conditions import Write

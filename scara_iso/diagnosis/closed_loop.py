@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from scara_iso.diagnosis.result import Diagnosis
 from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError, UsageError
+from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
 from scara_iso.robot import Model, is_random, predict
 from scara_iso.run import Run

@@ -9,7 +9,6 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -25,6 +24,7 @@ from scara_iso.diagnosis.tuning import (
     SIMULATIONS,
     TWO_DIVISIONS,
 )
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 Family = Callable[[np.random.Generator, tuple[int, int]], FloatArray]

@@ -7,7 +7,6 @@ test martingale (`e_process`). All channels (axes at poses) count together.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from scara_iso.diagnosis.hypothesis_set import build, constant
 from scara_iso.diagnosis.looks import ALARM, MOST_PLANNED, is_look, look
 from scara_iso.diagnosis.tuning import GROSS
 from scara_iso.effects import Conditions, Form, Shape, find_effects
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _NAMED_FROM = 100

@@ -8,7 +8,6 @@ largest likelihoods of the same forms say which effects are within RIVAL_BIC of 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from scara_iso.diagnosis.rounded import (
     scatter_alone,
 )
 from scara_iso.diagnosis.tuning import AMPLITUDES, DIAL_FORMS, HEAVY_SHARE, RIVAL_BIC, UNKNOWN
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 

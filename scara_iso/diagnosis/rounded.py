@@ -12,7 +12,6 @@ the readings' own: a course that meets every reading would else be as likely as 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.normal import normal_cdf
 from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL, MISFIT
 from scara_iso.effects import Chain, Shape
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _SCATTERS = 6

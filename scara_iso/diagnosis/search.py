@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from scara_iso.diagnosis.tuning import (
 )
 from scara_iso.diagnosis.two_state import Emissions, emissions_of
 from scara_iso.effects import Chain, Effect, Form, FoundBy, Process, Shape, Spread
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 
@@ -52,12 +53,8 @@ class Stage:
     @property
     def p_value_at_floor(self) -> bool:
         """Whether the test of the smallest p-value met nothing as far from scatter by chance."""
-        floor = self.marginal.floor
-        at_floor = (
-            self.order.at_floor,
-            self.marginal.two_levels <= floor,
-            self.marginal.outlier <= floor,
-        )
+        found, floor = self.marginal, self.marginal.floor
+        at_floor = (self.order.at_floor, found.two_levels <= floor, found.outlier <= floor)
         return min(zip(_shared(self.order, self.marginal), at_floor, strict=True))[1]
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,13 +24,15 @@ from scara_iso.effects import OwnEffect
 from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, poses_in_cycles
 from scara_iso.library.diagnoses import Diagnoses
-from scara_iso.library.engines import open_processes
 from scara_iso.library.inputs import TableOptions, Tables
 from scara_iso.library.models import OwnEffects, defined, described
 from scara_iso.reporting import Failure
 from scara_iso.robot import Model, read_effects, read_model
 from scara_iso.run import Run
 from scara_iso.tables import pose_in
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 
 def diagnose(
@@ -166,6 +168,8 @@ def diagnose_each(
 
     ``files`` are that of the model and that of the user's effects.
     """
+    from scara_iso.library.engines import open_processes
+
     work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
     with nullcontext(executor) if executor is not None else open_processes() as pool:
         yield from pool.map(work, tables)

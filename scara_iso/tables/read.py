@@ -7,7 +7,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from statistics import median_low
 
 import numpy as np
 
@@ -181,7 +180,8 @@ def _check_end(
             above.append(decimals)
         cell = row[last.position] if len(row) > last.position else ""
         decimals = count_decimals(cell) if isinstance(cell, str) else None
-    usual = median_low(above) if above and last.kind is Kind.AXIS else min(above, default=0)
+    middle = (len(above) - 1) // 2 if last.kind is Kind.AXIS else 0
+    usual = sorted(above)[middle] if above else 0
     if decimals is None or decimals >= usual:
         return
     what = f"no line end, and {decimals} decimals where others have {usual}: is the file cut?"
