@@ -7,8 +7,9 @@ least the constant pose) is projected out of U.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
+from itertools import compress
 
 import numpy as np
 
@@ -53,6 +54,22 @@ class HypothesisSet:
         """Return the set with every variance beside the scatter ``factor`` times as large."""
         s = self.shrink / (1 - self.shrink) * factor
         return replace(self, shrink=s / (1 + s), penalty=np.add.reduceat(np.log1p(s), self.first))
+
+    def only(self, wanted: Set[Hypothesis]) -> HypothesisSet:
+        """Return the set of those of its members that are ``wanted``."""
+        kept = np.array([member in wanted for member in self.members], dtype=bool)
+        shaped, spread = np.split(kept, [len(self.first)])
+        widths = np.diff([*self.first, len(self.shrink)])
+        columns = np.repeat(shaped, widths)
+        return HypothesisSet(
+            members=tuple(compress(self.members, kept)),
+            basis=self.basis,
+            vectors=self.vectors[:, columns],
+            shrink=self.shrink[columns],
+            first=_starts(widths[shaped].tolist()),
+            penalty=self.penalty[shaped],
+            scales=self.scales[spread],
+        )
 
 
 def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> HypothesisSet:

@@ -127,10 +127,12 @@ class Remainder:
     values: FloatArray
     readings: DialReadings
     members: tuple[Hypothesis, ...]
+    hypotheses: HypothesisSet
+    """The set of the members beside what is fitted."""
 
-    def set_of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
-        """Return the set of some of the members beside what is fitted."""
-        return build(members, self.rows, self.basis)
+    def set_of(self, forms: Sequence[Hypothesis]) -> HypothesisSet:
+        """Return the set of others than the members beside what is fitted."""
+        return build(forms, self.rows, self.basis)
 
 
 def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
@@ -145,7 +147,8 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
     half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
     known = np.zeros(values.shape[1]) if problem.sigma is None else problem.sigma
     views = problem.views_of(values, basis)
-    return Remainder(rows, basis, views, values, DialReadings(values, half, known), members)
+    readings, hypotheses = DialReadings(values, half, known), build(members, rows, basis)
+    return Remainder(rows, basis, views, values, readings, members, hypotheses)
 
 
 def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:

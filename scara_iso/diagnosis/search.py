@@ -165,7 +165,7 @@ def _in_order(
     emissions = [] if terms else _emissions(replace(problem.residual, values=calm), ordered)
     views = problem.views_of(calm, left.basis)
     spreading = left.values[:, ~neighbours(problem.residual)]
-    return left.set_of(ordered), views, emissions, spreading
+    return left.hypotheses.only(set(ordered)), views, emissions, spreading
 
 
 def _order_of(problem: SearchProblem, terms: Sequence[Term], left: Remainder) -> float:
@@ -241,7 +241,7 @@ def _choice(
 ) -> Choice[Form]:
     """Return what is likeliest; ``log_change`` of the whole run's choice on some of its rows."""
     chains = [member for member in left.members if member.hidden] if with_chains else []
-    named = [member for member in left.members if member.named]
+    named = {member for member in left.members if member.named}
     residual = problem.residual
     length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
     coarse = neighbours(residual)
@@ -249,7 +249,7 @@ def _choice(
     hidden = two_states(
         chains, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
     )
-    hypotheses = left.set_of(named)
+    hypotheses = left.hypotheses.only(named)
     readings = left.readings if log_change is None else None
     choice = choose(hypotheses, left.views, hidden, readings, log_change)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
