@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from scara_iso.diagnosis.all_poses import whole_cycles
+from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.diagnosis.poses import diagnose_poses
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
 from scara_iso.diagnosis.readings import diagnose_readings
@@ -68,6 +69,7 @@ class CyclesWanted:
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
 
 
+@on_one_thread
 def close_the_loop(
     run: Run,
     model: Model | None,
@@ -176,6 +178,7 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
         yield f"the model is that of {model.robot}, the table is of {robot}: is it the right one?"
 
 
+@on_one_thread
 def close_the_loop_at_poses(
     run: Run,
     model: Model | None,
