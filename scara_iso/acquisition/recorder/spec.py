@@ -30,7 +30,8 @@ OPTIONS = {
 }
 """Options behind a driver, written as in a URL: ``X=mitutoyo-mux?unit=mm&channel=1@COM3``."""
 
-_EXAMPLE = "X=opto-rs232@/dev/ttyUSB0 or X=mitutoyo-mux?unit=mm&channel=1@COM3"
+_SIMPLE = "X=opto-rs232@/dev/ttyUSB0"
+_EXAMPLE = f"{_SIMPLE} or X=mitutoyo-mux?unit=mm&channel=1@COM3"
 _AXES = {name.lower(): name for name in AXES}
 _LONGEST = 50_000
 _TABLE_KEY = re.compile(
@@ -89,7 +90,7 @@ def parse_gauges(texts: Iterable[str], *, unit: str | None = None) -> tuple[Gaug
     if not gauges or twice:
         raise UsageError(
             f"two gauges for {', '.join(twice)}" if twice else "no indicator is named",
-            remedy=f"give `gauge={_EXAMPLE}`, once for each axis",
+            remedy=f"give `gauge={_SIMPLE}`, once for each axis",
         )
     return gauges
 
