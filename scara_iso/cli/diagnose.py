@@ -197,7 +197,7 @@ def _diagnose_run(
     *,
     seed: int,
 ) -> None:
-    from scara_iso.diagnosis import DiagnosisOfPoses, save_model
+    from scara_iso.diagnosis import Diagnosis
 
     second: Run | str | None = files.hold_out
     if wanted.pose is None and len(list(run.rows_by_pose())) > 1:
@@ -216,9 +216,11 @@ def _diagnose_run(
         own_effects=own,
     )
     if files.save_model is not None and files.model is not None:
+        from scara_iso.diagnosis import save_model
+
         said = save_model(diagnosis, files.model, files.save_model, own)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
-    if isinstance(diagnosis, DiagnosisOfPoses):
+    if not isinstance(diagnosis, Diagnosis):
         if files.map is not None and diagnosis.joint_scatter is not None:
             render.save_map(diagnosis.joint_scatter, files.map)
         _write_poses(diagnosis, run.origin.source, how)

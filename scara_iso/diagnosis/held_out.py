@@ -50,7 +50,7 @@ def cross_validated(
     before, after = [], []
     for _ in range(repeats):
         for unseen in np.array_split(rng.permutation(n), min(FOLDS, n)):
-            rows = np.setdiff1d(np.arange(n), unseen)
+            rows = np.delete(np.arange(n), unseen)
             pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
             terms = find_again(
                 problem, rows, len(fitted.terms), with_chains=with_chains,

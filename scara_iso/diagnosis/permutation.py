@@ -19,6 +19,7 @@ from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE, 
 from scara_iso.diagnosis.two_state import Emissions
 from scara_iso.diagnosis.widening import widening
 from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import quantiles
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-9
@@ -39,7 +40,7 @@ class OrderTest:
 
     def limit(self, level: float) -> float:
         """Return the statistic that a share ``level`` of the orders reach."""
-        return float(np.quantile(self.of_orders, 1 - level)) if len(self.of_orders) else -np.inf
+        return float(quantiles(self.of_orders, [1 - level])[0]) if len(self.of_orders) else -np.inf
 
 
 def order_test(

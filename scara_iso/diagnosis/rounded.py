@@ -20,6 +20,7 @@ from scara_iso.diagnosis.normal import normal_cdf
 from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL, MISFIT
 from scara_iso.effects import Chain, Shape
 from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 
 _SCATTERS = 6
@@ -168,7 +169,7 @@ class _Group:
         left = self.y - np.einsum("cnp,cp->cn", self.design, self.start())
         left = left / self.scale
         squares = (left**2).sum(axis=1) / (len(self.y) - self.fixed)
-        size = np.median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
+        size = median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
         least = max(LEAST_ON_DIAL, MISFIT * float(self.y.std()))
         low = np.maximum(0.45 * size, least)
         high = np.maximum(2.2 * size, 4 * least)

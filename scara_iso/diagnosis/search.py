@@ -32,6 +32,7 @@ from scara_iso.diagnosis.tuning import (
 from scara_iso.diagnosis.two_state import Emissions, emissions_of
 from scara_iso.effects import Chain, Effect, Form, FoundBy, Process, Shape, Spread
 from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 
@@ -178,8 +179,8 @@ def _drawn_in(left: Remainder) -> FloatArray:
 
     The limit does not depend on the order of the cycles, so the test stays exact.
     """
-    middle = np.median(left.values, axis=0)
-    robust = 1.4826 * np.median(np.abs(left.values - middle), axis=0)
+    middle = median(left.values, axis=0)
+    robust = 1.4826 * median(np.abs(left.values - middle), axis=0)
     limit = GROSS * np.maximum(robust, 2 * left.readings.half.max(axis=0))
     limit = np.where(robust > 0, limit, np.inf)
     return np.clip(left.values, middle - limit, middle + limit)

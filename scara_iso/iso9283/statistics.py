@@ -38,6 +38,27 @@ WIDEST = 100.0
 """Upper limit over figure from which an interval says nothing: one reading carries the figure."""
 
 
+def quantiles(values: FloatArray, shares: Sequence[float]) -> FloatArray:
+    """Return quantiles (shares, ..) of finite numbers (n, ..), those of `numpy.quantile`.
+
+    On thirty readings that takes ten times as long, and brings numpy's masked arrays along.
+    """
+    ordered = np.sort(values, axis=0)
+    places = (len(ordered) - 1) * np.asarray(shares).reshape(-1, *[1] * (ordered.ndim - 1))
+    below = np.floor(places)
+    whole = below.astype(np.int64).ravel()
+    low, high = ordered[whole], ordered[np.minimum(whole + 1, len(ordered) - 1)]
+    part = places - below
+    near = low + (high - low) * part  # each from the nearer end, as numpy does
+    return np.asarray(np.where(part < 0.5, near, high - (high - low) * (1 - part)))
+
+
+def median(values: FloatArray, axis: int = 0) -> FloatArray:
+    """Return the median of finite numbers along an axis; see `quantiles`."""
+    ordered = np.moveaxis(np.sort(values, axis=axis), axis, 0)
+    return np.asarray((ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]) / 2)
+
+
 class SamplingInterval(Protocol):
     """`rp_interval`, `rss_interval` or `three_sigma_interval`."""
 

@@ -33,11 +33,8 @@ if TYPE_CHECKING:
         held_out_pose as held_out_pose,
         one_test as one_test,
     )
-    from scara_iso.library.models import (
-        defined as defined,
-        plan as plan,
-        simulate as simulate,
-    )
+    from scara_iso.library.model_files import defined as defined
+    from scara_iso.library.models import plan as plan, simulate as simulate
     from scara_iso.library.months import history as history
     from scara_iso.library.pages import check_page as check_page, write_page as write_page
     from scara_iso.library.pushes import push as push
