@@ -7,7 +7,7 @@ least the constant pose) is projected out of U.
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import compress
 
@@ -55,20 +55,21 @@ class HypothesisSet:
         s = self.shrink / (1 - self.shrink) * factor
         return replace(self, shrink=s / (1 + s), penalty=np.add.reduceat(np.log1p(s), self.first))
 
-    def only(self, wanted: Set[Hypothesis]) -> HypothesisSet:
-        """Return the set of those of its members that are ``wanted``."""
-        kept = np.array([member in wanted for member in self.members], dtype=bool)
-        shaped, spread = np.split(kept, [len(self.first)])
-        widths = np.diff([*self.first, len(self.shrink)])
-        columns = np.repeat(shaped, widths)
+    def of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
+        """Return the set of those of ``members`` that this one holds."""
+        wanted = set(members)
+        held = np.array([member in wanted for member in self.members], dtype=bool)
+        courses, spreads = np.split(held, [len(self.first)])
+        widths = np.diff(self.first, append=len(self.shrink))
+        columns = np.repeat(courses, widths)
         return HypothesisSet(
-            members=tuple(compress(self.members, kept)),
+            members=tuple(compress(self.members, held)),
             basis=self.basis,
-            vectors=self.vectors[:, columns],
+            vectors=np.compress(columns, self.vectors, axis=1),
             shrink=self.shrink[columns],
-            first=_starts(widths[shaped].tolist()),
-            penalty=self.penalty[shaped],
-            scales=self.scales[spread],
+            first=_starts(widths[courses]),
+            penalty=self.penalty[courses],
+            scales=self.scales[spreads],
         )
 
 
@@ -103,7 +104,7 @@ class _Group:
     penalty: FloatArray
 
 
-def _starts(widths: Sequence[int]) -> IntArray:
+def _starts(widths: Sequence[int] | IntArray) -> IntArray:
     return np.cumsum([0, *widths])[:-1]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -114,7 +115,7 @@ def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
     return np.asarray(np.ptp(residual.values, axis=0) < NEIGHBOURS * residual.division)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Remainder:
     """What fitted terms leave: residual values (rows, axes), their views, what is fitted.
 
@@ -127,12 +128,11 @@ class Remainder:
     values: FloatArray
     readings: DialReadings
     members: tuple[Hypothesis, ...]
-    hypotheses: HypothesisSet
-    """The set of the members beside what is fitted."""
 
-    def set_of(self, forms: Sequence[Hypothesis]) -> HypothesisSet:
-        """Return the set of others than the members beside what is fitted."""
-        return build(forms, self.rows, self.basis)
+    @cached_property
+    def hypotheses(self) -> HypothesisSet:
+        """The set of all members beside what is fitted."""
+        return build(self.members, self.rows, self.basis)
 
 
 def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
@@ -147,8 +147,7 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
     half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
     known = np.zeros(values.shape[1]) if problem.sigma is None else problem.sigma
     views = problem.views_of(values, basis)
-    readings, hypotheses = DialReadings(values, half, known), build(members, rows, basis)
-    return Remainder(rows, basis, views, values, readings, members, hypotheses)
+    return Remainder(rows, basis, views, values, DialReadings(values, half, known), members)
 
 
 def _without_dust(values: FloatArray, residual: Residual) -> FloatArray:
