@@ -8,7 +8,9 @@ signatures, and what a type checker reads.
 
 from __future__ import annotations
 
+import copyreg
 import dataclasses
+from types import MappingProxyType
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -41,6 +43,14 @@ def _dataclass(
 
 if not TYPE_CHECKING:
     dataclass = _dataclass
+
+
+def _unchanging(shown: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(shown)
+
+
+# So a mapping that never changes goes to another process too, as what it shows.
+copyreg.pickle(MappingProxyType, lambda one: (_unchanging, (dict(one),)))
 
 
 def _init_of(kind: type[Any]) -> Callable[..., None]:

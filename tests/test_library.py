@@ -1,6 +1,7 @@
 """The public functions: the command's options as keywords, and the command's results."""
 
 import json
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -166,3 +167,9 @@ def test_small_matrices_are_worked_on_by_one_thread(monkeypatch):
         assert on_one_thread(threads)() == {1}
         assert threads() == {2}
     assert close_the_loop.__wrapped__
+
+
+def test_results_go_to_another_process_and_back():
+    found = pickle.loads(pickle.dumps(scara_iso.analyze(TABLE_1)))  # noqa: S301 - our own
+    assert analysis_json(found) == analysis_json(scara_iso.analyze(TABLE_1))
+    assert isinstance(found.run.covariates, type(scara_iso.read_table(TABLE_1).covariates))
