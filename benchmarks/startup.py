@@ -4,8 +4,8 @@
 
 Processor seconds, user's and system's together: other programs on the machine count for less in
 them than in wall time. Goals: --help at most 8 times bare Python; analyze of 31 rows at most 16
-times, and half of the pandas script that a user would write; diagnose of Table I 0.35 s and report
-0.8 s on a quiet machine, where bare Python takes 10 ms.
+times, and half of the pandas script that a user would write; diagnose of Table I at most 35
+times, report at most 80.
 """
 
 from __future__ import annotations

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import Commanded
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, FloatArray, IntArray

@@ -7,8 +7,9 @@ An error says what is wrong, where, and what to do about it. Domain errors deriv
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import ClassVar
+
+from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

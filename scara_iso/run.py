@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import numpy.typing as npt
 from scara_iso.display import Displayed
 from scara_iso.errors import DataError
 from scara_iso.frames import FRAME, axis_attributes, make_frame, numbers_of, refuse_without_unit
+from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin
 from scara_iso.pose_columns import (
     Commanded,
@@ -168,14 +169,11 @@ class Run(Displayed):
         if one_pose:
             axes = {n: replace(a, command=self.command_of(n, label)) for n, a in axes.items()}
         return replace(
-            self,
-            cycle=self.cycle[rows],
-            axes=axes,
-            pose=None if one_pose else labels,
+            self, cycle=self.cycle[rows], axes=axes, pose=None if one_pose else labels,
             covariates={name: values[rows] for name, values in self.covariates.items()},
             lines=None if self.lines is None else self.lines[rows],
             direction=None if self.direction is None else self.direction[rows],
-        )
+        )  # fmt: skip
 
     def unwrapped(self) -> Run:
         """Return the run with the angles of each pose on one turn (`quantities.unwrap`).

@@ -100,6 +100,13 @@ def test_full_says_more(said, command):
     assert full.count("\n") > 1.5 * short.count("\n")
 
 
+def test_a_run_that_drifts_is_named_and_is_what_to_look_at_next(said):
+    drifting_before = said("compare", "warm_up.csv", "scatter.csv")
+    assert "X before, Y before: moves during the test" in drifting_before
+    assert "Next: scara-iso diagnose warm_up.csv" in drifting_before
+    assert "Next: scara-iso diagnose warm_up.csv" in said("compare", "scatter.csv", "warm_up.csv")
+
+
 def test_the_options_that_read_a_table_are_said_again(said, tmp_path):
     rows = [f"{k},0.8{k % 7}" for k in range(1, 31)]
     table = tmp_path / "a run.csv"

@@ -127,6 +127,8 @@ def test_an_instrument_on_a_cable_is_named_and_a_wrong_answer_asked_again(tmp_pa
     terminal.until("speaks mitutoyo-mux")
     terminal.answer("Unit on the display of X", "furlong")
     terminal.answer("Unit on the display of X", "mm")
+    terminal.answer("When is a reading taken", "mm")
+    terminal.until("use enter, data")
     terminal.answer("When is a reading taken", "timer:0.1")
     terminal.answer("File to write")
     code, seen = terminal.end()

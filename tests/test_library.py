@@ -1,14 +1,18 @@
 """The public functions: the command's options as keywords, and the command's results."""
 
 import json
+import pickle
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+import threadpoolctl
 
 import scara_iso
 from scara_iso.cli import main
+from scara_iso.diagnosis import close_the_loop
+from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.errors import DataError, UsageError
 from scara_iso.render import (
     analysis_json,
@@ -151,3 +155,21 @@ def test_record_is_a_run_of_what_was_stored(tmp_path):
     assert found.cycle.tolist() == list(range(1, 32))
     assert found.metadata["robot"] == "R"
     assert sum(type(event).__name__ == "Stored" for event in stored) == 31
+
+
+def test_small_matrices_are_worked_on_by_one_thread(monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+
+    def threads():
+        return {pool["num_threads"] for pool in threadpoolctl.threadpool_info()}
+
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        assert on_one_thread(threads)() == {1}
+        assert threads() == {2}
+    assert close_the_loop.__wrapped__
+
+
+def test_results_go_to_another_process_and_back():
+    found = pickle.loads(pickle.dumps(scara_iso.analyze(TABLE_1)))  # noqa: S301 - our own
+    assert analysis_json(found) == analysis_json(scara_iso.analyze(TABLE_1))
+    assert isinstance(found.run.covariates, type(scara_iso.read_table(TABLE_1).covariates))

@@ -5,6 +5,8 @@ from statistics import mean, stdev
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
+from hypothesis.extra.numpy import arrays
 from oracles.scatter import Z, lengths, limits, rp, rss, three_sigma
 from scipy import integrate, stats
 
@@ -12,6 +14,8 @@ from scara_iso.iso9283.statistics import (
     GAUSSIAN_ERROR,
     GAUSSIAN_RP,
     hidden,
+    median,
+    quantiles,
     repeatability,
     root_sum_of_squares,
     rp_interval,
@@ -172,3 +176,13 @@ def test_the_constants_are_those_of_gaussian_scatter(q):
     influence = (l - m) + 1.5 * ((l - m) ** 2 - s**2) / s
     error = math.sqrt(integrate.trapezoid(influence**2 * law.pdf(l), l)) / (m + 3 * s)
     assert GAUSSIAN_ERROR[q] == pytest.approx(error, abs=1e-4)
+
+
+@given(
+    arrays(np.float64, st.tuples(st.integers(1, 9), st.integers(1, 3)), elements=st.floats(-9, 9)),
+    st.lists(st.floats(0, 1), min_size=1, max_size=3),
+)
+def test_medians_and_quantiles_are_those_of_numpy(values, shares):
+    assert np.array_equal(median(values), np.median(values, axis=0))
+    assert np.array_equal(median(values, axis=1), np.median(values, axis=1))
+    assert np.array_equal(quantiles(values, shares), np.quantile(values, shares, axis=0))

@@ -35,7 +35,7 @@ WELCOME = """\
 scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
 
   scara-iso demo              the paper's robot in one minute
-  scara-iso record OUT.csv    read your indicators into a table
+  scara-iso record            read your indicators (asks what it needs)
   scara-iso analyze TABLE     repeatability of a table
   scara-iso diagnose TABLE    what is in it besides scatter
   scara-iso report TABLE      the report to sign

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -34,6 +34,7 @@ from scara_iso.cli.output import (
     write_json,
     write_report,
 )
+from scara_iso.frozen import dataclass
 
 if TYPE_CHECKING:
     from scara_iso.cli.conditions import Write
@@ -200,7 +201,7 @@ def _diagnose_run(
     *,
     seed: int,
 ) -> None:
-    from scara_iso.diagnosis import DiagnosisOfPoses, save_model
+    from scara_iso.diagnosis import Diagnosis
 
     if wanted.pose is None and len(list(run.rows_by_pose())) > 1:
         files.check_poses(run)
@@ -220,11 +221,13 @@ def _diagnose_run(
         own_effects=own,
     )
     if files.save_model is not None and files.model is not None:
+        from scara_iso.diagnosis import save_model
+
         said = save_model(diagnosis, files.model, files.save_model, own)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     if files.plot is not None:
         render.save_figure(diagnosis.plot(), files.plot)
-    if not isinstance(diagnosis, DiagnosisOfPoses):
+    if isinstance(diagnosis, Diagnosis):
         _write(diagnosis, run.origin.source, how)
         return
     if files.map is not None and diagnosis.joint_scatter is not None:

@@ -23,6 +23,7 @@ from scara_iso.acquisition import (
     raw_path,
     write_bench,
 )
+from scara_iso.cli.output import as_answers
 from scara_iso.cli.record_options import RecordOptions, instruments_of, usual_bench
 from scara_iso.cli.recording import record_as_asked
 from scara_iso.errors import InstrumentError, ScaraIsoError, UsageError
@@ -220,7 +221,8 @@ def _ask(question: str, usual: str, read: Callable[[str], _T]) -> _T:
         except EOFError as error:
             raise UsageError("no answer", remedy="scara-iso record OUT.csv --gauge …") from error
         except (UsageError, InstrumentError) as error:
-            _write(f"   {error.what}; {error.remedy}" if error.remedy else f"   {error.what}")
+            said = f"{error.what}; {error.remedy}" if error.remedy else error.what
+            _write(f"   {as_answers(said)}")
 
 
 def _write(text: str) -> None:

@@ -38,6 +38,11 @@ def as_options(text: str) -> str:
     return _PARAMETER.sub(_option, text)
 
 
+def as_answers(text: str) -> str:
+    """Return ``text`` with the parameters that it names as what is typed where a question asks."""
+    return _PARAMETER.sub(r"\2", text)
+
+
 def _option(named: re.Match[str]) -> str:
     option, value = f"--{named[1].replace('_', '-')}", named[2]
     if value in ("", "True"):

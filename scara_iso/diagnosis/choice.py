@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -23,6 +23,7 @@ from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNSURE
 from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 AnyForm = TypeVar("AnyForm")

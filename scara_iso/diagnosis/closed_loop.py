@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scara_iso.diagnosis.all_poses import AllPoses, whole_cycles
-from scara_iso.diagnosis.poses import diagnose_poses
-from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
+from scara_iso import robot
+from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis
-from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError, UsageError
+from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
-from scara_iso.robot import Model, is_random, predict
 from scara_iso.run import Run
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis.all_poses import AllPoses
+    from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
+    from scara_iso.robot import Model
 
 _PLANE = ("X", "Y")
 
@@ -68,6 +72,7 @@ class CyclesWanted:
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
 
 
+@on_one_thread
 def close_the_loop(
     run: Run,
     model: Model | None,
@@ -132,6 +137,8 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     A reversal that differs with the payload is more than one half width: beside approaches by turns
     it looks like a course over the cycles.
     """
+    from scara_iso.diagnosis.saving import declarations  # noqa: PLC0415 - with a model
+
     on_gear = tuple(e for e in declarations(found) if e.joint is not None)
     if found.reversals is None or not on_gear:
         return found
@@ -159,7 +166,7 @@ def _as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
     again = {one.effect for one in found.effects}
     for one in model.effects:
         effect = effects.get(one.name)
-        if one.name in again and effect and one.axes and is_random(effect, one, one.axes[0]):
+        if one.name in again and effect and one.axes and robot.is_random(effect, one, one.axes[0]):
             yield (
                 f"{one.name}: as declared; the model holds it, and chance draws it anew in every "
                 "test"
@@ -171,11 +178,12 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
     unknown = [axis for axis in run.axes if axis not in model.indicators]
     if unknown:
         yield f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
-    robot = run.metadata.get("robot", "")
-    if model.robot and robot and model.robot.casefold() != robot.casefold():
-        yield f"the model is that of {model.robot}, the table is of {robot}: is it the right one?"
+    named = run.metadata.get("robot", "")
+    if model.robot and named and model.robot.casefold() != named.casefold():
+        yield f"the model is that of {model.robot}, the table is of {named}: is it the right one?"
 
 
+@on_one_thread
 def close_the_loop_at_poses(
     run: Run,
     model: Model | None,
@@ -191,6 +199,8 @@ def close_the_loop_at_poses(
     Effects are traced to the joints where the model gives the arm and its joints at every pose.
     The other options are those of `close_the_loop`; ``hold_out`` holds the same poses.
     """
+    from scara_iso.diagnosis.poses import diagnose_poses  # noqa: PLC0415 - of several poses
+
     known_own = _all_own(own, model)
     test, expected, at = _test_of(run, model, wanted)
     second = None if hold_out is None else _test_of(hold_out, model, wanted)[:2]
@@ -215,11 +225,12 @@ def close_the_loop_at_poses(
     return replace(found, notes=notes)
 
 
-_Test = tuple[AllPoses, dict[str, Predicted], dict[str, str | None]]
-"""All poses of a run, what a model predicts at each, and the pose of each label."""
+def _test_of(
+    run: Run, model: Model | None, wanted: CyclesWanted
+) -> tuple[AllPoses, dict[str, Predicted], dict[str, str | None]]:
+    """Return all poses of a run, what a model predicts at each, and the pose of each label."""
+    from scara_iso.diagnosis.all_poses import whole_cycles  # noqa: PLC0415 - of several poses
 
-
-def _test_of(run: Run, model: Model | None, wanted: CyclesWanted) -> _Test:
     run = run.unwrapped()
     used = wanted.used(run)
     test = whole_cycles(run, {str(p): rows for p, rows in zip(used.poses, used.rows, strict=True)})
@@ -260,7 +271,7 @@ def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
                 where=run.origin.source,
                 remedy=f"state the unit of [indicator.{name}], or take the model of this robot",
             )
-    expected = predict(model, Conditions(run.cycle, run.covariates))
+    expected = robot.predict(model, Conditions(run.cycle, run.covariates))
     return {name: a.readings for name, a in expected.axes.items() if name in run.axes}
 
 

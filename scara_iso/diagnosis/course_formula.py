@@ -10,13 +10,13 @@ orders. Scatter that changes moves no mean and is left to its own effect.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from scara_iso.diagnosis.tuning import LEVEL
 from scara_iso.effects import as_column
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _FOLDS, _ORDERS = 5, 99
@@ -84,7 +84,7 @@ def formula_for(
     orders = np.stack([y, *(rng.permutation(y) for _ in range(_ORDERS))], axis=1)
     squares, alone = np.zeros(1 + _ORDERS), np.zeros(1 + _ORDERS)
     for unseen in np.array_split(rng.permutation(n), _FOLDS):
-        rows = np.setdiff1d(np.arange(n), unseen)
+        rows = np.delete(np.arange(n), unseen)
         seen, held = orders[rows], orders[unseen]
         squares += _bank(formulas, rows, unseen).squares(seen, held)
         alone += ((held - seen.mean(axis=0)) ** 2).sum(axis=0)
@@ -115,7 +115,7 @@ def _terms(cycle: IntArray) -> Iterator[_Term]:
     yield _Term(np.stack([k, k**2], axis=1), (since, f"{since}**2"), 0)
     for tau in (round(share * n, 1) for share in _TAUS):
         yield _Term(as_column(np.exp(-k / tau)), (f"exp(-{since} / {tau:g})",), 1)
-    for row in np.unique(np.linspace(2, n - 3, _PLACES).round().astype(int)).tolist():
+    for row in sorted(set(np.linspace(2, n - 3, _PLACES).round().astype(int).tolist())):
         at = int(cycle[row])
         yield _Term(as_column(cycle >= at), (f"(k >= {at})",), 1)
         yield _Term(as_column(np.maximum(cycle - at, 0)), (f"max(k - {at}, 0)",), 1)

@@ -9,12 +9,12 @@ s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
 from scara_iso.diagnosis.tuning import GAIN, KNOWN_FROM
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 LARGEST_LOG = 600.0

@@ -7,7 +7,6 @@ beforehand it would flatter.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from scara_iso.diagnosis.search import find_again
 from scara_iso.diagnosis.tuning import FOLDS, REPEATS
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.errors import DataError
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 
@@ -50,7 +50,7 @@ def cross_validated(
     before, after = [], []
     for _ in range(repeats):
         for unseen in np.array_split(rng.permutation(n), min(FOLDS, n)):
-            rows = np.setdiff1d(np.arange(n), unseen)
+            rows = np.delete(np.arange(n), unseen)
             pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
             terms = find_again(
                 problem, rows, len(fitted.terms), with_chains=with_chains,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -21,6 +20,7 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.effects import Chain, Conditions, Effect, Form, FoundBy, OwnEffect, Process, Shape
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _EVERY = "*"

@@ -8,13 +8,14 @@ least the constant pose) is projected out of U.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import compress
 
 import numpy as np
 
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.effects import Process, Shape, Spread
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _TINY = 1e-9

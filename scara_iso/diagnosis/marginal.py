@@ -9,7 +9,6 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -25,6 +24,8 @@ from scara_iso.diagnosis.tuning import (
     SIMULATIONS,
     TWO_DIVISIONS,
 )
+from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 
 Family = Callable[[np.random.Generator, tuple[int, int]], FloatArray]
@@ -97,7 +98,7 @@ def _of_axis(y: FloatArray, on_dial: bool, rng: np.random.Generator) -> tuple[fl
         )
     if not (on_dial and _apart(y) < TWO_DIVISIONS):
         statistic = partial(outlier_statistic, least=float(on_dial))
-        inner = y[np.argsort(np.abs(y - np.median(y)))[: _inner(len(y))]]
+        inner = y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]]
         scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
         p_outlier = _p_values(statistic, y, partial(_read, tails, scatter, offset, rng))
     return levels, float(p_outlier.max()), float(p_outlier[0])
@@ -105,12 +106,12 @@ def _of_axis(y: FloatArray, on_dial: bool, rng: np.random.Generator) -> tuple[fl
 
 def _farthest(y: FloatArray) -> int:
     """Return the row of the reading farthest from the median."""
-    return int(np.argmax(np.abs(y - np.median(y))))
+    return int(np.argmax(np.abs(y - median(y))))
 
 
 def _apart(y: FloatArray) -> float:
     """Return how far the farthest reading is from the nearest of the inner ones."""
-    inner = y[np.argsort(np.abs(y - np.median(y)))[: _inner(len(y))]]
+    inner = y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]]
     return float(np.abs(inner - y[_farthest(y)]).min())
 
 
@@ -161,7 +162,7 @@ def outlier_statistic(y: FloatArray, least: float = 0.0) -> FloatArray:
     y has shape (n, ...).
     """
     n = len(y)
-    centred = y - np.median(y, axis=0)
+    centred = y - median(y, axis=0)
     inner = _inner(n)
     order = np.argpartition(np.abs(centred), (inner, n - 2, n - 1), axis=0)
     kept = np.take_along_axis(centred, order[:inner], axis=0)

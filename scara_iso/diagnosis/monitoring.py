@@ -7,7 +7,6 @@ test martingale (`e_process`). All channels (axes at poses) count together.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,8 @@ from scara_iso.diagnosis.hypothesis_set import build, constant
 from scara_iso.diagnosis.looks import ALARM, MOST_PLANNED, is_look, look
 from scara_iso.diagnosis.tuning import GROSS
 from scara_iso.effects import Conditions, Form, Shape, find_effects
+from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 _NAMED_FROM = 100
@@ -140,8 +141,8 @@ def explained(values: FloatArray, cycles: IntArray) -> Choice[Form]:
 
 def _drawn_in(values: FloatArray) -> FloatArray:
     """Return values with gross ones drawn in, so that no single reading gives the name."""
-    middle = np.median(values, axis=0)
-    robust = 1.4826 * np.median(np.abs(values - middle), axis=0)
+    middle = median(values, axis=0)
+    robust = 1.4826 * median(np.abs(values - middle), axis=0)
     limit = np.where(robust > 0, GROSS * robust, np.inf)
     return np.clip(values, middle - limit, middle + limit)
 

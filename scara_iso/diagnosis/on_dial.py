@@ -8,7 +8,6 @@ largest likelihoods of the same forms say which effects are within RIVAL_BIC of 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,6 +28,7 @@ from scara_iso.diagnosis.tuning import (
     RIVAL_BIC,
     UNKNOWN,
 )
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 

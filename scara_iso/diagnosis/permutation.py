@@ -8,7 +8,7 @@ permuted ones by chance. After a fit the residuals are permuted (Freedman and La
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,8 @@ from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE, WIDENING_SHARE
 from scara_iso.diagnosis.two_state import Emissions
 from scara_iso.diagnosis.widening import widening
+from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import quantiles
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-9
@@ -38,7 +40,7 @@ class OrderTest:
 
     def limit(self, level: float) -> float:
         """Return the statistic that a share ``level`` of the orders reach."""
-        return float(np.quantile(self.of_orders, 1 - level)) if len(self.of_orders) else -np.inf
+        return float(quantiles(self.of_orders, [1 - level])[0]) if len(self.of_orders) else -np.inf
 
 
 def order_test(

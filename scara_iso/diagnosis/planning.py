@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import combinations
 
@@ -16,6 +16,7 @@ from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant, e
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.errors import DataError
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _TRAVELS = np.geomspace(0.6, 12.0, 14)

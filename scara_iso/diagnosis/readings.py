@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -38,6 +38,8 @@ from scara_iso.diagnosis.unseen import of_other_half, of_second_run
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
+from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import median
 from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import FloatArray, Run
 
@@ -128,7 +130,7 @@ def diagnose_problem(
         courses[:3],
         Repeatabilities(measured, before, after, removed, next_test, other),
         found_effects(problem, fitted, stages, problem.effects),
-        _named(problem.residual, np.quantile(drawn, 0.5, axis=0)),
+        _named(problem.residual, median(drawn)),
     )
     if diagnosis.verdict is Verdict.UNEXPLAINED:
         courses_left = tuple(courses_of(problem.residual, fitted, rng))

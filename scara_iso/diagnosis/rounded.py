@@ -12,7 +12,6 @@ the readings' own: a course that meets every reading would else be as likely as 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,6 +26,8 @@ from scara_iso.diagnosis.tuning import (
     MISFIT,
 )
 from scara_iso.effects import Chain, Shape
+from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 
 _SCATTERS = 6
@@ -188,7 +189,7 @@ class _Group:
         left = self.y - np.einsum("cnp,cp->cn", self.design, self.start())
         left = left / self.scale
         squares = (left**2).sum(axis=1) / (len(self.y) - self.fixed)
-        size = np.median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
+        size = median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
         least = max(LEAST_ON_DIAL, MISFIT * float(self.y.std()))
         low = np.maximum(0.45 * size, least)
         high = np.maximum(2.2 * size, 4 * least)

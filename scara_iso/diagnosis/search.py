@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,6 +31,8 @@ from scara_iso.diagnosis.tuning import (
 )
 from scara_iso.diagnosis.two_state import Emissions, emissions_of
 from scara_iso.effects import Chain, Effect, Form, FoundBy, Process, Shape, Spread
+from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 
@@ -52,11 +54,8 @@ class Stage:
     @property
     def p_value_at_floor(self) -> bool:
         """Whether the test of the smallest p-value met nothing as far from scatter by chance."""
-        at_floor = (
-            self.order.at_floor,
-            self.marginal.two_levels <= self.marginal.floor,
-            self.marginal.outlier <= self.marginal.floor,
-        )
+        found, floor = self.marginal, self.marginal.floor
+        at_floor = (self.order.at_floor, found.two_levels <= floor, found.outlier <= floor)
         return min(zip(_shared(self.order, self.marginal), at_floor, strict=True))[1]
 
 
@@ -180,8 +179,8 @@ def _drawn_in(left: Remainder) -> FloatArray:
 
     The limit does not depend on the order of the cycles, so the test stays exact.
     """
-    middle = np.median(left.values, axis=0)
-    robust = 1.4826 * np.median(np.abs(left.values - middle), axis=0)
+    middle = median(left.values, axis=0)
+    robust = 1.4826 * median(np.abs(left.values - middle), axis=0)
     limit = GROSS * np.maximum(robust, 2 * left.readings.half.max(axis=0))
     limit = np.where(robust > 0, limit, np.inf)
     return np.clip(left.values, middle - limit, middle + limit)

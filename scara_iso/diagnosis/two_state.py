@@ -15,7 +15,6 @@ part is taken off in closed form.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import lgamma
 
 import numpy as np
@@ -28,6 +27,7 @@ from scara_iso.diagnosis.tuning import (
     SPLIT_SCALE,
 )
 from scara_iso.effects import Chain
+from scara_iso.frozen import dataclass
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 _LEAST_CYCLES = 4
@@ -42,7 +43,7 @@ def savage_scores(columns: FloatArray) -> FloatArray:
 
     Equal distances share the mean of their ranks.
     """
-    distance = np.abs(columns - np.median(columns, axis=0)).round(_DIGITS)
+    distance = np.abs(columns - median(columns, axis=0)).round(_DIGITS)
     smaller = (distance[:, np.newaxis] > distance).sum(axis=1)
     equal = (distance[:, np.newaxis] == distance).sum(axis=1)
     rank = smaller + (equal + 1) / 2

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from scara_iso.effects._parameter import Values
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import open_file
 from scara_iso.fleets.database import fetched
+from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import parse_number
 from scara_iso.run import AXES, Run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.ledger import PartDone, PartLedger
 from scara_iso.fleets.parts import digest, parts_of
 from scara_iso.fleets.work import FIGURES, PartResult, Task, examine
+from scara_iso.frozen import dataclass
 
 RESULTS = "parts"
 

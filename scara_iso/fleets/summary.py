@@ -8,7 +8,6 @@ discovery rate, the share of false ones among those that are named, is held (Ben
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from scara_iso.display import Displayed
 from scara_iso.fleets.database import connect
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.frames import frame_of
+from scara_iso.frozen import dataclass
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from scara_iso.diagnosis import (
@@ -15,6 +15,7 @@ from scara_iso.diagnosis import (
 )
 from scara_iso.errors import ScaraIsoError
 from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
+from scara_iso.frozen import dataclass
 from scara_iso.run import Run
 
 FIGURES = ("X", "Y", "Z", "theta", "XY", "XYZ")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from scara_iso.frozen import dataclass
 from scara_iso.iso9283.barycentres import largest_distance
 from scara_iso.iso9283.blocks import visits_of_blocks
 from scara_iso.iso9283.figures import Interval, PoseResult

@@ -6,8 +6,9 @@ Lengths are in mm; theta is in degrees where it was given as an angle.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from scara_iso.frozen import dataclass
 from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import FloatArray, IntArray
 

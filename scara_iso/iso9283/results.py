@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.display import Displayed
 from scara_iso.frames import frame_of, or_nan
+from scara_iso.frozen import dataclass
 from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.figures import AxisResult, Interval, PoseResult, RadialResult

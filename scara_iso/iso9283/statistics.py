@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Protocol
 
 import numpy as np
 
+from scara_iso.frozen import dataclass
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray
 
@@ -36,6 +36,27 @@ _LARGEST = math.log(1e6)
 
 WIDEST = 100.0
 """Upper limit over figure from which an interval says nothing: one reading carries the figure."""
+
+
+def quantiles(values: FloatArray, shares: Sequence[float]) -> FloatArray:
+    """Return quantiles (shares, ..) of finite numbers (n, ..), those of `numpy.quantile`.
+
+    On thirty readings that takes ten times as long, and brings numpy's masked arrays along.
+    """
+    ordered = np.sort(values, axis=0)
+    places = (len(ordered) - 1) * np.asarray(shares).reshape(-1, *[1] * (ordered.ndim - 1))
+    below = np.floor(places)
+    whole = below.astype(np.int64).ravel()
+    low, high = ordered[whole], ordered[np.minimum(whole + 1, len(ordered) - 1)]
+    part = places - below
+    near = low + (high - low) * part  # each from the nearer end, as numpy does
+    return np.asarray(np.where(part < 0.5, near, high - (high - low) * (1 - part)))
+
+
+def median(values: FloatArray, axis: int = 0) -> FloatArray:
+    """Return the median of finite numbers along an axis; see `quantiles`."""
+    ordered = np.moveaxis(np.sort(values, axis=axis), axis, 0)
+    return np.asarray((ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]) / 2)
 
 
 class SamplingInterval(Protocol):

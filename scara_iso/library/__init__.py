@@ -36,8 +36,8 @@ if TYPE_CHECKING:
         held_out_pose as held_out_pose,
         one_test as one_test,
     )
+    from scara_iso.library.model_files import defined as defined
     from scara_iso.library.models import (
-        defined as defined,
         plan as plan,
         plan_separating as plan_separating,
         simulate as simulate,

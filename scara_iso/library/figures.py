@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from scara_iso import iso9283
 from scara_iso.errors import ScaraIsoError
 from scara_iso.iso9283 import Analysis, DecisionRule
-from scara_iso.library.engines import open_processes
 from scara_iso.library.inputs import TableOptions, Tables, paths_of
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 
 def analyze(
@@ -75,6 +76,8 @@ def analyze_many(
     One that cannot be analysed gives its error. ``executor`` shares the work, as of
     `concurrent.futures`, else processes of this machine; ``options`` are those of `analyze`.
     """
+    from scara_iso.library.engines import open_processes
+
     work = partial(_analyze_one, options=options)
     with nullcontext(executor) if executor is not None else open_processes() as pool:
         return list(pool.map(work, map(str, tables)))

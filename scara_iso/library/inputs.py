@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, TypeVar, Union
 
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.frames import FRAME, is_frame
+from scara_iso.frozen import dataclass
 from scara_iso.library.conditions import ConditionRun, read_condition
 from scara_iso.run import Run
 from scara_iso.tables import PosePart, Source, listed, merge, read_table, together

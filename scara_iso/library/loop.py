@@ -3,34 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scara_iso import diagnosis, robot
 from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
-    Diagnosis,
-    DiagnosisOfPoses,
     close_the_loop,
     close_the_loop_at_poses,
-    with_joint_scatter,
 )
 from scara_iso.effects import OwnEffect
 from scara_iso.errors import ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, poses_in_cycles
 from scara_iso.library.diagnoses import Diagnoses
-from scara_iso.library.engines import open_processes
 from scara_iso.library.inputs import TableOptions, Tables
-from scara_iso.library.models import OwnEffects, defined, described
+from scara_iso.library.model_files import OwnEffects, defined, described
 from scara_iso.reporting import Failure
-from scara_iso.robot import Model, read_effects, read_model
 from scara_iso.run import Run
 from scara_iso.tables import pose_in
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses
+    from scara_iso.robot import Model
 
 
 def diagnose(
@@ -118,7 +120,9 @@ def _of_poses(
     found = replace(found, notes=(*read, *found.notes))
     if model is None:
         return found
-    return with_joint_scatter(found, run, model, wanted, held_out=unseen, reach=reach, limit=limit)
+    return diagnosis.with_joint_scatter(
+        found, run, model, wanted, held_out=unseen, reach=reach, limit=limit
+    )
 
 
 def diagnose_many(
@@ -164,6 +168,8 @@ def diagnose_each(
 
     ``files`` are that of the model and that of the user's effects.
     """
+    from scara_iso.library.engines import open_processes
+
     work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
     with nullcontext(executor) if executor is not None else open_processes() as pool:
         yield from pool.map(work, tables)
@@ -179,8 +185,8 @@ def _diagnose_one(
 ) -> Diagnosis | Failure:
     model, effects = files
     try:
-        own = () if effects is None else read_effects(effects)
-        known = None if model is None else read_model(model, own)
+        own = () if effects is None else robot.read_effects(effects)
+        known = None if model is None else robot.read_model(model, own)
         return close_the_loop(reading.read(table), known, wanted, seed=seed, own=own)
     except ScaraIsoError as error:
         return Failure(error.headline, error.exit_code)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeAlias, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from scara_iso import robot
 from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
-from scara_iso.effects import Conditions as Procedure, OwnEffect
+from scara_iso.effects import Conditions as Procedure
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import (
     CYCLES_RUN,
@@ -21,6 +21,7 @@ from scara_iso.iso9283 import (
     Solid,
     make_plan,
 )
+from scara_iso.library.model_files import OwnEffects, described
 from scara_iso.robot import (
     Approach,
     Arm,
@@ -28,8 +29,6 @@ from scara_iso.robot import (
     Elbow,
     Model,
     parse_effect,
-    read_effects,
-    read_model,
     rest_positions,
     sides,
 )
@@ -37,29 +36,6 @@ from scara_iso.run import FloatArray, Run
 
 _Word = TypeVar("_Word", Solid, DiagonalPlane, Elbow)
 _SIDES = {"one": Approach.ONE_SIDE, "both": Approach.BOTH_SIDES, "random": Approach.RANDOM}
-
-
-OwnEffects: TypeAlias = str | Path | Sequence[OwnEffect]
-"""Effects of the user's own, or the file that defines them."""
-
-
-def described(model: Model | str | Path, own_effects: OwnEffects = ()) -> Model:
-    """Return a model, read where its file is named, with the user's effects.
-
-    Errors as in `read_model` and `read_effects`.
-    """
-    own = defined(own_effects)
-    if not isinstance(model, Model):
-        return read_model(model, own)
-    known = {one.name: one for one in (*own, *model.own)}
-    return replace(model, own=tuple(known.values())) if own else model
-
-
-def defined(own_effects: OwnEffects) -> tuple[OwnEffect, ...]:
-    """Return effects, read where their file is named; errors as in `read_effects`."""
-    if isinstance(own_effects, str | Path):
-        return read_effects(own_effects)
-    return tuple(own_effects)
 
 
 def simulate(

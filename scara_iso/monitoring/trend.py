@@ -9,10 +9,10 @@ knowing when the wear began widens every interval. How often they hold: benchmar
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _GROWTH = np.concatenate([np.linspace(-0.95, 3, 159), np.linspace(3.1, 20, 170)])

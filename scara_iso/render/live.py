@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from rich.console import Console, Group, RenderableType
@@ -11,6 +10,7 @@ from rich.live import Live
 from rich.padding import Padding
 from rich.text import Text
 
+from scara_iso.frozen import dataclass
 from scara_iso.render.large_digits import large
 from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import encodes
@@ -109,10 +109,10 @@ def draw(view: LiveView, console: Console) -> RenderableType:
 def _foot(view: LiveView, *, blocks: bool) -> list[RenderableType]:
     text, tone = view.status
     mark = {"good": "✔ " if blocks else "OK ", "bad": "✘ " if blocks else "!! "}.get(tone, "")
-    last = (f"{view.prompt}_", "bold yellow") if view.prompt else (view.keys, "dim")
+    last = (f"{view.prompt}_", "bold") if view.prompt else (view.keys, "dim")
     lines = [
-        (f"{mark}{text}", _TONES[tone]), (view.troubles, "yellow"),
-        *((f"! {line}" if not k else line, "bold yellow") for k, line in enumerate(view.warning)),
+        (f"{mark}{text}", _TONES[tone]), (view.troubles, "bold"),
+        *((f"! {line}" if not k else line, "bold reverse") for k, line in enumerate(view.warning)),
         (view.next_step, "bold"),
     ]  # fmt: skip
     return [
@@ -148,11 +148,11 @@ def _axis(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
     name.append(f"{printable(value):>14} ", "bold green" if axis.stored else "")
     mark = "✔" if blocks else "OK"
     name.append(f"{mark} {axis.stored:<3}" if axis.stored else " " * 5, "bold green")
-    figures = Text(f"  {axis.figures}" if axis.figures else "", "cyan")
+    figures = Text(f"  {axis.figures}" if axis.figures else "")
     lines = [name + figures] if len(name) + len(figures) <= width else [name, _below(figures)]
     if axis.readings:
         shown = np.array(axis.readings[-(width - 10) :])
-        lines.append(_below(Text(sparkline(shown, _BLOCKS if blocks else _DIGITS, width), "cyan")))
+        lines.append(_below(Text(sparkline(shown, _BLOCKS if blocks else _DIGITS, width))))
     return lines
 
 

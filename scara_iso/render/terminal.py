@@ -38,15 +38,17 @@ from scara_iso.reporting import (
 )
 from scara_iso.run import FloatArray
 
+# Yellow and cyan have a contrast of 2 on white, blue and magenta on black: what matters is bold, or
+# in the terminal's own colour, and the marks say the rest.
 _STYLES = {
     "plain": "",
     "quiet": "dim",
     "strong": "bold",
-    "good": "green",
-    "warn": "yellow",
+    "good": "bold green",
+    "warn": "bold",
     "bad": "bold red",
 }
-_MARKS = {"error": ("x", "bold red"), "warning": ("!", "yellow"), "info": ("-", "dim")}
+_MARKS = {"error": ("x", "bold red"), "warning": ("!", "bold"), "info": ("-", "dim")}
 _BLOCKS, _DIGITS = LEVELS, "0123456789"
 _INDENT = 2
 _GAP = " " * 3
@@ -154,8 +156,8 @@ def _headline(headline: Headline, console: Console) -> RichText:
 
 def _print_next(step: NextStep, console: Console) -> None:
     """Print a command on one line, however long: the terminal wraps it, and it can be copied."""
-    line = RichText("Next: ", "bold")
-    line.append(printable(step.command), "cyan")
+    line = RichText("Next: ")
+    line.append(printable(step.command))
     why = f"{_GAP}{printable(step.why)}"
     if step.why and _INDENT + line.cell_len + cell_len(why) <= console.width:
         line.append(why, "dim")
@@ -204,7 +206,7 @@ def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:
 
 def _print_row(line: str, picture: str, console: Console, style: str = "") -> None:
     text = RichText(line, style)
-    text.append(f"  {picture}", style or "cyan")
+    text.append(f"  {picture}", style)
     text.rstrip()
     _print_indented(text, console)
 
@@ -242,8 +244,7 @@ def _show_rows(table: Table, console: Console) -> None:
 def _strip(strip: Strip, console: Console, label_width: int) -> RichText:
     room = max(console.width - label_width - _INDENT - 1, 10)
     drawn = _drawn(strip.readings, console, room)
-    line = RichText(f"{printable(strip.label):<{label_width}} ", "bold")
-    line.append(drawn, "cyan")
+    line = RichText().append(f"{printable(strip.label):<{label_width}} ", "bold").append(drawn)
     caption = f"  {printable(strip.caption)}"
     if len(drawn) + len(caption) > room:
         caption = f"\n{' ' * label_width}{caption}"

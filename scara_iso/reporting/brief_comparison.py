@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair, poses_in_common
-from scara_iso.iso9283 import Conformity, LimitCheck
+from scara_iso.iso9283 import Analysis, Conformity, Finding, LimitCheck
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -34,6 +35,8 @@ from scara_iso.reporting.digits import rounded
 from scara_iso.reporting.limits import VERDICTS
 
 _MOST_ROWS, _MOST_AXES = 8, 2
+_SIDES = ("before", "after")
+_WHAT_ELSE = "what else than scatter is in it"
 
 
 def comparison_brief(comparison: Comparison, tables: Sequence[str]) -> Report:
@@ -43,7 +46,7 @@ def comparison_brief(comparison: Comparison, tables: Sequence[str]) -> Report:
     """
     sections: list[Section] = list(_limits(comparison))
     for pair, table in zip(comparison.pairs, tables[1:], strict=True):
-        sections += _pair(pair, table)
+        sections += _pair(pair, (tables[0], table))
     seen = "p, cycles needed, what these cycles can show, every mean and course: `full=`"
     return (*sections, Section("", (Text(seen, "quiet"),)))
 
@@ -67,9 +70,9 @@ def _against(check: LimitCheck) -> str:
     return f"{said} against {check.limit:.15g}"
 
 
-def _pair(pair: Pair, table: str) -> Iterator[Section]:
-    doubts = [*simulated(pair.after.run), *caution(pair), *cautions(pair.findings)]
-    head = first_three([*_answer(pair), *doubts], _next(pair, table))
+def _pair(pair: Pair, tables: tuple[str, str]) -> Iterator[Section]:
+    doubts = [*simulated(pair.after.run), *caution(pair), *cautions(_of_runs(pair.findings))]
+    head = first_three([*_answer(pair), *doubts], _next(pair, tables))
     name = pair.after.run.origin.source
     yield Section("", head, name)
     rows = _rows(pair)
@@ -79,6 +82,15 @@ def _pair(pair: Pair, table: str) -> Iterator[Section]:
     yield Section("", (Table(header, rows, note),), name)
     strips = _strips(pair)
     yield Section("", strips, name)
+
+
+def _of_runs(findings: Sequence[Finding]) -> list[Finding]:
+    """Return the findings with the run that each is about beside its axis."""
+    sides = [(one, one.message.partition(":")[0]) for one in findings]
+    return [
+        replace(one, axis=f"{one.axis or ''} {side}".strip()) if side in _SIDES else one
+        for one, side in sides
+    ]
 
 
 def _answer(pair: Pair) -> Iterator[Block]:
@@ -124,12 +136,18 @@ def _values(one: Contrast, way: str = "") -> str:
     return f"{figure_name(one)}{way} {values}, {ratio} [{between}]"
 
 
-def _next(pair: Pair, table: str) -> NextStep:
+def _next(pair: Pair, tables: tuple[str, str]) -> NextStep:
+    before, after = tables
     worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)
-    drifts = any("trend" in one.doubts for one in (*pair.spreads, *pair.means))
-    if worse or drifts:
-        return NextStep(f"scara-iso diagnose {table}", "what else than scatter is in it")
-    return NextStep(f"scara-iso report {table}", "the report to sign")
+    if worse or _drifts(pair.after):
+        return NextStep(f"scara-iso diagnose {after}", _WHAT_ELSE)
+    if _drifts(pair.before):
+        return NextStep(f"scara-iso diagnose {before}", _WHAT_ELSE)
+    return NextStep(f"scara-iso report {after}", "the report to sign")
+
+
+def _drifts(analysis: Analysis) -> bool:
+    return any(finding.code == "trend" for finding in analysis.findings)
 
 
 def _rows(pair: Pair) -> tuple[tuple[Cell, ...], ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from scara_iso.diagnosis import (
     SECOND,
@@ -12,6 +11,7 @@ from scara_iso.diagnosis import (
     Rival,
     Verdict,
 )
+from scara_iso.frozen import dataclass
 from scara_iso.reporting.blocks import (
     Block,
     Cell,

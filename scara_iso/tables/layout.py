@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from scara_iso.frozen import dataclass
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import (
     COVARIATES,

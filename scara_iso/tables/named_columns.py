@@ -6,10 +6,11 @@ import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
+from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, listed, quoted, refuse

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from enum import Enum
 from functools import lru_cache
 
+from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES, read_direction
 from scara_iso.quantities import Unit, find_unit
 from scara_iso.tables.locale import FORMULA

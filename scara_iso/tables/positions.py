@@ -24,6 +24,8 @@ from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.text import Row
 
 SKIPPED = "-"
+ONE_A_ROW = "write a row for each reading: pose,approach,cycle,X with the target as its pose"
+_TARGET = re.compile(r"(?:targets?|ziel|soll|direction|richtung)\b.*|(?:ziel|soll)pos.*")
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]")
 _MOST = 40
 """Fields that a suggestion names."""
@@ -130,6 +132,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
 
     Most rows of the same number of fields, most of them numbers, are taken for the table.
     """
+    if any(map(_targets_across, tables)):
+        return f"the targets of ISO 230-2: {ONE_A_ROW}"
     rows = max((_alike(rows) for rows in tables), key=lambda r: (len(r), _width(r)), default=[])
     if len(rows) < 2 or _width(rows) > _MOST:
         return ""
@@ -144,6 +148,12 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
         f"no header says what {quoted(said)} is: name the fields in turn, {SKIPPED} for what is no "
         f"reading, for example `columns={named}`"
     )
+
+
+def _targets_across(rows: Sequence[Row]) -> bool:
+    """Say whether a cell is a heading of ISO 230-2, where targets stand in place of axes."""
+    short = (clean(cell).lower() for row in rows for cell in row.cells if len(cell) <= LONGEST_NAME)
+    return any(map(_TARGET.fullmatch, short))
 
 
 def _is_clock(rows: Sequence[Row], k: int) -> bool:

@@ -7,7 +7,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from statistics import median_low
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble, ru
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark, count_decimals
 from scara_iso.tables.positions import (
+    ONE_A_ROW,
     check_header,
     column_names,
     count_fitting,
@@ -44,7 +44,6 @@ from scara_iso.tables.text import (
 )
 
 _ABOVE = 200
-_ONE_A_ROW = "write a row for each reading: pose,approach,cycle,X with the target as its pose"
 _SHOWN = 20
 
 
@@ -104,7 +103,7 @@ def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
         return _of_labels(text, name, options, encoding)
     delimiter, rows, layout = understood
     if not layout.sure and (across := runs_across(rows)):
-        raise refuse(name, f"line {across.line} names runs side by side", remedy=_ONE_A_ROW)
+        raise refuse(name, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
     if options.columns is not None:
         check_header(rows, layout, faults)
     elif has_blocks(rows) and (blocks := find_blocks(_split_all(text, delimiter, name))):
@@ -181,7 +180,8 @@ def _check_end(
             above.append(decimals)
         cell = row[last.position] if len(row) > last.position else ""
         decimals = count_decimals(cell) if isinstance(cell, str) else None
-    usual = median_low(above) if above and last.kind is Kind.AXIS else min(above, default=0)
+    middle = (len(above) - 1) // 2 if last.kind is Kind.AXIS else 0
+    usual = sorted(above)[middle] if above else 0
     if decimals is None or decimals >= usual:
         return
     what = f"no line end, and {decimals} decimals where others have {usual}: is the file cut?"
@@ -219,7 +219,7 @@ def _understand(
 
 def _no_table(tables: Sequence[Sequence[Row]], name: str, names: Sequence[str] | None) -> DataError:
     if any(map(runs_across, tables)):
-        return refuse(name, "a column for each run", remedy=_ONE_A_ROW)
+        return refuse(name, "a column for each run", remedy=ONE_A_ROW)
     what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
     if names:
         what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"

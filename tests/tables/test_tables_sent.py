@@ -54,6 +54,8 @@ EDITED = {
     "excel_two_rows_of_headings.xlsx": (ONE_HEADER, lambda _: "n;X;Abw.;Y\n1;0,1;0;0,8\n"),
     "grbl_probe.log": ("begin with a header row", lambda _: "cycle,Z\n1,0.360\n"),
     "iso230.csv": ("a row for each reading", lambda _: "pose,approach,cycle,X\nT1,+x,1,0.001\n"),
+    "iso230_list.txt": ("a row for each reading", lambda _: "pose,cycle,X\nT1,1,1.2\n"),
+    "iso230_targets.csv": ("a row for each reading", lambda _: "pose,cycle,X\nT1,1,0.0012\n"),
     "klipper_two_tests.log": ("lines of one test", lambda t: "\n".join(t.split("\n")[:3])),
     "marlin_m114.log": ("one column for each axis", lambda t: re.sub(" Count.*", "", t)),
     "matlab.m": ("begin with a header row", lambda _: "X,Y\n0.112,0.811\n"),

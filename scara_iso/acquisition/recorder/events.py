@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Literal, Protocol, TypeAlias
+
+from scara_iso.frozen import dataclass
 
 ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed"]
 """Why there is no reading."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from scara_iso.acquisition.recorder.history import History
+from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import quote
 
@@ -14,6 +14,7 @@ from scara_iso.acquisition.ports import is_device, is_keyboard, split_options
 from scara_iso.acquisition.recorder.sizes import wrong_sizes
 from scara_iso.errors import DataError, UsageError
 from scara_iso.files import read_toml
+from scara_iso.frozen import dataclass
 from scara_iso.quantities import parse_unit
 from scara_iso.run import AXES
 
@@ -29,7 +30,8 @@ OPTIONS = {
 }
 """Options behind a driver, written as in a URL: ``X=mitutoyo-mux?unit=mm&channel=1@COM3``."""
 
-_EXAMPLE = "X=opto-rs232@/dev/ttyUSB0 or X=mitutoyo-mux?unit=mm&channel=1@COM3"
+_SIMPLE = "X=opto-rs232@/dev/ttyUSB0"
+_EXAMPLE = f"{_SIMPLE} or X=mitutoyo-mux?unit=mm&channel=1@COM3"
 _AXES = {name.lower(): name for name in AXES}
 _LONGEST = 50_000
 _TABLE_KEY = re.compile(
@@ -88,7 +90,7 @@ def parse_gauges(texts: Iterable[str], *, unit: str | None = None) -> tuple[Gaug
     if not gauges or twice:
         raise UsageError(
             f"two gauges for {', '.join(twice)}" if twice else "no indicator is named",
-            remedy=f"give `gauge={_EXAMPLE}`, once for each axis",
+            remedy=f"give `gauge={_SIMPLE}`, once for each axis",
         )
     return gauges
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 from scara_iso.errors import UsageError
+from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)
