@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import pytest
 
 import scara_iso
 from scara_iso.cli import main
+from scara_iso.diagnosis import CyclesWanted, finer, floor_of
 from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError
 from scara_iso.fleets import Engine
 from scara_iso.fleets.dispatch import done_by
@@ -88,6 +90,29 @@ def test_the_q_values_are_those_of_benjamini_and_hochberg(done):
     m = len(p)
     q = [min(p[j] * m / (j + 1) for j in range(k, m)) for k in range(m)]
     assert sorted(one.q_value for one in summary.robots) == pytest.approx(q)
+
+
+def test_more_orders_name_a_robot_that_the_first_thousand_cannot(tmp_path, done):
+    source, out, summary = done
+    shutil.copytree(out, tmp_path / "o")
+    found = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
+    assert summary.found[0].q_value > 0.005  # as far as 999 orders go
+    assert [one.robot for one in found.found] == ["R1-2"]
+    assert found.found[0].p_value == 1 / (2527 + 1) / 0.95  # 12 robots / (0.005 x 0.95)
+    others = {one.robot: one.p_value for one in summary.robots[1:]}
+    assert {one.robot: one.p_value for one in found.robots[1:]} == others
+    before = results(tmp_path / "o")
+    again = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
+    assert again.robots == found.robots
+    assert results(tmp_path / "o") == before
+
+
+def test_a_table_at_the_floor_by_chance_drops_out_and_keeps_a_valid_p_value():
+    values = np.random.default_rng(4).normal(0, 0.003, (31, 2)).round(3)
+    rows = "\n".join(f"{k},{x:.3f},{y:.3f}" for k, (x, y) in enumerate(values, 1))
+    run = scara_iso.read_table(f"# unit: mm\n# resolution: 0.001\ncycle,X,Y\n{rows}\n".encode())
+    p_value, at_floor = finer(run, CyclesWanted(), 2000, seed=9283)
+    assert (p_value, at_floor) == (floor_of(999), False)  # never above what it had
 
 
 def test_what_is_done_is_not_done_again(done, capsys):
