@@ -258,14 +258,17 @@ def alive(pid):
 def test_processes_end_with_the_one_that_started_them():
     program = (
         "import os, time; from scara_iso.library.engines import open_processes; "
-        "pool = open_processes(1); print(pool.submit(os.getpid).result(), flush=True); "
+        "pool = open_processes(1); print(pool.submit(os.getpid).result(), "
+        "pool.submit(os.getenv, 'OPENBLAS_NUM_THREADS').result(), flush=True); "
         "time.sleep(600)"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    environment.pop("OPENBLAS_NUM_THREADS", None)
     with subprocess.Popen(
         [sys.executable, "-c", program], env=environment, stdout=subprocess.PIPE, text=True
     ) as client:
-        worker = int(client.stdout.readline())
+        worker, threads = map(int, client.stdout.readline().split())
+        assert threads == 1  # of the matrices: processes share the cores
         assert alive(worker)
         client.kill()
     until(lambda: not alive(worker))
