@@ -18,9 +18,12 @@ import pytest
 import scara_iso
 from scara_iso.cli import main
 from scara_iso.diagnosis import CyclesWanted, finer, floor_of
-from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError
-from scara_iso.fleets import Engine
+from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
+from scara_iso.fleets import Engine, ReadAs
+from scara_iso.fleets.database import results_in, write_parquet
 from scara_iso.fleets.dispatch import done_by
+from scara_iso.fleets.parts import tables_in
+from scara_iso.library import engines
 from scara_iso.library.engines import open_processes
 
 ROOT = Path(scara_iso.__file__).parents[1]
@@ -164,6 +167,50 @@ def test_a_cluster_that_is_not_there(tmp_path, done, monkeypatch):
     with pytest.raises(UsageError):
         scara_iso.fleet(source, tmp_path / "o", engine="dask://nowhere")
     assert not (tmp_path / "o").exists()
+
+
+@pytest.fixture
+def in_this_process(monkeypatch):
+    monkeypatch.setattr(engines, "open_processes", lambda _: ThreadPoolExecutor(1))
+
+
+def test_a_part_that_is_a_link_is_known_by_its_own_name(tmp_path, in_this_process):
+    short = tmp_path / "short.csv"
+    short.write_text(HEAD + "R1,t,1,0.1,0.2\nR1,t,2,0.1,0.2\n", encoding="utf-8")
+    (tmp_path / "parts").mkdir()
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / "parts" / name).symlink_to(short)
+    for before in (0, 2):
+        found = scara_iso.fleet(tmp_path / "parts", tmp_path / "o")
+        assert found.run.before == before
+        assert [one.part for one in found.failed] == ["a.csv", "b.csv"]
+        assert found.tables == 0  # none of them was diagnosed
+
+
+@pytest.mark.parametrize("header", ["robot,cycle,X,X", "robot;cycle;x;X"])
+def test_columns_of_one_name_are_refused(tmp_path, header):
+    part = tmp_path / "a.csv"
+    row = "R,1,0.1,0.2".replace(",", header[5])
+    part.write_text(f"# unit: mm\n{header}\n{row}\n{row}\n", encoding="utf-8")
+    with pytest.raises(DataError, match="several columns x"):
+        list(tables_in(part, ReadAs()))
+
+
+def test_a_part_apart_by_semicolons_is_several_robots(tmp_path):
+    part = tmp_path / "a.csv"
+    text = HEAD.replace(",", ";") + "R1;t;1;0.1;0.2\nR2;t;1;0.3;0.4\n"
+    part.write_text(text, encoding="utf-8")
+    found = {one.robot: one.run.axes["X"].readings[0] for one in tables_in(part, ReadAs())}
+    assert found == {"R1": 0.1, "R2": 0.3}
+
+
+def test_a_full_disk_and_damaged_results_are_said(tmp_path, monkeypatch):
+    (tmp_path / "a.parquet").write_bytes(b"PAR1 and no more")
+    with pytest.raises(DataError, match="results cannot be read"), results_in(tmp_path):
+        pass
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
+    with pytest.raises(WriteError, match="temporary"):
+        write_parquet(tmp_path / "p.parquet", {"a": ("INTEGER", [1])})
 
 
 def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path):

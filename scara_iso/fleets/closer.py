@@ -77,7 +77,7 @@ def look_closer(
         if needed <= orders or orders == MOST_ORDERS:
             return failed
         orders = min(needed, MOST_ORDERS)
-        by_path = {str(paths[part].resolve()): part for part in found.behind if part not in failed}
+        by_path = {str(paths[part].absolute()): part for part in found.behind if part not in failed}
         work = partial(_looked, task=task, tables={
             path: found.behind[part] for path, part in by_path.items()
         }, orders=orders)  # fmt: skip

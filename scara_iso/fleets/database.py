@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from scara_iso.disk import write_file
-from scara_iso.errors import DataError, UsageError
+from scara_iso.errors import DataError, UsageError, WriteError
 
 Query = Callable[..., list[Any]]
 """SQL and its parameters to rows."""
@@ -36,8 +36,9 @@ def fetched(sql: str, parameters: Sequence[object], where: str) -> Any:
     try:
         return connection.execute(sql, list(parameters)).df()
     except duckdb.Error as error:
-        said = " ".join(str(error).split())[:200]
-        raise DataError(f"cannot be read: {said}", where=where, remedy="mend the file") from error
+        raise DataError(
+            f"cannot be read: {_brief(error)}", where=where, remedy="mend the file"
+        ) from error
     finally:
         connection.close()
 
@@ -49,6 +50,8 @@ def results_in(folder: Path) -> Iterator[Query]:
     Every query has no rows where there are no files.
     """
     connection = connect()
+    import duckdb  # noqa: PLC0415 - it is there
+
     try:
         if any(folder.glob("*.parquet")):
             quoted = str(folder / "*.parquet").replace("'", "''")
@@ -56,8 +59,17 @@ def results_in(folder: Path) -> Iterator[Query]:
             yield lambda sql, *parameters: connection.execute(sql, list(parameters)).fetchall()
         else:
             yield lambda *_: []
+    except duckdb.Error as error:
+        raise DataError(
+            f"the results cannot be read: {_brief(error)}", where=str(folder),
+            remedy="remove the damaged file; the same command makes it anew",
+        ) from error  # fmt: skip
     finally:
         connection.close()
+
+
+def _brief(error: Exception) -> str:
+    return " ".join(str(error).split())[:200]
 
 
 def write_parquet(path: Path, columns: Mapping[str, tuple[str, Sequence[object]]]) -> None:
@@ -85,9 +97,19 @@ def rewrite_parquet(
 
 def _write(path: Path, sql: str, parameters: Sequence[object]) -> None:
     connection = connect()
-    with tempfile.TemporaryDirectory() as folder:
-        made = Path(folder, "part.parquet")
-        connection.execute(f"CREATE TABLE made AS {sql}", list(parameters))
-        connection.execute(f"COPY made TO '{made}' (FORMAT parquet)")
+    import duckdb  # noqa: PLC0415 - it is there
+
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            made = Path(folder, "part.parquet")
+            connection.execute(f"CREATE TABLE made AS {sql}", list(parameters))
+            connection.execute(f"COPY made TO '{made}' (FORMAT parquet)")
+            data = made.read_bytes()
+    except (duckdb.IOException, OSError) as error:
+        raise WriteError(
+            "the folder for temporary files cannot be written, as where its disk is full",
+            where=tempfile.gettempdir(), remedy="make room, or name another one by TMPDIR",
+        ) from error  # fmt: skip
+    finally:
         connection.close()
-        write_file(path, made.read_bytes())
+    write_file(path, data)

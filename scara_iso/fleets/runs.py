@@ -101,7 +101,7 @@ def _forget(to: Path, paths: Mapping[str, Path]) -> None:
 def _results(
     names: list[str], paths: Mapping[str, Path], task: Task, engine: Engine
 ) -> Iterator[PartResult]:
-    by_path = {str(paths[name].resolve()): name for name in names}
+    by_path = {str(paths[name].absolute()): name for name in names}
     for path, found in done_by(engine, partial(examine, task=task), list(by_path)):
         if isinstance(found, PartResult):
             yield found

@@ -133,7 +133,7 @@ def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
         return FleetSummary(
             run=run,
             level=level,
-            tables=sum(row[0] for row in query("SELECT count(*) FROM fleet")),
+            tables=sum(row[0] for row in query("SELECT count(*) FROM fleet WHERE error IS NULL")),
             robots=robots,
             effects=_effects(robots),
             RP_quantiles=_quantiles(query),

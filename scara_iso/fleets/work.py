@@ -9,6 +9,7 @@ from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, screen
 from scara_iso.errors import ScaraIsoError
 from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
 
+_LINES = 4
 FIGURES = ("X", "Y", "Z", "theta", "XY", "XYZ")
 
 
@@ -91,5 +92,7 @@ def _row(table: FleetTable, task: Task) -> TableRow:
 
 
 def _said(error: ScaraIsoError) -> str:
-    """Return an error with its faults on one line."""
-    return "; ".join(line.strip() for line in str(error).splitlines())
+    """Return an error with the first of its faults on one line."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    more = [f"and {len(lines) - _LINES} more"] if len(lines) > _LINES else []
+    return "; ".join((*lines[:_LINES], *more))
