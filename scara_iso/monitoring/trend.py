@@ -108,7 +108,8 @@ def trend_of(days: FloatArray, logs: FloatArray, sampling: FloatArray) -> Trend 
     if len(days) < FEWEST:
         return None
     span, onsets = days[-1] - days[0], days[:-1, np.newaxis, np.newaxis]
-    left = logs - _grown(_GROWTH[:, np.newaxis], (days - onsets) / span)
+    unbiased = logs + sampling**2 / 2  # the ln of a figure that is right on average lies low
+    left = unbiased - _grown(_GROWTH[:, np.newaxis], (days - onsets) / span)
     of_growth = np.log(np.gradient(_GROWTH) / (_LIKELY**2 + _GROWTH**2))  # heavy tails
     of_between = np.log(np.gradient(_BETWEEN) / (1 + _BETWEEN**2))
     found = []
