@@ -9,7 +9,7 @@ from scara_iso.render.json import Json, each, picked
 if TYPE_CHECKING:
     from scara_iso.fleets import FleetSummary
 
-_ROBOT = "robot tables p_value p_value_at_floor q_value found effects RP_XY"
+_ROBOT = "robot tables p_value q_value found effects RP_XY"
 
 
 def fleet_json(found: FleetSummary) -> Json:
