@@ -32,7 +32,8 @@ from scara_iso.errors import ScaraIsoError  # noqa: E402
 GAUGES = ["X=opto-rs232@sim:?pace=0", "Y=mitutoyo-mux@sim:?pace=0"]
 FOUR = [*GAUGES, "Z=cdi-starrett-iq@sim:?pace=0", "theta=heidenhain-nd@sim:?pace=0"]
 KILLS_PER_FOLDER = 25
-LONGEST_LIFE_S = 0.15
+MOST_ANNOUNCED = 20
+LONGEST_LIFE_S = 0.05
 
 
 @dataclass
@@ -81,7 +82,8 @@ def kills(count: int, folder: Path) -> Row:
         if k % KILLS_PER_FOLDER == 0:
             told = {}
             place.mkdir()
-        new = _record_until_killed(place, rng.uniform(0.0, LONGEST_LIFE_S))
+        life = rng.uniform(0.0, LONGEST_LIFE_S)
+        new = _record_until_killed(place, rng.randrange(MOST_ANNOUNCED), life)
         told |= new
         row.judge(told, place)
         row.announced -= len(told) - len(new)  # each reading counts once
@@ -94,17 +96,20 @@ def _record_once(place: Path) -> None:
     run_session(place, GAUGES, cycles=1, disk=SystemDisk())
 
 
-def _record_until_killed(place: Path, life: float) -> dict[tuple[str, int], float]:
+def _record_until_killed(place: Path, announced: int, life: float) -> dict[tuple[str, int], float]:
+    """Kill a recording ``life`` seconds after it announced so many readings."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
         _record_for_ever(place, writer)
     os.close(writer)
-    time.sleep(life)
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
     with os.fdopen(reader) as pipe:
-        lines = [line.split() for line in pipe.read().split("\n")[:-1]]
+        said = "".join(pipe.readline() for _ in range(announced))
+        time.sleep(life)
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        said += pipe.read()
+    lines = [line.split() for line in said.split("\n")[:-1]]
     return {(axis, int(cycle)): float(value) for axis, cycle, value in lines}
 
 

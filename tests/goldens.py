@@ -138,10 +138,10 @@ def _lay_out(folder: Path) -> None:
 
 
 def _poses():
-    """Yield five poses of four axes with everything that a table can state."""
+    """Yield three poses of four axes with everything that a table can state."""
     yield "# unit: mm\n# resolution: 0.001\n# theta_radius_mm: 50\n# robot: =1+1 <b>\n"
     yield "# command_X: 0\n# command_Y: 0\n# command_Z: 0\npose,cycle,X,Y,Z,theta,approach\n"
-    for pose in range(1, 6):
+    for pose in range(1, 4):
         for cycle in range(1, 32):
             values = (_scatter(cycle, 4 * pose + k) * 0.001 for k in range(4))
             row = ",".join(f"{value:.3f}" for value in values)

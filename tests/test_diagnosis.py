@@ -28,6 +28,11 @@ def make_run(columns, *, resolution=0.001, covariates=None, sigma=0.005):
     return Run(CYCLE, axes, covariates=covariates or {})
 
 
+def named(run, **known):
+    """Return the diagnosis without the folds of cross-validation, which change no verdict."""
+    return diagnose(run, held_out=run, **known)
+
+
 def axes_of(run):
     return {name: axis.readings for name, axis in run.axes.items()}
 
@@ -67,7 +72,7 @@ def test_two_effects_at_once_are_found_one_after_another(names):
     for seed in range(8):
         rng = np.random.default_rng(seed)
         noisy = {axis: course + rng.normal(size=N) for axis, course in PAIRS[names].items()}
-        found = diagnose(make_run(noisy, resolution=0.005))
+        found = named(make_run(noisy, resolution=0.005))
         right += sorted(one.effect for one in found.effects) == sorted(names)
     assert right >= 4
 
@@ -77,16 +82,16 @@ def test_a_catalogue_may_be_short_of_shapes(names, rng):
     """A course that goes down and comes up again fits none of them."""
     catalogue = [effect for effect in find_effects() if effect.name in names]
     vee = 1.3 * np.abs(J - 14.5) + rng.normal(size=N)
-    found = diagnose(make_run({"X": vee}), effects=catalogue)
+    found = named(make_run({"X": vee}), effects=catalogue)
     assert found.verdict is Verdict.UNEXPLAINED
 
 
 def test_parameters_are_those_of_the_data(rng):
-    step = diagnose(make_run({"X": 8.0 * (J >= 12) + rng.normal(size=N)})).effects[0]
+    step = named(make_run({"X": 8.0 * (J >= 12) + rng.normal(size=N)})).effects[0]
     assert step.parameters["at_cycle"] == 14
     assert step.parameters["size"]["X"] == pytest.approx(0.04, abs=0.006)
     assert step.standard_errors["size"]["X"] == pytest.approx(0.005 * 2 / np.sqrt(N), rel=0.4)
-    sine = diagnose(make_run({"X": COURSES["periodic"] + 0.3 * rng.normal(size=N)})).effects[0]
+    sine = named(make_run({"X": COURSES["periodic"] + 0.3 * rng.normal(size=N)})).effects[0]
     assert sine.parameters["period"] == pytest.approx(7.3, rel=0.05)
     assert sine.parameters["size"]["X"] == pytest.approx(0.02, rel=0.15)
 
@@ -109,20 +114,20 @@ def test_a_covariate_that_acts_is_named(column, name, rng):
     }
     acting = recorded[column] - recorded[column].mean()
     course = 2.5 * acting / acting.std() + rng.normal(size=N)
-    found = diagnose(make_run({"Z": course}, covariates=recorded))
+    found = named(make_run({"Z": course}, covariates=recorded))
     assert [effect.effect for effect in found.effects] == [name]
 
 
 def test_scatter_that_doubles_is_named(rng):
     course = rng.normal(size=N) * np.where(J < 15, 1.0, 6.0)
-    found = diagnose(make_run({"X": course}))
+    found = named(make_run({"X": course}))
     assert found.effects[0].effect == "scatter_change"
     assert 11 <= found.effects[0].parameters["at_cycle"] <= 22
 
 
 def test_sides_in_no_order_are_found_on_the_dial(rng):
     sides = rng.permutation(np.repeat([0.0, 8.0], N // 2))
-    found = diagnose(make_run({"X": sides + rng.normal(size=N)}))
+    found = named(make_run({"X": sides + rng.normal(size=N)}))
     assert found.effects[0].effect == "contact_side"
     assert found.effects[0].parameters["size"]["X"] == pytest.approx(0.04, rel=0.2)
 
@@ -132,18 +137,18 @@ def test_a_fold_closer_than_the_dial_rounds_holds_no_sides():
     rng = np.random.default_rng(18)
     at = rng.integers(5, 25)
     y = np.where(np.arange(30) >= at, 5, 0) + np.round(rng.normal(0, 0.05, 30), 1)
-    found = diagnose(Run(CYCLE, {"X": Axis("X", 0.01 * y, resolution=0.01)}))
+    found = named(Run(CYCLE, {"X": Axis("X", 0.01 * y, resolution=0.01)}))
     assert found.effects[0].effect == "step"
 
 
 def test_a_digit_slip_is_an_outlier_and_a_smaller_one_a_flag(rng):
     slip = rng.normal(size=N)
     slip[7] += 60
-    gross = diagnose(make_run({"X": slip}))
+    gross = named(make_run({"X": slip}))
     assert gross.effects[0].effect == "outlier"
     assert gross.effects[0].parameters["at_cycle"] == CYCLE[7]
     slip[7] -= 53
-    small = diagnose(make_run({"X": slip}))
+    small = named(make_run({"X": slip}))
     assert small.verdict is Verdict.NOTHING
     assert [(flag.axis, flag.cycle) for flag in small.flags] == [("X", CYCLE[7])]
 
@@ -155,7 +160,7 @@ def test_scatter_alone_is_silent_on_most_seeds():
         rng = np.random.default_rng(seed)
         scatter = rng.normal(size=(N, 2)) if seed % 2 else rng.standard_t(3, size=(N, 2))
         run = make_run({"X": scatter[:, 0], "Y": scatter[:, 1]}, resolution=0.005)
-        alarms += diagnose(run).verdict is not Verdict.NOTHING
+        alarms += named(run).verdict is not Verdict.NOTHING
     assert alarms <= 4
 
 
@@ -164,7 +169,7 @@ def test_a_course_in_no_catalogue_stays_unexplained():
     for seed in range(10):
         rng = np.random.default_rng(seed)
         course = 6 * np.abs(2 * J / (N - 1) - 1) ** 2 + rng.normal(size=N)
-        found = diagnose(make_run({"X": course}))
+        found = named(make_run({"X": course}))
         said[found.verdict] += 1
         if found.verdict is Verdict.UNEXPLAINED:
             assert found.candidates
@@ -175,7 +180,7 @@ def test_a_course_in_no_catalogue_stays_unexplained():
 def test_a_clean_step_has_no_side_of_contact_for_a_rival(size):
     for seed in range(4):
         rng = np.random.default_rng(seed)
-        found = diagnose(make_run({"X": rng.normal(size=N) + size * (J >= 11)}))
+        found = named(make_run({"X": rng.normal(size=N) + size * (J >= 11)}))
         first = found.effects[0]
         assert first.effect == "step"
         assert "contact_side" not in [rival.effect for rival in first.rivals]
@@ -184,34 +189,34 @@ def test_a_clean_step_has_no_side_of_contact_for_a_rival(size):
 @pytest.mark.parametrize("period", [6.0, 7.3])
 def test_a_large_sine_of_any_period_is_named_once(period, rng):
     sine = 12 * np.sin(2 * np.pi * J / period + 1)
-    found = diagnose(make_run({"X": sine + rng.normal(size=N)}))
+    found = named(make_run({"X": sine + rng.normal(size=N)}))
     assert [effect.effect for effect in found.effects] == ["periodic"]
     assert found.effects[0].parameters["period"] == pytest.approx(period, rel=0.01)
 
 
 def test_three_levels_are_more_than_any_named_effect(rng):
     levels = np.repeat([0.0, 7.0, -4.0], 10)
-    found = diagnose(make_run({"X": levels + rng.normal(size=N)}))
+    found = named(make_run({"X": levels + rng.normal(size=N)}))
     assert found.verdict is Verdict.UNEXPLAINED
     assert found.effects == ()
 
 
 def test_a_known_scatter_sharpens_the_naming_and_is_checked(rng):
     run = make_run({"X": 5.0 * (J >= 12) + rng.normal(size=N)})
-    without, known = diagnose(run), diagnose(run, sigma={"X": 0.005})
+    without, known = named(run), named(run, sigma={"X": 0.005})
     assert known.p_value == without.p_value
     assert known.effects[0].effect == "step"
     assert known.effects[0].probability > without.effects[0].probability
     assert known.notes == without.notes
-    assert "0.001 as stated" in diagnose(run, sigma={"X": 0.001}).notes[-1]
+    assert "0.001 as stated" in named(run, sigma={"X": 0.001}).notes[-1]
     with pytest.raises(DataError, match="known scatter"):
-        diagnose(run, sigma={"X": -1.0})
+        named(run, sigma={"X": -1.0})
 
 
 def test_two_effects_are_found_one_after_the_other(rng):
     approach = rng.permutation(np.repeat([-1.0, 1.0], N // 2))
     course = 4 * approach + 6.0 * (J >= 14) + rng.normal(size=N)
-    found = diagnose(make_run({"X": course}, covariates={"approach": approach}))
+    found = named(make_run({"X": course}, covariates={"approach": approach}))
     assert {effect.effect for effect in found.effects} == {"lost_motion", "step"}
     assert found.verdict is Verdict.EXPLAINED
 
@@ -220,7 +225,7 @@ def test_the_joint_is_named_by_the_direction(rng):
     course = 6.0 * (J >= 13)
     run = make_run({"X": 0.8 * course + rng.normal(size=N), "Y": 0.6 * course + rng.normal(size=N)})
     arm = {"joint 1": {"X": 0.8, "Y": 0.6}, "joint 2": {"X": -0.6, "Y": 0.8}}
-    effect = diagnose(run, directions=arm).effects[0]
+    effect = named(run, directions=arm).effects[0]
     assert effect.joint == "joint 1"
     assert effect.angles["joint 1"] < 10
     assert effect.angles["joint 2"] > 70
@@ -329,7 +334,7 @@ def test_two_axes_of_one_large_effect_are_no_copies(rng):
     side = rng.choice([-1.0, 1.0], N)
     columns = {"X": -120 * side + rng.normal(size=N), "Y": 160 * side + rng.normal(size=N)}
     arm = {"joint 1": {"X": -0.6, "Y": 0.8}, "joint 2": {"X": -1.0, "Y": 0.0}}
-    found = diagnose(make_run(columns, covariates={"approach": side}), directions=arm)
+    found = named(make_run(columns, covariates={"approach": side}), directions=arm)
     assert not any("exact function" in note for note in found.notes)
     assert found.effects[0].axes == ("X", "Y")
     assert found.effects[0].joint == "joint 1"
@@ -339,7 +344,7 @@ def test_a_movement_along_two_directions_at_once_names_none():
     rng = np.random.default_rng(1)
     run = make_run({"X": 6.0 * (J >= 13) + rng.normal(size=N), "Z": rng.normal(size=N)})
     arm = {"joint 1": {"X": -0.6, "Y": 0.8}, "joint 2": {"X": -1.0, "Y": 0.0}}
-    found = diagnose(run, directions=arm).effects[0]
+    found = named(run, directions=arm).effects[0]
     assert max(found.angles.values()) < 1
     assert found.joint is None
 
@@ -357,8 +362,8 @@ def test_two_divisions_do_not_tell_a_size(rng):
     shows[[20, 25]] = 0.02
     coarse = Run(CYCLE, {"X": Axis("X", shows, resolution=0.01)})
     assert any("only two neighbouring divisions in X" in line
-               for line in diagnose(coarse).effects[0].unidentified)  # fmt: skip
-    fine = diagnose(make_run({"X": COURSES["step"] + rng.normal(size=N)}))
+               for line in named(coarse).effects[0].unidentified)  # fmt: skip
+    fine = named(make_run({"X": COURSES["step"] + rng.normal(size=N)}))
     assert not any("neighbouring" in line for line in fine.effects[0].unidentified)
 
 

@@ -16,7 +16,7 @@ import openpyxl
 import pytest
 from hostile import TEXTS
 
-from scara_iso import analyze, read_table
+from scara_iso import analyze, library, read_table
 from scara_iso.cli import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.render import endings, find_format
@@ -78,14 +78,11 @@ def rows_of(report, heading):
     return {str(row[0]): dict(zip(table.header, map(str, row), strict=True)) for row in table.rows}
 
 
-def make(tmp_path, monkeypatch, table, *options):
-    """Return the bytes of the report in each form, made from the same folder."""
-    monkeypatch.chdir(tmp_path)
-    found = {}
-    for kind in KINDS[:-1]:  # a .pdf is the .html on paper
-        assert main(["report", str(table), *options, "-o", f"out.{kind}"]) == 0
-        found[kind] = Path(f"out.{kind}").read_bytes()
-    return found
+def make(tmp_path, table, model=None):
+    """Return the bytes of one report in each form."""
+    made = library.report(table, model=model)
+    kinds = KINDS[:-1]  # a .pdf is the .html on paper
+    return {kind: made.write(tmp_path / f"out.{kind}").read_bytes() for kind in kinds}
 
 
 def test_every_intermediate_value_leads_from_the_readings_to_the_figure():
@@ -198,16 +195,15 @@ def test_the_diagnosis_is_shown_before_and_after_where_it_changed_something():
     assert section(report, "Diagnosis: warm up")
 
 
-def test_the_same_input_gives_the_same_bytes(tmp_path, monkeypatch):
-    options = ("--model", str(MODEL))
-    first = make(tmp_path, monkeypatch, WARM_UP, *options)
-    assert make(tmp_path, monkeypatch, WARM_UP, *options) == first
+def test_the_same_input_gives_the_same_bytes(tmp_path):
+    first = make(tmp_path, WARM_UP, MODEL)
+    assert make(tmp_path, WARM_UP, MODEL) == first
     assert b"Backlash of joint 1" in first["html"]
     assert rb"fum\_scara.toml" in first["md"]
 
 
 def test_text_of_a_file_stays_text_in_every_form(tmp_path, monkeypatch, hostile):
-    found = make(tmp_path, monkeypatch, hostile)
+    found = make(tmp_path, hostile)
     page = found["html"].decode()
     assert "<script" not in page
     assert page.count("<style") == page.count("</style>") == 1
@@ -281,7 +277,7 @@ def test_a_cell_that_is_edited_becomes_no_formula_either(tmp_path, monkeypatch, 
 
 
 def test_several_poses_are_reported_each(five_poses, tmp_path, monkeypatch):
-    found = make(tmp_path, monkeypatch, five_poses)
+    found = make(tmp_path, five_poses)
     page = found["html"].decode()
     for pose in range(1, 6):
         assert f"Repeatability at pose P{pose}" in page
@@ -445,7 +441,7 @@ def test_the_page_of_the_fields_names_every_key():
 def test_numbers_are_whole_where_somebody_computes_and_rounded_where_somebody_reads(
     tmp_path, monkeypatch
 ):
-    found = make(tmp_path, monkeypatch, TABLE_1)
+    found = make(tmp_path, TABLE_1)
     axis = json.loads(found["json"])["analysis"]["poses"][0]["axes"]["X"]
     low, high = axis["RP_interval"]
     header = ["95 % interval, low", "95 % interval, high"]
@@ -465,7 +461,7 @@ def test_numbers_are_whole_where_somebody_computes_and_rounded_where_somebody_re
 
 
 def test_a_unit_behind_numbers_has_a_column_of_its_own(tmp_path, monkeypatch):
-    found = make(tmp_path, monkeypatch, TABLE_1, "--model", str(MODEL))
+    found = make(tmp_path, TABLE_1, MODEL)
     rows = list(csv.reader(io.StringIO(found["csv"].decode())))
     assert ["", "at the tool", "unit", "what it is"] in rows
     radial = next(row for row in rows if row[:1] == ["actual, radial (ISO 9283)"])

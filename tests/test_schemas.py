@@ -21,6 +21,7 @@ from scara_iso.cli import main
 from scara_iso.render import validation_json
 from scara_iso.validation import Installation, ReferenceCheck, Validation
 
+pytestmark = pytest.mark.xdist_group("schemas")  # one worker: a dear fixture
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 GAUGE = Path(__file__).parent / "fixtures" / "gauge"
@@ -396,13 +397,23 @@ def without(schema, path):
     return changed
 
 
+def shortened(document):
+    """Return the document with two numbers of each long list, which says as much of its keys."""
+    if isinstance(document, dict):
+        return {key: shortened(below) for key, below in document.items()}
+    if isinstance(document, list):
+        numbers = all(isinstance(one, int | float) for one in document)
+        return document[:2] if numbers else [shortened(one) for one in document]
+    return document
+
+
 @pytest.mark.parametrize("name", SCHEMAS)
 def test_a_schema_names_nothing_that_no_output_has(documents, name):
     """Each property is needed: without it a real output has a key that is refused."""
-    idle = []
+    idle, short = [], [shortened(document) for document in documents[name]]
     for path in properties(SCHEMAS[name]):
         reduced = validator(name, without(SCHEMAS[name], path))
-        if all(reduced.is_valid(document) for document in documents[name]):
+        if all(reduced.is_valid(document) for document in short):
             idle.append("/".join(map(str, path)))
     assert idle == []
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import compress
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class HypothesisSet:
         found = np.empty((len(self.first), columns.shape[1]))
         found[single] = columns[self.first[single]]
         ends = [*self.first[1:], len(columns)]
-        for k in np.flatnonzero(~single):  # five times as fast as reduceat along the columns
+        for k in np.flatnonzero(~single):  # several times as fast as reduceat across the rows
             columns[self.first[k] : ends[k]].sum(axis=0, out=found[k])
         return found
 
@@ -63,6 +64,23 @@ class HypothesisSet:
         """Return the set with every variance beside the scatter ``factor`` times as large."""
         s = self.shrink / (1 - self.shrink) * factor
         return replace(self, shrink=s / (1 + s), penalty=np.add.reduceat(np.log1p(s), self.first))
+
+    def of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
+        """Return the set of those of ``members`` that this one holds."""
+        wanted = set(members)
+        held = np.array([member in wanted for member in self.members], dtype=bool)
+        courses, spreads = np.split(held, [len(self.first)])
+        widths = np.diff(self.first, append=len(self.shrink))
+        columns = np.repeat(courses, widths)
+        return HypothesisSet(
+            members=tuple(compress(self.members, held)),
+            basis=self.basis,
+            vectors=np.compress(columns, self.vectors, axis=1),
+            shrink=self.shrink[columns],
+            first=_starts(widths[courses]),
+            penalty=self.penalty[courses],
+            scales=self.scales[spreads],
+        )
 
 
 def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> HypothesisSet:
@@ -96,7 +114,7 @@ class _Group:
     penalty: FloatArray
 
 
-def _starts(widths: Sequence[int]) -> IntArray:
+def _starts(widths: Sequence[int] | IntArray) -> IntArray:
     return np.cumsum([0, *widths])[:-1]
 
 

@@ -34,7 +34,7 @@ def pairs(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list[Weigh
     likeliest forms of the likeliest effects are tried, as the other any shape.
     """
     shaped = [m for m in hypotheses.members if isinstance(m.form, Shape) and m.effect != UNKNOWN]
-    alone = build(shaped, rows, hypotheses.basis)
+    alone = hypotheses.of(shaped)
     joint = joint_evidence(log_bayes(alone, views.columns, views.known)[:, :, np.newaxis], views)
     strength = alone.weights * joint[:, 0]
     found = []

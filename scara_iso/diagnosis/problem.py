@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -115,7 +116,7 @@ def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
     return np.asarray(np.ptp(residual.values, axis=0) < NEIGHBOURS * residual.division)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Remainder:
     """What fitted terms leave: residual values (rows, axes), their views, what is fitted.
 
@@ -129,9 +130,10 @@ class Remainder:
     readings: DialReadings
     members: tuple[Hypothesis, ...]
 
-    def set_of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
-        """Return the set of some of the members beside what is fitted."""
-        return build(members, self.rows, self.basis)
+    @cached_property
+    def hypotheses(self) -> HypothesisSet:
+        """The set of all members beside what is fitted."""
+        return build(self.members, self.rows, self.basis)
 
 
 def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:

@@ -11,7 +11,7 @@ from scara_iso.diagnosis.choice import Choice, choose, two_states
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_test
@@ -113,13 +113,13 @@ def find_again(
         left = remainder(problem, terms, rows)
         if i < len(limits) and _order_of(problem, terms, left) < limits[i]:
             return terms
-        left = replace(left, members=tuple(m for m in left.members if not _unknown_shape(m)))
+        named = [m for m in left.members if m.named and not _unknown_shape(m)]
         changed = log_changes[i] if i < len(log_changes) else {}
-        choice = _choice(problem, left, changed, with_chains=with_chains)
-        named = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
-        if not named:
+        choice = _choice(problem, left, named, changed, with_chains=with_chains)
+        likely = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
+        if not likely:
             return terms
-        term = _term(problem, max(named, key=named.__getitem__), choice, left)
+        term = _term(problem, max(likely, key=likely.__getitem__), choice, left)
         terms = (*terms, replace(term, form=_undecided(term, left)))
     return terms
 
@@ -168,7 +168,7 @@ def in_order(
     emissions = [] if terms else _emissions(replace(problem.residual, values=calm), ordered)
     views = problem.views_of(calm, left.basis)
     spreading = left.values[:, ~neighbours(problem.residual)]
-    return left.set_of(ordered), views, emissions, spreading
+    return left.hypotheses.of(ordered), views, emissions, spreading
 
 
 def _order_of(problem: SearchProblem, terms: Sequence[Term], left: Remainder) -> float:
@@ -200,7 +200,8 @@ def chosen(
         by_order = by_levels = 1.0
     if min(by_order, by_levels) <= level:
         limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
-        stage = replace(stage, choice=_choice(problem, left, with_chains=True), limit=limit)
+        named = [member for member in left.members if member.named]
+        stage = replace(stage, choice=_choice(problem, left, named, with_chains=True), limit=limit)
     elif by_outlier <= level and isolated is not None:
         form = _at_row(isolated, problem, stage.marginal.outlier_row)
         stage = replace(stage, choice=Choice({isolated.name: 1.0}, {isolated.name: form}))
@@ -238,13 +239,13 @@ def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissi
 def _choice(
     problem: SearchProblem,
     left: Remainder,
+    named: Sequence[Hypothesis],
     log_change: Mapping[str, float] | None = None,
     *,
     with_chains: bool,
 ) -> Choice[Form]:
-    """Return what is likeliest; ``log_change`` of the whole run's choice on some of its rows."""
+    """Return the likeliest of ``named``; ``log_change`` of the whole run's choice on its rows."""
     chains = [member for member in left.members if member.hidden] if with_chains else []
-    named = [member for member in left.members if member.named]
     residual = problem.residual
     length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
     coarse = neighbours(residual)
@@ -252,7 +253,7 @@ def _choice(
     hidden = two_states(
         chains, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
     )
-    hypotheses = left.set_of(named)
+    hypotheses = left.hypotheses.of(named)
     readings = left.readings if log_change is None else None
     choice = choose(hypotheses, left.views, hidden, readings, log_change)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
@@ -290,7 +291,7 @@ def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> 
     near = problem.effects[name].near(problem.residual.conditions, form.parameters)
     if not near:
         return form
-    hypotheses = left.set_of([Hypothesis(name, one, 1.0) for one in near])
+    hypotheses = build([Hypothesis(name, one, 1.0) for one in near], left.rows, left.basis)
     if left.views.poses is not None:
         log_bf = log_bayes(hypotheses, left.views.columns)
         likely = joint_evidence(log_bf[:, :, np.newaxis], left.views)[:, 0]
