@@ -35,7 +35,7 @@ print(len(found.visits), time.perf_counter() - start, time.process_time() - cpu,
 
 def speed() -> None:
     """Print time and memory for one and four axes."""
-    time, reading, _ = streams.visits(np.random.default_rng(1), count=434, noise=0.001)
+    time, reading, _ = streams.visits(np.random.default_rng(1), count=490, noise=0.001)
     rows = min(len(time), 500 * HOUR)
     with tempfile.TemporaryDirectory() as folder:
         for axes in ("X", "XY", ("X", "Y", "Z", "theta")):

@@ -1,6 +1,7 @@
 """A drift test and push tests in the folder of a whole test: recorded, counted, in one report."""
 
 import json
+import re
 import shutil
 import tomllib
 from pathlib import Path
@@ -121,8 +122,14 @@ def test_one_object_and_one_page_hold_their_figures(whole, tmp_path, capsys):
     made = scara_iso.report(whole, to=tmp_path / "report.md")
     assert {"drift.csv", "push-joint_2.csv"} <= set(made.files)
     page, _, rest = (tmp_path / "report.md").read_text("utf-8").partition("## Figures")
-    assert all(words in page for words in ("dAP XY", "dRP XY", r"lost\_motion joint\_2", "1.2"))
+    assert all(words in page for words in ("dAP XY", "dRP XY", "lost motion joint 2", "1.2"))
     assert all(words in rest for words in ("Drift at pose P1", "Push test of joint\\_2"))
+    assert re.search(
+        r"interval, of 30 cycles, \d+ visits in a block(, \d+ blocks)? and \d+ readings;", page
+    )
+    assert "| conditions | velocity 100 % of rated; payload 100 % of rated |" in page
+    assert "first cycle discarded" not in rest  # the line on the cycles says it
+    assert rest.count("Loops of the push test") == 2
     one = said(capsys, "analyze", whole, "--condition", "v100-l100")[1]
     assert {found["code"] for found in one["characteristics"]} == {"RP", "RP_rss"}
 

@@ -140,6 +140,13 @@ def test_two_digits_of_the_interval_decide(ends, places):
     assert digits_of(sum(ends) / 2, ends) == places
 
 
+def test_which_figure_of_the_plane_decides_is_said(said):
+    """The headline is radial (0.014 mm); the graver verdict is that of eq. 23 (0.015 mm)."""
+    out = said("analyze", "fum_scara_table1.csv", "--limit", "XY=0.02")
+    assert re.search(r"RP  XY 0\.014 mm", out)
+    assert re.search(r"XY eq\. 23 +0\.015 .* not provable", out)
+
+
 def test_digits_that_decide_against_a_limit_are_shown():
     assert digits_of(0.02004, (0.015, 0.025), limit=0.02) == 5
 

@@ -564,8 +564,11 @@ def test_three_arrivals_have_a_stabilisation_time_with_students_interval(rng):
 
 def test_compliance_is_the_slope_of_the_reading_over_the_force(rng):
     run = two_poses(rng, axes="X", stream=True)
-    found = by_name(analyze(run), "compliance")["P1", "X"].estimate
+    analysis = analyze(run)
+    found = by_name(analysis, "compliance")["P1", "X"].estimate
     assert found.value == pytest.approx(1.0, abs=4 * found.u)  # 0.01 mm/N
+    warned = [(one.pose, one.axis) for one in analysis.findings if one.code == "force-loop"]
+    assert warned == [("P1", "X"), ("P2", "X")]  # RP counts what the force moves
     assert found.u < 0.1
     assert not by_name(analyze(two_poses(rng)), "compliance")
 

@@ -3,16 +3,19 @@
 import json
 import os
 import pty
+import shlex
 import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from scara_iso import read_table
 from scara_iso.acquisition import RememberedBench, detect, read_bench, write_bench
 from scara_iso.cli import main
+from scara_iso.cli.guide import without_questions
 from scara_iso.errors import DataError, InstrumentError, UsageError
 
 SIMULATOR = Path(__file__).with_name("simulator.py")
@@ -149,6 +152,38 @@ def test_a_bench_beside_the_table_is_used_and_said(run, tmp_path):
     assert run("record", "b.csv", "--gauge", "Y=opto-rs232@sim:?pace=0", "--trigger", "timer:1",
                "--cycles", "2") [2] == ""  # fmt: skip
     assert set(read_table(tmp_path / "b.csv").axes) == {"Y"}
+
+
+INSTRUMENT = """[instrument.X]  # as on its certificate
+certificate = "K-17"
+uncertainty = 0.0004
+correction = [[0, 0], [1, 0.01]]
+"""
+
+
+def test_the_certificate_of_a_bench_corrects_what_is_recorded_with_it(run, tmp_path):
+    (tmp_path / "bench.toml").write_text(BENCH + "\n" + INSTRUMENT)
+    code, _, err = run("record", "run.csv", "--cycles", "3")
+    assert (code, "certificates of bench.toml: X" in err) == (0, True)
+    X = read_table(tmp_path / "run.csv").axes["X"]
+    assert X.readings == pytest.approx(X.displayed - 0.01 * X.displayed, abs=1e-9)
+    assert X.uncertainty == 0.0004
+    # a certificate that is stated otherwise is another indicator's
+    assert run("record", "b.csv", "--cycles", "3", "--meta", "calibration_certificate=K-9")[0] == 0
+    assert read_table(tmp_path / "b.csv").axes["X"].displayed is None
+    write_bench(tmp_path / "bench.toml", RememberedBench(("X=opto-rs232@sim:?pace=0&seed=2",)))
+    assert (tmp_path / "bench.toml").read_text().endswith(INSTRUMENT)
+    (tmp_path / "bench.toml").write_text(BENCH + "\n" + INSTRUMENT.replace("0.01]", "5]"))
+    assert run("record", "c.csv", "--cycles", "3")[0] == 65
+
+
+def test_the_command_without_questions_names_the_certificate_of_the_bench():
+    options = SimpleNamespace(
+        table="run.csv", gauges=("X=auto@COM3",), trigger="data",
+        of_bench={"correction_X": "0 0; 1 0.01"},
+    )  # fmt: skip
+    words = shlex.split(without_questions(options))
+    assert words[-2:] == ["--meta", "correction_X=0 0; 1 0.01"]
 
 
 def test_a_named_bench_is_used_from_anywhere(run, tmp_path):

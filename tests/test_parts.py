@@ -15,6 +15,7 @@ from scara_iso import Run, read_table
 from scara_iso.cli import main
 from scara_iso.errors import DataError, NoInputError
 from scara_iso.render.json import pose_json
+from scara_iso.run import Axis
 from scara_iso.tables import PosePart, merge, pose_in, write_table
 
 HEAD = {"unit": "mm", "resolution": "0.001", "robot": "FUM SCARA", "payload": "2 kg"}
@@ -178,6 +179,16 @@ def test_a_table_of_another_test_is_refused_by_name(folder, change, said):
     found = refused(folder)
     assert said in found
     assert "P3.csv" in found
+
+
+def test_faults_of_several_axes_come_in_the_order_of_the_axes(rng):
+    def part(name, resolution):
+        axes = {a: Axis(a, rng.normal(size=31), resolution=resolution) for a in "ZYXABCDE"}
+        return PosePart(Run(cycle=np.arange(1, 32), axes=axes), name, pose=name)
+
+    with pytest.raises(DataError) as caught:
+        merge([part("P1", 0.001), part("P2", 0.01)], "both")
+    assert [one.message.split()[3] for one in caught.value.faults] == list("XYZABCDE")
 
 
 def test_all_that_is_wrong_is_said_at_once(folder):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scara_iso.acceptance import read_test
 from scara_iso.cli import main
 from scara_iso.errors import UsageError
 from scara_iso.iso9283.pose_plan import DiagonalPlane, PoseTestConditions, Solid
@@ -193,6 +194,16 @@ def test_rated_values_are_read_from_the_model_and_said(tmp_path, capsys):
         rows = list(csv.DictReader(file))
     assert [row["velocity_mm_s"] for row in rows] == ["500.0"] * 5
     assert [row["load_kg"] for row in rows] == ["2.0"] * 5
+    file = tmp_path / "test.toml"
+    assert main(["plan", str(model), "--velocity", "50", "-o", str(file)]) == 0
+    test = read_test(tmp_path)
+    assert (test.schedule.velocities, test.schedule.loads) == ((50.0,), (100.0,))
+    assert test.robot.rated_velocity_mm_s == 1000
+    assert [test.poses[row["pose"]].x_mm for row in rows] == [float(row["x_mm"]) for row in rows]
+    written = file.read_bytes()
+    assert main(["plan", str(model), "-o", str(file)]) == 73  # may hold what somebody stated
+    assert file.read_bytes() == written
+    capsys.readouterr()
     model.write_text(f"[rated]\nload_kg = -2\nmass = 1\n{text}", encoding="utf-8")
     assert main(["plan", str(model)]) == 65
     said = capsys.readouterr().err

@@ -128,9 +128,19 @@ def test_the_report_says_what_its_results_relate_to():
 
 def test_a_condition_is_what_was_stated_and_what_was_measured():
     run = read_table(WARM_UP)
-    run = replace(run, metadata={"speed": "100 %"}, covariates={"speed": run.cycle + 50.0})
+    stated = {"speed": "100 %", "jig[P1]": "a vice"}
+    run = replace(run, metadata=stated, covariates={"speed": run.cycle + 50.0})
     rows = dict(head(run, analyze(run).cycles).rows)
     assert rows["velocity"] == "100 %; 51 .. 81 (speed, by cycle)"
+    assert rows["jig at P1"] == "a vice"
+
+
+def test_colours_of_the_dark_reach_the_marks_of_a_picture():
+    """A mark is drawn by ``use``: in its copy it has no svg above it."""
+    page = html.render(document(Dossier(analyze(read_table(WARM_UP)), MADE))).decode()
+    dark = page.partition("prefers-color-scheme: dark")[2].partition("* { box-sizing")[0]
+    assert '[stroke="#444444"]' in dark
+    assert "svg [" not in dark
 
 
 def test_what_nobody_stated_is_said_to_be_not_stated():
@@ -369,12 +379,18 @@ def test_without_pango_a_pdf_is_refused_with_what_to_install(tmp_path, monkeypat
     assert "libpango-1.0-0" in capsys.readouterr().err
 
 
-def test_the_pdf_is_the_page_and_the_same_every_time():
+def test_the_pdf_is_the_page_and_the_same_every_time(five_poses):
     pytest.importorskip("weasyprint", exc_type=(ImportError, OSError))
-    report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
+    pdfium = pytest.importorskip("pypdfium2")
+    report = document(Dossier(analyze(read_table(five_poses)), MADE))
     report = replace(report, sections=report.sections[:2])
     data = pdf.render(report)
     assert data.startswith(b"%PDF")
+    pages = [page.get_textpage().get_text_range() for page in pdfium.PdfDocument(data)]
+    assert "Figures" in pages[1]
+    assert "Attained places in the XY plane:" in pages[1]  # as wide as the sheet
+    report = replace(report, sections=report.sections[:1])
+    data = pdf.render(report)
     assert pdf.render(report) == data
     assert pdf.render(replace(report, title="another")) != data
 

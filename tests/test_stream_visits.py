@@ -153,9 +153,11 @@ def test_a_stream_without_rests_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("dwell", 0.0), ("dwell", float("nan")), ("still", -1.0), ("band", 0.0)]
-)
-def test_sizes_that_cannot_be_meant(name, value):
+    ("name", "value"),
+    [("dwell", 0.0), ("dwell", float("nan")), ("dwell", 1e4), ("still", -1.0), ("band", 0.0),
+     ("poses", ("", ""))],
+)  # fmt: skip
+def test_options_that_cannot_be_meant(name, value):
     with pytest.raises(UsageError, match=name):
         scara_iso.visits(as_run(*plateau(100, 0.4, 3.0)), **{name: value})
 

@@ -108,6 +108,11 @@ def test_conditions_are_analyses_of_their_own(tmp_path, capsys):
     assert [(c["velocity"], len(c["poses"])) for c in found["conditions"]] == [(100, 5), (50, 1)]
     _, one = said(capsys, "analyze", tmp_path / "a", "--condition", "v50-l100")
     assert [pose["pose"] for pose in one["poses"]] == ["P1"]
+    assert said(capsys, "tables", tmp_path / "a", "--condition", "v50-l100")[1]["rows"] == 31
+    for command in ("analyze", "diagnose"):
+        assert main([command, str(tmp_path / "a")]) == 0
+        above = [line for line in capsys.readouterr().out.splitlines() if line.endswith("load:")]
+        assert above == ["100 % velocity, 100 % load:", "50 % velocity, 100 % load:"]
     # the same figures as the part's own table
     _, alone = said(capsys, "analyze", tmp_path / "a" / "P1-v50-l100.csv")
     assert one["poses"][0]["axes"] == alone["poses"][0]["axes"]
@@ -235,10 +240,27 @@ def test_a_part_of_another_robot_or_pose_is_refused(folder, capsys):
     assert "robot is 'another'" in err
 
 
+def test_a_part_that_lost_a_line_says_which_and_how_to_go_on(folder, capsys):
+    record(folder)
+    path = folder / "P1-v100-l100.csv"
+    lines = path.read_text("utf-8").splitlines(keepends=True)
+    lost = next(k for k, line in enumerate(lines) if line.startswith("12,"))
+    path.write_text("".join(lines[:lost] + lines[lost + 1 :]), "utf-8")
+    assert read_folder(folder).parts[0].why.endswith(f"line {lost + 1}: cycle 12 is missing")
+    capsys.readouterr()
+    assert main(["analyze", str(folder)]) == 65
+    remedy = "scara-iso record {} --part P1-v100-l100 --repeat"
+    assert remedy.format(folder) in capsys.readouterr().err
+    assert record(folder, 2, "--part", "P1-v100-l100", "--repeat", "a line was lost") == 0
+    assert states(folder)["P1-v100-l100"] == "done"
+
+
 def test_a_part_that_is_there_twice_is_refused(folder):
     record(folder)
     shutil.copy(folder / "P1-v100-l100.csv", folder / "P1-v100-l100-r2.csv")
-    assert "recorded twice" in read_folder(folder).parts[0].why
+    why = read_folder(folder).parts[0].why
+    assert "recorded twice" in why
+    assert '[[struck]] with recording = "P1-v100-l100-r2"' in why
     with pytest.raises(DataError, match="cannot be taken"):
         read_conditions(folder)
     strike(folder, Struck("P1-v100-l100-r2", "a copy"))

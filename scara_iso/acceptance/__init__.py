@@ -36,8 +36,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.acceptance.reading import (
         parse_test as parse_test,
+        read_instruments as read_instruments,
         read_test as read_test,
     )
+    from scara_iso.acceptance.stated import lines_of as lines_of
     from scara_iso.acceptance.whole_test import Condition as Condition, WholeTest as WholeTest
     from scara_iso.acceptance.writing import strike as strike, toml_of as toml_of
 else:

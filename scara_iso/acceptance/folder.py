@@ -13,7 +13,7 @@ from scara_iso.acceptance.reading import read_test
 from scara_iso.acceptance.stated import why_not_of
 from scara_iso.acceptance.whole_test import Condition, Part, Struck, WholeTest
 from scara_iso.acquisition import check_manifest, raw_path, read_history
-from scara_iso.errors import ScaraIsoError
+from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.force_loop import read_loop
 from scara_iso.iso9283 import CYCLES_RUN, DecisionRule, Finding, PushResult, push_test
 from scara_iso.run import Run
@@ -170,7 +170,10 @@ def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartStat
     if not counting:
         return PartState(part, STRUCK if struck else MISSING, struck=struck)
     if len(counting) > 1:
-        why = f"recorded twice: {', '.join(one.name for one in counting)}; strike one of them"
+        why = (
+            f"recorded twice: {', '.join(one.name for one in counting)}; strike one of them in "
+            f'test.toml: [[struck]] with recording = "{counting[-1].name}" and its reason'
+        )
         return PartState(part, FAULTY, counting[-1], struck, why=why)
     return _state_of(counting[0], struck, test)
 
@@ -191,13 +194,21 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
         cycles = None if part.beside else test.schedule.cycles_run
         findings = analyze(run, cycles=cycles).findings
     except ScaraIsoError as error:
-        return PartState(part, FAULTY, recording, struck, why=error.headline)
+        return PartState(part, FAULTY, recording, struck, why=_why(error))
     edited = tuple(Finding("edited", "warning", line) for line in recording.doubts)
     off = tuple(f for f in (*findings, *edited)
                 if f.severity != "info" and f.code not in PLANNED
                 and (f.rule or f.code == "edited"))  # fmt: skip
     lacking = tuple(finding.message for finding in findings if finding.code == "not-measured")
     return PartState(part, OUT if off else DONE, recording, struck, off, lacking)
+
+
+def _why(error: ScaraIsoError) -> str:
+    """Return what is wrong with a recording in one line, the first of its faults with it."""
+    faults = error.faults if isinstance(error, DataError) else ()
+    said = [str(one) for one in faults[:1] if one.message != error.what]
+    more = [f"and {len(faults) - 1} more"] if len(faults) > 1 else []
+    return "; ".join([error.headline, *said, *more])
 
 
 def push_of(recording: Recording, test: WholeTest) -> PushResult:

@@ -85,10 +85,12 @@ def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
     """Raise `DataError` with what is wrong with each part that is faulty."""
     faults = [Fault(f"{one.part.name}: {one.why}") for one in states if one.state == FAULTY]
     if faults:
+        first = next(one for one in states if one.state == FAULTY)
         raise DataError(
             f"{len(faults)} part{'s' if len(faults) > 1 else ''} cannot be taken",
             where=str(folder.path), faults=faults,
-            remedy="move a file that is of another test away, or strike the part in test.toml",
+            remedy="move a file of another test away, correct or strike it, or repeat the part: "
+            f"scara-iso record {folder.path} `part={first.part.name}` `repeat='the reason'`",
         )  # fmt: skip
 
 

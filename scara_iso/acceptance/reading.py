@@ -58,6 +58,22 @@ def read_test(folder: Path) -> WholeTest:
     return found
 
 
+def read_instruments(path: Path) -> dict[str, Instrument]:
+    """Return the sections ``[instrument.X]`` of a TOML file by axis, none where it has none.
+
+    Raises as `read_test`.
+    """
+    faults = KeyFaults()
+    found = _named(Instrument, read_toml(path, "docs/test-folder.md"), "instrument", faults)
+    _check_instruments(found, faults)
+    if faults:
+        raise DataError(
+            "[instrument] cannot be taken", where=str(path), faults=faults,
+            remedy="correct these keys; docs/test-folder.md lists them all",
+        )  # fmt: skip
+    return found
+
+
 def parse_test(document: Mapping[str, Any], faults: KeyFaults) -> WholeTest:
     """Return what a document says; what is wrong with it goes to ``faults``."""
     for key in document:
@@ -168,10 +184,14 @@ def _check_together(test: WholeTest, faults: KeyFaults) -> None:
     for where, values in (("velocities", test.schedule.velocities), ("loads", test.schedule.loads)):
         if not values or len(set(values)) < len(values):
             faults.add(f"test.{where}", "give one or more, each once")
-    for axis, instrument in test.instruments.items():
-        for said in instrument.corrects.faults(Dimension.LENGTH):  # of theta: as it is read
-            faults.add(f"instrument.{axis}", said)
+    _check_instruments(test.instruments, faults)
     if test.drift is not None and test.drift.pose not in test.poses:
         faults.add("drift.pose", f"no such pose: {', '.join(test.poses)}")
     if test.schedule.first_cycle == DISCARDED and test.schedule.cycles < 3:
         faults.add("test.cycles", "two or more have to count beside the first")
+
+
+def _check_instruments(instruments: Mapping[str, Instrument], faults: KeyFaults) -> None:
+    for axis, instrument in instruments.items():
+        for said in instrument.corrects.faults(Dimension.LENGTH):  # of theta: as it is read
+            faults.add(f"instrument.{axis}", said)

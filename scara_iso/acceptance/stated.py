@@ -25,10 +25,16 @@ _SAME_PERCENT = 1.0
 def metadata_of(part: Part, test: WholeTest, axes: Collection[str]) -> dict[str, str]:
     """Return the ``key: value`` lines of a part recorded on these axes."""
     found = dict(_lines(part, test))
-    found |= dict(_instruments({a: test.instruments[a] for a in axes if a in test.instruments}))
+    found |= lines_of(test.instruments, axes)
     commands = {axis: command_of(part, test, axis) for axis in axes}
     found |= {f"command_{axis}": _plain(v) for axis, v in commands.items() if v is not None}
     return {key: text for key, text in found.items() if text}
+
+
+def lines_of(instruments: Mapping[str, Instrument], axes: Collection[str]) -> dict[str, str]:
+    """Return the ``key: value`` lines of the instruments of these axes."""
+    used = {axis: instruments[axis] for axis in axes if axis in instruments}
+    return {key: text for key, text in _instruments(used) if text}
 
 
 def command_of(part: Part, test: WholeTest, axis: str) -> float | None:

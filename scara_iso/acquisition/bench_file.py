@@ -46,12 +46,13 @@ class RememberedBench:
 def read_bench(path: Path) -> RememberedBench:
     """Return what the file remembers; nothing in it is opened.
 
+    Its sections ``[instrument.X]`` are those of a test.toml, and are not looked at here.
     Raises `NoInputError`, and `DataError` for an unknown key, a gauge that is not valid, or one
     that names a file.
     """
     found = read_toml(path, "docs/recording.md")
     gauges, trigger = found.get("gauges"), found.get("trigger")
-    unknown = sorted(set(found) - {"gauges", "trigger"})
+    unknown = sorted(set(found) - {"gauges", "trigger", "instrument"})
     if unknown or not isinstance(gauges, dict) or not isinstance(trigger, str | None):
         what = f"unknown: {', '.join(unknown)}" if unknown else "not gauges and a trigger"
         raise DataError(what, where=str(path), remedy=_REMEDY)
@@ -64,8 +65,9 @@ def read_bench(path: Path) -> RememberedBench:
 
 
 def write_bench(path: Path, bench: RememberedBench) -> None:
-    """Write the file anew; raises as `write_file`."""
+    """Write the file anew, its instruments as they are there; raises as `write_file`."""
     _check(bench)
+    kept = _instruments(path)
     lines = [*_HEAD]
     if bench.trigger is not None:
         lines.append(f"trigger = {json.dumps(bench.trigger, ensure_ascii=False)}")
@@ -73,7 +75,21 @@ def write_bench(path: Path, bench: RememberedBench) -> None:
     for gauge in bench.gauges:
         axis, _, rest = gauge.partition("=")
         lines.append(f"{axis.strip()} = {json.dumps(rest, ensure_ascii=False)}")
-    write_file(path, "\n".join([*lines, ""]).encode())
+    write_file(path, "\n".join([*lines, *kept, ""]).encode())
+
+
+def _instruments(path: Path) -> list[str]:
+    """Return the lines of the sections that say which instruments these are, as they are."""
+    if not path.is_file():
+        return []
+    kept: list[str] = []
+    inside = False
+    for line in path.read_text("utf-8-sig").splitlines():
+        inside = line.lstrip().startswith("[instrument") or (
+            inside and not line.lstrip().startswith("[")
+        )
+        kept += [line] if inside else []
+    return ["", *kept] if kept else []
 
 
 def _texts(gauges: Mapping[str, object], path: Path) -> tuple[str, ...]:

@@ -63,7 +63,9 @@ def analyze_folder(
         for one, analysis in zip(found, analyses, strict=True):
             if analysis is None:
                 write_report(missing_report(str(one.condition), one.missing))
-            elif full:
+                continue
+            _say_condition(one, found)
+            if full:
                 write_report(analysis_report(analysis))
             else:
                 again = command_line([folder], {"condition": one.condition.name})
@@ -92,6 +94,8 @@ def diagnose_folder(
     folder: str,
     condition: str | None,
     diagnose: Callable[[ConditionRun, Run, Write], None],
+    *,
+    as_json: bool,
 ) -> None:
     """Diagnose each condition of a test that has readings; say of the others what is missing.
 
@@ -107,6 +111,8 @@ def diagnose_folder(
         def write(document: Mapping[str, Any], one: ConditionRun = one) -> None:
             documents.append(_of_condition(one, document))
 
+        if not as_json:
+            _say_condition(one, found)
         diagnose(one, one.run, write if len(found) > 1 else write_json)
     if documents:
         _write_conditions(documents)
@@ -255,6 +261,12 @@ def _write_conditions(documents: Sequence[Mapping[str, Any]], beside: Beside | N
     of_others = {} if beside is None else render.beside_json(beside)
     document = {"schema": "scara-iso/test-conditions/1", "conditions": list(documents)}
     write_json({**document, **of_others})
+
+
+def _say_condition(one: ConditionRun, found: Sequence[object]) -> None:
+    """Write the condition that follows, where a test has several."""
+    if len(found) > 1:
+        typer.echo(f"{one.condition}:")
 
 
 def _say_missing(one: ConditionRun) -> None:

@@ -142,7 +142,7 @@ def diagnose_command(
     check_outputs([plot, save_model, map_], [*files_of(named), model, effects, hold_out])
     show = partial(_How, full=full, as_json=json)
     if (folder := test_folder(named, condition, reading)) is not None:
-        _diagnose_folder(folder, condition, files, reading, wanted, show, seed=seed)
+        _diagnose_folder(folder, condition, files, reading, wanted, show, seed=seed, as_json=json)
         return
     run = one_test(named, reading)
     if run is None:
@@ -165,6 +165,7 @@ def _diagnose_folder(
     show: Callable[..., _How],
     *,
     seed: int,
+    as_json: bool,
 ) -> None:
     from scara_iso.cli.conditions import diagnose_folder
 
@@ -174,7 +175,7 @@ def _diagnose_folder(
         how = show(partial(command_line, [folder], options), write=write)
         _diagnose_run(run, files.under(one.condition.name), reading, counting, how, seed=seed)
 
-    diagnose_folder(folder, condition, diagnose)
+    diagnose_folder(folder, condition, diagnose, as_json=as_json)
 
 
 @dataclass(frozen=True, slots=True)

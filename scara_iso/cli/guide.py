@@ -23,7 +23,7 @@ from scara_iso.acquisition import (
     raw_path,
     write_bench,
 )
-from scara_iso.cli.record_options import RecordOptions, usual_bench
+from scara_iso.cli.record_options import RecordOptions, instruments_of, usual_bench
 from scara_iso.cli.recording import record_as_asked
 from scara_iso.errors import InstrumentError, ScaraIsoError, UsageError
 from scara_iso.reporting import printable
@@ -50,8 +50,9 @@ def guide(options: RecordOptions) -> RecordOptions:
     Ports are listed first, and one is spoken to only once it was named for an axis.
     """
     bench = None if options.gauges else usual_bench(options)
+    of_bench = {} if bench is None else instruments_of(options, bench)
     if bench and not _ask("   Record with these", "yes", _agreed):
-        bench = None
+        bench, of_bench = None, {}
     gauges = options.gauges or (bench.gauges if bench else _ask_gauges())
     parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
     gauges = _with_units(_with_drivers(gauges), options.unit)
@@ -59,7 +60,7 @@ def guide(options: RecordOptions) -> RecordOptions:
     table = _ask_table()
     if bench is None:
         _remember(options.bench or table.parent / BENCH_FILE, RememberedBench(gauges, trigger))
-    return replace(options, table=table, gauges=gauges, trigger=trigger)
+    return replace(options, table=table, gauges=gauges, trigger=trigger, of_bench=of_bench)
 
 
 def without_questions(options: RecordOptions) -> str:
@@ -68,6 +69,8 @@ def without_questions(options: RecordOptions) -> str:
     for gauge in options.gauges:
         words += ["--gauge", gauge]
     words += ["--trigger", str(options.trigger)]
+    for key, text in options.of_bench.items():
+        words += ["--meta", f"{key}={text}"]
     return shlex.join(words)
 
 

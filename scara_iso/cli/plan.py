@@ -11,6 +11,7 @@ import typer
 from scara_iso import library, render, reporting
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
+from scara_iso.errors import UsageError
 
 
 class SolidName(StrEnum):
@@ -52,7 +53,10 @@ Picture = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Workspace and poses as .svg or .png.")
 ]
 Output = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Visits as CSV, for a robot program.")
+    Path | None,
+    typer.Option(
+        "-o", "--output", help="Visits as CSV, for a robot program; FILE.toml: as a test.toml."
+    ),
 ]
 
 
@@ -80,6 +84,10 @@ def plan_command(
     from scara_iso.tables import find_locale
 
     check_outputs([picture, output], [model])
+    locale = find_locale(excel_locale)
+    as_test = output is not None and output.suffix.lower() == ".toml"
+    if as_test and excel_locale is not None:
+        raise UsageError("--excel-locale is for a .csv", remedy="let the name end in .csv")
     described = read_model(model)
     found = library.plan(
         model,
@@ -94,8 +102,10 @@ def plan_command(
     )
     if picture is not None:
         render.save_figure(found.plot(), picture)
-    if output is not None:
-        write_text(reporting.visits_csv(found, find_locale(excel_locale)), output)
+    if output is not None and as_test:
+        library.write_planned_test(output, found, model)
+    elif output is not None:
+        write_text(reporting.visits_csv(found, locale), output)
     if json:
         write_json(render.plan_json(found))
     else:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from scara_iso.acquisition import BENCH_FILE, RememberedBench, name_dialects, read_bench
@@ -37,6 +37,8 @@ class RecordOptions:
     watch: bool | None = None
     quiet: bool = False
     usual_trigger: str | None = None
+    of_bench: Mapping[str, str] = field(default_factory=dict)
+    """What bench.toml states of its instruments, as lines of the table's head."""
 
     @property
     def shown(self) -> bool:
@@ -61,7 +63,23 @@ def complete(options: RecordOptions) -> RecordOptions:
     bench = usual_bench(options)
     if bench is None:
         return options
-    return replace(options, gauges=name_dialects(bench.gauges, say), usual_trigger=bench.trigger)
+    return replace(
+        options,
+        gauges=name_dialects(bench.gauges, say),
+        usual_trigger=bench.trigger,
+        of_bench=instruments_of(options, bench),
+    )
+
+
+def instruments_of(options: RecordOptions, bench: RememberedBench) -> dict[str, str]:
+    """Return what the bench's file states of its instruments, as lines of a table; say whose."""
+    from scara_iso.acceptance import lines_of, read_instruments
+
+    path = _bench_file(options)
+    found = read_instruments(path)
+    if found:
+        say(f"certificates of {path}: {', '.join(found)}")
+    return lines_of(found, [gauge.partition("=")[0].strip() for gauge in bench.gauges])
 
 
 def usual_bench(options: RecordOptions) -> RememberedBench | None:
@@ -70,12 +88,9 @@ def usual_bench(options: RecordOptions) -> RememberedBench | None:
     What was found and not named may be another's: a server in it, or a request of its own, is
     confirmed before it is used.
     """
-    path = options.bench
-    if path is None:
-        table = options.table or Path()
-        path = (table if table.is_dir() else table.parent) / BENCH_FILE
-        if not path.is_file():
-            return None
+    path = _bench_file(options)
+    if options.bench is None and not path.is_file():
+        return None
     bench = read_bench(path)
     say(f"gauges of {path}: {'  '.join(bench.gauges)}")
     if options.bench is None and (reached := bench.reaches_out()):
@@ -85,6 +100,12 @@ def usual_bench(options: RecordOptions) -> RememberedBench | None:
             on_terminal=options.shown,
         )  # fmt: skip
     return bench
+
+
+def _bench_file(options: RecordOptions) -> Path:
+    table = options.table or Path()
+    folder = table if table.is_dir() else table.parent
+    return options.bench or folder / BENCH_FILE
 
 
 def say(text: str) -> None:

@@ -146,6 +146,8 @@ def record_table(
     metadata |= parse_metadata(options.meta)
     if assignment is not None:
         metadata = check_metadata(dict(assignment.metadata)) | metadata
+    if not set(metadata) & set(options.of_bench):  # a certificate is that of one indicator
+        metadata = check_metadata(options.of_bench) | metadata
     if not options.resume:
         refuse_existing(table)
         if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():

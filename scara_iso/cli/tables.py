@@ -10,6 +10,7 @@ import typer
 from scara_iso.cli.options import (
     AsJson,
     ColumnsByPosition,
+    ConditionName,
     DecimalMark,
     ExcelLocale,
     ResolutionOfTable,
@@ -33,6 +34,7 @@ def tables_command(
     sheet: Sheet = None,
     columns: ColumnsByPosition = None,
     output: Output = None,
+    condition: ConditionName = None,
     excel_locale: ExcelLocale = None,
     json: AsJson = False,
 ) -> None:
@@ -44,7 +46,7 @@ def tables_command(
     from scara_iso.tables import find_locale, write_table
 
     check_outputs([output], table)
-    run = TableOptions(unit, resolution, decimal, sheet, columns).read(table)
+    run = TableOptions(unit, resolution, decimal, sheet, columns).read(table, condition)
     if output is not None:
         write_text(write_table(run, find_locale(excel_locale)), output)
     if json:

@@ -29,7 +29,9 @@ def of_column(
             name, unit, reading_u = column(axis)
             if name in run.covariates and len(rows) >= FEWEST:
                 estimate = _mean(run.covariates[name][rows], unit, reading_u, clause)
-                yield Characteristic(code, label, axis.name, estimate, (code,), reading_u)
+                yield Characteristic(
+                    code, label, axis.name, estimate, (code,), reading_u, counted="arrivals"
+                )
 
 
 def _mean(values: FloatArray, unit: str, reading_u: float | None, clause: str) -> Estimate:

@@ -100,6 +100,7 @@ def push_test(
     fit = fit_loop(loop)
     found = _of_reading(loop, fit)
     found += [] if arm_m is None else _of_joint(found, arm_m)
+    found = [replace(one, counted="readings") for one in found]
     held = check_limits(found, limits or {}, decision=decision)
     return PushResult(loop, fit, arm_m, held)
 

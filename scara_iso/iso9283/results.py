@@ -170,6 +170,8 @@ class Characteristic:
     """Whether its interval shrinks evenly with the root of the cycles, as that of a mean."""
     half_width: bool = False
     """Whether the figure is the half of a width: ``± 3 S``."""
+    counted: str = "cycles"
+    """What ``n`` of the estimate counts."""
 
     @property
     def name(self) -> str:

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from scara_iso.library.diagnoses import Diagnoses as Diagnoses
     from scara_iso.library.figures import analyze as analyze, analyze_many as analyze_many
     from scara_iso.library.fleet_runs import fleet as fleet
-    from scara_iso.library.folders import new_test as new_test
+    from scara_iso.library.folders import (
+        new_test as new_test,
+        write_planned_test as write_planned_test,
+    )
     from scara_iso.library.gauge_studies import gauge_study as gauge_study
     from scara_iso.library.inputs import (
         Table as Table,

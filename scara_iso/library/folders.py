@@ -1,4 +1,4 @@
-"""`new_test`: the folder of a test, from the plan of a model."""
+"""`new_test`: the folder of a test, from the plan of a model, or its test.toml alone."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import Any
 from scara_iso.acceptance import FILE, plan_test, toml_of
 from scara_iso.disk import write_file
 from scara_iso.errors import CannotCreateError, UsageError
+from scara_iso.iso9283 import PosePlan
 from scara_iso.library.models import plan
-from scara_iso.robot import read_model
+from scara_iso.robot import Model, read_model
 
 
 def new_test(
@@ -28,29 +29,59 @@ def new_test(
     """
     folder, model = Path(folder), Path(model)
     file = folder / FILE
-    if file.exists():
-        raise CannotCreateError(
-            "is there already", where=str(file), remedy="edit it, or name another folder"
-        )
+    _refuse_existing(file)
     _check_percents({"velocities": velocities, "loads": loads})
     described = read_model(model)
-    test = plan_test(
-        plan(described, **planned), described, model_path=model, folder=folder,
-        velocities=velocities, loads=loads,
-    )  # fmt: skip
+    found = plan(described, **planned)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise CannotCreateError(
             f"cannot be created ({error.strerror})", where=str(folder), remedy="name another folder"
         ) from error
+    return _write(file, found, described, model, velocities, loads)
+
+
+def write_planned_test(file: str | Path, planned: PosePlan, model: str | Path) -> Path:
+    """Write the test of a plan, as `new_test` does, for its one velocity and load; return ``file``.
+
+    ``model`` is the file that the plan was made of. Raises `CannotCreateError` where ``file`` is
+    there already: a test.toml is edited by hand.
+    """
+    file, model = Path(file), Path(model)
+    _refuse_existing(file)
+    how = planned.conditions
+    velocities, loads = (how.velocity_percent,), (how.load_percent,)
+    _check_percents({"velocities": velocities, "loads": loads})
+    return _write(file, planned, read_model(model), model, velocities, loads)
+
+
+def _refuse_existing(file: Path) -> None:
+    if file.exists():
+        raise CannotCreateError(
+            "is there already", where=str(file), remedy="edit it, or name another folder"
+        )
+
+
+def _write(
+    file: Path,
+    planned: PosePlan,
+    described: Model,
+    model: Path,
+    velocities: Sequence[float],
+    loads: Sequence[float],
+) -> Path:
+    test = plan_test(
+        planned, described, model_path=model, folder=file.parent,
+        velocities=velocities, loads=loads,
+    )  # fmt: skip
     write_file(file, toml_of(test).encode())
     return file
 
 
 def _check_percents(given: Mapping[str, Sequence[float]]) -> None:
     for name, values in given.items():
-        wrong = [value for value in values if not 0 <= value <= 100]
+        wrong = [v for v in values if not 0 <= v <= 100 or (v == 0 and name == "velocities")]
         if wrong or not values or len(set(values)) < len(values):
             raise UsageError(
                 f"{name} {', '.join(f'{value:g}' for value in values)}: no such test",

@@ -43,13 +43,13 @@ class TableOptions:
     sheet: str | None = None
     columns: str | Sequence[str] | None = None
 
-    def read(self, tables: Tables) -> Run:
-        """Return the run of a table, or of those of one test.
+    def read(self, tables: Tables, condition: str | None = None) -> Run:
+        """Return the run of a table, or of those of one test; of a folder under ``condition``.
 
         Errors as in `read_table`, `Run.from_frame` and `tables.merge`, with the faults of every
         table; `UsageError` for an option that the kind of table has no use for.
         """
-        if (measured := self.measured(tables)) is not None:
+        if (measured := self.measured(tables, condition)) is not None:
             return measured.readings
         found = tables_of(tables)
         if len(found) == 1:

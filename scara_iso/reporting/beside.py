@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.iso9283 import Beside, Characteristic, PushResult
-from scara_iso.reporting.blocks import Number, Section, Table
+from scara_iso.reporting.blocks import Figure, Number, Section, Table
 from scara_iso.reporting.drift import drift_pictures, largest_of
+from scara_iso.reporting.plotted import Chart, Curve
 from scara_iso.reporting.push import BOUGHT_BY, push_report
 from scara_iso.reporting.raw_data import raw_data
 from scara_iso.reporting.stated import conditions
@@ -32,7 +33,15 @@ def beside_sections(beside: Beside) -> Iterator[Section]:
         yield from drift_pictures(beside.drift)
     for name, found in beside.pushes.items():
         blocks = tuple(block for section in push_report(found) for block in section.blocks)
-        yield Section(_titled("Push test", name), blocks)
+        yield Section(_titled("Push test", name), (*blocks, _picture(found)))
+
+
+def _picture(found: PushResult) -> Figure:
+    """Return the picture of the loops: what the dial showed over the force."""
+    loop = found.loop
+    curve = Curve("readings, in their order", loop.force, loop.reading)
+    chart = Chart("force [N]", "mm", (curve,), {})
+    return Figure(chart, "Loops of the push test", "the width at no force is the hysteresis")
 
 
 def beside_readings(beside: Beside) -> Iterator[Section]:

@@ -9,6 +9,7 @@ from scara_iso.reporting.blocks import Block, Facts, Text
 from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words, parameters_said, rivals_said
 from scara_iso.reporting.digits import p_equals
 from scara_iso.reporting.words import words
+from scara_iso.tables import listed
 
 _CHANCE = (
     "p: how often scatter alone would look this structured. Where nothing was found, an effect too "
@@ -17,12 +18,11 @@ _CHANCE = (
 
 
 def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Iterator[Block]:
-    """Yield a row for each pose, and for each effect its sizes, its cause and its test."""
-    rows = [
-        (pose or "all cycles", diagnosis_in_words(found) + _chance(found))
-        for pose, found in diagnoses.items()
-    ]
-    yield Facts(tuple(rows))
+    """Yield what was found at which poses, and of each effect sizes, cause and test."""
+    poses: dict[str, list[str]] = {}
+    for pose, found in diagnoses.items():
+        poses.setdefault(diagnosis_in_words(found) + _chance(found), []).append(pose or "")
+    yield Facts(tuple((listed(at) or "all cycles", said) for said, at in poses.items()))
     yield Text(_CHANCE, "quiet")
     effects: dict[str, list[tuple[str | None, Found]]] = {}
     for pose, found in diagnoses.items():

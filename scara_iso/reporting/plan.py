@@ -95,7 +95,7 @@ def _visits(plan: PosePlan) -> Iterator[Block]:
     if missing:
         yield Text(f"the model states no rated {' and '.join(missing)}: add [rated]", "warn")
     yield Text(
-        "measure the stabilisation time first: it fixes the dwell (6.10); -o FILE writes the "
-        "visits for a robot program",
+        "measure the stabilisation time first: it fixes the dwell (6.10); -o FILE.csv writes the "
+        "visits for a robot program, -o FILE.toml the test.toml of a folder",
         "quiet",
     )

@@ -12,6 +12,8 @@ from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck
 from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Result, Table
 from scara_iso.reporting.digits import U_of_scatter, places, places_that_decide
 from scara_iso.reporting.limits import VERDICTS, limit_cell
+from scara_iso.reporting.words import words
+from scara_iso.tables import listed
 
 _COLUMNS = 8
 """Of characteristics, beside which a page has room for those of pose and conditions."""
@@ -118,7 +120,7 @@ def _matrix(labels: Sequence[str], rows: Sequence[_Row], columns: Sequence[_Colu
               for c in columns]  # fmt: skip
     if any(limits):
         body.append(("limit", *[""] * (len(labels) - 1), *limits))
-    header = [f"{one.code} {one.of} [{one.estimate.unit}]" for one in heads]
+    header = [_name(one) for one in heads]
     return Table((*labels, *header), tuple(body), _note(heads))
 
 
@@ -133,7 +135,7 @@ def _list(
         at = f"{one.pose or ''}{f' (decides, of {number})' if number > 1 else ''}"
         rows.append(
             (
-                f"{one.code} {one.of} [{one.estimate.unit}]",
+                _name(one),
                 *(conditions.get(name, "") for name in names),
                 *((at,) if several else ()),
                 *_apart(_result(one)),
@@ -144,6 +146,12 @@ def _list(
     where = (*names, "pose") if several else tuple(names)
     header = ("characteristic", *where, "figure", "95 % interval", "limit", "verdict")
     return Table(header, tuple(rows), _note([one for _, one, _ in found]))
+
+
+def _name(one: Characteristic) -> str:
+    """Return what a figure is called on page 1: ``RP XY [mm]``, ``lost motion joint [arcmin]``."""
+    name = f"{one.code} {one.of}"
+    return f"{words(name) if one.code.islower() else name} [{one.estimate.unit}]"
 
 
 def _apart(cell: Result | str) -> tuple[Cell, Cell]:
@@ -201,11 +209,17 @@ def _limit(one: Characteristic | None) -> Number | str:
 
 def _note(found: Iterable[Characteristic]) -> str:
     clauses: dict[str, list[str]] = {}
-    n = set()
+    numbers: dict[str, list[int]] = {}
     for one in found:
+        code = words(one.code) if one.code.islower() else one.code
         codes = clauses.setdefault(one.estimate.clause, [])
-        codes += [] if one.code in codes else [one.code]
-        n.add(one.estimate.n)
+        codes += [] if code in codes else [code]
+        numbers.setdefault(one.counted, []).append(one.estimate.n)
     said = "; ".join(f"{', '.join(codes)}: {clause}" for clause, codes in clauses.items())
-    cycles = f"{min(n)}" if len(n) == 1 else f"{min(n)} to {max(n)}"
-    return f"figure and its 95 % interval, of {cycles} cycles; {said}"
+    of = listed([f"{_range(n)} {what}" for what, n in numbers.items()])
+    return f"figure and its 95 % interval, of {of}; {said}"
+
+
+def _range(numbers: Sequence[int]) -> str:
+    low, high = min(numbers), max(numbers)
+    return f"{low}" if low == high else f"{low} to {high}"

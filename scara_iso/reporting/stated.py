@@ -73,6 +73,7 @@ _ITEM = (
     "item", "serial number", "condition of the item", "item received", "sampling",
     "date of the test", "date of issue", "operator", "authorized by",
 )  # fmt: skip
+_AT_A_GLANCE = ("velocity", "payload", "ambient temperature")
 _CONDITIONS = (
     "ambient temperature", "humidity", "payload", "rated load", "velocity", "rated velocity",
     "dwell",
@@ -82,6 +83,7 @@ _INSTRUMENT = (
     "calibration certificate",
 )  # fmt: skip
 _OF_A_POSE = re.compile(r"(\w+)\[(.+)\]")
+_SAID_BY_CYCLES = ("first_cycle_discarded", "first_cycle")
 _REMARK = re.compile(r"record_\d+_(struck|changed|note)")
 
 
@@ -94,14 +96,18 @@ def head(run: Run, cycles: Cycles) -> Facts:
 
 
 def parties(run: Run) -> tuple[Facts, Facts]:
-    """Return who tested for whom, and what was tested, when and by whom; as far as it is stated."""
-    return _facts(run, _PEOPLE, "Laboratory and customer"), _facts(run, _ITEM, "Item and test")
+    """Return who tested for whom, and what was tested, when, by whom, and how."""
+    item = _facts(run, _ITEM, "Item and test")
+    held = "; ".join(f"{name} {said}" for name, said in _facts(run, _AT_A_GLANCE, "").rows)
+    rows = (*item.rows, *([("conditions", held)] if held else []))
+    return _facts(run, _PEOPLE, "Laboratory and customer"), replace(item, rows=rows)
 
 
 def conditions(run: Run, cycles: Cycles) -> tuple[Facts, Facts]:
     """Return the conditions and the instruments, as far as they are stated."""
     held = _facts(run, _CONDITIONS, "Conditions")
-    others = [row for row in _others(_by_key(run)) if not _REMARK.fullmatch(row[0])]
+    others = [(key, text) for key, text in _others(_by_key(run))
+              if not _REMARK.fullmatch(key) and key not in _SAID_BY_CYCLES]  # fmt: skip
     said = (*held.rows, ("cycles", _counted(cycles)), *((_words(k), v) for k, v in others))
     used = _facts(run, _INSTRUMENT, "Instruments")
     return replace(held, rows=said), replace(used, rows=(*used.rows, *_dials(run)))
@@ -151,7 +157,8 @@ def _facts(run: Run, names: Iterable[str], heading: str) -> Facts:
 
 
 def _words(key: str) -> str:
-    return key.replace("_", " ")
+    name, _, pose = key.removesuffix("]").partition("[")
+    return f"{name.replace('_', ' ')}{f' at {pose.upper()}' if pose else ''}"
 
 
 def _counted(cycles: Cycles) -> str:

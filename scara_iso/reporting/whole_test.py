@@ -51,9 +51,10 @@ def _said(folder: Folder) -> Iterator[Block]:
     yield Text(f"{whole} of {len(folder.parts)} parts are recorded")
     following = folder.next
     if following is None:
-        faulty = any(state.why for state in folder.parts)
+        faulty = [state for state in folder.parts if state.why]
         yield Text("Nothing is missing" + (", but parts are faulty" if faulty else ""), "strong")
-        yield Text(f"Now: scara-iso report {folder.path}")
+        now = _mend(folder, faulty[0]) if faulty else f"scara-iso report {folder.path}"
+        yield Text(f"Now: {now}")
         return
     left = seconds_left(folder)
     pace = f", {about(left)} left at the pace so far" if left is not None else ""
@@ -62,6 +63,13 @@ def _said(folder: Folder) -> Iterator[Block]:
         yield Text(f"Now: write force_N and reading into {folder.path / following.part.name}.csv")
     else:
         yield Text(f"Now: scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
+
+
+def _mend(folder: Folder, state: PartState) -> str:
+    if state.part.is_push:
+        return f"correct {folder.path / state.part.name}.csv"
+    again = f"scara-iso record {folder.path} `part={state.part.name}` `repeat='the reason'`"
+    return f"correct what is named below, or {again} `gauge=AXIS=DRIVER@PORT`"
 
 
 def _struck(folder: Folder) -> list[str]:

@@ -40,6 +40,11 @@ class Wanted:
         for name, value in (("dwell", self.dwell_s), ("still", self.still), ("band", self.band)):
             if value is not None and not 0 < value < math.inf:
                 raise UsageError(f"`{name}={value:g}`", remedy="give a size above zero")
+        if not all(name.strip() for name in self.poses):
+            raise UsageError(
+                f"`poses={','.join(self.poses)}`: a rest without a name",
+                remedy="name each in its order, - for one that is no pose: `poses=P1,-`",
+            )
 
 
 def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
@@ -50,6 +55,7 @@ def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
     """
     stream = _stream(run)
     interval = float(np.median(np.diff(stream.time)))
+    _refuse_longer(wanted.dwell_s, stream, run.origin.source)
     found = motion(stream.time, stream.lengths, wanted.dwell_s / _WINDOWS_IN_DWELL)
     still, notes = _still(run, found, wanted, interval)
     stays = join(stream, find_rests(found, still), wanted.dwell_s / 2, still)
@@ -129,6 +135,15 @@ def _stream(run: Run) -> Samples:
     lengths = [a.readings for a in run.axes.values() if a.dimension is Dimension.LENGTH]
     unit = Dimension.LENGTH if lengths else Dimension.ANGLE
     return Samples(time, axes, lengths or list(axes.values()), unit.value)
+
+
+def _refuse_longer(dwell_s: float, stream: Samples, source: str) -> None:
+    lasts = float(stream.time[-1] - stream.time[0])
+    if dwell_s > lasts:
+        raise UsageError(
+            f"`dwell={dwell_s:g}`: the stream lasts {lasts:.3g} s", where=source,
+            remedy="state the seconds for which the robot stood at each pose, at the least",
+        )  # fmt: skip
 
 
 def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[float, list[str]]:

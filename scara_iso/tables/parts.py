@@ -147,7 +147,7 @@ def _other_axes(parts: Sequence[_Labelled]) -> Iterator[Fault]:
             yield Fault(
                 f"{part.name}: axes {', '.join(others)}, and {', '.join(mine)} in {first.name}"
             )
-        for name in mine.keys() & others.keys():
+        for name in (one for one in mine if one in others):
             yield from _other_dial(first.name, mine[name], part.name, others[name])
 
 

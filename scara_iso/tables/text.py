@@ -18,6 +18,7 @@ LINE_LIMIT = 100_000
 _CHUNK = 500_000
 _JOINED = 5
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+_HARMLESS = b"\t\n" + bytes(range(0x20, 0x7F))
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8", "UTF-8 with BOM"),
     (codecs.BOM_UTF32_LE, "utf-32-le", "UTF-32"),
@@ -70,6 +71,8 @@ def _utf16_without_bom(data: bytes) -> str | None:
 
 
 def _refuse_control(text: str, where: str) -> None:
+    if text.isascii() and not text.encode().translate(None, _HARMLESS):  # four times as fast
+        return
     faults = Faults(where)
     for match in _CONTROL.finditer(text):
         line = text.count("\n", 0, match.start()) + 1

@@ -15,6 +15,12 @@ from scara_iso.errors import CannotCreateError, DataError, UsageError
 
 def refuse_existing(table: Path) -> None:
     """Raise `CannotCreateError` where a table, its raw file or its manifest is there already."""
+    if table.is_dir():
+        raise CannotCreateError(
+            "is a folder, and not that of a test", where=str(table),
+            remedy=f"name a table in it, or make it one: scara-iso test new {table} "
+            "`model=MODEL.toml`",
+        )  # fmt: skip
     for path in (table, raw_path(table), manifest_path(table)):
         if path.exists():
             raise CannotCreateError(

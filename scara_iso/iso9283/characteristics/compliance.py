@@ -39,4 +39,4 @@ def compute(test: Measured) -> Iterator[Characteristic]:
                 except DataError:  # this axis does not follow the force
                     continue
                 estimate = compliance_estimate(loop, fit)
-                yield Characteristic(CODE, pose.label, name, estimate, (CODE,))
+                yield Characteristic(CODE, pose.label, name, estimate, (CODE,), counted="readings")

@@ -46,4 +46,5 @@ def compute(test: Measured) -> Iterator[Characteristic]:
                 largest_distance(groups, pairs, axes=axes, clause=CLAUSE),
                 limited_by=limit_names(CODE, pose.label, of),
                 of_means=True,
+                counted="visits in a block",
             )

@@ -51,6 +51,7 @@ def compute(test: Measured) -> Iterator[Characteristic]:
                 change_of_repeatability(blocks, axes),
                 names_of_limit,
                 of_means=True,
+                counted="visits in a block",
             )
 
 

@@ -38,4 +38,4 @@ def compute(test: Measured) -> Iterator[Characteristic]:
         estimate = Estimate(
             fit.steady_after_h, "h", u, {"sampling": u}, (low, high), blocks, CLAUSE
         )
-        yield Characteristic(CODE, course.pose.label, "".join(fit.axes), estimate)
+        yield Characteristic(CODE, course.pose.label, "".join(fit.axes), estimate, counted="blocks")

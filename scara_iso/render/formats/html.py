@@ -13,12 +13,13 @@ from importlib.resources import files
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from scara_iso.render.pictures import picture
+from scara_iso.render.pictures import picture, picture_size
 from scara_iso.reporting import Block, Document, Facts, Figure, Interval, Number, Result, printable
 
 if TYPE_CHECKING:
     from markupsafe import Markup
 
+_HALF = 5.0  # inch
 _BESIDE = (Figure, Facts)
 """Blocks of which several may stand beside each other."""
 
@@ -34,6 +35,7 @@ def render(document: Document) -> bytes:
     style = _resource("report.css").replace("TITLE", css_string(document.title))
     numbers = iter(range(10**6))
     environment.filters["picture"] = lambda figure: Markup(picture(figure, next(numbers)))  # noqa: S704
+    environment.filters["fills_the_page"] = lambda figure: picture_size(figure)[0] > _HALF
     page = environment.from_string(_resource("report.html")).render(
         title=document.title,
         simulated=document.simulated,

@@ -17,6 +17,16 @@ _REMEDY = (
 _FACES = (("DejaVuSans.ttf", 400), ("DejaVuSans-Bold.ttf", 700))
 """Fonts that come with matplotlib: the same page wherever it is made."""
 
+_OWN = (
+    "@page { size: A4 } body, svg text { font-family: Paper !important } "
+    # `overflow-wrap: anywhere` costs WeasyPrint the square of a word's length
+    "body { overflow-wrap: break-word !important } "
+    # and a figure across all columns of a grid gets none of them
+    ".pictures { display: block !important } figure { display: inline-block; width: 48% } "
+    "figure.all { display: block; width: auto }"
+)
+"""What WeasyPrint needs beside the page's own style."""
+
 
 def render(document: Document) -> bytes:
     """Return a report as the bytes of a PDF; `UsageError` without the library for it."""
@@ -31,11 +41,7 @@ def render(document: Document) -> bytes:
         f"src: url({font_file(name).as_uri()}) }}"
         for name, weight in _FACES
     )
-    # `overflow-wrap: anywhere` costs WeasyPrint the square of a word's length
-    style = (
-        f"{faces} @page {{ size: A4 }} body, svg text {{ font-family: Paper !important }} "
-        "body { overflow-wrap: break-word !important }"
-    )
+    style = f"{faces} {_OWN}"
     page = HTML(string=html.render(document).decode(), url_fetcher=_refused)
     sheet = CSS(string=style, font_config=fonts)
     return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts))
