@@ -166,9 +166,8 @@ def in_order(
     ordered = [member for member in left.members if member.ordered]
     calm = _drawn_in(left)
     emissions = [] if terms else _emissions(replace(problem.residual, values=calm), ordered)
-    views = problem.views_of(calm, left.basis)
     spreading = left.values[:, ~neighbours(problem.residual)]
-    return left.hypotheses.of(ordered), views, emissions, spreading
+    return left.hypotheses.of(ordered), problem.views_of(calm, left.basis), emissions, spreading
 
 
 def _order_of(problem: SearchProblem, terms: Sequence[Term], left: Remainder) -> float:
