@@ -1,6 +1,6 @@
 """Many robots: what is found among 1,000 of which 30 are ill, and what each engine takes.
 
-    python benchmarks/fleet.py [--robots 1000] [--ill 30] [--compared 120]
+    python benchmarks/fleet.py [--robots 1000] [--ill 30] [--compared 100]
 
 One table of 31 cycles and three axes for each robot; the ill have a step of four standard
 deviations in one axis. Times are of one run; the ratios are to one process of this machine.
@@ -71,18 +71,39 @@ def dask(source: Path, to: Path) -> float:
         return seconds(source, to, engine=f"dask://{address}")[0]
 
 
-def compare(folder: Path, robots: int) -> None:
+def compare(folder: Path, robots: int, ill: int) -> None:
     """Print what each engine takes for the same robots."""
     source = folder / "few"
-    write(source, robots, max(robots // 30, 1))
+    write(source, robots, ill)
     one, _ = seconds(source, folder / "one", workers=1)
     two, _ = seconds(source, folder / "two", workers=2)
     cluster = dask(source, folder / "dask")
     same = len({digest(folder / name) for name in ("one", "two", "dask")}) == 1
-    print(f"{robots} robots; equal results: {same}")
+    print(f"{robots} robots, {ill} of them with a step; equal results: {same}")
     print(f"  bare DuckDB, sums only  {bare(source):7.2f} s")
     for name, taken in (("1 process", one), ("2 processes", two), ("Dask, 2 workers", cluster)):
         print(f"  {name:22}  {taken:7.2f} s  {robots / taken:5.1f} tables/s  {one / taken:.2f} x")
+
+
+def closer(to: Path) -> str:
+    """Return how many tables were compared with more orders, and with how many."""
+    rows = duckdb.sql(f"FROM '{to}/parts/*.parquet'").filter("orders > 999").select("orders")
+    found = [orders for (orders,) in rows.fetchall()]
+    return f"{len(found)} tables compared with up to {max(found, default=999)} orders"
+
+
+def find(folder: Path, robots: int, ill: int) -> None:
+    """Print which robots are found, and what it takes."""
+    chosen = write(folder / "all", robots, ill)
+    taken, found = seconds(folder / "all", folder / "results")
+    named = {one.robot for one in found.found}
+    alone = sum(one.p_value <= found.level for one in found.robots)
+    memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
+    print(f"{robots} robots, {ill} ill: {len(named & chosen)} found, {len(named - chosen)} "
+          f"healthy ones named; at 5 % each by itself: {alone}")  # fmt: skip
+    first = [one.robot in chosen for one in found.robots[:ill]]
+    print(f"  of the first {ill} of the list, {sum(first)} are ill; {closer(folder / 'results')}")
+    print(f"  {taken:.0f} s, {robots / taken:.1f} tables/s, {memory:.0f} MB a process", flush=True)
 
 
 def main() -> None:
@@ -90,21 +111,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robots", type=int, default=1000)
     parser.add_argument("--ill", type=int, default=30)
-    parser.add_argument("--compared", type=int, default=120)
+    parser.add_argument("--compared", type=int, default=100)
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        compare(folder, given.compared)
-        ill = write(folder / "all", given.robots, given.ill)
-        taken, found = seconds(folder / "all", folder / "results")
-        named = {one.robot for one in found.found}
-        alone = sum(one.p_value <= found.level for one in found.robots)
-        memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
-        print(f"{given.robots} robots, {len(ill)} ill: {len(named & ill)} found, "
-              f"{len(named - ill)} healthy ones named; at 5 % each by itself: {alone}")  # fmt: skip
-        first = [one.robot in ill for one in found.robots[: len(ill)]]
-        print(f"  of the first {len(ill)} of the list, {sum(first)} are ill")
-        print(f"  {taken:.0f} s, {given.robots / taken:.1f} tables/s, {memory:.0f} MB a process")
+    for robots, ill in ((given.robots, given.ill), (given.robots // 10, 1)):
+        with tempfile.TemporaryDirectory() as name:
+            find(Path(name), robots, ill)
+    for ill in (0, given.compared // 4):
+        with tempfile.TemporaryDirectory() as name:
+            compare(Path(name), given.compared // (4 if ill else 1), ill)
 
 
 if __name__ == "__main__":

@@ -115,8 +115,7 @@ def forecasts() -> Iterator[str]:
         inside, later, shown, widths = [], [], [], []
         for _ in range(HISTORIES):
             logs, sampling = simulated(rng, levels, between)
-            sigma = between_tests(logs, sampling, [slice(0, MONTHS)])
-            trend = trend_of(days, logs, sigma)
+            trend = trend_of(days, logs, sampling)
             if trend is None:
                 raise SystemExit("24 tests are enough for a trend")
             shown.append(trend.is_shown)

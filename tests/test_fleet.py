@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,9 +17,13 @@ import pytest
 
 import scara_iso
 from scara_iso.cli import main
-from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError
-from scara_iso.fleets import Engine
+from scara_iso.diagnosis import CyclesWanted, finer, floor_of
+from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
+from scara_iso.fleets import Engine, ReadAs
+from scara_iso.fleets.database import results_in, write_parquet
 from scara_iso.fleets.dispatch import done_by
+from scara_iso.fleets.parts import tables_in
+from scara_iso.library import engines
 from scara_iso.library.engines import open_processes
 
 ROOT = Path(scara_iso.__file__).parents[1]
@@ -90,6 +95,29 @@ def test_the_q_values_are_those_of_benjamini_and_hochberg(done):
     assert sorted(one.q_value for one in summary.robots) == pytest.approx(q)
 
 
+def test_more_orders_name_a_robot_that_the_first_thousand_cannot(tmp_path, done):
+    source, out, summary = done
+    shutil.copytree(out, tmp_path / "o")
+    found = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
+    assert summary.found[0].q_value > 0.005  # as far as 999 orders go
+    assert [one.robot for one in found.found] == ["R1-2"]
+    assert found.found[0].p_value == 1 / (2527 + 1) / 0.95  # 12 robots / (0.005 x 0.95)
+    others = {one.robot: one.p_value for one in summary.robots[1:]}
+    assert {one.robot: one.p_value for one in found.robots[1:]} == others
+    before = results(tmp_path / "o")
+    again = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
+    assert again.robots == found.robots
+    assert results(tmp_path / "o") == before
+
+
+def test_a_table_at_the_floor_by_chance_drops_out_and_keeps_a_valid_p_value():
+    values = np.random.default_rng(4).normal(0, 0.003, (31, 2)).round(3)
+    rows = "\n".join(f"{k},{x:.3f},{y:.3f}" for k, (x, y) in enumerate(values, 1))
+    run = scara_iso.read_table(f"# unit: mm\n# resolution: 0.001\ncycle,X,Y\n{rows}\n".encode())
+    p_value, at_floor = finer(run, CyclesWanted(), 2000, seed=9283)
+    assert (p_value, at_floor) == (floor_of(999), False)  # never above what it had
+
+
 def test_what_is_done_is_not_done_again(done, capsys):
     source, out, _ = done
     before, whole = results(out), (out / "manifest.jsonl").read_bytes()
@@ -139,6 +167,50 @@ def test_a_cluster_that_is_not_there(tmp_path, done, monkeypatch):
     with pytest.raises(UsageError):
         scara_iso.fleet(source, tmp_path / "o", engine="dask://nowhere")
     assert not (tmp_path / "o").exists()
+
+
+@pytest.fixture
+def in_this_process(monkeypatch):
+    monkeypatch.setattr(engines, "open_processes", lambda _: ThreadPoolExecutor(1))
+
+
+def test_a_part_that_is_a_link_is_known_by_its_own_name(tmp_path, in_this_process):
+    short = tmp_path / "short.csv"
+    short.write_text(HEAD + "R1,t,1,0.1,0.2\nR1,t,2,0.1,0.2\n", encoding="utf-8")
+    (tmp_path / "parts").mkdir()
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / "parts" / name).symlink_to(short)
+    for before in (0, 2):
+        found = scara_iso.fleet(tmp_path / "parts", tmp_path / "o")
+        assert found.run.before == before
+        assert [one.part for one in found.failed] == ["a.csv", "b.csv"]
+        assert found.tables == 0  # none of them was diagnosed
+
+
+@pytest.mark.parametrize("header", ["robot,cycle,X,X", "robot;cycle;x;X"])
+def test_columns_of_one_name_are_refused(tmp_path, header):
+    part = tmp_path / "a.csv"
+    row = "R,1,0.1,0.2".replace(",", header[5])
+    part.write_text(f"# unit: mm\n{header}\n{row}\n{row}\n", encoding="utf-8")
+    with pytest.raises(DataError, match="several columns x"):
+        list(tables_in(part, ReadAs()))
+
+
+def test_a_part_apart_by_semicolons_is_several_robots(tmp_path):
+    part = tmp_path / "a.csv"
+    text = HEAD.replace(",", ";") + "R1;t;1;0.1;0.2\nR2;t;1;0.3;0.4\n"
+    part.write_text(text, encoding="utf-8")
+    found = {one.robot: one.run.axes["X"].readings[0] for one in tables_in(part, ReadAs())}
+    assert found == {"R1": 0.1, "R2": 0.3}
+
+
+def test_a_full_disk_and_damaged_results_are_said(tmp_path, monkeypatch):
+    (tmp_path / "a.parquet").write_bytes(b"PAR1 and no more")
+    with pytest.raises(DataError, match="results cannot be read"), results_in(tmp_path):
+        pass
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
+    with pytest.raises(WriteError, match="temporary"):
+        write_parquet(tmp_path / "p.parquet", {"a": ("INTEGER", [1])})
 
 
 def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path):
@@ -233,14 +305,17 @@ def alive(pid):
 def test_processes_end_with_the_one_that_started_them():
     program = (
         "import os, time; from scara_iso.library.engines import open_processes; "
-        "pool = open_processes(1); print(pool.submit(os.getpid).result(), flush=True); "
+        "pool = open_processes(1); print(pool.submit(os.getpid).result(), "
+        "pool.submit(os.getenv, 'OPENBLAS_NUM_THREADS').result(), flush=True); "
         "time.sleep(600)"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    environment.pop("OPENBLAS_NUM_THREADS", None)
     with subprocess.Popen(
         [sys.executable, "-c", program], env=environment, stdout=subprocess.PIPE, text=True
     ) as client:
-        worker = int(client.stdout.readline())
+        worker, threads = map(int, client.stdout.readline().split())
+        assert threads == 1  # of the matrices: processes share the cores
         assert alive(worker)
         client.kill()
     until(lambda: not alive(worker))

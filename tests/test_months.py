@@ -143,6 +143,16 @@ def test_not_knowing_more_widens_the_interval():
     assert trend_of(np.arange(4.0), np.zeros(4), np.ones(4)) is None
 
 
+def test_tests_that_differ_by_more_than_their_sampling_widen_the_interval():
+    days, month = MONTH * np.arange(24), np.arange(24)
+    course = np.log1p(0.05 * np.maximum(month - 8, 0))
+    widths = []
+    for differ in (0.05, 0.3):
+        trend = trend_of(days, course + differ * (-1.0) ** month, np.full(24, 0.1))
+        widths.append(trend.interval[1] - trend.interval[0])
+    assert widths[1] > 1.5 * widths[0]
+
+
 def test_the_days_are_those_of_their_chances():
     trend = worn(0.05, 8, error=0.1)
     found = crossing(trend, 0.044)

@@ -17,7 +17,7 @@ import scara_iso
 from scara_iso import quantities
 from scara_iso.acquisition import indicators
 from scara_iso.cli import main
-from scara_iso.iso9283 import analysis, cycles, estimates, statistics
+from scara_iso.iso9283 import analysis, barycentres, cycles, estimates, statistics
 from scara_iso.iso9283.characteristics import rd
 from scara_iso.library import killed, selftests
 from scara_iso.robot import two_inertia
@@ -118,6 +118,13 @@ def test_one_changed_constant_turns_it_red(monkeypatch, name):
     where, what, changed, group = CHANGES[name]
     (monkeypatch.setitem if isinstance(where, dict) else monkeypatch.setattr)(where, what, changed)
     assert red(group)
+
+
+def test_the_uncertainty_of_drift_and_exchangeability_is_compared(monkeypatch):
+    monkeypatch.setattr(barycentres, "_reading", lambda _: 0.0)
+    differing = red("characteristics")
+    assert "drift: dAP X, u [mm]" in differing
+    assert "robots: exchangeability Y, low [mm]" in differing
 
 
 def test_a_dialect_that_reads_another_number_turns_it_red(monkeypatch):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -20,9 +20,6 @@ from scara_iso.cli.options import (
     UnitOfTable,
 )
 from scara_iso.cli.output import settings, write_json, write_report
-
-if TYPE_CHECKING:
-    from scara_iso.fleets import PartResult
 
 UNREADABLE = 65
 Source = Annotated[
@@ -72,7 +69,7 @@ def fleet_command(
     from scara_iso.library import fleet
     from scara_iso.render import open_console, track
 
-    def watched(each: Iterator[PartResult], count: int) -> Iterator[PartResult]:
+    def watched(each: Iterator[Any], count: int) -> Iterator[Any]:
         return iter(track(each, count, open_console(sys.stderr, no_color=settings.no_color)))
 
     found = fleet(

@@ -81,6 +81,12 @@ if TYPE_CHECKING:
         read_sweep as read_sweep,
     )
     from scara_iso.diagnosis.saving import save_model as save_model
+    from scara_iso.diagnosis.screening import (
+        Screened as Screened,
+        finer as finer,
+        floor_of as floor_of,
+        screen as screen,
+    )
     from scara_iso.diagnosis.separating import (
         GIVEN as GIVEN,
         PROPOSED as PROPOSED,
@@ -93,6 +99,7 @@ if TYPE_CHECKING:
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,
         MOST_CYCLES as MOST_CYCLES,
+        PERMUTATIONS as PERMUTATIONS,
         SEED as SEED,
         UNKNOWN as UNKNOWN,
     )

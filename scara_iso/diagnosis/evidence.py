@@ -128,8 +128,10 @@ def log_bayes(
     power = np.maximum((columns**2).sum(axis=0), _TINY) + beside
     squared = (hypotheses.vectors * np.sqrt(hypotheses.shrink)).T @ columns
     squared *= squared
-    explained = np.add.reduceat(squared, hypotheses.first, axis=0) / power
-    shaped = np.log(np.maximum(1 - explained, _SMALLEST_SHARE))
+    shaped = hypotheses.summed(squared)
+    shaped /= -power
+    shaped += 1
+    np.log(np.maximum(shaped, _SMALLEST_SHARE, out=shaped), out=shaped)
     shaped *= -nu / 2
     shaped -= hypotheses.penalty[:, np.newaxis] / 2
     if not len(hypotheses.scales):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -56,6 +57,18 @@ def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hy
     An effect of any column takes those through which no other effect acts. What a user wrote takes
     no other hypothesis away.
     """
+    if conditions.covariates:
+        return _made(effects, conditions)
+    return _of_cycles(tuple(effects), np.asarray(conditions.cycle, dtype=np.int64).tobytes())
+
+
+@lru_cache(maxsize=4)
+def _of_cycles(effects: tuple[Effect, ...], cycle: bytes) -> tuple[Hypothesis, ...]:
+    """Return the hypotheses that all tables of the same cycles, and nothing beside them, share."""
+    return _made(effects, Conditions(np.frombuffer(cycle, dtype=np.int64)))
+
+
+def _made(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis, ...]:
     catalogue = [effect for effect in effects if not isinstance(effect, OwnEffect)]
     others = [effect for effect in catalogue if _EVERY not in effect.needs]
     free = conditions.without(

@@ -7,8 +7,11 @@ permuted ones by chance. After a fit the residuals are permuted (Freedman and La
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +26,8 @@ from scara_iso.iso9283 import quantiles
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-9
+_AT_ONCE = 128
+"""Orders drawn at once: most tables are decided after as many."""
 _BLOCK = 32
 """Orders compared at once: as many as leave the work in the processor's cache."""
 
@@ -62,17 +67,40 @@ def order_test(
     statistic is as large, the l-th say: p = ENOUGH / l, no less valid for that (Besag and
     Clifford 1991), and below 0.05 just where all the orders would put it there.
     """
-    n = len(views.columns)
-    orders = np.array([np.arange(n), *(rng.permutation(n) for _ in range(permutations))])
-    beside = _beside(emissions, spreading, orders)
-    observed = float(log_statistic(hypotheses, views, orders[:1], beside[:1])[0])
-    found = np.empty(0)
-    while len(found) < permutations and (found >= observed - _EQUAL).sum() < ENOUGH:
-        block = slice(1 + len(found), 1 + len(found) + _BLOCK)
-        statistics = log_statistic(hypotheses, views, orders[block], beside[block])
-        found = np.concatenate([found, statistics])
-    as_large = found >= observed - _EQUAL
-    return OrderTest(observed, _p_value(as_large), not as_large.any(), found)
+    observed = order_statistic(hypotheses, views, emissions, spreading)
+    found: list[FloatArray] = []
+    reached = 0
+    for orders in _drawn(rng, len(views.columns), permutations):
+        beside = _beside(emissions, spreading, orders)
+        for block in (slice(k, k + _BLOCK) for k in range(0, len(orders), _BLOCK)):
+            if reached < ENOUGH:
+                found.append(log_statistic(hypotheses, views, orders[block], beside[block]))
+                reached += int((found[-1] >= observed - _EQUAL).sum())
+        if reached >= ENOUGH:
+            break
+    of_orders = np.concatenate(found)
+    as_large = of_orders >= observed - _EQUAL
+    return OrderTest(observed, _p_value(as_large), not reached, of_orders)
+
+
+def _drawn(rng: np.random.Generator, n: int, count: int) -> Iterator[IntArray]:
+    """Yield ``count`` orders of n cycles, shape (orders, n), at most _AT_ONCE of them."""
+    for first in range(0, count, PERMUTATIONS):
+        state = json.dumps(rng.bit_generator.state)
+        orders, rng.bit_generator.state = _orders(state, n, min(PERMUTATIONS, count - first))
+        yield from (orders[k : k + _AT_ONCE] for k in range(0, len(orders), _AT_ONCE))
+
+
+@lru_cache(maxsize=2)
+def _orders(state: str, n: int, count: int) -> tuple[IntArray, Mapping[str, Any]]:
+    """Return the orders that a generator in this state draws, and the state behind them.
+
+    Tables of one length and seed share them.
+    """
+    rng = np.random.default_rng()
+    rng.bit_generator.state = json.loads(state)
+    orders = np.array([rng.permutation(n) for _ in range(count)])
+    return orders, rng.bit_generator.state
 
 
 def order_statistic(

@@ -89,12 +89,14 @@ def _in_reach(
 
     Far beyond it they are left out.
     """
-    reach = {m: _reached(m, effects[m.effect], residual) for m in members if m.effect in effects}
-    return tuple(
-        replace(m, weight=m.weight * reach.get(m, 1.0))
-        for m in members
-        if reach.get(m, 1.0) > _OUT_OF_REACH
-    )
+    found = []
+    for member in members:
+        effect = effects.get(member.effect)
+        likely = 1.0 if effect is None else _reached(member, effect, residual)
+        if likely > _OUT_OF_REACH:
+            weight = member.weight * likely
+            found.append(member if likely == 1 else replace(member, weight=weight))
+    return tuple(found)
 
 
 def _reached(member: Hypothesis, effect: Effect, residual: Residual) -> float:

@@ -11,7 +11,7 @@ from scara_iso.diagnosis.beyond import courses_of
 from scara_iso.diagnosis.completed import foretold, scatter_draws
 from scara_iso.diagnosis.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
-from scara_iso.diagnosis.fit import Fit, fit
+from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -150,7 +150,7 @@ def _diagnosis(
 ) -> Diagnosis:
     shares = shares_of(problem.residual, fitted)
     return Diagnosis(
-        verdict=_verdict(fitted, stages),
+        verdict=verdict_of(fitted.terms, stages),
         effects=found,
         candidates=_candidates(fitted, stages),
         p_value=stages[0].p_value,
@@ -202,22 +202,18 @@ def _cross_validated(
     )  # fmt: skip
 
 
-def _unexplained(fitted: Fit, stages: Sequence[Stage]) -> bool:
-    """Whether the search ended with structure that no effect accounts for."""
-    if fitted.terms and isinstance(fitted.terms[-1].form, Process):
-        return False
-    return stages[-1].choice is not None
-
-
-def _verdict(fitted: Fit, stages: Sequence[Stage]) -> Verdict:
+def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:
+    """Return what a search ends with: it may leave structure that no effect accounts for."""
     if stages[0].choice is None:
         return Verdict.NOTHING
-    return Verdict.UNEXPLAINED if _unexplained(fitted, stages) else Verdict.EXPLAINED
+    is_course = bool(terms) and isinstance(terms[-1].form, Process)
+    explained = is_course or stages[-1].choice is None
+    return Verdict.EXPLAINED if explained else Verdict.UNEXPLAINED
 
 
 def _candidates(fitted: Fit, stages: Sequence[Stage]) -> tuple[Rival, ...]:
     choice = stages[-1].choice
-    if choice is None or not _unexplained(fitted, stages):
+    if choice is None or verdict_of(fitted.terms, stages) is not Verdict.UNEXPLAINED:
         return ()
     return (choice.ranked[0], *choice.rivals)
 

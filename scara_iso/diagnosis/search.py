@@ -152,26 +152,25 @@ def tested(problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generat
 def _tests(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
 ) -> Stage:
-    hypotheses, views, emissions, spreading = _in_order(problem, terms, left)
+    hypotheses, views, emissions, spreading = in_order(problem, terms, left)
     order = order_test(hypotheses, views, rng, emissions=emissions, spreading=spreading)
     return Stage(order, marginal_tests(left.values, problem.residual.division, rng), None)
 
 
-def _in_order(
+def in_order(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder
 ) -> tuple[HypothesisSet, Views, list[Emissions], FloatArray]:
     """Return what the test of the order compares."""
     ordered = [member for member in left.members if member.ordered]
     calm = _drawn_in(left)
     emissions = [] if terms else _emissions(replace(problem.residual, values=calm), ordered)
-    views = problem.views_of(calm, left.basis)
     spreading = left.values[:, ~neighbours(problem.residual)]
-    return left.hypotheses.of(ordered), views, emissions, spreading
+    return left.hypotheses.of(ordered), problem.views_of(calm, left.basis), emissions, spreading
 
 
 def _order_of(problem: SearchProblem, terms: Sequence[Term], left: Remainder) -> float:
     """Return the statistic of the order of what is left on some rows."""
-    return order_statistic(*_in_order(problem, terms, left))
+    return order_statistic(*in_order(problem, terms, left))
 
 
 def _drawn_in(left: Remainder) -> FloatArray:

@@ -23,6 +23,7 @@ from scara_iso.run import AXES, Run
 from scara_iso.tables import read_table
 
 _ENDINGS = (".csv", ".parquet")
+_DELIMITERS = (",", ";", "\t")
 _HEAD, _BLOCK = 64_000, 1 << 20
 _STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
 _NAMES = {name.lower(): name for name in AXES}
@@ -76,17 +77,32 @@ def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
     Raises `DataError` where the part itself cannot be read.
     """
     if path.suffix.lower() == ".parquet":
+        schema = fetched("SELECT name FROM parquet_schema(?)", [str(path)], str(path))
+        _refuse_twice([str(name) for name in schema["name"][1:]], path)
         yield from _several(path, "SELECT * FROM read_parquet(?)", {}, reading)
         return
     statements, header = _head(path)
-    if "robot" in [name.strip().strip('"').lower() for name in header.split(",")]:
-        sql = (
-            "SELECT * FROM read_csv(?, header=true, delim=',', comment='#', all_varchar=true, "
-            "ignore_errors=false)"
+    for delimiter in _DELIMITERS:
+        names = [name.strip().strip('"') for name in header.split(delimiter)]
+        if "robot" in map(str.lower, names):
+            _refuse_twice(names, path)
+            sql = (
+                f"SELECT * FROM read_csv(?, header=true, delim='{delimiter}', comment='#', "  # noqa: S608 - one of three
+                "all_varchar=true, ignore_errors=false)"
+            )
+            yield from _several(path, sql, statements, reading)
+            return
+    yield _single(path, reading)
+
+
+def _refuse_twice(names: list[str], path: Path) -> None:
+    """Raise `DataError` for columns of one name: DuckDB would read them under names of its own."""
+    low = [name.lower() for name in names]
+    twice = [name for name in dict.fromkeys(low) if low.count(name) > 1]
+    if twice:
+        raise DataError(
+            f"has several columns {', '.join(twice)}", where=str(path), remedy="name each apart"
         )
-        yield from _several(path, sql, statements, reading)
-    else:
-        yield _single(path, reading)
 
 
 def _single(path: Path, reading: ReadAs) -> FleetTable:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from scara_iso.errors import DataError, ScaraIsoError
+from scara_iso.fleets.closer import look_closer
 from scara_iso.fleets.database import connect, write_parquet
 from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.ledger import PartDone, PartLedger
@@ -40,11 +41,13 @@ def run_fleet(
     task: Task,
     engine: Engine,
     *,
-    track: Callable[[Iterator[PartResult], int], Iterator[PartResult]] = lambda each, _: each,
+    level: float,
+    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
 ) -> FleetRun:
     """Have every part of ``source`` examined, and leave a Parquet file for each in ``to``.
 
-    ``track`` may watch the results as they come. Raises `NoInputError` where no part is there, as
+    The p-values are as fine as the false discovery ``level`` needs (`look_closer`). ``track`` may
+    watch the results as they come. Raises `NoInputError` where no part is there, as
     `PartLedger`, `WriteError` for a full disk, `DataError` where a worker is of another version.
     """
     from scara_iso import __version__  # noqa: PLC0415 - the face of all
@@ -69,7 +72,9 @@ def run_fleet(
                 continue
             _keep(ledger, to, result)
         failed = {d.part: d.error for d in ledger.done.values() if d.error and d.part in paths}
-    return FleetRun(to, len(paths), len(paths) - len(missing), {**failed, **given_up})
+        read = {name: done.sha256 for name, done in ledger.done.items()}
+        coarse = look_closer(to / RESULTS, paths, read, task, engine, level, track=track)
+    return FleetRun(to, len(paths), len(paths) - len(missing), {**failed, **coarse, **given_up})
 
 
 def result_path(to: Path, part: str) -> Path:
@@ -97,7 +102,7 @@ def _forget(to: Path, paths: Mapping[str, Path]) -> None:
 def _results(
     names: list[str], paths: Mapping[str, Path], task: Task, engine: Engine
 ) -> Iterator[PartResult]:
-    by_path = {str(paths[name].resolve()): name for name in names}
+    by_path = {str(paths[name].absolute()): name for name in names}
     for path, found in done_by(engine, partial(examine, task=task), list(by_path)):
         if isinstance(found, PartResult):
             yield found
@@ -125,7 +130,8 @@ def _keep(ledger: PartLedger, to: Path, result: PartResult) -> None:
 def _columns(result: PartResult) -> dict[str, tuple[str, list[Any]]]:
     rows = result.rows
     kinds = {"robot": "VARCHAR", "test": "VARCHAR", "cycles": "INTEGER", "poses": "INTEGER",
-             "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN"}  # fmt: skip
+             "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN",
+             "orders": "INTEGER"}  # fmt: skip
     columns: dict[str, tuple[str, list[Any]]] = {
         name: (kind, [getattr(row, name) for row in rows]) for name, kind in kinds.items()
     }

@@ -8,12 +8,12 @@ discovery rate, the share of false ones among those that are named, is held (Ben
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from scara_iso.display import Displayed
-from scara_iso.fleets.database import connect
+from scara_iso.fleets.database import Query, results_in
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.frames import frame_of
 from scara_iso.frozen import dataclass
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LEVEL = 0.05
-FLOOR = 1 / 950
-"""Smallest p-value of a table: one of 1,000 orders, over the share of the level that it has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +34,8 @@ class RobotResult:
     """How many there are of it."""
     p_value: float
     """Smallest of its tables times their number, 1 at most."""
+    p_value_at_floor: bool
+    """Nothing drawn came as far as that table: the p-value is a bound."""
     q_value: float
     """Smallest false discovery rate at which it is named."""
     found: bool
@@ -99,9 +99,18 @@ class FleetSummary(Displayed):
         return tuple(one for one in self.robots if one.found)
 
     @property
+    def undecided(self) -> tuple[RobotResult, ...]:
+        """Robots not named though nothing drawn came as far as they do: too little was drawn.
+
+        `closer` draws more orders of the cycles, not more isolated readings or levels.
+        """
+        alone = (one for one in self.robots if one.p_value <= self.level and not one.found)
+        return tuple(one for one in alone if one.p_value_at_floor)
+
+    @property
     def too_coarse(self) -> bool:
-        """Whether a few ill robots among so many cannot be named: p-values have a floor."""
-        return bool(self.robots) and FLOOR * len(self.robots) > self.level
+        """Whether some robot may be ill and could not be named."""
+        return bool(self.undecided)
 
     def __repr__(self) -> str:
         return f"<FleetSummary of {len(self.robots)} robots: {len(self.found)} found>"
@@ -119,56 +128,50 @@ class FleetSummary(Displayed):
 
 def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
     """Return the summary of the results that a run has left in its folder."""
-    source = str(run.folder / RESULTS / "*.parquet")
-    connection = connect()
-    try:
-        if not any((run.folder / RESULTS).glob("*.parquet")):
-            return FleetSummary(run, level, 0, (), {}, {}, ())
-        connection.execute(f"CREATE VIEW fleet AS FROM read_parquet({_quoted(source)})")
-        robots = _robots(connection, level)
+    with results_in(run.folder / RESULTS) as query:
+        robots = _robots(query, level)
         return FleetSummary(
             run=run,
             level=level,
-            tables=int(connection.execute("SELECT count(*) FROM fleet").fetchone()[0]),
+            tables=sum(row[0] for row in query("SELECT count(*) FROM fleet WHERE error IS NULL")),
             robots=robots,
             effects=_effects(robots),
-            RP_quantiles=_quantiles(connection),
+            RP_quantiles=_quantiles(query),
             failed=tuple(
                 FailedTable(*row)
-                for row in connection.execute(
+                for row in query(
                     "SELECT part, robot, test, error FROM fleet WHERE error IS NOT NULL "
                     "ORDER BY part, robot, test"
-                ).fetchall()
+                )
             ),
-            twice=_twice(connection),
+            twice=_twice(query),
         )
-    finally:
-        connection.close()
 
 
-def _robots(connection: Any, level: float) -> tuple[RobotResult, ...]:
-    from scipy.stats import false_discovery_control  # noqa: PLC0415 - scipy for fleets only
-
-    rows = connection.execute(
+def _robots(query: Query, level: float) -> tuple[RobotResult, ...]:
+    rows = query(
         "SELECT robot, count(*), least(min(p_value) * count(*), 1.0), "
+        "arg_min(at_floor, p_value), "
         "string_agg(effects, ',' ORDER BY p_value), max(RP_XY) "
         "FROM fleet WHERE p_value IS NOT NULL GROUP BY robot ORDER BY robot"
-    ).fetchall()
+    )
     if not rows:
         return ()
+    from scipy.stats import false_discovery_control  # noqa: PLC0415 - scipy for fleets only
+
     q_values = false_discovery_control([row[2] for row in rows], method="bh")
     found = [
-        RobotResult(robot, tables, p, float(q), bool(q <= level), _names(effects), RP)
-        for (robot, tables, p, effects, RP), q in zip(rows, q_values, strict=True)
+        RobotResult(robot, tables, p, at_floor, float(q), bool(q <= level), _names(effects), RP)
+        for (robot, tables, p, at_floor, effects, RP), q in zip(rows, q_values, strict=True)
     ]
     return tuple(sorted(found, key=lambda one: (one.q_value, -(one.RP_XY or 0.0), one.robot)))
 
 
-def _twice(connection: Any) -> tuple[TwiceThere, ...]:
-    rows = connection.execute(
+def _twice(query: Query) -> tuple[TwiceThere, ...]:
+    rows = query(
         "SELECT robot, test, string_agg(part, ',' ORDER BY part) FROM fleet "
         "GROUP BY robot, test HAVING count(*) > 1 ORDER BY robot, test"
-    ).fetchall()
+    )
     return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
 
 
@@ -183,16 +186,11 @@ def _effects(robots: tuple[RobotResult, ...]) -> dict[str, int]:
     return dict(sorted(counts.items(), key=lambda pair: (-pair[1], pair[0])))
 
 
-def _quantiles(connection: Any) -> dict[str, tuple[float, ...]]:
+def _quantiles(query: Query) -> dict[str, tuple[float, ...]]:
     found: dict[str, tuple[float, ...]] = {}
     for name in ("X", "Y", "Z", "theta", "XY", "XYZ"):
-        (ends,) = connection.execute(
-            f'SELECT quantile_cont("RP_{name}", [0.05, 0.25, 0.5, 0.75, 0.95]) FROM fleet'  # noqa: S608
-        ).fetchone()
+        sql = f'SELECT quantile_cont("RP_{name}", [0.05, 0.25, 0.5, 0.75, 0.95]) FROM fleet'  # noqa: S608
+        ends = next((row[0] for row in query(sql)), None)
         if ends is not None and np.isfinite(ends[0]):
             found[name] = tuple(map(float, ends))
     return found
-
-
-def _quoted(path: str) -> str:
-    return "'" + path.replace("'", "''") + "'"

@@ -5,19 +5,12 @@ from __future__ import annotations
 from dataclasses import field
 from pathlib import Path
 
-from scara_iso.diagnosis import (
-    SEED,
-    CyclesWanted,
-    Diagnosis,
-    DiagnosisOfPoses,
-    close_the_loop,
-    close_the_loop_at_poses,
-)
+from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, screen
 from scara_iso.errors import ScaraIsoError
 from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
 from scara_iso.frozen import dataclass
-from scara_iso.run import Run
 
+_LINES = 4
 FIGURES = ("X", "Y", "Z", "theta", "XY", "XYZ")
 
 
@@ -43,6 +36,8 @@ class TableRow:
     """Of all poses together."""
     at_floor: bool = False
     """Nothing drawn came as far: the p-value is a bound."""
+    orders: int = PERMUTATIONS
+    """How many orders of its cycles it was compared with at most."""
     effects: tuple[str, ...] = ()
     """Each once."""
     RP: dict[str, float] = field(default_factory=dict)
@@ -81,34 +76,24 @@ def _row(table: FleetTable, task: Task) -> TableRow:
     if isinstance(table.run, ScaraIsoError):
         return TableRow(table.robot, table.test, error=_said(table.run))
     try:
-        found = _diagnosed(table.run, task)
+        found = screen(table.run, task.wanted, seed=task.seed)
     except ScaraIsoError as error:
         return TableRow(table.robot, table.test, error=_said(error))
-    poses = list(found.poses.values()) if isinstance(found, DiagnosisOfPoses) else [found]
-    measured = [one.repeatability.measured for one in poses]
     return TableRow(
         robot=table.robot,
         test=table.test,
-        cycles=max(len(one.series.cycle) for one in poses),
-        poses=len(poses),
+        cycles=found.cycles,
+        poses=found.poses,
         verdict=found.verdict.value,
         p_value=found.p_value,
-        at_floor=found.p_value_at_floor,
-        effects=tuple(dict.fromkeys(one.effect for one in found.effects)),
-        RP={
-            name: max(figures[name] for figures in measured if name in figures)
-            for name in FIGURES
-            if any(name in figures for figures in measured)
-        },
+        at_floor=found.at_floor,
+        effects=found.effects,
+        RP=dict(found.RP),
     )
 
 
 def _said(error: ScaraIsoError) -> str:
-    """Return an error with its faults on one line."""
-    return "; ".join(line.strip() for line in str(error).splitlines())
-
-
-def _diagnosed(run: Run, task: Task) -> Diagnosis | DiagnosisOfPoses:
-    if len(list(run.rows_by_pose())) > 1:
-        return close_the_loop_at_poses(run, None, task.wanted, seed=task.seed)
-    return close_the_loop(run, None, task.wanted, seed=task.seed)
+    """Return an error with the first of its faults on one line."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    more = [f"and {len(lines) - _LINES} more"] if len(lines) > _LINES else []
+    return "; ".join((*lines[:_LINES], *more))

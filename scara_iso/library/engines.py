@@ -25,6 +25,7 @@ _REMEDY = "use local, or dask://HOST:PORT of a scheduler"
 
 def open_processes(workers: int | None = None) -> Executor:
     """Return a pool of processes that start from nothing: nothing of this one is copied."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # theirs: the processes share the cores
     methods = multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     context.set_forkserver_preload(["scara_iso.fleets.work", *_SLOW_TO_IMPORT])

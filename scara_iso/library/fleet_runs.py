@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.errors import UsageError
-from scara_iso.fleets import FleetSummary, PartResult, ReadAs, Task, run_fleet, summarise
+from scara_iso.fleets import FleetSummary, ReadAs, Task, run_fleet, summarise
 from scara_iso.library.engines import LOCAL, engine_of
 from scara_iso.quantities import parse_unit
 
@@ -28,7 +29,7 @@ def fleet(
     allow_gaps: bool = False,
     level: float = LEVEL,
     seed: int = SEED,
-    track: Callable[[Iterator[PartResult], int], Iterator[PartResult]] = lambda each, _: each,
+    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
 ) -> FleetSummary:
     """Return which of many robots stand out, and leave a Parquet file for each part in ``to``.
 
@@ -48,5 +49,5 @@ def fleet(
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
     task = Task(ReadAs(unit, resolution), wanted, seed)
     with engine_of(engine, workers) as where:
-        run = run_fleet(Path(source), Path(to), task, where, track=track)
+        run = run_fleet(Path(source), Path(to), task, where, level=level, track=track)
     return summarise(run, level)

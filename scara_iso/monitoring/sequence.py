@@ -175,7 +175,7 @@ def _spread_history(
     sigma = between_tests(logs, sampling, stretches)
     z = standardised(logs, sigma, stretches)
     days = np.array([day_of(test.when) for test in tests])
-    trend = trend_of(days[last], logs[last], sigma[last])
+    trend = trend_of(days[last], logs[last], sampling[last])
     return replace(
         history,
         sigma=float(sigma.mean()),

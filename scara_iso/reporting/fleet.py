@@ -9,7 +9,7 @@ from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Tab
 from scara_iso.reporting.digits import four_digits
 from scara_iso.reporting.words import words
 
-_WORST, _FAILURES = 20, 10
+_WORST, _FAILURES, _NAMED = 20, 10, 5
 
 
 def fleet_report(found: FleetSummary, *, full: bool = False) -> Report:
@@ -56,9 +56,11 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     for one in found.twice[:_FAILURES]:
         yield Text(f"! {one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
                    "count; remove the one that is too much", "warn")  # fmt: skip
-    if found.too_coarse:
-        yield Text("! among so many robots a few ill ones cannot be named: the smallest p-value "
-                   "of a table is 0.001; look at the first of the list", "warn")  # fmt: skip
+    if found.undecided:
+        names = [one.robot for one in found.undecided]
+        more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+        yield Text(f"! {', '.join(names[:_NAMED])}{more}: nothing drawn came as far, and too "
+                   "little was drawn to name them among so many: look at them", "warn")  # fmt: skip
 
 
 def _robots(robots: tuple[RobotResult, ...], note: str) -> Table:

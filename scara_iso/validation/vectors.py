@@ -22,7 +22,7 @@ _ARM = 0.25
 
 
 def vector_checks() -> Iterator[ReferenceCheck]:
-    """Yield value and both ends of the interval of each figure, and what has no reference."""
+    """Yield value, u and ends of the interval of each figure, and what has no reference."""
     codes = set()
     for vector in json.loads(references("vectors", "vectors.json").read_text(encoding="utf-8")):
         found = {(one.code, one.pose, one.of): one for one in _characteristics(vector)}
@@ -47,6 +47,8 @@ def _compared(
     if figure["interval"] is not None:
         low, high = (None, None) if ends is None else ends
         wanted += [(", low", figure["interval"][0], low), (", high", figure["interval"][1], high)]
+    if figure["u"] is not None:
+        wanted.append((", u", figure["u"], None if one is None else one.estimate.u))
     for part, expected, obtained in wanted:
         yield ReferenceCheck(
             "characteristics",

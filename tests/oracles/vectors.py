@@ -26,6 +26,8 @@ from oracles.scatter import limits, rp, rss, three_sigma
 FOLDER = Path(__file__).parents[2] / "scara_iso" / "validation" / "data" / "vectors"
 GAUSSIAN = {1: 2.60632, 2: 3.21872, 3: 3.61609}
 ERROR = {1: 0.74737, 2: 0.57371, 3: 0.49973}
+READING = math.sqrt(2) * 0.001 / math.sqrt(12)
+"""Standard uncertainty of a difference of two readings of a division of 0.001."""
 SUMS = "plain sums (tests/oracles/vectors.py) of ISO 9283 {}"
 LIMITS = SUMS + ", interval as in docs/repeatability.md"
 
@@ -46,11 +48,13 @@ def texts(counts, places=3):
     return [f"{count / 10**places:.{places}f}" for count in counts]
 
 
-def figure(code, of, value, interval=None, *, pose=None, unit="mm", clause="", tolerance=1e-9):
+def figure(
+    code, of, value, interval=None, u=None, *, pose=None, unit="mm", clause="", tolerance=1e-9
+):
     source = (LIMITS if interval else SUMS).format(clause)
     return {
         "code": code, "pose": pose, "of": of, "unit": unit, "value": value,
-        "interval": interval and list(interval), "tolerance": tolerance, "source": source,
+        "interval": interval and list(interval), "u": u, "tolerance": tolerance, "source": source,
     }  # fmt: skip
 
 
@@ -63,6 +67,26 @@ def student_mean(values, reading_u, value):
     reach = float(student.ppf(0.975, len(values) - 1)) * stdev(values) / math.sqrt(len(values))
     reach = math.hypot(reach, 2 * reading_u)
     return value - reach, value + reach
+
+
+def farthest(groups, pairs, reading_u):
+    """Return the largest distance of two means of one axis, its interval and u: Welch, Bonferroni.
+
+    Above, the farthest that any pair may be apart; below, allowing for the choice of the pair.
+    """
+    found = []
+    for a, b in pairs:
+        one, other = (stdev(group) ** 2 / len(group) for group in (groups[a], groups[b]))
+        error, apart = math.sqrt(one + other), abs(mean(groups[a]) - mean(groups[b]))
+        freedom = (one + other) ** 2 / (
+            one**2 / (len(groups[a]) - 1) + other**2 / (len(groups[b]) - 1)
+        )
+        below, above = (float(student.ppf(1 - 0.025 / k, freedom)) for k in (len(pairs), 1))
+        low = apart - math.hypot(below * error, 2 * reading_u)
+        high = apart + math.hypot(above * error, 2 * reading_u)
+        found.append((apart, low, high, math.hypot(error, reading_u)))
+    value, _, _, u = max(found)
+    return value, (max(0.0, *(one[1] for one in found)), max(one[2] for one in found)), u
 
 
 def scatter(of, components, steps, U=0.0):
@@ -185,7 +209,11 @@ def drift():
     for name, group in groups.items():
         centres = [tuple(map(mean, block)) for block in group]
         largest = max(math.dist(centres[0], one) for one in centres)
-        found.append(figure("dAP", name, largest, clause="7.6"))
+        if name in of:
+            later = [(0, b) for b in blocks if b]
+            found.append(figure("dAP", name, *farthest(of[name], later, READING), clause="7.6"))
+        else:
+            found.append(figure("dAP", name, largest, clause="7.6"))
         scatters = [rp(block) for block in group]
         change = max(abs(one - scatters[0]) for one in scatters)
         found.append(figure("dRP", name, change, clause="7.6"))
@@ -241,18 +269,20 @@ def force():
 def robots():
     """Three robots that run one program: exchangeability."""
     rng = random.Random(5)
-    places, tables, centres = ((0, 0), (10, 4), (40, -12)), {}, []
+    places, tables, readings = ((0, 0), (10, 4), (40, -12)), {}, {"X": [], "Y": []}
     for serial, (x, y) in zip("ABC", places, strict=True):
         X, Y = divisions(rng, 31, 5, x), divisions(rng, 31, 5, y)
         head = ["unit: mm", "resolution: 0.001", f"serial_number: {serial}", "dial_zero: fixture"]
         columns = {"cycle": [str(k) for k in range(1, 32)], "X": texts(X), "Y": texts(Y)}
         tables[f"robot_{serial}.csv"] = table(head, columns)
-        centres.append((mean(X[1:]) / 1000, mean(Y[1:]) / 1000))
-    pairs = list(combinations(centres, 2))
-    found = [figure("exchangeability", of, max(math.dist([a[k] for k in axes], [b[k] for k in axes])
-                                               for a, b in pairs), clause="7.7")
-             for of, axes in (("X", [0]), ("Y", [1]), ("XY", [0, 1]))]  # fmt: skip
-    return tables, None, found
+        readings["X"].append([count / 1000 for count in X[1:]])
+        readings["Y"].append([count / 1000 for count in Y[1:]])
+    pairs = list(combinations(range(3), 2))
+    found = [figure("exchangeability", of, *farthest(own, pairs, READING), clause="7.7")
+             for of, own in readings.items()]  # fmt: skip
+    centres = list(zip(*(map(mean, own) for own in readings.values()), strict=True))
+    both = max(math.dist(centres[a], centres[b]) for a, b in pairs)
+    return tables, None, [*found, figure("exchangeability", "XY", both, clause="7.7")]
 
 
 def coarse_dial():
