@@ -90,11 +90,11 @@ def _effect(spelt: str) -> tuple[str, ...]:
 
 
 def _dialect(key: str) -> tuple[str, ...]:
-    gauge = f"--gauge X={key}@sim:"
+    gauge = f"--gauge X={key}@sim:?pace=0"
     return (
         f"record run.csv {gauge} --unit mm --trigger timer:0.1 --cycles 3 --json",
         f"record data.csv {gauge} --unit mm --trigger data --cycles 3 --json",
-        f"ports --probe sim: --ask {key} --json",
+        f"ports --probe sim:?pace=0 --ask {key} --json",
     )
 
 
