@@ -17,7 +17,6 @@ from scara_iso.reporting.dossier import Document
 from scara_iso.reporting.words import printable
 from tests.hostile import TEXTS, table
 
-pytestmark = pytest.mark.xdist_group("hostile_xlsx")  # one worker: a dear fixture
 LONGEST = 32_767
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 

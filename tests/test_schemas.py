@@ -21,7 +21,6 @@ from scara_iso.cli import main
 from scara_iso.render import validation_json
 from scara_iso.validation import Installation, ReferenceCheck, Validation
 
-pytestmark = pytest.mark.xdist_group("schemas")  # one worker: a dear fixture
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 GAUGE = Path(__file__).parent / "fixtures" / "gauge"

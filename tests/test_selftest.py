@@ -23,7 +23,6 @@ from scara_iso.library import killed, selftests
 from scara_iso.robot import two_inertia
 from scara_iso.validation import sizes, suite, validate
 
-pytestmark = pytest.mark.xdist_group("selftest")  # one worker: a dear fixture
 ROOT = Path(__file__).parents[1]
 
 

@@ -14,7 +14,6 @@ from undeclared.probe import windows
 
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 
-pytestmark = pytest.mark.xdist_group("undeclared")  # one worker: a dear fixture
 SEEDS = range(4)
 LEAST_NAMED = {
     "reversal": 4, "hidden_sides": 1, "changing_flank": 3, "coasting": 4, "hanging": 4,

@@ -19,7 +19,7 @@ from scara_iso.validation import Installation, ReferenceCheck, Validation, valid
 
 PACKAGES = (
     "jinja2", "matplotlib", "numpy", "openpyxl", "pandas", "pyserial", "python-calamine", "rich",
-    "scipy", "tomlkit", "typer",
+    "scipy", "threadpoolctl", "tomlkit", "typer",
 )  # fmt: skip
 """What the program stands on, as pyproject.toml names it."""
 
