@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Annotated, Any
 
@@ -29,7 +30,7 @@ from scara_iso.cli.options import (
     parse_limits,
 )
 from scara_iso.cli.output import command_line, write_json, write_report
-from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.iso9283 import Analysis, Conformity, DecisionRule
 
 
 def analyze_command(
@@ -58,15 +59,14 @@ def analyze_command(
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
     reading = library.TableOptions(unit, resolution, decimal, sheet, columns)
-    options: dict[str, Any] = {
-        "first_cycle_discarded": first_cycle_discarded,
-        "cycles": cycles,
-        "all_count": all_count,
+    counted: dict[str, Any] = {
+        "first_cycle_discarded": first_cycle_discarded, "cycles": cycles, "all_count": all_count,
         "allow_gaps": allow_gaps,
-        "limits": parse_limits(limit or ()),
-        "decision": decision.value,
+    }  # fmt: skip
+    options = counted | {
+        "limits": parse_limits(limit or ()), "decision": decision.value,
         "other_definitions": definitions,
-    }
+    }  # fmt: skip
     if (folder := test_folder(table, condition, reading)) is not None:
         from scara_iso.cli.conditions import analyze_folder
 
@@ -78,14 +78,21 @@ def analyze_command(
     elif full:
         write_report(reporting.analysis_report(analysis))
     else:
-        read = asdict(reading) | {
-            "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
-            "all_count": all_count, "allow_gaps": allow_gaps,
-        }  # fmt: skip
-        simple = decision is DecisionRule.SIMPLE
-        held = {"limit": limit, "decision": decision.value if simple else None}
-        again = command_line(table, read)
-        following = reporting.after_analysis(analysis, command_line(table, held | read), again)
-        write_report(reporting.analysis_brief(analysis, following))
+        _write_brief(analysis, table, asdict(reading) | counted, limit, decision)
     if analysis.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)
+
+
+def _write_brief(
+    analysis: Analysis,
+    table: Sequence[str],
+    read: Mapping[str, object],
+    limit: Sequence[str] | None,
+    decision: DecisionRule,
+) -> None:
+    """Write the answer and what to do next, as a command line with the options of this one."""
+    simple = decision is DecisionRule.SIMPLE
+    held = {"limit": limit, "decision": decision.value if simple else None}
+    again = command_line(table, read)
+    following = reporting.after_analysis(analysis, command_line(table, {**held, **read}), again)
+    write_report(reporting.analysis_brief(analysis, following))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -75,8 +76,7 @@ def compare_command(
         raise UsageError("standard input is read once", remedy="write - for one table only")
     check_outputs([plot], named(tables))
     read: dict[str, Any] = {
-        "unit": unit, "resolution": resolution, "decimal": decimal, "sheet": sheet,
-        "columns": columns,
+        **asdict(library.TableOptions(unit, resolution, decimal, sheet, columns)),
         "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
         "all_count": all_count, "allow_gaps": allow_gaps,
     }  # fmt: skip

@@ -134,14 +134,13 @@ def diagnose_command(
     reading = TableOptions(unit, resolution, decimal, sheet, columns)
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     named = tables or []
+    files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
     if design:
         from scara_iso.cli.diagnose_design import show_design
 
-        files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
         refuse_beside_design(files)
         show_design(named, files, reading, wanted, seed=seed, as_json=json)
         return
-    files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
     files.check(named)
     check_outputs([plot, save_model, map_], [*files_of(named), model, effects, hold_out])
     show = partial(_How, full=full, as_json=json)

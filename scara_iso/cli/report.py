@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -35,6 +35,9 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import check_outputs, named, settings, write_json
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Analysis, Conformity, DecisionRule
+
+if TYPE_CHECKING:
+    from scara_iso.library import TestReport
 
 ModelFile = Annotated[
     str | None,
@@ -127,18 +130,22 @@ def report_command(
     read = [*named(table), model, effects, None if meta_file is None else str(meta_file)]
     check_outputs([path, archive], read)
     found = library.report(table, to=path, **asdict(reading), **options)
-    for one in found.dossier.provenance.restated:
-        if one.before is not None:
-            typer.echo(reporting.printable(f"scara-iso: overridden, {one}"), err=True)
-    if path is not None:
-        typer.echo(reporting.printable(f"{path} is written"), err=json)
     if archive is not None:
         found.archive(archive, name="report.html" if path is None else path.name,
                       excel_locale=excel_locale)  # fmt: skip
-        typer.echo(reporting.printable(f"{archive} is written"), err=json)
+    _say_written(found, [path, archive], as_json=json)
     if json:
         write_json(render.report_json(found.dossier))
     _exit_by(found.analysis)
+
+
+def _say_written(found: TestReport, files: Sequence[Path | None], *, as_json: bool) -> None:
+    """Say which statements of the table were overridden, and which files are there now."""
+    for one in found.dossier.provenance.restated:
+        if one.before is not None:
+            typer.echo(reporting.printable(f"scara-iso: overridden, {one}"), err=True)
+    for path in filter(None, files):
+        typer.echo(reporting.printable(f"{path} is written"), err=as_json)
 
 
 def _exit_by(analysis: Analysis) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -67,21 +68,18 @@ def visits_command(
 
     Example: scara-iso visits examples/stream.csv --poses P1,- -o run.csv
     """
-    from scara_iso.library import visits
+    from scara_iso.library import TableOptions, visits
     from scara_iso.tables import find_locale, write_table
 
     check_outputs([output], [stream])
+    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     found = visits(
         stream,
         dwell=dwell,
         still=still,
         band=band,
         poses=[name.strip() for name in poses.split(",")] if poses else (),
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
-        sheet=sheet,
-        columns=columns,
+        **asdict(reading),
     )
     if output is not None:
         write_text(write_table(found.run, find_locale(excel_locale)), output)
@@ -92,10 +90,8 @@ def visits_command(
     else:
         from scara_iso.reporting import NextStep, visits_brief, visits_report
 
-        given = {
-            "dwell": dwell if dwell != 1 else None, "still": still, "band": band, "poses": poses,
-            "unit": unit, "resolution": resolution, "decimal": decimal, "sheet": sheet,
-        }  # fmt: skip
+        given = {"dwell": dwell if dwell != 1 else None, "still": still, "band": band,
+                 "poses": poses, **asdict(reading)}  # fmt: skip
         following = (
             NextStep(f"scara-iso visits {command_line([stream], given)} -o run.csv", "the table")
             if output is None
