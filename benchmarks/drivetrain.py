@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from benchmarks.page import DOCS, run
-from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID, save
+from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID, save_figure
 from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
 from tests.oracles.integration import integrate
 from tests.oracles.motion import (
@@ -242,7 +242,7 @@ def plot_gap(trajectory: Trajectory, train: DriveTrain, path: Path) -> None:
     lower.plot(time, trajectory.load_angle * 1000, color=ARM, lw=1.8, label="load")
     lower.set(xlabel="time [ms]", ylabel="angle [mrad]")
     lower.legend(fontsize=8, frameon=False)
-    save(figure, path)
+    save_figure(figure, path)
 
 
 def _shade_contacts(axes: Axes, trajectory: Trajectory) -> None:
