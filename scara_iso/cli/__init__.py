@@ -30,6 +30,7 @@ BUG = 70
 CANNOT_WRITE = 74
 _ANYWHERE = ("--debug", "--no-color")
 _HELP = ("-h", "--help")
+_LONG = 6
 
 WELCOME = """\
 scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
@@ -250,9 +251,10 @@ def _broken(line: str, width: int) -> list[str]:
 
 def _explain(error: Exception) -> tuple[list[str], int]:
     if isinstance(error, ScaraIsoError):
-        lines = f"scara-iso: {error}".split("\n")
-        lines += [f"  {error.remedy}"] if error.remedy else []
-        return lines, error.exit_code
+        said = f"scara-iso: {error}".split("\n")
+        remedy = [f"  {error.remedy}"] if error.remedy else []
+        first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
+        return [*said[:first], *remedy, *said[first:]], error.exit_code
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
         return [f"scara-iso: {error.format_message()}", _help_hint(error)], int(error.exit_code)
     if isinstance(error, OSError):

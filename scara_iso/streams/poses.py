@@ -42,7 +42,7 @@ def label(
         raise DataError(
             f"none of the {len(rests)} rests is a pose by {','.join(order)}",
             where=run.origin.source,
-            remedy=f"name the poses in the order of the rests, {AWAY} for one that is none: `poses=P1,-`",
+            remedy=f"name the poses in their order, {AWAY} for a rest that is none: `poses=P1,-`",
         )
     over = len(rests) % len(order)
     notes += [f"the last turn has {over} of {len(order)} rests"] if over else []

@@ -9,6 +9,7 @@ import pytest
 from openpyxl.utils import get_column_letter
 
 import scara_iso
+from scara_iso.cli import main
 from scara_iso.errors import DataError, Fault, NoInputError, UsageError
 from scara_iso.tables import read_table
 
@@ -458,3 +459,28 @@ def test_a_cycle_out_of_order_in_a_workbook_names_its_row():
 def test_columns_have_the_letters_of_a_spreadsheet(column, cell):
     assert cell == f"{get_column_letter(column)}2"
     assert str(Fault("wrong", 2, column, "S")) == f"S!{cell}: wrong"
+
+
+def test_faults_that_are_alike_are_one_line_with_every_place():
+    rows = [
+        f"{k},{'n/a' if k > 2 else '0.1'},{'abc' if k in (4, 9) else '0.2'}" for k in range(1, 32)
+    ]
+    with pytest.raises(DataError) as caught:
+        read_table("\n".join(["# unit: mm", "cycle,X,Y", *rows]).encode())
+    assert len(caught.value.faults) == 31
+    assert caught.value.fault_lines() == [
+        "  lines 5 to 33, column 2: 'n/a' is not a number (29 times)",
+        "  line 6, column 3: 'abc' is not a number",
+        "  line 11, column 3: 'abc' is not a number",
+    ]
+
+
+def test_what_to_do_stands_above_a_long_list_of_faults(tmp_path, capsys):
+    table = tmp_path / "run.csv"
+    cells = ["a,0.1", "0.1,b", "c,0.1", "0.1,d", "e,0.1", "0.1,f"]
+    table.write_text("\n".join(["# unit: mm", "X,Y", "0.1,0.1", *cells]))
+    assert main(["analyze", str(table)]) == 65
+    headline, todo, *faults = capsys.readouterr().err.splitlines()
+    assert "6 faults" in headline
+    assert todo == "  correct the file, or export it again"
+    assert len(faults) == 6
