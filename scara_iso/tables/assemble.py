@@ -16,7 +16,7 @@ from scara_iso.tables.columns import Columns
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout, Statement, read_preamble
-from scara_iso.tables.marks import check_groups, check_marks
+from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.statements import Scale, is_of_axes, read_scales
@@ -52,7 +52,6 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
     scales = _scales(columns, statements, options, faults)
     faults.check()
-    check_groups(columns, scales, options.decimal, faults)
     run = _corrected(_run(columns, lines, scales, statements, faults), faults)
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from scara_iso.quantities import Dimension
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark
-from scara_iso.tables.statements import Scale
 
 _WHICH_MARK = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
 
@@ -43,29 +39,19 @@ def check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
         )
 
 
-def check_groups(
-    columns: Columns, scales: Mapping[str, Scale], decimal: str | None, faults: Faults
-) -> None:
-    """Refuse 1.512 um, which may be 1512: no dial shows a thousandth of a micrometre."""
-    if decimal is not None or Mark.POINT not in columns.marks:
-        return
-    for column in columns.layout.of(Kind.AXIS):
-        scale, values = scales[column.name], np.abs(columns.numbers(column))
-        if _is_small(scale) and _may_be_grouped(values):
+def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
+    """Refuse 1.512 um between semicolons, which may be 1512: few dials show such a small step."""
+    for column in columns.layout.of(Kind.AXIS) if Mark.POINT in columns.marks else ():
+        values, unit = np.abs(columns.numbers(column)), run.origin.units[column.name]
+        if unit == "um" and run.axes[column.name].resolution is None and _may_be_grouped(values):
             faults.add(
-                f"{values[values != np.round(values)][0]:.3f} {scale.unit.name} could have a "
-                "decimal point or group thousands: `decimal=.` or `decimal=,` says which",
+                f"{values[values != np.round(values)][0]:.3f} um could have a decimal point or "
+                "group thousands: `decimal=.` or `decimal=,` says which",
                 int(columns.all_lines()[0]),
                 column.position + 1,
-                remedy=_WHICH_MARK,
+                remedy=f"{_WHICH_MARK}; or state the dial's resolution",
             )
-
-
-def _is_small(scale: Scale) -> bool:
-    """Say whether the unit is so small that a dial would not part it, by its resolution or any."""
-    size = scale.unit.to_base(1.0)
-    small = scale.unit.dimension is Dimension.LENGTH and size <= 0.001  # mm
-    return small and (scale.resolution is None or scale.resolution >= size)
+    faults.check()
 
 
 def _may_be_grouped(values: FloatArray) -> bool:

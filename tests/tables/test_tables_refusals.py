@@ -486,15 +486,28 @@ def test_what_to_do_stands_above_a_long_list_of_faults(tmp_path, capsys):
     assert len(faults) == 6
 
 
-@pytest.mark.parametrize("head", ["", "# resolution: 1\n"])
-def test_a_point_in_micrometres_may_group_thousands(head):
-    table = f"# unit: um\n{head}cycle;X\n1;998\n2;1.012\n3;1.015"
+def test_a_point_in_micrometres_may_group_thousands():
+    table = "# unit: um\ncycle;X\n1;998\n2;1.012\n3;1.015"
     assert faults(table).faults[0].message.startswith("1.012 um could have a decimal point")
     assert read_table(table.encode(), decimal=",").axes["X"].readings[1] == pytest.approx(1.012)
-    assert read_table(table.encode(), decimal=".").axes["X"].readings[1] == pytest.approx(0.001012)
+    for stated in ({"decimal": "."}, {"resolution": 0.001}):
+        run = read_table(table.encode(), **stated)
+        assert run.axes["X"].readings[1] == pytest.approx(0.001012)
 
 
 @pytest.mark.parametrize("cells", [("1.0125", "1.012"), ("0.998", "1.012"), ("1.25", "2.25")])
 def test_a_point_in_micrometres_that_can_group_none_is_read(cells):
     run = read_table("# unit: um\nX;Y\n{};1.5\n{};1.5".format(*cells).encode())
     assert run.axes["X"].readings[0] == pytest.approx(float(cells[0]) / 1000)
+
+
+def test_a_sentence_under_the_readings_is_a_remark():
+    numbered = "| # | X (mm) |\n|---|---|\n| 1 | 0.1 |\n| 2 | 0.2 |\n\nAll fine.\n"
+    run = read_table(numbered.encode())
+    assert run.axes["X"].readings.tolist() == [0.1, 0.2]
+    assert "line 6: 'All fine.' not used" in run.origin.notes
+
+
+def test_a_sentence_between_readings_that_nobody_numbered_may_be_a_lost_one():
+    error = faults("# unit: mm\nX,Y\n0.1,0.2\nno reading taken\n0.1,0.3\n")
+    assert error.faults == (Fault("readings below the footer of line 4", 5),)
