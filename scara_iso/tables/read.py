@@ -229,6 +229,9 @@ def _understand(
 def _no_table(tables: Sequence[Sequence[Row]], name: str, names: Sequence[str] | None) -> DataError:
     if any(map(runs_across, tables)):
         return refuse(name, "a column for each run", remedy=ONE_A_ROW)
+    if name.lower().endswith(".toml"):
+        remedy = "name the table of readings; a model goes to `model=`, where that is taken"
+        return refuse(name, "a .toml file is no table of readings", remedy=remedy)
     what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
     if names:
         what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"

@@ -511,3 +511,26 @@ def test_a_sentence_under_the_readings_is_a_remark():
 def test_a_sentence_between_readings_that_nobody_numbered_may_be_a_lost_one():
     error = faults("# unit: mm\nX,Y\n0.1,0.2\nno reading taken\n0.1,0.3\n")
     assert error.faults == (Fault("readings below the footer of line 4", 5),)
+
+
+def test_a_column_may_be_named_in_the_row_above_the_axes():
+    table = "# unit: mm\nLauf;Messuhr;\n;X;Y\n1;0,1;0,2\n2;0,3;0,4\n"
+    run = read_table(table.encode())
+    assert run.cycle.tolist() == [1, 2]
+    assert run.axes["Y"].readings.tolist() == [0.2, 0.4]
+    assert not run.covariates
+    error = faults("# unit: mm\nVersuch;Messuhr;\n;X;Y\n1;0,1;0,2\n2;0,3;0,4\n")
+    assert places(error) == [(4, 1), (5, 1)]
+
+
+def test_axes_in_rows_are_to_be_turned():
+    error = faults("Zyklus;1;2;3;4;5\nX [mm];0,1;0,2;0,1;0,3;0,1\n")
+    assert error.remedy.startswith("the axes stand in rows: turn the table")
+
+
+def test_a_model_is_no_table(tmp_path):
+    model = tmp_path / "robot.toml"
+    model.write_text('[robot]\nname = "SR-3"\n[indicator.X]\nscatter = 0.003\n')
+    with pytest.raises(DataError, match="no table of readings") as caught:
+        read_table(model)
+    assert "`model=`" in caught.value.remedy
