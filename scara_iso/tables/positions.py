@@ -127,7 +127,7 @@ def _check_units(row: Row, layout: Layout, faults: Faults) -> None:
             faults.add(what, row.line, column.position + 1, remedy="name the unit that is true")
 
 
-_FEWEST_ACROSS = 5
+_FEWEST_ACROSS = 12  # a row of a measuring report has nominal, tolerances, measured, deviation
 _TURN = (
     "the axes stand in rows: turn the table, so that each has a column "
     "(in a spreadsheet: copy, then paste special, transpose)"
