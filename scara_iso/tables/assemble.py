@@ -23,6 +23,25 @@ from scara_iso.tables.statements import Scale, is_of_axes, read_scales
 from scara_iso.tables.text import Row
 
 _NOTES = 50
+_IN_NAMES = {
+    "N",
+    "kN",
+    "kg",
+    "g",
+    "C",
+    "K",
+    "s",
+    "ms",
+    "min",
+    "h",
+    "mm",
+    "um",
+    "bar",
+    "V",
+    "A",
+    "Nm",
+}
+"""Units that end the name of a covariate, as in force_N."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +135,16 @@ def _check_layout(layout: Layout, faults: Faults) -> None:
 
 def _check_covariates(columns: Columns, faults: Faults) -> None:
     for column, seen in columns.units.items():
+        named = column.name.rpartition("_")[2]
+        other = [unit for unit in seen if unit and unit.lstrip("° ") != named]
+        if column.kind is Kind.COVARIATE and named in _IN_NAMES and other:
+            faults.add(
+                f"{column.name}: {quoted(other[0])} behind a value",
+                seen[other[0]],
+                column.position + 1,
+                remedy="let the column's name and its values state the same unit",
+            )
+            continue
         if column.kind is Kind.COVARIATE and len(seen) > 1:
             *_, (unit, line) = seen.items()
             faults.add(

@@ -534,3 +534,8 @@ def test_a_model_is_no_table(tmp_path):
     with pytest.raises(DataError, match="no table of readings") as caught:
         read_table(model)
     assert "`model=`" in caught.value.remedy
+
+
+def test_a_covariate_in_another_unit_than_its_name_says_is_refused():
+    error = faults("# unit: mm\nX,force_N,temperature_C\n0.1,5 N,20 °C\n0.2,0.51 kg,20 °C\n")
+    assert error.faults == (Fault("force_N: 'kg' behind a value", 4, 2),)
