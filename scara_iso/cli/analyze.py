@@ -94,6 +94,7 @@ def _write_brief(
     simple = decision is DecisionRule.SIMPLE
     held = {"limit": limit, "decision": decision.value if simple else None}
     again, whole = command_line(table, read), command_line(table, {**held, **read})
-    loop = command_line(table, {name: read[name] for name in ("unit", "resolution")})
-    following = reporting.after_analysis(analysis, whole, again, loop)
+    axis = reporting.axis_of_loop(analysis)
+    loop = command_line(table, {"axis": axis, **{k: read[k] for k in ("unit", "resolution")}})
+    following = reporting.after_analysis(analysis, whole, again, None if axis is None else loop)
     write_report(reporting.analysis_brief(analysis, following))

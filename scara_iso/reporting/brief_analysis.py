@@ -75,6 +75,13 @@ def is_force_loop(analysis: Analysis) -> bool:
     return loops >= {pose.label for pose in analysis.poses}
 
 
+def axis_of_loop(analysis: Analysis) -> str | None:
+    """Return the first axis at which the only pose was pushed to and fro; None without a loop."""
+    if len(analysis.poses) > 1:
+        return None
+    return next((one.axis for one in analysis.findings if one.code == "force-loop"), None)
+
+
 def _given_way(analysis: Analysis) -> Iterator[str]:
     for one in analysis.characteristics:
         if one.code == "compliance":
@@ -115,11 +122,10 @@ def after_analysis(
     """Return what to do next.
 
     ``table`` is how a command line names the readings, with the options that read them;
-    ``command`` likewise with the limits, ``loop`` as a push test is named, where it can be.
+    ``command`` likewise with the limits; ``loop`` with `axis_of_loop`, where there is one.
     """
-    if loop is not None and is_force_loop(analysis) and len(analysis.poses) == 1:
-        axis = next(one.axis for one in analysis.findings if one.code == "force-loop")
-        return NextStep(f"scara-iso push {loop} --axis {axis}", "play, friction and spring")
+    if loop is not None:
+        return NextStep(f"scara-iso push {loop}", "play, friction and spring")
     drifts = any(check.interval_void for check in analysis.limits)
     if analysis.conformity is Conformity.PASS and not drifts:
         return NextStep(f"scara-iso report {command}", "the report to sign")
