@@ -247,6 +247,20 @@ def drift():
     return {"drift.csv": table(["unit: mm", "resolution: 0.001"], columns)}, None, found
 
 
+def drift_of_scatter():
+    """Six blocks of ten visits, the scatter of the last six times as wide: dRP clear of 0."""
+    rng, found = random.Random(12), []
+    x = [count for b in range(6) for count in divisions(rng, 10, 24 if b == 5 else 4)]
+    columns = {"block": [str(k // 10) for k in range(60)],
+               "cycle": [str(k % 10 + 1) for k in range(60)],
+               "time_s": [str(1200 * (k // 10) + 12 * (k % 10)) for k in range(60)],
+               "X": texts(x)}  # fmt: skip
+    blocks = [[[count / 1000 for count in x[10 * b : 10 * b + 10]]] for b in range(6)]
+    found.append(figure("dRP", "X", *_changed(blocks, 0.001), clause="7.6", tolerance=2e-8))
+    head = ["unit: mm", "resolution: 0.001"]
+    return {"drift_of_scatter.csv": table(head, columns)}, None, found
+
+
 def _changed(blocks, step):
     """Return the largest change of RP since the first block, its interval and u.
 
@@ -456,7 +470,8 @@ def _along(covariance, slope):
     return math.sqrt(sum(slope[j] * covariance[j][k] * slope[k] for j in size for k in size))
 
 
-VECTORS = (one_pose, two_poses_in_inches, three_directions, two_directions, drift, arrivals, force,
+VECTORS = (one_pose, two_poses_in_inches, three_directions, two_directions, drift,
+           drift_of_scatter, arrivals, force,
            robots, coarse_dial, past_a_full_turn, push, push_with_scatter)  # fmt: skip
 
 
