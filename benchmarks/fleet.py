@@ -1,18 +1,22 @@
 """Many robots: what is found among 1,000 of which 30 are ill, and what each engine takes.
 
     python benchmarks/fleet.py [--robots 1000] [--ill 30] [--compared 100]
+    python benchmarks/fleet.py --robots 0          only what each engine takes
 
 One table of 31 cycles and three axes for each robot; the ill have a step of four standard
-deviations in one axis. Times are of one run; the ratios are to one process of this machine.
+deviations in one axis. Times are of one run; the ratios are to one process of this machine, and
+say little where it has other work. Memory is the largest of any process (Linux).
 """
 
 from __future__ import annotations
 
 import argparse
 import os
-import resource
 import tempfile
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -57,6 +61,37 @@ def seconds(source: Path, to: Path, **options: object) -> tuple[float, scara_iso
     return time.perf_counter() - start, found
 
 
+@contextmanager
+def watched() -> Iterator[list[float]]:
+    """Yield a list that ends with the most memory [MB] that a process of this group took."""
+    most, done = [0.0], threading.Event()
+
+    def look() -> None:
+        while not done.wait(0.5):
+            most.append(max(map(peak, Path("/proc").glob("[0-9]*")), default=0.0))
+
+    thread = threading.Thread(target=look)
+    thread.start()
+    try:
+        yield most
+    finally:
+        done.set()
+        thread.join()
+        most.append(max(most))
+
+
+def peak(process: Path) -> float:
+    """Return the most memory that a process of this group took [MB], 0 for another."""
+    try:
+        if os.getpgid(int(process.name)) != os.getpgid(0):
+            return 0.0
+        status = (process / "status").read_text(encoding="utf-8")
+    except OSError:
+        return 0.0
+    found = [line.split()[1] for line in status.splitlines() if line.startswith("VmHWM")]
+    return float(found[0]) / 1e3 if found else 0.0
+
+
 def digest(to: Path) -> int:
     """Return a number that two runs share where their results are the same."""
     return hash(tuple(sorted(map(repr, duckdb.sql(f"FROM '{to}/parts/*.parquet'").fetchall()))))
@@ -95,15 +130,18 @@ def closer(to: Path) -> str:
 def find(folder: Path, robots: int, ill: int) -> None:
     """Print which robots are found, and what it takes."""
     chosen = write(folder / "all", robots, ill)
-    taken, found = seconds(folder / "all", folder / "results")
+    with watched() as most:
+        taken, found = seconds(folder / "all", folder / "results")
     named = {one.robot for one in found.found}
     alone = sum(one.p_value <= found.level for one in found.robots)
-    memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
     print(f"{robots} robots, {ill} ill: {len(named & chosen)} found, {len(named - chosen)} "
           f"healthy ones named; at 5 % each by itself: {alone}")  # fmt: skip
     first = [one.robot in chosen for one in found.robots[:ill]]
     print(f"  of the first {ill} of the list, {sum(first)} are ill; {closer(folder / 'results')}")
-    print(f"  {taken:.0f} s, {robots / taken:.1f} tables/s, {memory:.0f} MB a process", flush=True)
+    print(
+        f"  {taken:.0f} s, {robots / taken:.1f} tables/s, at most {most[-1]:.0f} MB a process",
+        flush=True,
+    )
 
 
 def main() -> None:
@@ -113,7 +151,8 @@ def main() -> None:
     parser.add_argument("--ill", type=int, default=30)
     parser.add_argument("--compared", type=int, default=100)
     given = parser.parse_args()
-    for robots, ill in ((given.robots, given.ill), (given.robots // 10, 1)):
+    asked = [(given.robots, given.ill), (given.robots // 10, 1)] if given.robots else []
+    for robots, ill in asked:
         with tempfile.TemporaryDirectory() as name:
             find(Path(name), robots, ill)
     for ill in (0, given.compared // 4):

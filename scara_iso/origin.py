@@ -34,6 +34,8 @@ class Origin:
     """What the reader met and did not use, such as footer rows, one line each."""
     units: Mapping[str, str] = field(default_factory=dict)
     """Unit that each axis was read in."""
+    other_units: tuple[str, ...] = ()
+    """Of several tables, those in another unit than the first, one line for each axis."""
     files: Mapping[str, str] = field(default_factory=dict)
     """The table of each pose, where the run was put together from several."""
     header_line: int | None = None

@@ -204,6 +204,29 @@ def test_a_part_apart_by_semicolons_is_several_robots(tmp_path):
     assert found == {"R1": 0.1, "R2": 0.3}
 
 
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ("R1,t1,1,0.1\n", "line 4: Expected Number of Columns: 5 Found: 4"),
+        ("R1,t1,1,0.1,0.2,0.3\n", "line 4: Expected Number of Columns: 5 Found: 6"),
+        ('"R1,t1,1,0.1,0.2\n', "line 4: Value with unterminated quote"),
+        ("", "holds no rows"),
+    ],
+)
+def test_one_row_that_cannot_be_read_is_said_by_its_line(tmp_path, rows, said):
+    part = tmp_path / "a.csv"
+    part.write_text(HEAD + rows, encoding="utf-8")
+    with pytest.raises(DataError, match=said):
+        list(tables_in(part, ReadAs()))
+
+
+def test_one_row_below_a_header_in_quotes_is_read(tmp_path):
+    part = tmp_path / "a.csv"
+    part.write_text('# unit: mm\n"robot","X",\n"R1","0.1",\n', encoding="utf-8")
+    (found,) = tables_in(part, ReadAs())
+    assert (found.robot, found.run.axes["X"].readings[0]) == ("R1", 0.1)
+
+
 def test_a_full_disk_and_damaged_results_are_said(tmp_path, monkeypatch):
     (tmp_path / "a.parquet").write_bytes(b"PAR1 and no more")
     with pytest.raises(DataError, match="results cannot be read"), results_in(tmp_path):

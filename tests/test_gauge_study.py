@@ -9,6 +9,7 @@ import pytest
 from aqdefreader import DfqFile
 from capstat_core import bias, gage_rr, gage_rr_range, linearity, xbar_s_chart
 from hypothesis import given, settings, strategies as st
+from scipy.stats import t as student
 
 import scara_iso
 from scara_iso.cli import main
@@ -78,6 +79,10 @@ def test_linearity_study_of_the_manual():
     assert found.explained == pytest.approx(0.714, abs=5e-4)
     assert found.biases == pytest.approx([0.491667, 0.125, 0.025, -0.291667, -0.616667], abs=1e-6)
     assert not found.holds_zero
+    quantile = 2.00172  # of 58 degrees of freedom, as printed
+    half = found.slope_interval[1] - found.slope
+    assert found.slope * quantile / half == pytest.approx(-12.043, abs=5e-4)
+    assert student.isf(found.intercept_p_value / 2, 58) == pytest.approx(10.158, abs=5e-4)
 
 
 def test_bias_study_of_the_manual():

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from capstat_core import control_charts, time_weighted
 from hypothesis import given, strategies as st
+from scipy.stats import norm
 
 import scara_iso
 from scara_iso.cli import main
@@ -54,6 +55,39 @@ def test_individuals_and_moving_ranges_are_those_of_an_independent_library(rng):
     assert mine.high == pytest.approx(pair.location.limits.upper)
     assert mine.moving_range[1:] == pytest.approx(pair.dispersion.points)
     assert mine.range_limit == pytest.approx(pair.dispersion.limits.upper)
+
+
+def mean_until(alarm_free):
+    """Return the mean steps until a chain leaves the states of these transitions, by state."""
+    return np.linalg.solve(np.eye(len(alarm_free)) - alarm_free, np.ones(len(alarm_free)))
+
+
+def cusum_run_length(slack, decision, shift, states=300):
+    """Return the average run length of both sums, each a Markov chain (Brook and Evans 1972)."""
+    sides, width = [], 2 * decision / (2 * states - 1)
+    for mean in (shift, -shift):
+        ends = width * (np.arange(states) + 0.5) - width * np.arange(states)[:, np.newaxis]
+        below = norm.cdf(ends + slack - mean)
+        sides.append(mean_until(np.diff(below, prepend=0.0))[0])
+    return 1 / sum(1 / one for one in sides)
+
+
+def ewma_run_length(weight, width, shift, states=301):
+    """Return the average run length at limits that stand, as the chain of Lucas and Saccucci."""
+    edges = width * math.sqrt(weight / (2 - weight)) * np.linspace(-1, 1, states + 1)
+    middles = (edges[1:] + edges[:-1]) / 2
+    below = norm.cdf((edges - (1 - weight) * middles[:, np.newaxis]) / weight - shift)
+    return mean_until(np.diff(below))[states // 2]
+
+
+def test_the_charts_constants_make_a_false_alarm_in_370_tests():
+    """The chains give Montgomery's tables 9.3 and 9.11, and then what the charts state."""
+    assert cusum_run_length(0.5, 5, 0) == pytest.approx(465, abs=1)
+    assert cusum_run_length(0.5, 5, 1) == pytest.approx(10.4, abs=0.05)
+    assert ewma_run_length(0.1, 2.814, 0) == pytest.approx(500, abs=1)
+    assert ewma_run_length(0.1, 2.814, 1) == pytest.approx(10.3, abs=0.05)
+    assert cusum_run_length(charts.SLACK, charts.DECISION, 0) == pytest.approx(370, abs=2)
+    assert ewma_run_length(charts.LAMBDA, charts.WIDTH, 0) == pytest.approx(370, abs=2)
 
 
 def test_ewma_and_cusum_are_those_of_an_independent_library(rng):

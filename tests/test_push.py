@@ -22,6 +22,45 @@ def of_joint(rng, arm=0.25, **joint):
     return push_test(ForceLoop(*push_rig.readings(rng, **joint), resolution=0.001), arm_m=arm)
 
 
+def loop_of_readings(tmp_path, header="cycle,X,Y,force_N"):
+    force, reading = push_rig.readings(None, stiffness=500.0, half_play=0.02, friction=6.0)
+    rows = [f"{k},{x:.4f},{1000 * x:.1f},{F:g}"
+            for k, (F, x) in enumerate(zip(force, reading, strict=True), 1)]  # fmt: skip
+    table = tmp_path / "loop.csv"
+    lines = ["# unit: mm", "# unit_Y: um", "# resolution: 0.0001", header, *rows, ""]
+    table.write_text("\n".join(lines), encoding="utf-8")
+    return table, len(rows)
+
+
+def test_a_loop_among_readings_is_called_one_and_push_takes_its_axis(tmp_path, capsys):
+    table, rows = loop_of_readings(tmp_path)
+    assert main(["analyze", str(table), "--cycles", str(rows), "--all-count"]) == 0
+    first, second, following, *_ = capsys.readouterr().out.splitlines()
+    assert "a force loop, no test of repeatability" in first
+    assert "RP" not in first + second
+    assert "compliance X 0.2" in second
+    assert f"scara-iso push {table} --axis X" in following
+    for axis in "XY":  # Y is in micrometres
+        found = scara_iso.push(table, axis=axis)
+        assert found.estimate("lost_motion", "reading").value == pytest.approx(0.04, rel=0.01)
+        assert found.fit.misfit is None  # nothing but rounded numbers is left
+
+
+@pytest.mark.parametrize(
+    ("axis", "pose", "said"),
+    [("theta", "", "no length theta"), ("Z", "", "no length Z"), ("X", "P1", "2 poses")],
+)
+def test_what_is_no_loop_of_one_pose_is_refused(tmp_path, axis, pose, said):
+    table, _ = loop_of_readings(tmp_path)
+    if pose:
+        text = table.read_text("utf-8").replace("cycle", "pose,cycle")
+        lines = [f"P{k % 2},{line}" if line[:1].isdigit() else line
+                 for k, line in enumerate(text.splitlines())]  # fmt: skip
+        table.write_text("\n".join(lines) + "\n", "utf-8")
+    with pytest.raises(DataError, match=said):
+        scara_iso.push(table, axis=axis)
+
+
 @settings(max_examples=40)
 @given(
     stiffness=st.floats(50, 5000),

@@ -17,8 +17,15 @@ import scara_iso
 from scara_iso import quantities
 from scara_iso.acquisition import indicators
 from scara_iso.cli import main
-from scara_iso.iso9283 import analysis, barycentres, cycles, estimates, statistics
-from scara_iso.iso9283.characteristics import rd
+from scara_iso.iso9283 import (
+    analysis,
+    barycentres,
+    cycles,
+    estimates,
+    pushed_joint,
+    statistics,
+)
+from scara_iso.iso9283.characteristics import drp, rd
 from scara_iso.library import killed, selftests
 from scara_iso.robot import two_inertia
 from scara_iso.validation import sizes, suite, validate
@@ -64,6 +71,10 @@ def test_the_tables_of_known_effects_are_those_of_their_courses():
         assert (effect_tables.FOLDER / f"{effect}.csv").read_text(encoding="utf-8") == text
 
 
+def numbers_of(figure):
+    return [figure["value"], *(figure["interval"] or []), figure["u"] or 0.0]
+
+
 def test_the_tables_and_their_figures_are_those_of_the_oracle():
     for name, data in oracle.made().items():
         kept = (oracle.FOLDER / name).read_bytes()
@@ -73,9 +84,7 @@ def test_the_tables_and_their_figures_are_those_of_the_oracle():
         for mine, other in zip(json.loads(kept), json.loads(data), strict=True):
             assert mine["tables"] == other["tables"]
             for a, b in zip(mine["figures"], other["figures"], strict=True):
-                assert [a["value"], *(a["interval"] or [])] == pytest.approx(
-                    [b["value"], *(b["interval"] or [])], rel=1e-7
-                )
+                assert numbers_of(a) == pytest.approx(numbers_of(b), rel=1e-6)
 
 
 def test_the_sizes_of_units_are_those_of_scipy():
@@ -119,11 +128,15 @@ def test_one_changed_constant_turns_it_red(monkeypatch, name):
     assert red(group)
 
 
-def test_the_uncertainty_of_drift_and_exchangeability_is_compared(monkeypatch):
-    monkeypatch.setattr(barycentres, "_reading", lambda _: 0.0)
+def test_the_uncertainty_of_drift_robots_and_push_is_compared(monkeypatch):
+    monkeypatch.setattr(barycentres, "_LEVEL", 0.0505)
+    monkeypatch.setattr(drp, "_CONFIDENCE", 0.9505)
+    monkeypatch.setattr(pushed_joint, "_DITHERED", 0.1)
     differing = red("characteristics")
-    assert "drift: dAP X, u [mm]" in differing
-    assert "robots: exchangeability Y, low [mm]" in differing
+    for figure in ("drift: dAP XY, high [mm]", "robots: exchangeability XY, low [mm]",
+                   "three directions: vAP XY, low [mm]", "drift: dRP XY, high [mm]",
+                   "push with scatter: compliance reading, u [mm/100 N]"):  # fmt: skip
+        assert figure in differing
 
 
 def test_a_dialect_that_reads_another_number_turns_it_red(monkeypatch):

@@ -267,6 +267,16 @@ def test_a_part_that_is_there_twice_is_refused(folder):
     assert states(folder)["P1-v100-l100"] == "done"
 
 
+def test_repeating_a_part_that_is_there_twice_strikes_both(folder):
+    record(folder)
+    shutil.copy(folder / "P1-v100-l100.csv", folder / "P1-v100-l100-r2.csv")
+    assert record(folder, 2, "--part", "P1-v100-l100", "--repeat", "which one counts?") == 0
+    state = read_folder(folder).parts[0]
+    assert (state.state, state.recording.name) == ("done", "P1-v100-l100-r3")
+    struck = [(one.recording, one.reason) for one in state.struck]
+    assert struck == [(f"P1-v100-l100{k}", "which one counts?") for k in ("", "-r2")]
+
+
 def test_a_file_of_no_part_is_named_and_not_used(folder):
     record(folder)
     shutil.copy(folder / "P1-v100-l100.csv", folder / "P1-v20-l100.csv")
@@ -360,7 +370,13 @@ def test_a_part_of_another_unit_is_said_and_not_mixed(folder):
     found = read_conditions(folder)[0]
     analysis = found.analysis()
     assert analysis.poses[1].axes["X"].mean == pytest.approx(12.7254, abs=0.01)
-    assert any(note.startswith("P2: X was recorded in inch") for note in found.run.origin.notes)
+    said = "X in inch, and in mm in P1"
+    assert [one.message for one in analysis.findings if one.code == "other-unit"] == [
+        f"P2: {said}; all is converted to mm"
+    ]
+    state = read_folder(folder).parts[1]
+    assert state.state == "out of its conditions"
+    assert any(said in one.message for one in state.deviations)
 
 
 def test_the_limits_of_the_test_decide(folder, capsys):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 
 from scara_iso.acceptance.folder import FAULTY, UNFINISHED, Folder, PartState
@@ -17,7 +17,7 @@ from scara_iso.frozen import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Assignment:
-    """One part to record; ``struck`` is the recording that it stands for, if it is repeated."""
+    """One part to record; ``struck`` are the recordings that it stands for, if it is repeated."""
 
     part: Part
     table: Path
@@ -26,7 +26,7 @@ class Assignment:
     cycles: int
     number: int
     of: int
-    struck: Struck | None = None
+    struck: tuple[Struck, ...] = ()
     pace_s: float | None = None
     """Seconds a cycle, from the parts recorded."""
     cycles_after: int = 0
@@ -55,8 +55,8 @@ def told_of_part(
     """
 
     def told(said: Said) -> None:
-        if isinstance(said, Started) and assignment.struck is not None:
-            strike(folder, assignment.struck)
+        if isinstance(said, Started) and assignment.struck:
+            strike(folder, *assignment.struck)
         tell(said)
         if isinstance(said, Started):
             tell(Noticed("", f"{assignment.part.name}: {assignment.said(said.cycle - 1)}"))
@@ -87,10 +87,8 @@ def assign(
             remedy=f"write the columns force_N and reading into {_free(folder, state.part)}",
         )
     _refuse_other_axes(folder, axes, state)
-    struck = None
-    if repeat is not None and state.recording is not None:
-        struck = Struck(state.recording.name, " ".join(repeat.split()))
-    resume = state.state == UNFINISHED and struck is None
+    struck = tuple(_struck(state, repeat))
+    resume = state.state == UNFINISHED and not struck
     table = state.recording.table if resume and state.recording else _free(folder, state.part)
     done = state.recording.cycles[0] if resume and state.recording else 0
     wanted = folder.test.visits_of(state.part)
@@ -107,6 +105,13 @@ def assign(
         cycles_after=cycles_left(folder)
         - (wanted - done if state.is_open and not state.part.beside else 0),
     )
+
+
+def _struck(state: PartState, reason: str | None) -> Iterator[Struck]:
+    """Yield the strikes of what is there of a part, where there is a reason to repeat it."""
+    if reason is not None and state.recording is not None:
+        for name in (*state.others, state.recording.name):
+            yield Struck(name, " ".join(reason.split()))
 
 
 def _state(folder: Folder, name: str, repeat: str | None) -> PartState:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
@@ -17,12 +18,13 @@ from scara_iso.force_loop import read_loop
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import CYCLES_RUN, DecisionRule, Finding, PushResult, push_test
 from scara_iso.run import Run
-from scara_iso.tables import read_table
+from scara_iso.tables import converted, read_table
 
 DONE, MISSING, UNFINISHED = "done", "missing", "unfinished"
 STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
 PLANNED = ("other-load", "other-velocity", "not-measured")
 """Deviations that the name of a part says already, or that are of the whole test."""
+OTHER_UNIT = "other-unit"
 _RAW = ".raw.jsonl"
 
 
@@ -87,6 +89,8 @@ class PartState:
     unmeasured: tuple[str, ...] = ()
     """Characteristics that are planned and that its readings do not give, with what they need."""
     why: str = ""
+    others: tuple[str, ...] = ()
+    """Further recordings that are not struck, where it was recorded more than once."""
 
     @property
     def is_whole(self) -> bool:
@@ -140,7 +144,23 @@ def read_folder(path: Path) -> Folder:
     found = dict(_recordings(path, test))
     parts = tuple(_state(part, found.get(part.name, []), test) for part in test.parts())
     known = {recording.name for recordings in found.values() for recording in recordings}
-    return Folder(path, test, parts, tuple(sorted(_names(path) - known)))
+    return Folder(path, test, _in_units(parts), tuple(sorted(_names(path) - known)))
+
+
+def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
+    """Return the states with those out that were read in another unit than the first."""
+    runs = {
+        one.part.name: one.recording.run
+        for one in parts
+        if one.is_whole and one.recording is not None and not one.part.is_push
+    }
+    said = dict(converted(runs)) if runs else {}
+    return tuple(
+        replace(one, state=OUT, deviations=(*one.deviations, Finding(OTHER_UNIT, "warning", line)))
+        if (line := said.get(one.part.name))
+        else one
+        for one in parts
+    )
 
 
 def _names(path: Path) -> set[str]:
@@ -174,7 +194,8 @@ def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartStat
             f"recorded twice: {', '.join(one.name for one in counting)}; strike one of them in "
             f'test.toml: [[struck]] with recording = "{counting[-1].name}" and its reason'
         )
-        return PartState(part, FAULTY, counting[-1], struck, why=why)
+        others = tuple(one.name for one in counting[:-1])
+        return PartState(part, FAULTY, counting[-1], struck, why=why, others=others)
     return _state_of(counting[0], struck, test)
 
 

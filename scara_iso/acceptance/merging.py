@@ -15,6 +15,7 @@ from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
 from scara_iso.origin import Origin
 from scara_iso.run import Axis, Run
+from scara_iso.tables import converted
 
 _OF_A_PART = {"part", "pose", "doubts"}
 """Lines that the merged run says in another way."""
@@ -39,9 +40,12 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
     run = runs_as_poses(runs)
     said = f"{len(runs)} of {len(states)} parts of the test, {condition}"
     metadata = {**run.metadata, **dict(_of_the_test(states))}
+    units = tuple(said for _, said in converted(runs))
     return replace(
         run, metadata=metadata,
-        origin=Origin(str(folder.path), said, tuple(_notes(folder, runs))),
+        origin=Origin(
+            str(folder.path), said, (*_notes(folder, runs), *units), other_units=units
+        ),
     )  # fmt: skip
 
 
@@ -130,12 +134,7 @@ def lacking(state: PartState) -> str:
 
 
 def _notes(folder: Folder, runs: Mapping[str, Run]) -> Iterator[str]:
-    first, *_ = runs.values()
     for pose, run in runs.items():
         yield from (f"{pose}: {note}" for note in run.origin.notes)
-        for axis, unit in run.origin.units.items():
-            if unit != first.origin.units.get(axis, unit):
-                base = run.axes[axis].unit
-                yield f"{pose}: {axis} was recorded in {unit}, other than before; it is in {base}"
     for name in folder.foreign:
         yield f"{name}: of no part of the test, not used"

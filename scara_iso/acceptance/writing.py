@@ -101,13 +101,14 @@ def _still_open(name: str, values: Mapping[str, Any]) -> list[str]:
     return [line for line in _OPEN.get(name, ()) if line.partition(" =")[0] not in values]
 
 
-def strike(folder: Path, struck: Struck, *, disk: Disk | None = None) -> None:
-    """Add a strike to the test.toml of a folder, all else kept as it is; raises as `write_file`."""
+def strike(folder: Path, *struck: Struck, disk: Disk | None = None) -> None:
+    """Add strikes to the test.toml of a folder, all else kept as it is; raises as `write_file`."""
     import tomlkit  # noqa: PLC0415 - only where a test is written
 
     path = folder / FILE
     document = tomlkit.parse(read_file(path, _LARGEST).decode("utf-8-sig"))
-    _add(document, struck)
+    for one in struck:
+        _add(document, one)
     write_file(path, tomlkit.dumps(document).encode(), disk)
 
 

@@ -93,6 +93,8 @@ def _write_brief(
     """Write the answer and what to do next, as a command line with the options of this one."""
     simple = decision is DecisionRule.SIMPLE
     held = {"limit": limit, "decision": decision.value if simple else None}
-    again = command_line(table, read)
-    following = reporting.after_analysis(analysis, command_line(table, {**held, **read}), again)
+    again, whole = command_line(table, read), command_line(table, {**held, **read})
+    axis = reporting.axis_of_loop(analysis)
+    loop = command_line(table, {"axis": axis, **{k: read[k] for k in ("unit", "resolution")}})
+    following = reporting.after_analysis(analysis, whole, again, None if axis is None else loop)
     write_report(reporting.analysis_brief(analysis, following))

@@ -23,6 +23,9 @@ Loop = Annotated[
     str, typer.Argument(metavar="LOOP", help="Table with force_N and reading; - is standard input.")
 ]
 Arm = Annotated[float | None, typer.Option(help="From the joint to dial and force [m].")]
+AxisOfTable = Annotated[
+    str | None, typer.Option(metavar="X", help="Take this column of a table of readings.")
+]
 Limits = Annotated[
     list[str] | None,
     typer.Option(
@@ -37,6 +40,7 @@ Limits = Annotated[
 def push_command(
     loop: Loop,
     *,
+    axis: AxisOfTable = None,
     arm: Arm = None,
     limit: Limits = None,
     decision: LimitRule = DecisionRule.INTERVAL,
@@ -53,6 +57,7 @@ def push_command(
 
     found = push(
         loop,
+        axis=axis,
         arm=arm,
         unit=unit,
         resolution=resolution,
@@ -68,7 +73,7 @@ def push_command(
 
         simple = decision is DecisionRule.SIMPLE
         held = {"limit": limit, "decision": decision.value if simple else None}
-        read = {"arm": arm, "unit": unit, "resolution": resolution}
+        read = {"axis": axis, "arm": arm, "unit": unit, "resolution": resolution}
         again = command_line([loop], held | read, full=True)
         following = NextStep(f"scara-iso push {again}", "every figure")
         write_report(push_report(found) if full else push_brief(found, following))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from scara_iso.errors import DataError, UsageError, WriteError
 Query = Callable[..., list[Any]]
 """SQL and its parameters to rows."""
 
+_OF_A_ROW = re.compile(r"CSV Error on Line: (?P<line>\d+)\n.*\n+(?P<reason>\S.*)")
 _REMEDY = "pip install 'scara-iso[fleet]'"
 
 
@@ -43,6 +45,16 @@ def fetched(sql: str, parameters: Sequence[object], where: str) -> Any:
         connection.close()
 
 
+def fetched_csv(path: Path, delimiter: str, names: Sequence[str]) -> Any:
+    """Return a CSV file of these columns as a pandas table of text: nothing of it is guessed."""
+    sql = (
+        "SELECT * FROM read_csv(?, auto_detect=false, header=true, columns=?, delim=?, "
+        "quote='\"', escape='\"', comment='#')"
+    )
+    columns = {name or f"column {k}": "VARCHAR" for k, name in enumerate(names, 1)}
+    return fetched(sql, [str(path), columns, delimiter], str(path))
+
+
 @contextmanager
 def results_in(folder: Path) -> Iterator[Query]:
     """Yield how ``fleet`` is queried, which is all Parquet files of a folder: the SQL to its rows.
@@ -69,7 +81,11 @@ def results_in(folder: Path) -> Iterator[Query]:
 
 
 def _brief(error: Exception) -> str:
-    return " ".join(str(error).split())[:200]
+    """Return what is wrong in one line: of a CSV the line and the reason, without its text."""
+    text = str(error)
+    row = _OF_A_ROW.search(text)
+    said = text if row is None else f"line {row['line']}: {row['reason']}"
+    return " ".join(said.split())[:200]
 
 
 def write_parquet(path: Path, columns: Mapping[str, tuple[str, Sequence[object]]]) -> None:

@@ -6,6 +6,7 @@ are there test, pose, cycle and any other; or a table of one robot as `read_tabl
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import re
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ from typing import Any
 
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import open_file
-from scara_iso.fleets.database import fetched
+from scara_iso.fleets.database import fetched, fetched_csv
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import parse_number
@@ -79,18 +80,15 @@ def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
     if path.suffix.lower() == ".parquet":
         schema = fetched("SELECT name FROM parquet_schema(?)", [str(path)], str(path))
         _refuse_twice([str(name) for name in schema["name"][1:]], path)
-        yield from _several(path, "SELECT * FROM read_parquet(?)", {}, reading)
+        frame = fetched("SELECT * FROM read_parquet(?)", [str(path)], str(path))
+        yield from _several(frame, path, {}, reading)
         return
     statements, header = _head(path)
     for delimiter in _DELIMITERS:
-        names = [name.strip().strip('"') for name in header.split(delimiter)]
+        names = [name.strip() for name in next(csv.reader([header], delimiter=delimiter), [])]
         if "robot" in map(str.lower, names):
             _refuse_twice(names, path)
-            sql = (
-                f"SELECT * FROM read_csv(?, header=true, delim='{delimiter}', comment='#', "  # noqa: S608 - one of three
-                "all_varchar=true, ignore_errors=false)"
-            )
-            yield from _several(path, sql, statements, reading)
+            yield from _several(fetched_csv(path, delimiter, names), path, statements, reading)
             return
     yield _single(path, reading)
 
@@ -129,9 +127,10 @@ def _head(path: Path) -> tuple[dict[str, str], str]:
 
 
 def _several(
-    path: Path, sql: str, statements: dict[str, str], reading: ReadAs
+    frame: Any, path: Path, statements: dict[str, str], reading: ReadAs
 ) -> Iterator[FleetTable]:
-    frame = fetched(sql, [str(path)], str(path))
+    if frame.empty:
+        raise DataError("holds no rows", where=str(path), remedy="put readings below its header")
     frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
     if "robot" not in frame.columns:
         raise DataError("has no column robot", where=str(path), remedy="name the robot of each row")

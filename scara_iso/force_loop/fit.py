@@ -28,6 +28,7 @@ from scara_iso.run import FloatArray, IntArray
 
 _GRID = 60
 _ROUNDS = 4
+_NOTHING = 1e-6
 _IMPROBABLE = 0.001
 
 
@@ -84,7 +85,7 @@ def fit_loop(loop: ForceLoop) -> LoopFit:
     freedom = len(force) - design.shape[1] - 1
     step = 0.0 if loop.resolution is None else rounding_uncertainty(loop.resolution)
     variance = max(float(left @ left) / freedom, step**2)
-    misfit, repeats = _misfit(force, left, number)
+    misfit, repeats = _misfit(force, left, number, scale=float(np.ptp(reading)))
     inverse = np.linalg.pinv(jacobian.T @ jacobian)
     covariance = inverse[:3, :3] * variance * (repeats if misfit is not None else 1.0)
     _check_spring(c, covariance, loop)
@@ -139,10 +140,13 @@ def _design(force: FloatArray, number: IntArray, friction: float) -> tuple[Float
     return np.column_stack([middle, sign, zeros]), np.column_stack([middle, sign, slope, zeros])
 
 
-def _misfit(force: FloatArray, left: FloatArray, number: IntArray) -> tuple[float | None, float]:
+def _misfit(
+    force: FloatArray, left: FloatArray, number: IntArray, *, scale: float
+) -> tuple[float | None, float]:
     """Return the rms of what loops repeat beyond chance, and how many readings share a step.
 
     The test of lack of fit (Draper and Smith, 2.1), over equal steps of the force in one direction.
+    What is nothing beside ``scale``, the readings' range, is how finely the friction is searched.
     """
     from scipy.special import fdtrc  # noqa: PLC0415 - only for loops
 
@@ -159,7 +163,8 @@ def _misfit(force: FloatArray, left: FloatArray, number: IntArray) -> tuple[floa
     between = float((counts * means**2).sum()) / lack
     if within > 0 and float(fdtrc(lack, free, between / within)) > _IMPROBABLE:
         return None, 1.0
-    return math.sqrt(float((counts * means**2).sum()) / len(force)), len(force) / groups
+    rms = math.sqrt(float((counts * means**2).sum()) / len(force))
+    return (rms, len(force) / groups) if rms > _NOTHING * scale else (None, 1.0)
 
 
 def _check_spring(c: float, covariance: FloatArray, loop: ForceLoop) -> None:

@@ -7,6 +7,7 @@ import math
 from scara_iso.errors import DataError, Fault, UsageError
 from scara_iso.force_loop.loop import ForceLoop
 from scara_iso.quantities import Dimension, Unit
+from scara_iso.run import Run
 from scara_iso.tables import (
     ColumnNames,
     NamedColumns,
@@ -56,6 +57,34 @@ def read_loop(
         uncertainty=sizes["indicator_uncertainty"],
         source=table.source,
         notes=tuple(f"column {name!r} not used" for name in table.left_out),
+    )
+
+
+def loop_of(run: Run, axis: str) -> ForceLoop:
+    """Return the loop of an axis and the column force_N of a table of readings, every row of it.
+
+    Raises `DataError` where there is no such length, no force, or more than one pose.
+    """
+    force, found = run.covariates.get("force_N"), run.axes.get(axis)
+    poses = [*run.rows_by_pose()]
+    if force is None or found is None or found.dimension is not Dimension.LENGTH:
+        lengths = [n for n, one in run.axes.items() if one.dimension is Dimension.LENGTH]
+        has = ["force_N"] * (force is not None) + lengths
+        raise DataError(
+            f"no force_N, or no length {axis}, is in it", where=run.origin.source,
+            remedy=f"it has {', '.join(has) or 'neither'}",
+        )  # fmt: skip
+    if len(poses) > 1:
+        raise DataError(
+            f"{len(poses)} poses are in it, and a loop is of one", where=run.origin.source,
+            remedy="leave the rows of one pose",
+        )  # fmt: skip
+    return ForceLoop(
+        force=force,
+        reading=found.readings,
+        resolution=found.resolution,
+        uncertainty=found.uncertainty,
+        source=run.origin.source,
     )
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from scara_iso.errors import UsageError
-from scara_iso.force_loop import read_loop
+from scara_iso.force_loop import loop_of, read_loop
 from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
-from scara_iso.tables import Source
+from scara_iso.tables import Source, read_table
 
 
 def push(
     table: Source,
     *,
+    axis: str | None = None,
     arm: float | None = None,
     unit: str | None = None,
     resolution: float | None = None,
@@ -22,9 +23,10 @@ def push(
     """Return lost motion, friction, stiffness and compliance of a joint that was pushed to and fro.
 
     ``table`` is a path, ``-``, bytes or an open file with the columns force_N and reading (a
-    length), its steps in the order in which they were done. ``arm`` is the distance from the joint
-    to dial and force [m]; without it there are figures of the reading only. ``unit`` and
-    ``resolution`` (in it) are as in `read_table`. ``limits`` are by code (``lost_motion``,
+    length), its steps in the order in which they were done. ``axis`` takes that column of a table
+    of readings in place of reading. ``arm`` is the distance from the joint to dial and force [m];
+    without it there are figures of the reading only. ``unit`` and ``resolution`` (in it) are as in
+    `read_table`. ``limits`` are by code (``lost_motion``,
     ``friction_width``, ``hysteresis``, ``deflection``) in arcmin of the joint, with ``_mm`` behind
     in mm; the empty name is the lost motion; a pair is the smallest and the largest value.
     ``decision`` as in `analyze`. Raises `DataError` for a table that cannot be read or is no loop,
@@ -33,5 +35,8 @@ def push(
     words = [rule.value for rule in DecisionRule]
     if decision not in words:
         raise UsageError(f"decision {decision!r}", remedy=f"use {' or '.join(words)}")
-    loop = read_loop(table, unit=unit, resolution=resolution)
+    if axis is None:
+        loop = read_loop(table, unit=unit, resolution=resolution)
+    else:
+        loop = loop_of(read_table(table, unit=unit, resolution=resolution), axis)
     return push_test(loop, arm_m=arm, limits=limits, decision=DecisionRule(decision))

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from scara_iso.reporting.brief_analysis import (
         after_analysis as after_analysis,
         analysis_brief as analysis_brief,
+        axis_of_loop as axis_of_loop,
     )
     from scara_iso.reporting.brief_comparison import comparison_brief as comparison_brief
     from scara_iso.reporting.brief_diagnosis import (

@@ -56,12 +56,37 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
     if analysis.block is not None:
         yield from drift_headlines(analysis)
         return
+    if is_force_loop(analysis):
+        counted = f"{analysis.cycles.used} readings"
+        yield Headline(("a force loop, no test of repeatability", counted))
+        yield Headline(tuple(_given_way(analysis)) or ("no spring is seen in it",), "plain")
+        return
     pose = largest(analysis.poses)
     at = f"at {pose.label}, the largest of {len(analysis.poses)} poses"
     cycles = f"{analysis.cycles.used} cycles"
     figures = [figure_said(*one) for one in headline_figures(pose)]
     where = f" {at}" if len(analysis.poses) > 1 else ""
     yield Headline((f"RP  {figures[0]}{where}", *figures[1:], cycles))
+
+
+def is_force_loop(analysis: Analysis) -> bool:
+    """Return whether a force was stepped to and fro at every pose: RP is no repeatability then."""
+    loops = {one.pose for one in analysis.findings if one.code == "force-loop"}
+    return loops >= {pose.label for pose in analysis.poses}
+
+
+def axis_of_loop(analysis: Analysis) -> str | None:
+    """Return the first axis at which the only pose was pushed to and fro; None without a loop."""
+    if len(analysis.poses) > 1:
+        return None
+    return next((one.axis for one in analysis.findings if one.code == "force-loop"), None)
+
+
+def _given_way(analysis: Analysis) -> Iterator[str]:
+    for one in analysis.characteristics:
+        if one.code == "compliance":
+            found, at = one.estimate, f" at {one.pose}" if one.pose else ""
+            yield figure_said(f"compliance {one.of}", found.value, found.interval, found.unit) + at
 
 
 Figure = tuple[str, float, Ends, str]
@@ -91,12 +116,16 @@ def largest(poses: Sequence[PoseResult]) -> PoseResult:
     return max(poses, key=size)
 
 
-def after_analysis(analysis: Analysis, command: str, table: str) -> NextStep:
+def after_analysis(
+    analysis: Analysis, command: str, table: str, loop: str | None = None
+) -> NextStep:
     """Return what to do next.
 
     ``table`` is how a command line names the readings, with the options that read them;
-    ``command`` likewise with the limits.
+    ``command`` likewise with the limits; ``loop`` with `axis_of_loop`, where there is one.
     """
+    if loop is not None:
+        return NextStep(f"scara-iso push {loop}", "play, friction and spring")
     drifts = any(check.interval_void for check in analysis.limits)
     if analysis.conformity is Conformity.PASS and not drifts:
         return NextStep(f"scara-iso report {command}", "the report to sign")

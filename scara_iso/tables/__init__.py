@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         read_columns as read_columns,
     )
     from scara_iso.tables.numbers import parse_clean as parse_clean
+    from scara_iso.tables.other_units import converted as converted
     from scara_iso.tables.parts import PosePart as PosePart, merge as merge, pose_in as pose_in
     from scara_iso.tables.read import read_table as read_table
     from scara_iso.tables.source import Source as Source, read_bytes as read_bytes

@@ -15,12 +15,21 @@ from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.names import Column, Kind, names_a_footer, read_timestamp, read_unit
-from scara_iso.tables.numbers import BLANKS, CellNumber, Mark, cut_unit, parse_cell, parse_clean
+from scara_iso.tables.numbers import (
+    BLANKS,
+    CellNumber,
+    Mark,
+    cut_unit,
+    parse_block,
+    parse_cell,
+    parse_clean,
+)
 
 Cell = str | float
 """A cell of a text file is text; a numeric cell of a workbook is its number."""
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
+_NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
 _LABEL = 64
 _REMARK = 24  # enough to tell the remarks of two poses apart
 _LARGEST = 2**53
@@ -53,6 +62,22 @@ class Columns:
         for column, cells, part in zip(self.layout.columns, columns, parts, strict=True):
             self._keep(column, part, cells, lines)
         self._add_lines(np.array(lines))
+        return True
+
+    def add_block(self, lines: Sequence[str], separator: str, first_line: int) -> bool:
+        """Take lines of nothing but numbers, as those above were, or take none and return False."""
+        columns = self.layout.columns
+        numeric = all(column.kind in _NUMERIC for column in columns)
+        if not numeric or set(self.marks) != {Mark.POINT} or self.decimal == ",":
+            return False
+        values = parse_block(lines, separator, len(columns))
+        counted = [k for k, column in enumerate(columns) if column.kind is Kind.CYCLE]
+        if values is None or not _are_counts(values[:, counted]):
+            return False
+        for k, column in enumerate(columns):
+            self._parts[column].append(values[:, k].copy())
+            self._note_unit(column, "", first_line)
+        self._add_lines(np.arange(first_line, first_line + len(lines)))
         return True
 
     def _keep(

@@ -20,6 +20,7 @@ from scara_iso.origin import Origin
 from scara_iso.pose_columns import Commanded
 from scara_iso.run import Axis, FloatArray, Run
 from scara_iso.tables.faults import listed, quoted
+from scara_iso.tables.other_units import converted
 
 _POSE = re.compile(r"(?<![a-z0-9])(?:p|pose|point|punkt)[ _.-]?0*([1-9][0-9]{0,2})(?![a-z0-9])")
 _LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)
@@ -241,7 +242,7 @@ def _joined(
     left = dict.fromkeys(name for run in runs for name in run.covariates if name not in shared)
     dropped = [f"column {name} is not in every table: not used" for name in left]
     lines = [run.lines for run in runs if run.lines is not None]
-    units = [*_converted(parts)]
+    units = tuple(said for _, said in converted({part.name: part.run for part in parts}))
     return Run(
         cycle=np.concatenate([run.cycle for run in runs]),
         axes={name: _axis(name, parts) for name in runs[0].axes},
@@ -254,6 +255,7 @@ def _joined(
             understood=_understood(parts),
             notes=(*_said(parts), *units, *notes, *dropped),
             units=runs[0].origin.units,
+            other_units=units,
             files={pose: part.name for part in parts for pose in part.poses},
         ),
     )
@@ -268,17 +270,6 @@ def _said(parts: Sequence[_Labelled]) -> Iterator[str]:
     for part in parts:
         yield f"{part.said}: {part.run.origin.understood}".rstrip(": ")
         yield from (f"{part.name}: {note}" for note in part.run.origin.notes)
-
-
-def _converted(parts: Sequence[_Labelled]) -> Iterator[str]:
-    """Yield which tables are in another unit than the first; all are in mm or degrees by now."""
-    for name, unit in parts[0].run.origin.units.items():
-        for part in parts[1:]:
-            other = part.run.origin.units.get(name, unit)
-            if other != unit:
-                base = part.run.axes[name].unit
-                both = f"{name} in {other}, and in {unit} in {parts[0].name}"
-                yield f"{part.name}: {both}; all is converted to {base}"
 
 
 def _axis(name: str, parts: Sequence[_Labelled]) -> Axis:

@@ -38,6 +38,7 @@ from scara_iso.tables.text import (
     Row,
     chunks,
     decode_text,
+    separator_of,
     split_columns,
     split_head,
     split_lines,
@@ -245,6 +246,10 @@ def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, 
         _check_length(first, lines, columns.faults)
         return
     if body.plain:
+        separator = separator_of(delimiter)
+        if separator is not None and columns.add_block(lines, separator, first):
+            body.count(len(lines))
+            return
         cells = split_columns(lines, delimiter, columns.layout.width)
         if cells is not None and columns.add_clean(cells, first):
             body.count(len(lines))

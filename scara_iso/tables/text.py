@@ -117,6 +117,12 @@ _ANY_BLANK = str.maketrans(dict.fromkeys(BLANKS, " "))
 _GLUE = re.compile(r"(?<=\S) +(?=[\[(])|(?<=[0-9.,]) +(?=(?:mm|[uµμ]m|inch|in|deg|°)(?: |$))")
 
 
+def separator_of(delimiter: Delimiter) -> str | None:
+    """Return the one character between two cells; None where it is not always one."""
+    alone = (Delimiter.TAB, Delimiter.SEMICOLON, Delimiter.COMMA)
+    return _CHARACTER[delimiter] if delimiter in alone else None
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
     """Cells of one row, its text, and the lines it begins and ends on (a header may hold two)."""

@@ -62,7 +62,7 @@ def _compared(
 
 def _characteristics(vector: Mapping[str, Any]) -> Sequence[Characteristic]:
     tables = [references("vectors", name).read_bytes() for name in vector["tables"]]
-    if vector["name"] == "push":
+    if vector["name"].startswith("push"):
         return push_test(read_loop(tables[0]), arm_m=_ARM).characteristics
     analyses = [analyze(read_table(table), cycles=vector["cycles"]) for table in tables]
     return exchangeability(analyses, {}) if len(analyses) > 1 else analyses[0].characteristics

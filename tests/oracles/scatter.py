@@ -25,18 +25,33 @@ def three_sigma(components):
     return 3 * stdev(components[0])
 
 
-def limits(figure, gaussian, gaussian_error, components, steps=None):
-    """Return the 95 % limits: jackknife of ln figure, chi-square, shortfall, rounding."""
-    n, q = len(components[0]), len(components)
-    value = figure(components)
+def jackknife(figure, components):
+    """Return the error of ln figure by leaving out each reading, and the mean ln without one."""
+    n = len(components[0])
     without = [
         math.log(figure([values[:k] + values[k + 1 :] for values in components])) for k in range(n)
     ]
     error = math.sqrt((n - 1) / n * sum((log - mean(without)) ** 2 for log in without))
+    return error, mean(without)
+
+
+def below(error, z=Z):
+    return (1 - 4 / 9 * error**2 + 2 / 3 * z * error) ** -1.5
+
+
+def above(error, z=Z):
+    return math.exp(z * error + (z**2 + 2) / 3 * error**2)
+
+
+def limits(figure, gaussian, gaussian_error, components, steps=None):
+    """Return the 95 % limits: jackknife of ln figure, chi-square, shortfall, rounding."""
+    n, q = len(components[0]), len(components)
+    value = figure(components)
+    error, log_without = jackknife(figure, components)
     error = max(error, gaussian_error / math.sqrt(n - 1))
-    shortfall = (n - 1) * (math.log(value) - mean(without))
-    upper = value * math.exp(Z * error + (Z**2 + 2) / 3 * error**2 + 3 * max(shortfall, 0))
-    lower = value * (1 - 4 / 9 * error**2 + 2 / 3 * Z * error) ** -1.5
+    shortfall = (n - 1) * (math.log(value) - log_without)
+    upper = value * above(error) * math.exp(3 * max(shortfall, 0))
+    lower = value * below(error)
     if steps:
         variance = sum(stdev(values) ** 2 for values in components)
         share = 1 - sum(step**2 for step in steps) / 12 / variance

@@ -16,12 +16,12 @@ from pathlib import Path
 from statistics import NormalDist, mean, stdev
 
 from scipy.optimize import curve_fit
-from scipy.stats import t as student, ttest_ind
+from scipy.stats import f as fisher, t as student, ttest_ind
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import push_rig
 
-from oracles.scatter import limits, rp, rss, three_sigma
+from oracles.scatter import above, below, jackknife, limits, rp, rss, three_sigma
 
 FOLDER = Path(__file__).parents[2] / "scara_iso" / "validation" / "data" / "vectors"
 GAUSSIAN = {1: 2.60632, 2: 3.21872, 3: 3.61609}
@@ -63,28 +63,53 @@ def with_calibration(value, ends, U):
     return max(value - math.hypot(value - low, U), 0.0), value + math.hypot(high - value, U)
 
 
+def quarter(ends, calibration=0.0):
+    """Return the standard uncertainty of a scatter: of sampling a quarter of its interval."""
+    return math.hypot((ends[1] - ends[0]) / 4, calibration)
+
+
+def of_mean(values, reading_u):
+    return math.hypot(stdev(values) / math.sqrt(len(values)), reading_u)
+
+
 def student_mean(values, reading_u, value):
     reach = float(student.ppf(0.975, len(values) - 1)) * stdev(values) / math.sqrt(len(values))
     reach = math.hypot(reach, 2 * reading_u)
     return value - reach, value + reach
 
 
-def farthest(groups, pairs, reading_u):
-    """Return the largest distance of two means of one axis, its interval and u: Welch, Bonferroni.
+def covariance(a, b):
+    """Return the covariance of two means of readings taken together."""
+    products = [(x - mean(a)) * (y - mean(b)) for x, y in zip(a, b, strict=True)]
+    return sum(products) / (len(a) - 1) / len(a)
 
-    Above, the farthest that any pair may be apart; below, allowing for the choice of the pair.
+
+def farthest(groups, pairs, reading_u):
+    """Return the largest distance of two barycentres, its interval and u.
+
+    Each group is a list of components. Above, the farthest that any pair may be apart (Welch along
+    the line between them); below, allowing for the choice of the pair (Bonferroni) and, by Box's
+    two moments of a sum of squares, for scatter alone being a distance.
     """
     found = []
-    for a, b in pairs:
-        one, other = (stdev(group) ** 2 / len(group) for group in (groups[a], groups[b]))
-        error, apart = math.sqrt(one + other), abs(mean(groups[a]) - mean(groups[b]))
-        freedom = (one + other) ** 2 / (
-            one**2 / (len(groups[a]) - 1) + other**2 / (len(groups[b]) - 1)
+    for a, b in ((groups[a], groups[b]) for a, b in pairs):
+        apart = [mean(y) - mean(x) for x, y in zip(a, b, strict=True)]
+        value = math.hypot(*apart)
+        along = [one / value for one in apart]
+        errors = [[[covariance(x, y) for x in g] for y in g] for g in (a, b)]
+        traces = [sum(e[k][k] for k in range(len(e))) for e in errors]
+        both = [[x + y for x, y in zip(*rows, strict=True)] for rows in zip(*errors, strict=True)]
+        size = range(len(both))
+        error = math.sqrt(sum(along[j] * both[j][k] * along[k] for j in size for k in size))
+        trace = sum(traces)
+        freedom = trace**2 / sum(
+            t**2 / (len(g[0]) - 1) for t, g in zip(traces, (a, b), strict=True)
         )
-        below, above = (float(student.ppf(1 - 0.025 / k, freedom)) for k in (len(pairs), 1))
-        low = apart - math.hypot(below * error, 2 * reading_u)
-        high = apart + math.hypot(above * error, 2 * reading_u)
-        found.append((apart, low, high, math.hypot(error, reading_u)))
+        directions = trace**2 / sum(one**2 for row in both for one in row)
+        below = math.sqrt(trace * float(fisher.ppf(1 - 0.05 / len(pairs), directions, freedom)))
+        above = error * float(student.ppf(0.975, freedom))
+        low, high = (math.hypot(reach, 2 * reading_u) for reach in (below, above))
+        found.append((value, value - low, value + high, math.hypot(error, reading_u)))
     value, _, _, u = max(found)
     return value, (max(0.0, *(one[1] for one in found)), max(one[2] for one in found)), u
 
@@ -94,7 +119,8 @@ def scatter(of, components, steps, U=0.0):
     q = len(components)
     ends = limits(rp, GAUSSIAN[q], ERROR[q], components, steps)
     value = rp(components)
-    return figure("RP", of, value, with_calibration(value, ends, U), clause="7.2.2", tolerance=2e-8)
+    return figure("RP", of, value, with_calibration(value, ends, U), quarter(ends, U / 2),
+                  clause="7.2.2", tolerance=2e-8)  # fmt: skip
 
 
 def one_pose():
@@ -111,17 +137,25 @@ def one_pose():
     value, root = rss([used["X"], used["Y"]]), math.sqrt(2)
     ends = limits(rss, root * GAUSSIAN[1], ERROR[1] / root, [used["X"], used["Y"]], [0.001] * 2)
     found.append(figure("RP_rss", "XY", value, with_calibration(value, ends, 0.001),
-                        clause="the paper's eq. 23", tolerance=2e-8))  # fmt: skip
+                        quarter(ends, 0.0005), clause="the paper's eq. 23",
+                        tolerance=2e-8))  # fmt: skip
     value = three_sigma([used["theta"]])
     ends = limits(three_sigma, 3.0, math.sqrt(0.5), [used["theta"]], [0.001])
-    found.append(figure("RP_a", "theta", value, ends, unit="deg", clause="7.2.2", tolerance=2e-8))
+    found.append(figure("RP_a", "theta", value, ends, quarter(ends), unit="deg", clause="7.2.2",
+                        tolerance=2e-8))  # fmt: skip
     reading_u = math.hypot(0.001 / math.sqrt(12), 0.0005)
     command = {"X": 0.1, "Y": 0.0, "Z": 0.4}
     off = {name: mean(used[name]) - at for name, at in command.items()}
+    reaches = []
     for name, value in off.items():
         ends = student_mean(used[name], reading_u, value)
-        found.append(figure("AP", name, value, ends, clause="7.2.1", tolerance=1e-6))
-    found.append(figure("AP", "XYZ", math.hypot(*off.values()), clause="7.2.1"))
+        reaches.append(ends[1] - value)
+        found.append(figure("AP", name, value, ends, of_mean(used[name], reading_u),
+                            clause="7.2.1", tolerance=1e-6))  # fmt: skip
+    value, reach = math.hypot(*off.values()), math.hypot(*reaches)
+    u = max(of_mean(used[name], reading_u) for name in off)
+    found.append(figure("AP", "XYZ", value, (value - reach, value + reach), u, clause="7.2.1",
+                        tolerance=1e-6))  # fmt: skip
     return {"one_pose.csv": table(head, columns)}, None, found
 
 
@@ -149,11 +183,12 @@ def two_poses_in_inches():
     reading_u = math.sqrt(2) * step / math.sqrt(12)
     for of, distances in D.items():
         ends = limits(three_sigma, 3.0, math.sqrt(0.5), [distances], [math.sqrt(2) * step])
-        found.append(figure("RD", of, three_sigma([distances]), ends, pose="P1-P2", clause="7.3",
-                            tolerance=2e-8))  # fmt: skip
+        found.append(figure("RD", of, three_sigma([distances]), ends, quarter(ends), pose="P1-P2",
+                            clause="7.3", tolerance=2e-8))  # fmt: skip
         value = mean(distances) - D_c[of]
         ends = student_mean(distances, reading_u, value)
-        found.append(figure("AD", of, value, ends, pose="P1-P2", clause="7.3", tolerance=1e-6))
+        found.append(figure("AD", of, value, ends, of_mean(distances, reading_u), pose="P1-P2",
+                            clause="7.3", tolerance=1e-6))  # fmt: skip
     return {"two_poses.csv": table(head, columns)}, None, found
 
 
@@ -166,13 +201,11 @@ def three_directions():
     columns = {"approach": [r[0] for r in rows], "cycle": [str(r[1]) for r in rows],
                "X": texts(r[2] for r in rows), "Y": texts(r[3] for r in rows)}  # fmt: skip
     used = {w: [(r[2] / 1000, r[3] / 1000) for r in rows if r[0] == w and r[1] > 1] for w in ways}
-    centres = [tuple(map(mean, zip(*found, strict=True))) for found in used.values()]
-    pairs = list(combinations(centres, 2))
-    found = [
-        figure("vAP", "X", max(abs(a[0] - b[0]) for a, b in pairs), clause="7.2.3"),
-        figure("vAP", "Y", max(abs(a[1] - b[1]) for a, b in pairs), clause="7.2.3"),
-        figure("vAP", "XY", max(math.dist(a, b) for a, b in pairs), clause="7.2.3"),
-    ]
+    both = [[list(one) for one in zip(*found, strict=True)] for found in used.values()]
+    groups = {"X": [[b[0]] for b in both], "Y": [[b[1]] for b in both], "XY": both}
+    pairs = list(combinations(range(3), 2))
+    found = [figure("vAP", of, *farthest(group, pairs, READING), clause="7.2.3")
+             for of, group in groups.items()]  # fmt: skip
     head = ["unit: mm", "resolution: 0.001"]
     return {"three_directions.csv": table(head, columns)}, None, found
 
@@ -207,18 +240,50 @@ def drift():
               "XY": [list(b) for b in zip(of["X"], of["Y"], strict=True)]}  # fmt: skip
     found = []
     for name, group in groups.items():
-        centres = [tuple(map(mean, block)) for block in group]
-        largest = max(math.dist(centres[0], one) for one in centres)
-        if name in of:
-            later = [(0, b) for b in blocks if b]
-            found.append(figure("dAP", name, *farthest(of[name], later, READING), clause="7.6"))
-        else:
-            found.append(figure("dAP", name, largest, clause="7.6"))
-        scatters = [rp(block) for block in group]
-        change = max(abs(one - scatters[0]) for one in scatters)
-        found.append(figure("dRP", name, change, clause="7.6"))
+        later = [(0, b) for b in blocks if b]
+        found.append(figure("dAP", name, *farthest(group, later, READING), clause="7.6"))
+        found.append(figure("dRP", name, *_changed(group, 0.001), clause="7.6", tolerance=2e-8))
     found.append(figure("steady_after", "XY", _steady(of), unit="h", clause="7.6", tolerance=0.01))
     return {"drift.csv": table(["unit: mm", "resolution: 0.001"], columns)}, None, found
+
+
+def drift_of_scatter():
+    """Six blocks of ten visits, the scatter of the last six times as wide: dRP clear of 0."""
+    rng, found = random.Random(12), []
+    x = [count for b in range(6) for count in divisions(rng, 10, 24 if b == 5 else 4)]
+    columns = {"block": [str(k // 10) for k in range(60)],
+               "cycle": [str(k % 10 + 1) for k in range(60)],
+               "time_s": [str(1200 * (k // 10) + 12 * (k % 10)) for k in range(60)],
+               "X": texts(x)}  # fmt: skip
+    blocks = [[[count / 1000 for count in x[10 * b : 10 * b + 10]]] for b in range(6)]
+    found.append(figure("dRP", "X", *_changed(blocks, 0.001), clause="7.6", tolerance=2e-8))
+    head = ["unit: mm", "resolution: 0.001"]
+    return {"drift_of_scatter.csv": table(head, columns)}, None, found
+
+
+def _changed(blocks, step):
+    """Return the largest change of RP since the first block, its interval and u.
+
+    Differences by Zou and Donner, of intervals whose error is that of all blocks together.
+    """
+    q, n = len(blocks[0]), len(blocks[0][0])
+    found = [rp(block) for block in blocks]
+    together = math.sqrt(mean(jackknife(rp, block)[0] ** 2 * (n - 1) for block in blocks))
+    error = max(together, ERROR[q]) / math.sqrt(n - 1)
+
+    def reaches(share):
+        z = NormalDist().inv_cdf((1 + share) / 2)
+        down = [value * (1 - below(error, z)) for value in found]
+        up = [value * (above(error, z) - 1) for value in found]
+        for k, value in enumerate(found[1:], 1):
+            fell, rose = math.hypot(down[k], up[0]), math.hypot(up[k], down[0])
+            least, most = (fell, rose) if value >= found[0] else (rose, fell)
+            yield abs(value - found[0]), math.hypot(least, step), math.hypot(most, step)
+
+    alone, chosen = list(reaches(0.95)), list(reaches(1 - 0.05 / (len(blocks) - 1)))
+    value, least, most = max(alone)
+    low = max(0.0, *(change - reach for change, reach, _ in chosen))
+    return value, (low, max(change + reach for change, _, reach in alone)), (least + most) / 4
 
 
 def _steady(of):
@@ -248,7 +313,8 @@ def arrivals():
         used = [float(value) for value in values[1:]]
         low, high = student_mean(used, u, mean(used))
         ends = max(low, 0.0), high
-        found.append(figure(code, "X", mean(used), ends, unit=unit, clause=clause, tolerance=1e-9))
+        found.append(figure(code, "X", mean(used), ends, of_mean(used, u), unit=unit,
+                            clause=clause, tolerance=1e-9))  # fmt: skip
     return {"arrivals.csv": table(head, columns)}, 4, found
 
 
@@ -278,11 +344,11 @@ def robots():
         readings["X"].append([count / 1000 for count in X[1:]])
         readings["Y"].append([count / 1000 for count in Y[1:]])
     pairs = list(combinations(range(3), 2))
+    groups = {"X": [[one] for one in readings["X"]], "Y": [[one] for one in readings["Y"]],
+              "XY": [list(both) for both in zip(*readings.values(), strict=True)]}  # fmt: skip
     found = [figure("exchangeability", of, *farthest(own, pairs, READING), clause="7.7")
-             for of, own in readings.items()]  # fmt: skip
-    centres = list(zip(*(map(mean, own) for own in readings.values()), strict=True))
-    both = max(math.dist(centres[a], centres[b]) for a, b in pairs)
-    return tables, None, [*found, figure("exchangeability", "XY", both, clause="7.7")]
+             for of, own in groups.items()]  # fmt: skip
+    return tables, None, found
 
 
 def coarse_dial():
@@ -304,9 +370,9 @@ def coarse_dial():
 def _hidden(code, of, measure, gaussian, error, components):
     inside = NormalDist().inv_cdf((1 + 0.05 ** (1 / 30)) / 2)
     value = measure(components)
-    high = max(value * _upper(error / math.sqrt(29)), gaussian * 0.02 / 2 / inside)
+    high = max(value * above(error / math.sqrt(29)), gaussian * 0.02 / 2 / inside)
     unit = "deg" if of == "theta" else "mm"
-    return figure(code, of, value, (0.0, high), unit=unit, clause="7.2.2", tolerance=2e-8)
+    return figure(code, of, value, (0.0, high), high / 4, unit=unit, clause="7.2.2", tolerance=2e-8)
 
 
 def past_a_full_turn():
@@ -315,8 +381,10 @@ def past_a_full_turn():
     counts = divisions(rng, 31, 8)
     columns = {"cycle": [str(k) for k in range(1, 32)],
                "theta": texts(count % 360_000 for count in counts)}  # fmt: skip
-    value = three_sigma([[count / 1000 for count in counts[1:]]])
-    found = [figure("RP_a", "theta", value, unit="deg", clause="7.2.2")]
+    used = [[count / 1000 for count in counts[1:]]]
+    ends = limits(three_sigma, 3.0, math.sqrt(0.5), used, [0.001])
+    found = [figure("RP_a", "theta", three_sigma(used), ends, quarter(ends), unit="deg",
+                    clause="7.2.2", tolerance=2e-8)]  # fmt: skip
     return {"past_a_full_turn.csv": table(["unit: deg", "resolution: 0.001"], columns)}, None, found
 
 
@@ -348,13 +416,63 @@ def push():
     return {"push.csv": table(["unit: mm"], columns)}, None, found
 
 
-def _upper(error):
-    z = NormalDist().inv_cdf(0.975)
-    return math.exp(z * error + (z**2 + 2) / 3 * error**2)
+def push_with_scatter():
+    """A joint that scatters on a dial of 0.001, fitted through the joint's own rest positions.
+
+    The intervals are those of a general least-squares fit of that model, by finite differences.
+    """
+    rng, n = random.Random(11), len(push_rig.forces())
+    law = {"stiffness": 420.0, "half_play": 0.031, "friction": 9.0}
+    force, exact = push_rig.readings(None, **law)
+    reading = [round(x + rng.gauss(0, 0.0003), 3) for x in exact.tolist()]
+    columns = {"force_N": [f"{F:g}" for F in force], "reading": [f"{x:.3f}" for x in reading]}
+    first = int(force.argmax())
+    ends = [k for k in range(first, n) if abs(force[k]) == 100]
+    loop = [min((k - first) // 40, 2) for k in range(first, n)]
+
+    def rests(_, compliance, half_play, friction, *zeros):
+        x = push_rig.positions(
+            tuple(force.tolist()), stiffness=1 / compliance, half_play=half_play, friction=friction
+        )
+        return [at + zeros[k] for at, k in zip(x[first:].tolist(), loop, strict=True)]
+
+    guess = (1 / 400, 0.03, 8.0, 0.3, 0.3, 0.3)
+    fit, errors = curve_fit(rests, force[first:], reading[first:], guess, xtol=1e-12, ftol=1e-12)
+    left = [a - b for a, b in zip(rests(None, *fit), reading[first:], strict=True)]
+    freedom = n - first - len(fit)
+    residual = math.sqrt(sum(one**2 for one in left) / freedom)
+    c, b, friction = map(float, fit[:3])
+    high, low = ([reading[k] for k in ends if (force[k] > 0) == up] for up in (True, False))
+    sampling = {
+        "lost_motion": (2 * b, _along(errors, (0, 2, 0)), "mm"),
+        "friction_width": (2 * c * friction, _along(errors, (2 * friction, 0, 2 * c)), "mm"),
+        "hysteresis": (
+            2 * (b + c * friction), _along(errors, (2 * friction, 2, 2 * c)), "mm"
+        ),
+        "deflection": (mean(high) - mean(low), residual * math.sqrt(2 / 3), "mm"),
+        "compliance": (100 * c, 100 * _along(errors, (1, 0, 0)), "mm/100 N"),
+        "friction_force": (friction, _along(errors, (0, 0, 1)), "N"),
+    }  # fmt: skip
+    rounding = {"compliance": READING / 200 * 100, "friction_force": READING / (2 * c)}
+    found = []
+    for code, (value, error, unit) in sampling.items():
+        added = rounding.get(code, READING)
+        reach = math.hypot(float(student.ppf(0.975, freedom)) * error, 2 * added)
+        found.append(figure(code, "reading", value, (value - reach, value + reach),
+                            math.hypot(error, added), unit=unit, clause="10 and service manuals",
+                            tolerance=2e-6 * abs(value)))  # fmt: skip
+    head = ["unit: mm", "resolution: 0.001"]
+    return {"push_with_scatter.csv": table(head, columns)}, None, found
 
 
-VECTORS = (one_pose, two_poses_in_inches, three_directions, two_directions, drift, arrivals, force,
-           robots, coarse_dial, past_a_full_turn, push)  # fmt: skip
+def _along(covariance, slope):
+    size = range(len(slope))
+    return math.sqrt(sum(slope[j] * covariance[j][k] * slope[k] for j in size for k in size))
+
+
+VECTORS = (one_pose, two_poses_in_inches, three_directions, two_directions, drift,
+           drift_of_scatter, arrivals, force,
+           robots, coarse_dial, past_a_full_turn, push, push_with_scatter)  # fmt: skip
 
 
 def made():
