@@ -7,6 +7,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the program does; befor
 import numpy as np
 import pytest
 from hypothesis import settings
+from once import once
+
+from scara_iso.diagnosis import closed_loop, poses
+from scara_iso.render.formats import html, xlsx
 
 settings.register_profile("house", deadline=None)  # a busy machine fails no test
 settings.load_profile("house")
@@ -16,3 +20,16 @@ settings.load_profile("house")
 def rng():
     """Return a generator with a fixed seed."""
     return np.random.default_rng(20261121)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def each_diagnosis_and_picture_once():
+    """Compute what is costly once, however many tests look at what is shown of it."""
+    costly = [
+        (closed_loop, "diagnose_readings"), (poses, "diagnose_poses"),
+        (html, "picture"), (xlsx, "picture_png"),
+    ]  # fmt: skip
+    with pytest.MonkeyPatch.context() as patch:
+        for module, name in costly:
+            patch.setattr(module, name, once(getattr(module, name)))
+        yield

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -127,9 +128,13 @@ def test_only_the_command_line_names_its_options():
 
 PAGE = ROOT.parent / "docs" / "architecture.md"
 MODULES = {module_of(path) for path in ROOT.rglob("*.py")}
-DEFINED = {module_of(path): {*public_definitions(path)} for path in ROOT.rglob("*.py")}
 OTHER = {"__init__", "TYPE_CHECKING", "_repr_html_()", "to_frame()", "plot()", "--rebuild"}
 """What the page names that is no module, folder, file or name of a face."""
+
+
+@cache
+def defined():
+    return {module_of(path): {*public_definitions(path)} for path in ROOT.rglob("*.py")}
 
 
 def stands(span):
@@ -138,7 +143,7 @@ def stands(span):
     room, _, last = name.rpartition(".")
     return (
         any(f".{module}".endswith(f".{name}") for module in MODULES)
-        or any(where.startswith(room) and last in names for where, names in DEFINED.items())
+        or any(where.startswith(room) and last in names for where, names in defined().items())
         or (ROOT.parent / span).exists()
     )
 

@@ -89,9 +89,10 @@ def test_no_warning_is_lost(said, name):
             assert in_brief(finding.code) in out
 
 
-def test_simulated_readings_are_marked(said, tmp_path):
+@pytest.mark.parametrize("command", ["analyze", "diagnose"])
+def test_simulated_readings_are_marked(said, tmp_path, command):
     said("simulate", "fum_scara.toml", "-o", tmp_path / "run.csv")
-    assert "SIMULATED" in said("analyze", tmp_path / "run.csv")
+    assert "SIMULATED" in said(command, tmp_path / "run.csv")
 
 
 @pytest.mark.parametrize("command", ["analyze", "diagnose"])

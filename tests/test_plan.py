@@ -3,6 +3,7 @@
 import csv
 import itertools
 import math
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,11 +24,13 @@ FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # split and limits are 
 TALL = Arm(400, 300, (-130, 130), (-145, 145), (-300, 300))
 
 
-BOX = make_plan(FUM, solid=Solid.BOX, plane=DiagonalPlane.C4_C1_C6_C7)  # takes most of a second
+@cache
+def box_plan():
+    return make_plan(FUM, solid=Solid.BOX, plane=DiagonalPlane.C4_C1_C6_C7)
 
 
 def planned(plane, solid):
-    return BOX if solid is Solid.BOX else make_plan(FUM, plane=plane)
+    return box_plan() if solid is Solid.BOX else make_plan(FUM, plane=plane)
 
 
 def points(plan):
@@ -43,7 +46,7 @@ def test_a_short_stroke_limits_the_cube():
 
 
 def test_a_box_takes_the_whole_stroke_and_more_room():
-    box, cube = BOX, make_plan(FUM)
+    box, cube = box_plan(), make_plan(FUM)
     assert box.size_mm[2] == 200
     assert math.prod(box.size_mm) > 4 * math.prod(cube.size_mm)
 
@@ -91,7 +94,7 @@ def test_the_diagonal_of_the_plane_is_that_of_the_solid(plane, solid):
 
 
 def test_the_four_planes_are_diagonal_and_the_corners_those_of_a_box():
-    corners = BOX.corners
+    corners = box_plan().corners
     x, y, z = corners[6] - corners[0]
     expected = {(sx * x, sy * y, sz * z) for sx, sy, sz in itertools.product((0, 1), repeat=3)}
     found = {tuple(np.round(c - corners[0], 9)) for c in corners}

@@ -103,7 +103,8 @@ def close_the_loop(
         sigma={name: sigma for name, axis in used.axes.items() if sigma and axis.unit == "mm"},
         effects=find_effects(known_own),
     )
-    found = replace(found, notes=(*_not_looked_for(known_own, used), *found.notes))
+    notes = (*_simulated(run), *_not_looked_for(known_own, used), *found.notes)
+    found = replace(found, notes=notes)
     if model is None:
         return found
     from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
@@ -118,6 +119,11 @@ def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, 
     """Return the user's effects, those of the model among them, each once."""
     known = {one.name: one for one in (*own, *(() if model is None else model.own))}
     return tuple(known.values())
+
+
+def _simulated(run: Run) -> Iterator[str]:
+    if run.metadata.get("simulated"):
+        yield "SIMULATED readings: no robot was measured"
 
 
 def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:
@@ -219,7 +225,7 @@ def close_the_loop_at_poses(
         sigma=sigma,
         held_out=second,
     )
-    notes = (*_not_looked_for(known_own, test.run), *found.notes)
+    notes = (*_simulated(run), *_not_looked_for(known_own, test.run), *found.notes)
     if model is not None:
         notes = (*notes, *_not_traced(model, at, joints), *_doubts(model, run))
     return replace(found, notes=notes)

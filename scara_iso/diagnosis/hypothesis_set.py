@@ -194,6 +194,7 @@ def _eigen(
     projector = np.eye(len(rows)) - basis @ basis.T
     covariance = np.stack([form.covariance for form in forms])[:, rows[:, np.newaxis], rows]
     values, vectors = np.linalg.eigh(projector @ covariance @ projector)
+    values.flags.writeable = vectors.flags.writeable = False
     return values, vectors
 
 

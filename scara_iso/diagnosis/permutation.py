@@ -100,6 +100,7 @@ def _orders(state: str, n: int, count: int) -> tuple[IntArray, Mapping[str, Any]
     rng = np.random.default_rng()
     rng.bit_generator.state = json.loads(state)
     orders = np.array([rng.permutation(n) for _ in range(count)])
+    orders.flags.writeable = False
     return orders, rng.bit_generator.state
 
 
