@@ -118,7 +118,7 @@ def _turned(form: Form) -> FloatArray | None:
 def _of_effect(effect: Effect, conditions: Conditions) -> list[Hypothesis]:
     """Return the forms of an effect; those that have an order share its weight, if any has."""
     forms = [form for form in effect.forms(conditions) if not _still(form)]
-    ordered = [bool(effect.needs) or not _isolated(form) for form in forms]
+    ordered = [_has_order(effect, form) for form in forms]
     total = sum(form.weight for form, use in zip(forms, ordered, strict=True) if use)
     total = total or sum(form.weight for form in forms)
     return [
@@ -130,12 +130,15 @@ def _of_effect(effect: Effect, conditions: Conditions) -> list[Hypothesis]:
     ]  # fmt: skip
 
 
-def _isolated(form: Form) -> bool:
-    """Return whether a shape moves so few readings that no order of them is rare."""
-    if not isinstance(form, Shape):
-        return False
+def _has_order(effect: Effect, form: Form) -> bool:
+    """Return whether the test of the order counts a form.
+
+    A shape of the catalogue that moves one or two readings is hardly rarer than any other order.
+    """
+    if effect.needs or isinstance(effect, OwnEffect) or not isinstance(form, Shape):
+        return True
     moved = form.columns != median(form.columns, axis=0)
-    return int(moved.any(axis=1).sum()) < _LEAST_CYCLES
+    return int(moved.any(axis=1).sum()) >= _LEAST_CYCLES
 
 
 def _still(form: Form) -> bool:

@@ -117,11 +117,7 @@ def can_show_two(y: FloatArray, division: float) -> bool:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Grid:
-    """Every level and scatter that is tried; a cell has two of the levels and one scatter.
-
-    ``levels`` (l, 1), ``scatters`` (s,); ``lower``, ``upper`` (cells,) are places in their table
-    (l, s), row by row; ``log_prior`` (cells,).
-    """
+    """Levels (l, 1) and scatters (s,); of each cell the log prior and its places in their table."""
 
     levels: FloatArray
     scatters: FloatArray
