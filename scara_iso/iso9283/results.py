@@ -112,7 +112,7 @@ class LimitCheck:
     lower: float | None = None
     """Smallest value that is allowed; None where only the largest is given."""
     interval_void: bool = False
-    """Whether a finding says that the interval does not hold: then it proves nothing inside."""
+    """Whether a drift voids the interval: the verdict holds only while the robot drifts so."""
 
     @property
     def inside(self) -> bool:
