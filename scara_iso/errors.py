@@ -6,10 +6,15 @@ An error says what is wrong, where, and what to do about it. Domain errors deriv
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import ClassVar
 
 from scara_iso.frozen import dataclass
+
+_MANY = 5
+"""Faults that are alike and said in one line."""
+_RANGES = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +45,46 @@ def _letters(column: int) -> str:
     """Return the name of a column of a sheet, from 1: ``A`` to ``Z``, ``AA`` and so on."""
     more, letter = divmod(column - 1, 26)
     return (_letters(more) if more else "") + chr(ord("A") + letter)
+
+
+_VALUE = re.compile(r"'[^']*'|\"[^\"]*\"|[-+]?[0-9][0-9.,]*(?:e[-+]?[0-9]+)?")
+
+
+def fault_lines(faults: Sequence[Fault]) -> list[str]:
+    """Return a line for each fault, and one for all that are alike: five or more in one column.
+
+    Faults are alike where they differ in the value only that they name.
+    """
+    groups: dict[tuple[object, ...], list[Fault]] = {}
+    for k, fault in enumerate(faults):
+        alike = (fault.sheet, fault.column, _VALUE.sub("", fault.message))
+        groups.setdefault(alike if fault.line is not None else (k,), []).append(fault)
+    return [
+        line
+        for group in groups.values()
+        for line in ([_together(group)] if len(group) >= _MANY else map(str, group))
+    ]
+
+
+def _together(faults: Sequence[Fault]) -> str:
+    first = faults[0]
+    alike = "" if len({fault.message for fault in faults}) == 1 else " and the like"
+    lines = _ranges(sorted({fault.line for fault in faults if fault.line is not None}))
+    rows = "rows" if first.sheet else "lines"
+    place = f"{rows} {lines}"
+    if first.column is not None:
+        place += f", column {_letters(first.column) if first.sheet else first.column}"
+    place = f"{first.sheet}, {place}" if first.sheet else place
+    return f"{place}: {first.message}{alike} ({len(faults)} times)"
+
+
+def _ranges(numbers: Sequence[int]) -> str:
+    """Return ascending numbers in words: ``3 to 7, 9, 11 and 4 more``."""
+    starts = [k for k in range(len(numbers)) if k == 0 or numbers[k] != numbers[k - 1] + 1]
+    runs = [numbers[a:b] for a, b in zip(starts, [*starts[1:], len(numbers)], strict=True)]
+    said = [str(r[0]) if len(r) == 1 else f"{r[0]} to {r[-1]}" for r in runs[:_RANGES]]
+    more = sum(map(len, runs[_RANGES:]))
+    return ", ".join(said) + (f" and {more} more" if more else "")
 
 
 class ScaraIsoError(Exception):
@@ -84,10 +129,11 @@ class DataError(ScaraIsoError):
         return "\n".join((self.headline, *self.fault_lines()))
 
     def fault_lines(self) -> list[str]:
-        """Return one indented line for each fault that the headline does not say; 50 at most."""
-        lines = [f"  {f}" for f in self.faults[: self.MOST_SHOWN] if f.message != self.what]
-        more = len(self.faults) - self.MOST_SHOWN
-        return [*lines, *([f"  and {more} more"] if more > 0 else [])]
+        """Return indented lines for the faults that the headline does not say; 50 at most."""
+        lines = fault_lines([fault for fault in self.faults if fault.message != self.what])
+        more = len(lines) - self.MOST_SHOWN
+        lines = [*lines[: self.MOST_SHOWN], *([f"and {more} more"] if more > 0 else [])]
+        return [f"  {line}" for line in lines]
 
 
 class NoInputError(ScaraIsoError):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import DataError
+from scara_iso.errors import DataError, UsageError
 from scara_iso.quantities import Unit, unwrap
 
 if TYPE_CHECKING:
@@ -42,6 +42,13 @@ def pose_column(names: Iterable[str]) -> str | None:
             f"columns {', '.join(map(repr, found))} all name the pose", remedy="keep one of them"
         )
     return "pose" if "pose" in found else next(iter(found), None)
+
+
+def no_such_pose(pose: str, labels: Iterable[str | None], where: str) -> UsageError:
+    """Return the error of a pose that was named and is not among those of a run."""
+    there = [label for label in labels if label is not None][:20]
+    said = f"it has {', '.join(there)}" if there else "it names no pose: leave `pose=` out"
+    return UsageError(f"no pose {pose!r} in {where}", remedy=said)
 
 
 def read_direction(text: str) -> str | None:

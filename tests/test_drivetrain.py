@@ -107,6 +107,7 @@ def test_the_gap_is_never_left_and_contact_means_its_end(train, pieces, velocity
 
 @given(trains, st.floats(0, 1), st.floats(-1, 1), st.floats(-1, 1))
 @example(DriveTrain(1.0, 1.0, 0.0625), 0.5, 5e-324, 0.0)
+@example(DriveTrain(1.0, 1.0, 0.0625), 0.0, 0.0, 1e-5)
 def test_impacts_keep_momentum_and_never_bring_energy(train, friction, velocity, relative):
     train = replace(train, coulomb=friction)
     idle = Torque((50.0,), (0.0,))
@@ -116,7 +117,8 @@ def test_impacts_keep_momentum_and_never_bring_energy(train, friction, velocity,
     before, after = momentum[1:-1:2], momentum[2::2]
     assert after == pytest.approx(before, rel=1e-12, abs=1e-12)
     assert np.all(np.diff(energy(train, run)) <= 1e-12)
-    if friction == 0 and relative:
+    meets = abs(relative) * 50 > train.gap  # it begins in the middle of the gap
+    if friction == 0 and meets:
         assert energy(train, run)[-1] == pytest.approx((momentum[0] ** 2) / (2 * (j + i)))
 
 

@@ -32,10 +32,15 @@ def test_every_effect_and_finding_has_a_page_and_no_other():
     assert all(page.title and page.text for page in pages().values())
 
 
-@pytest.mark.parametrize("code", ["trend", "warm_up", "warm-up", "REFLECTED_INERTIA"])
+@pytest.mark.parametrize("code", ["trend", "warm_up", "warm-up", "warm up", "REFLECTED_INERTIA"])
 def test_a_page(code, capsys):
     assert main(["explain", code]) == 0
-    assert code.lower().replace("-", "_") in capsys.readouterr().out
+    assert code.lower().replace("-", "_").replace(" ", "_") in capsys.readouterr().out
+
+
+def test_the_words_on_the_screen_lead_to_the_page(capsys):
+    assert main(["explain", "dial too coarse"]) == 0
+    assert capsys.readouterr().out.lstrip().startswith("coarse-resolution:")
 
 
 def test_without_a_code_all_are_listed(capsys):

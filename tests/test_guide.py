@@ -13,12 +13,24 @@ from types import SimpleNamespace
 import pytest
 
 from scara_iso import read_table
-from scara_iso.acquisition import RememberedBench, detect, read_bench, write_bench
-from scara_iso.cli import main
+from scara_iso.acquisition import (
+    Detected,
+    Device,
+    RememberedBench,
+    detect,
+    read_bench,
+    write_bench,
+)
+from scara_iso.cli import guide, main
 from scara_iso.cli.guide import without_questions
+from scara_iso.cli.record_options import RecordOptions
 from scara_iso.errors import DataError, InstrumentError, UsageError
 
 SIMULATOR = Path(__file__).with_name("simulator.py")
+OPTIONS = RecordOptions(
+    table=None, gauges=(), trigger=None, cycles=None, pose=None, stable=1, rearm=None, unit="mm",
+    meta=(), meta_file=None, resume=False, part=None, repeat=None, excel_locale=None, json=False,
+)  # fmt: skip
 BENCH = 'trigger = "timer:1"\n[gauges]\nX = "opto-rs232@sim:?pace=0"\n'
 
 
@@ -135,6 +147,25 @@ def test_an_instrument_on_a_cable_is_named_and_a_wrong_answer_asked_again(tmp_pa
     assert code == 0
     assert f"--gauge 'X=mitutoyo-mux?unit=mm@{device}'" in seen
     assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [0.812, 0.812]
+
+
+def test_usb_is_offered_first_and_a_silent_port_can_be_changed(run, monkeypatch, capsys):
+    devices = (
+        Device("/dev/ttyS0", "n/a", None, None, None),
+        Device("/dev/ttyUSB0", "adapter", "067b:2303", None, "1-2"),
+    )
+    spoken = {"/dev/ttyUSB0": {}, "/dev/ttyS0": {"opto-rs232": b"+000.812mm\r"}}
+    answers = iter(["", "", "X=4", "timer:1", ""])
+    monkeypatch.setattr(guide, "list_devices", lambda: devices)
+    monkeypatch.setattr(guide, "detect", lambda port: Detected(port, 23, spoken[port], None))
+    monkeypatch.setattr("builtins.input", lambda: next(answers))
+    asked = guide.guide(OPTIONS)
+    assert asked.gauges == ("X=opto-rs232@/dev/ttyS0",)
+    out = capsys.readouterr().out
+    assert out.index("1  /dev/ttyUSB0") < out.index("2  sim:") < out.index("4  /dev/ttyS0")
+    assert "Axis and port of each indicator [X=1]: " in out
+    assert "Is the indicator on" in out
+    assert "Driver of X, or another port [another port]: " in out
 
 
 def test_without_a_terminal_nothing_is_asked(run, tmp_path):

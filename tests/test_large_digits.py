@@ -1,6 +1,8 @@
 """The recording screen at a distance: digits as large as the window allows, and its bell."""
 
 import io
+import re
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
@@ -25,8 +27,8 @@ def shown(view, width, height, **kinds):
 
 
 def test_every_number_has_a_shape_of_its_own():
-    shapes = {tuple(large(sign, 80, 20)) for sign in "0123456789-."}
-    assert len(shapes) == 12
+    shapes = {tuple(large(sign, 80, 20)) for sign in "0123456789-.XYZθ"}
+    assert len(shapes) == 16
 
 
 @pytest.mark.parametrize("width", [20, 40, 80, 120])
@@ -50,6 +52,18 @@ def test_the_screen_fits_its_window_and_keeps_the_text(width):
     assert any("-0.812 mm" in line for line in lines)
     assert sum("█" in line or "▀" in line for line in lines) >= 3
     assert "\x1b[3" not in shown(VIEW, width, 24, no_color=True)
+
+
+def test_an_axis_stands_large_before_its_digits_and_above_its_course():
+    two = replace(VIEW, axes=[replace(VIEW.axes[0], name=n, shown="0.1") for n in ("Y", "theta")])
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", shown(two, 80, 24, no_color=True))
+    lines = [line.rstrip() for line in plain.splitlines()]
+    for name, sign in (("Y", "Y"), ("theta", "θ")):
+        k = next(k for k, line in enumerate(lines) if line.split()[:1] == [name])
+        signs = large(f"{sign} 0.1", 76, 5)
+        assert len(signs) == 5
+        assert lines[k + 1 : k + 6] == [f"  {line}".rstrip() for line in signs]
+        assert lines[k + 6].strip() == "▁█"
 
 
 def test_a_low_window_has_text_only():

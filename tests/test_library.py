@@ -173,3 +173,16 @@ def test_results_go_to_another_process_and_back():
     found = pickle.loads(pickle.dumps(scara_iso.analyze(TABLE_1)))  # noqa: S301 - our own
     assert analysis_json(found) == analysis_json(scara_iso.analyze(TABLE_1))
     assert isinstance(found.run.covariates, type(scara_iso.read_table(TABLE_1).covariates))
+
+
+@pytest.mark.parametrize("table", [None, {"X": [0.1]}, np.ones((31, 2)), pd.Series([0.1])])
+def test_what_is_no_table_is_refused_in_words(table):
+    with pytest.raises(UsageError, match="is no table of readings") as caught:
+        scara_iso.analyze(table, unit="mm")
+    assert "pandas.DataFrame" in caught.value.remedy
+
+
+def test_one_effect_may_be_one_text():
+    one = scara_iso.simulate(MODEL, effects="warm_up:size=0.03,tau=8")
+    several = scara_iso.simulate(MODEL, effects=["warm_up:size=0.03,tau=8"])
+    assert np.array_equal(one.axes["X"].readings, several.axes["X"].readings)

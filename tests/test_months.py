@@ -4,6 +4,7 @@ import errno
 import json
 import math
 from datetime import datetime
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -368,3 +369,12 @@ def test_library_errors_are_those_of_the_command(tmp_path):
     (tmp_path / "test.toml").write_text("", encoding="utf-8")
     with pytest.raises(UsageError, match="one test"):
         scara_iso.history(tmp_path)
+
+
+def test_a_test_that_is_a_copy_of_another_is_said(tmp_path):
+    first = Path(table(tmp_path, "2026-01-15", seed=1))
+    text = first.read_text().replace("2026-01-15", "2026-02-15")
+    (tmp_path / "copy.csv").write_text(text)
+    table(tmp_path, "2026-03-15", seed=2)
+    (said,) = scara_iso.history(tmp_path).notes
+    assert "copy.csv holds the readings of" in said

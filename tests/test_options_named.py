@@ -1,8 +1,11 @@
 """What an error or a report calls a parameter, the command line shows as the option that works."""
 
+import re
+
 import pytest
 
 from scara_iso.cli import main
+from scara_iso.cli.groups import COMMANDS
 from scara_iso.cli.output import as_options
 
 
@@ -33,3 +36,35 @@ def test_errors_name_the_option(tmp_path, capsys):
 def test_pages_of_findings_name_the_option(capsys):
     assert main(["explain", "missing-cycles"]) == 0
     assert "With --allow-gaps the cycles" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words", [[], ["analyze"], ["test", "new"]])
+def test_help_may_be_a_word(words, capsys):
+    assert main([*words, "--help"]) == 0
+    wanted = capsys.readouterr().out
+    assert main(["help", *words]) == 0
+    assert capsys.readouterr().out == wanted
+
+
+def test_help_of_no_command(capsys):
+    assert main(["help", "nosuch"]) == 2
+    assert "No such command 'nosuch'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_has_no_words_of_programmers_and_groups_what_belongs_together(command, capsys):
+    assert main([command, "--help"]) == 0
+    out = capsys.readouterr().out
+    assert not re.search(r"<(str|float|int|path)\b(?! *\|)[^|]*>", out)
+    if "--all-count" in out:
+        assert out.count("How a table is read:") == out.count("  --unit")
+        assert out.index("Which cycles count:") < out.index("--all-count")
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [(["--Im", "2,65e-4"], "'2,65e-4' is not a number"), (["--arm", "x"], "'x' is not a number")],
+)
+def test_a_number_that_is_none_is_called_so(argv, said, capsys):
+    assert main(["backlash", "--IL", "3", "--arcmin", "3", *argv]) == 2
+    assert said in capsys.readouterr().err

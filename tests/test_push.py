@@ -232,3 +232,10 @@ def test_a_makers_limit_has_two_ends(limit, verdict, capsys):
 def test_ends_that_are_none_are_refused(limit, capsys):
     assert main(["push", str(EXAMPLE), "--limit", f"deflection_mm={limit}"]) == 2
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("arm", [0.0, -1.0, 250.0, math.inf, math.nan])
+def test_an_arm_in_millimetres_is_refused(arm):
+    with pytest.raises(UsageError, match="not the length of an arm in metres") as caught:
+        scara_iso.push(EXAMPLE, arm=arm)
+    assert "`arm=0.25`" in caught.value.remedy

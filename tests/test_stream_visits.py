@@ -282,3 +282,16 @@ def test_command_line(tmp_path, capsys):
     assert main(["visits", str(stream), "-o", str(stream)]) == 73
     assert main(["visits", str(stream), "--poses", "P1,-"]) == 0
     assert "4 visits" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("order", [["-"], [*["-"] * 40, "P1"]])
+def test_an_order_without_a_pose_at_any_rest_is_refused(order):
+    time, reading = plateau(100, 0.0, 1.0, 0.0)
+    with pytest.raises(DataError, match=r"none of the \d+ rests is a pose"):
+        scara_iso.visits(as_run(time, reading), poses=order)
+
+
+def test_an_order_may_be_one_text():
+    time, reading, _ = simulated.visits(np.random.default_rng(1), count=4)
+    found = scara_iso.visits(as_run(time, reading), poses="P1, -")
+    assert [visit.pose for visit in found.visits] == ["P1"] * 4

@@ -71,3 +71,4 @@ def test_it_is_told(capsys):
     said = capsys.readouterr().out
     assert "held out: on the second table" in said
     assert "of the second table: 30 cycles that the completed model has not seen" in said
+    assert "none of its cycles is unseen" in " ".join(said.split())

@@ -20,6 +20,7 @@ from typer.core import TyperGroup
 
 from scara_iso import __version__
 from scara_iso.cli.groups import COMMANDS, GROUPS
+from scara_iso.cli.help import Command, asks_for_help, in_plain_words
 from scara_iso.cli.output import as_options, settings
 from scara_iso.errors import ScaraIsoError, UsageError
 
@@ -30,6 +31,7 @@ BUG = 70
 CANNOT_WRITE = 74
 _ANYWHERE = ("--debug", "--no-color")
 _HELP = ("-h", "--help")
+_LONG = 6
 
 WELCOME = """\
 scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
@@ -75,7 +77,7 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
         if hasattr(module, f"{name}_app"):
             app.add_typer(getattr(module, f"{name}_app"), name=name)
         else:
-            app.command(name)(getattr(module, f"{name.replace('-', '_')}_command"))
+            app.command(name, cls=Command)(getattr(module, f"{name.replace('-', '_')}_command"))
     return app
 
 
@@ -118,7 +120,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with ``argv`` and return its exit code; errors go to standard error."""
     # A second thread of the linear algebra gains nothing on thirty readings and costs three times.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    arguments = _general_first(sys.argv[1:] if argv is None else argv)
+    arguments = asks_for_help(_general_first(sys.argv[1:] if argv is None else argv))
     settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
     with warnings.catch_warnings():
@@ -250,11 +252,13 @@ def _broken(line: str, width: int) -> list[str]:
 
 def _explain(error: Exception) -> tuple[list[str], int]:
     if isinstance(error, ScaraIsoError):
-        lines = f"scara-iso: {error}".split("\n")
-        lines += [f"  {error.remedy}"] if error.remedy else []
-        return lines, error.exit_code
+        said = f"scara-iso: {error}".split("\n")
+        remedy = [f"  {error.remedy}"] if error.remedy else []
+        first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
+        return [*said[:first], *remedy, *said[first:]], error.exit_code
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
-        return [f"scara-iso: {error.format_message()}", _help_hint(error)], int(error.exit_code)
+        complaint = in_plain_words(error.format_message())
+        return [f"scara-iso: {complaint}", _help_hint(error)], int(error.exit_code)
     if isinstance(error, OSError):
         return [f"scara-iso: cannot write: {error}"], CANNOT_WRITE
     return [

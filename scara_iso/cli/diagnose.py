@@ -124,7 +124,7 @@ def diagnose_command(
     full: Full = False,
     json: AsJson = False,
 ) -> None:
-    """Close the loop: residual, the effect that explains it, error before and after.
+    """Say what besides scatter is in the readings: its effect, its cause, how much it explains.
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """

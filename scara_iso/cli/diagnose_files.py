@@ -73,14 +73,12 @@ class Files:
     def check_poses(self, run: Run) -> None:
         """Raise `UsageError` where what is held out is neither a pose of ``run`` nor a file."""
         from scara_iso.library import held_out_pose
+        from scara_iso.pose_columns import no_such_pose
 
         second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
         if second and not Path(self.hold_out or "").exists():
-            labels = [str(label) for label, _ in run.rows_by_pose()]
-            raise UsageError(
-                f"no pose {self.hold_out!r} in {run.origin.source}",
-                remedy=f"it has {', '.join(labels[:20])}",
-            )
+            labels = (label for label, _ in run.rows_by_pose())
+            raise no_such_pose(self.hold_out or "", labels, run.origin.source)
 
 
 def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:

@@ -21,8 +21,8 @@ GROUPS = {
         "tables": "Show what is understood of a table, field by field, or why it is refused and "
         "what to do.",
         "analyze": "Repeatability of each pose, axis and plane, with intervals and findings.",
-        "diagnose": "Close the loop: residual, the effect that explains it, error before and "
-        "after.",
+        "diagnose": "Say what besides scatter is in the readings: its effect, its cause, how much "
+        "it explains.",
         "compare": "Compare runs with the first: means and RP, with intervals, a test, and its "
         "power.",
         "fleet": "Diagnose the tables of many robots; say which stand out though all were looked "

@@ -33,6 +33,7 @@ _T = TypeVar("_T")
 _NAMES = "XYZ"
 _OTHERS = (("sim:", "a simulated indicator, to try it"), ("keyboard:", "readings typed by hand"))
 _DRIVERS = {"sim:": "opto-rs232", "keyboard:": "keyboard"}
+_ANOTHER = "another port"
 _TRIGGERS = "enter (key or foot switch), data (DATA key), timer:SECONDS, settled (dial at rest)"
 
 
@@ -41,6 +42,9 @@ def record_guided(options: RecordOptions) -> None:
     options = guide(options)
     try:
         record_as_asked(options)
+    except KeyboardInterrupt:
+        _write("")  # below ^C
+        raise
     finally:
         _write(f"The same without questions: {without_questions(options)}")
 
@@ -55,7 +59,6 @@ def guide(options: RecordOptions) -> RecordOptions:
     if bench and not _ask("   Record with these", "yes", _agreed):
         bench, of_bench = None, {}
     gauges = options.gauges or (bench.gauges if bench else _ask_gauges())
-    parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
     gauges = _with_units(_with_drivers(gauges), options.unit)
     trigger = options.trigger or _ask_trigger(gauges, bench.trigger if bench else None)
     table = _ask_table()
@@ -77,22 +80,25 @@ def without_questions(options: RecordOptions) -> str:
 
 def _ask_gauges() -> tuple[str, ...]:
     """List the ports and ask which indicator is on which axis."""
-    devices = list_devices()
-    ports = [device.name for device in devices] + [port for port, _ in _OTHERS]
+    usb, others = _parted(list_devices())
+    listed = [*((device.name, str(device)) for device in usb), *_OTHERS]
+    listed += [(device.name, "built in; often nothing is plugged in there") for device in others]
+    ports = [port for port, _ in listed]
     _write("Ports:")
     width = max(map(len, ports))
-    for k, (port, said) in enumerate(zip(ports, _said(devices), strict=True), start=1):
+    for k, (port, said) in enumerate(listed, start=1):
         _write(f"  {k:>2}  {port:<{width}}  {said}")
     _write("A port may also be typed as it is: X=/dev/ttyUSB0 or X=socket://HOST:PORT")
-    usual = " ".join(f"{axis}={k + 1}" for k, axis in enumerate(_NAMES[: len(devices)]))
+    usual = " ".join(f"{axis}={k + 1}" for k, axis in enumerate(_NAMES[: len(usb)]))
     return _ask(
-        "1. Axis and port of each indicator", usual or "X=1",
+        "Axis and port of each indicator", usual or "X=1",
         lambda answer: _gauges_of(answer, ports),
     )  # fmt: skip
 
 
-def _said(devices: Sequence[Device]) -> list[str]:
-    return [str(device) for device in devices] + [said for _, said in _OTHERS]
+def _parted(devices: Sequence[Device]) -> tuple[list[Device], list[Device]]:
+    """Return the devices on USB, where an indicator's cable ends, and those that are not."""
+    return [d for d in devices if d.usb], [d for d in devices if not d.usb]
 
 
 def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
@@ -108,30 +114,41 @@ def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
 
 
 def _with_drivers(gauges: Sequence[str]) -> tuple[str, ...]:
-    """Return the gauges with the driver that each port speaks: found, or asked for."""
-    return tuple(_with_driver(g) if g.partition("=")[2].startswith(AUTO) else g for g in gauges)
+    """Return the gauges with the driver that each port speaks: found, or asked for.
+
+    Where a port speaks nothing, the ports may be named anew.
+    """
+    while True:
+        parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
+        found = [_with_driver(g) if g.partition("=")[2].startswith(AUTO) else g for g in gauges]
+        if all(found):
+            return tuple(found)
+        gauges = _ask_gauges()
 
 
 def _with_driver(gauge: str) -> str:
+    """Return the gauge with its driver; empty where another port is wanted."""
     axis, _, rest = gauge.partition("=")
     driver, _, address = rest.partition("@")
-    _write(f"Trying what {address} speaks (some seconds) ...")
+    _write(f"Trying what {address} speaks (up to half a minute) ...")
     found = detect(address)
     _write(f"  {found}")
     keys = tuple(found.fits)
     if len(keys) != 1:
         keys = (_ask_driver(axis, found),)
-    return f"{axis}={keys[0]}{driver.removeprefix(AUTO)}@{address}"
+    return keys[0] and f"{axis}={keys[0]}{driver.removeprefix(AUTO)}@{address}"
 
 
 def _ask_driver(axis: str, found: Detected) -> str:
-    """Ask which dialect it is, where the port does not tell it by itself."""
+    """Ask which dialect it is, where the port does not tell it by itself; empty: another port."""
+    if not found.fits:
+        _write("  Is the indicator on, and its data output too? Is its cable in this port?")
     _write("  scara-iso ports --dialects MAKER says which driver an instrument has")
 
     def known(answer: str) -> str:
-        return find_dialect(answer).key
+        return "" if answer == _ANOTHER else find_dialect(answer).key
 
-    return _ask(f"   Driver of {axis}", next(iter(found.fits), "opto-rs232"), known)
+    return _ask(f"   Driver of {axis}, or {_ANOTHER}", next(iter(found.fits), _ANOTHER), known)
 
 
 def _with_units(gauges: Sequence[str], unit: str | None) -> tuple[str, ...]:
@@ -145,7 +162,7 @@ def _with_units(gauges: Sequence[str], unit: str | None) -> tuple[str, ...]:
     if not silent:
         return tuple(spec.text for spec in specs)
     axes = " ".join(spec.axis for spec in silent)
-    stated = unit or _ask(f"2. Unit on the display of {axes}", "mm", _unit)
+    stated = unit or _ask(f"Unit on the display of {axes}", "mm", _unit)
     texts = [
         parse_gauges([spec.text], unit=stated if spec in silent else None)[0].text
         for spec in specs
@@ -173,13 +190,13 @@ def _ask_trigger(gauges: Sequence[str], usual: str | None) -> str:
     asked = all(s.dialect.request is not None or s.dialect.request_line is not None for s in specs)
     _write(f"   {_TRIGGERS}")
     return _ask(
-        "3. When is a reading taken", usual or ("enter" if asked else "data"),
+        "When is a reading taken", usual or ("enter" if asked else "data"),
         lambda answer: str(parse_trigger(answer)),
     )  # fmt: skip
 
 
 def _ask_table() -> Path:
-    return _ask("4. File to write", str(_free("run")), _table)
+    return _ask("File to write", str(_free("run")), _table)
 
 
 def _free(stem: str) -> Path:

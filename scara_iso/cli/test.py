@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from scara_iso.cli.help import Command
 from scara_iso.cli.options import AsJson
 from scara_iso.cli.output import write_json, write_report, write_text
 from scara_iso.cli.plan import (
@@ -26,7 +27,7 @@ Dwell = Annotated[float, typer.Option(help="Seconds at each pose before its read
 test_app = typer.Typer(help="The whole test as a folder: make one, and see how far it is.")
 
 
-@test_app.command("new")
+@test_app.command("new", cls=Command)
 def new_command(
     folder: Directory,
     *,
@@ -69,7 +70,7 @@ def new_command(
     )
 
 
-@test_app.command("status")
+@test_app.command("status", cls=Command)
 def status_command(folder: Directory, *, json: AsJson = False) -> None:
     """Show what is recorded, missing, struck, out of its conditions, and what comes next.
 

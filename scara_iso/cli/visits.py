@@ -78,7 +78,7 @@ def visits_command(
         dwell=dwell,
         still=still,
         band=band,
-        poses=[name.strip() for name in poses.split(",")] if poses else (),
+        poses=poses or (),
         **asdict(reading),
     )
     if output is not None:

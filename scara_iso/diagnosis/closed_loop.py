@@ -14,9 +14,10 @@ from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
-from scara_iso.errors import DataError, UsageError
+from scara_iso.errors import DataError
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
+from scara_iso.pose_columns import no_such_pose
 from scara_iso.run import Run
 
 if TYPE_CHECKING:
@@ -59,10 +60,7 @@ class CyclesWanted:
         chosen = self.used(run)
         labels = list(chosen.poses)
         if self.pose is not None and self.pose not in labels:
-            raise UsageError(
-                f"no pose {self.pose!r} in {run.origin.source}",
-                remedy=f"it has {', '.join(str(label) for label in labels[:20])}",
-            )
+            raise no_such_pose(self.pose, labels, run.origin.source)
         if self.pose is None and len(labels) > 1:
             raise DataError(
                 f"{len(labels)} poses, of which one is diagnosed at a time",

@@ -32,4 +32,5 @@ class Poses(tuple[OfPose, ...]):
         for pose in self:
             if pose.label == at:
                 return pose
-        raise KeyError(f"no pose {at!r}: there is {', '.join(str(p.label) for p in self)}")
+        there = ", ".join(pose.label for pose in self if pose.label is not None)
+        raise KeyError(f"no pose {at!r}: " + (f"there is {there}" if there else "none has a name"))

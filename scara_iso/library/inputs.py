@@ -66,6 +66,8 @@ class TableOptions:
         folder beside other tables, and for a condition beside a table.
         """
         several = tables if isinstance(tables, list | tuple) else (tables,)
+        for one in several:
+            _refuse_other(one)
         folders = [one for one in several if isinstance(one, ConditionRun) or is_test_folder(one)]
         if not folders:
             if condition is not None:
@@ -100,6 +102,17 @@ class TableOptions:
             raise UsageError(
                 f"{', '.join(given)}: {kind} is not read from text", remedy="leave it out"
             )
+
+
+def _refuse_other(table: object) -> None:
+    """Raise `UsageError` for what is no table, such as an array without the names of its axes."""
+    known = isinstance(table, Run | ConditionRun | str | Path | bytes | list | tuple)
+    if not (known or is_frame(table) or hasattr(table, "read")):
+        raise UsageError(
+            f"{type(table).__name__} is no table of readings",
+            remedy="give a path, a Run, or a pandas table with a column for each axis, such as "
+            'pandas.DataFrame({"X": readings}), and `unit=mm`',
+        )
 
 
 def tables_of(tables: Tables) -> list[Table]:

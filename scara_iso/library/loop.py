@@ -84,10 +84,22 @@ def diagnose(
     second = None if hold_out is None or unseen is not None else reading.read(hold_out)
     if pose is None and len(list(run.rows_by_pose())) > 1:
         search = partial(close_the_loop_at_poses, hold_out=second, seed=seed, sigma=sigma, own=own)
-        return _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=limit)
+        found = _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=limit)
+        return replace(found, notes=(*_seen(run, second), *found.notes))
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
-    return close_the_loop(run, known, wanted, hold_out=second, sigma=sigma, seed=seed, own=own)
+    one = close_the_loop(run, known, wanted, hold_out=second, sigma=sigma, seed=seed, own=own)
+    return replace(one, notes=(*_seen(run, second), *one.notes))
+
+
+def _seen(run: Run, second: Run | None) -> tuple[str, ...]:
+    """Return what is to be said where the table that is held out is the first one again."""
+    if second is None or len(second) != len(run):
+        return ()
+    pairs = [(axis, second.axes[name]) for name, axis in run.axes.items() if name in second.axes]
+    if not all(np.allclose(a.readings, b.readings, rtol=0, atol=1e-9) for a, b in pairs):
+        return ()
+    return ("the second table holds the same readings: none of its cycles is unseen",)
 
 
 def held_out_pose(run: Run, hold_out: Tables | None) -> str | None:

@@ -42,7 +42,7 @@ def simulate(
     model: Model | str | Path,
     *,
     cycles: int = CYCLES_RUN,
-    effects: Sequence[str | DeclaredEffect] = (),
+    effects: str | Sequence[str | DeclaredEffect] = (),
     seed: int = 0,
     approach: str | None = None,
     temperature: tuple[float, float] | None = None,
@@ -62,6 +62,7 @@ def simulate(
     `read_model`.
     """
     known = described(model, own_effects)
+    added = [effects] if isinstance(effects, str) else effects
     if cycles < 2:
         raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")
     if approach is not None and approach not in _SIDES:
@@ -81,7 +82,7 @@ def simulate(
         known,
         Procedure(np.arange(1, cycles + 1), covariates),
         rng=rng,
-        undeclared=[parse_effect(e, known) if isinstance(e, str) else e for e in effects],
+        undeclared=[parse_effect(e, known) if isinstance(e, str) else e for e in added],
         displacement=rests,
     )
     return replace(run, metadata={**run.metadata, "simulated": " ".join(run.axes)})

@@ -28,6 +28,7 @@ from scara_iso.library.inputs import (
 )
 from scara_iso.library.loop import diagnose_analysis
 from scara_iso.library.statements import restate
+from scara_iso.pose_columns import no_such_pose
 from scara_iso.render import find_format
 from scara_iso.reporting import (
     Amendment,
@@ -223,12 +224,9 @@ def _at(run: Run, pose: str | None) -> Run:
     """Return the run of one pose, all of it where None is named."""
     if pose is None:
         return run
-    rows = {str(label): rows for label, rows in run.rows_by_pose()}
+    rows = dict(run.rows_by_pose())
     if pose not in rows:
-        raise UsageError(
-            f"no pose {pose!r} in {run.origin.source}",
-            remedy=f"it has {', '.join(list(rows)[:20])}",
-        )
+        raise no_such_pose(pose, rows, run.origin.source)
     run = run.take(rows[pose])
     return replace(run, metadata={**run.metadata, "pose": pose})
 

@@ -21,7 +21,7 @@ def visits(
     dwell: float = 1.0,
     still: float | None = None,
     band: float | None = None,
-    poses: Sequence[str] = (),
+    poses: str | Sequence[str] = (),
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
@@ -34,10 +34,12 @@ def visits(
     shortest rest that is a visit [s]; ``still`` the largest range of the readings within a window
     at rest and ``band`` the half width of the limit band (7.4), both in mm (degrees where there are
     angles only); without them both are found from the stream. ``poses`` names the rests in turn,
-    ``-`` one that is no pose. ``unit``, ``resolution``, ``decimal``, ``sheet`` and
-    ``columns`` are as in `read_table`. Raises `DataError` for what cannot be read or told apart.
+    ``-`` one that is no pose: ``"P1,-"``, or a sequence. ``unit``, ``resolution``, ``decimal``,
+    ``sheet`` and ``columns`` are as in `read_table`. Raises `DataError` for what cannot be read
+    or told apart.
     """
-    wanted = Wanted(dwell, still, band, tuple(poses))
+    order = poses.split(",") if poses and isinstance(poses, str) else list(poses)
+    wanted = Wanted(dwell, still, band, tuple(name.strip() for name in order))
     options = TableOptions(unit, resolution, decimal, sheet, columns)
     run, digest = _read(stream, options)
     found = find_visits(run, wanted)

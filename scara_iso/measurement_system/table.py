@@ -85,7 +85,8 @@ class _Options:
                     raise UsageError(
                         f"`{key}={axis + '=' if axis else ''}{given[axis]:g}`: "
                         + (f"there is no dial {axis}" if axis else "there are several dials"),
-                        where=where, remedy=f"name one of {', '.join(axes)}: `{key}={axes[0]}=1`",
+                        where=where,
+                        remedy=f"name one of {', '.join(axes)}: `{key}={axes[0]}={given[axis]:g}`",
                     )  # fmt: skip
 
 

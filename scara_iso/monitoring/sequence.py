@@ -241,8 +241,19 @@ def _changes(
             yield ServiceChange(event, compare([one.analysis, other.analysis]))
 
 
+def _copies(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
+    """Yield which tests hold the readings of an earlier one, as no two tests that scatter do."""
+    seen: dict[tuple[bytes, ...], str] = {}
+    for test in tests:
+        axes = test.analysis.run.axes.values()
+        first = seen.setdefault(tuple(axis.readings.tobytes() for axis in axes), test.source)
+        if first != test.source and any(np.ptp(axis.readings) > 0 for axis in axes):
+            yield f"{test.source} holds the readings of {first}: is one the other's copy?"
+
+
 def _notes(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
-    """Yield what keeps the tests from being like each other."""
+    """Yield what keeps the tests from being like each other, and what makes them too alike."""
+    yield from _copies(tests)
     named = [bool(_stated(test, ("robot", "item", "serial_number"))) for test in tests]
     if any(named) and not all(named):
         missing = [test.source for test, is_named in zip(tests, named, strict=True) if not is_named]

@@ -1,6 +1,6 @@
-"""Numbers that are read from two metres: digits of three by five points, as large as there is room.
+"""Axes and numbers that are read from two metres: signs as large as there is room.
 
-A character shows two points, one above the other.
+A sign is three by five points. A character shows two points, one above the other.
 """
 
 from __future__ import annotations
@@ -18,6 +18,11 @@ _GLYPHS = {
     "9": ("###", "# #", "###", "  #", "###"),
     "-": ("   ", "   ", "###", "   ", "   "),
     ".": (" ", " ", " ", " ", "#"),
+    " ": (" ", " ", " ", " ", " "),
+    "X": ("# #", "# #", " # ", "# #", "# #"),
+    "Y": ("# #", "# #", " # ", " # ", " # "),
+    "Z": ("###", "  #", " # ", "#  ", "###"),
+    "θ": (" # ", "# #", "###", "# #", " # "),
 }
 _HEIGHT = 5
 _HALVES = {"  ": " ", "# ": "▀", " #": "▄", "##": "█"}

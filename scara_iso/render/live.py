@@ -98,11 +98,12 @@ def draw(view: LiveView, console: Console) -> RenderableType:
         Text(),
     ]
     rows = _OTHER_ROWS + sum(len(line) // (width - len(_INDENT)) + 1 for line in view.warning)
-    room = (console.height - rows) // max(len(view.axes), 1) - 3 if view.large else 0
+    besides = 2 if width >= _WIDE else 3  # name and strip, and the figures where it is narrow
+    room = (console.height - rows) // max(len(view.axes), 1) - besides if view.large else 0
     for axis in view.axes:
-        digits = large(axis.shown, width - 12, room) if blocks else []
-        lines += [_below(Text(row, "bold green")) for row in digits]
-        lines += _axis(axis, width, blocks=blocks)
+        lines += _named(axis, width, blocks=blocks)
+        lines += _large(axis, width, room) if blocks else []
+        lines += _strip(axis, width, blocks=blocks)
     return Group(*lines, Text(), *_foot(view, blocks=blocks))
 
 
@@ -141,19 +142,30 @@ def _progress(view: LiveView, width: int, *, blocks: bool) -> Text:
     return Text.assemble(_INDENT, (full * done, "green"), (empty * (room - done), "dim"))
 
 
-def _axis(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
-    """Return the figures of an axis, on one line or two, and its strip."""
+def _large(axis: AxisView, width: int, room: int) -> list[Text]:
+    """Return the axis and what its indicator showed in large signs, where there is room."""
+    name = "θ" if axis.name == "theta" else axis.name
+    signs = large(axis.shown and f"{name} {axis.shown}", width - 2 * len(_INDENT), room)
+    return [Text(f"{_INDENT}{row}", "bold green") for row in signs]
+
+
+def _named(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
+    """Return the figures of an axis, on one line or two."""
     name = Text(f"{_INDENT}{axis.name:<6}", "bold")
     value = f"{axis.shown} {axis.unit}".strip() or "-"
     name.append(f"{printable(value):>14} ", "bold green" if axis.stored else "")
     mark = "✔" if blocks else "OK"
     name.append(f"{mark} {axis.stored:<3}" if axis.stored else " " * 5, "bold green")
     figures = Text(f"  {axis.figures}" if axis.figures else "")
-    lines = [name + figures] if len(name) + len(figures) <= width else [name, _below(figures)]
-    if axis.readings:
-        shown = np.array(axis.readings[-(width - 10) :])
-        lines.append(_below(Text(sparkline(shown, _BLOCKS if blocks else _DIGITS, width))))
-    return lines
+    return [name + figures] if len(name) + len(figures) <= width else [name, _below(figures)]
+
+
+def _strip(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
+    """Return the course of the readings, where there are any."""
+    if not axis.readings:
+        return []
+    shown = np.array(axis.readings[-(width - 10) :])
+    return [_below(Text(sparkline(shown, _BLOCKS if blocks else _DIGITS, width)))]
 
 
 def _below(text: Text) -> Text:

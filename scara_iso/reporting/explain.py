@@ -13,7 +13,7 @@ from scara_iso.comparison import PAGES
 from scara_iso.effects import Effect, GearEffect, OwnEffect
 from scara_iso.errors import UsageError
 from scara_iso.frozen import dataclass
-from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks
+from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks, in_brief
 from scara_iso.plugins import find_modules
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
@@ -56,9 +56,13 @@ def pages(own: Sequence[OwnEffect] = ()) -> dict[str, Page]:
 
 
 def find_page(code: str, own: Sequence[OwnEffect] = ()) -> Page:
-    """Return a page; ``-`` and ``_`` are the same. Raises `UsageError` with the nearest codes."""
+    """Return a page by its code, or by the words that stand for a finding on the screen.
+
+    ``-``, ``_`` and a blank are the same. Raises `UsageError` with the nearest codes.
+    """
     found = pages(own)
-    known = {_plain(name): name for name in found}
+    words = {_plain(in_brief(page.code)): page.code for page in found.values()}
+    known = words | {_plain(name): name for name in found}
     if _plain(code) in known:
         return found[known[_plain(code)]]
     near = [known[name] for name in get_close_matches(_plain(code), known)]
@@ -139,4 +143,4 @@ def _bare(mark: re.Match[str]) -> str:
 
 
 def _plain(code: str) -> str:
-    return code.strip().lower().replace("_", "-")
+    return "-".join(code.lower().replace("_", " ").split())

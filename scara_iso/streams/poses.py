@@ -38,6 +38,12 @@ def label(
     turns = [order[k % len(order)] for k in range(len(rests))]
     kept = [rest for rest, name in zip(rests, turns, strict=True) if name != AWAY]
     labels = [name for name in turns if name != AWAY]
+    if not kept:
+        raise DataError(
+            f"none of the {len(rests)} rests is a pose by {','.join(order)}",
+            where=run.origin.source,
+            remedy=f"name the poses in their order, {AWAY} for a rest that is none: `poses=P1,-`",
+        )
     over = len(rests) % len(order)
     notes += [f"the last turn has {over} of {len(order)} rests"] if over else []
     away = len(rests) - len(kept)

@@ -16,13 +16,32 @@ from scara_iso.tables.columns import Columns
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout, Statement, read_preamble
+from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import Column, Kind
-from scara_iso.tables.numbers import Mark
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.statements import Scale, is_of_axes, read_scales
 from scara_iso.tables.text import Row
 
 _NOTES = 50
+_IN_NAMES = {
+    "N",
+    "kN",
+    "kg",
+    "g",
+    "C",
+    "K",
+    "s",
+    "ms",
+    "min",
+    "h",
+    "mm",
+    "um",
+    "bar",
+    "V",
+    "A",
+    "Nm",
+}
+"""Units that end the name of a covariate, as in force_N."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +63,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     faults, layout = columns.faults, columns.layout
     statements, notes = read_preamble(rows, layout.header_line, faults)
     _check_layout(layout, faults)
-    _check_marks(columns, options.decimal, faults)
+    check_marks(columns, options.decimal, faults)
     _check_covariates(columns, faults)
     body.check_blocks()
     lines = columns.all_lines()
@@ -114,34 +133,18 @@ def _check_layout(layout: Layout, faults: Faults) -> None:
             )
 
 
-def _check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
-    marks = columns.marks
-    if decimal is not None:
-        return
-    remedy = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
-    comma = marks.get(Mark.COMMA) or marks.get(Mark.EITHER)
-    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
-        for mark, (line, column, text) in marks.items():
-            faults.add(
-                f"{quoted(text)} with {mark.value}: commas and points "
-                "both occur, `decimal=` says which is decimal",
-                line,
-                column,
-                remedy=remedy,
-            )
-    elif Mark.EITHER in marks and Mark.COMMA not in marks:
-        line, column, text = marks[Mark.EITHER]
-        faults.add(
-            f"{quoted(text)} could have a decimal comma or group "
-            "thousands: `decimal=,` or `decimal=.` says which",
-            line,
-            column,
-            remedy=remedy,
-        )
-
-
 def _check_covariates(columns: Columns, faults: Faults) -> None:
     for column, seen in columns.units.items():
+        named = column.name.rpartition("_")[2]
+        other = [unit for unit in seen if unit and unit.lstrip("° ") != named]
+        if column.kind is Kind.COVARIATE and named in _IN_NAMES and other:
+            faults.add(
+                f"{column.name}: {quoted(other[0])} behind a value",
+                seen[other[0]],
+                column.position + 1,
+                remedy="let the column's name and its values state the same unit",
+            )
+            continue
         if column.kind is Kind.COVARIATE and len(seen) > 1:
             *_, (unit, line) = seen.items()
             faults.add(

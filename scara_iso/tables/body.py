@@ -122,6 +122,8 @@ class Body:
 
     def _is_footer(self, line: int, texts: list[str]) -> bool:
         """Return whether the first text of a row is the label of a footer, such as ``Mean``."""
+        if self._cycle is None and self._is_sentence([t for t in texts if t.strip(BLANKS)]):
+            return True  # where no cycle is numbered it may stand for a reading, if more follow
         label = next((t for t in map(_stripped, texts) if t and parse_cell(t) is None), "")
         below = self.footer is not None and self._cycle is not None and not names_an_axis(texts)
         if not names_a_footer(label, short=self._cycle is not None) and not (below and label):
@@ -136,6 +138,8 @@ class Body:
     def _is_remark(self, texts: list[str]) -> bool:
         """Return whether a row is a line of text such as ``Inspector: A. Smith``."""
         found = [text for text in texts if text.strip(BLANKS)]
+        if self._is_sentence(found):
+            return True
         statement = read_statement(Row(0, texts, found[0].strip(BLANKS), 0))
         return (
             statement is not None
@@ -144,6 +148,11 @@ class Body:
             and ":" in found[0]
             and not any(parse_cell(text) for text in found)
         )
+
+    def _is_sentence(self, found: list[str]) -> bool:
+        """Return whether a row of several columns holds nothing but words, and no digit."""
+        alone = len(found) == 1 < self.layout.width
+        return alone and len(found[0].split()) > 1 and not any(c.isdigit() for c in found[0])
 
     def _reading(self, line: int, cells: Sequence[Cell]) -> Iterator[tuple[int, list[Cell]]]:
         width = self.layout.width

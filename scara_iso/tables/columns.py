@@ -262,7 +262,7 @@ def is_words(cell: Cell) -> bool:
 
 def _text(cell: Cell) -> str:
     if isinstance(cell, float):
-        return repr(cell)
+        return f"{cell:.15g}"
     return quoted(cell) if cell.strip(BLANKS) else "an empty cell"
 
 

@@ -82,8 +82,8 @@ def together(errors: Sequence[ScaraIsoError], where: str, what: str = "") -> Sca
 
 
 def _named(error: ScaraIsoError) -> list[Fault]:
-    of_it = error.faults if isinstance(error, DataError) else ()
-    below = (Fault(f"{error.where}: {fault}") for fault in of_it if fault.message != error.what)
+    lines = error.fault_lines() if isinstance(error, DataError) else ()
+    below = (Fault(f"{error.where}: {line.strip()}") for line in lines)
     return [Fault(error.headline), *below]
 
 

@@ -128,8 +128,20 @@ def names_an_axis(cells: Sequence[str]) -> bool:
     return any(read_name(name).kind is Kind.AXIS for name in names)
 
 
+_BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
+
+
+def _named_above(names: list[str], above: Sequence[str]) -> list[str]:
+    """Return names with what stands above an empty one, such as Lauf in a heading of two rows."""
+    texts = _padded(list(map(clean, above)), len(names))
+    return [
+        text if not name and text and read_name(text).kind in _BESIDE_AXES else name
+        for name, text in zip(names, texts, strict=True)
+    ]
+
+
 def _layout(rows: Sequence[Row], k: int) -> Layout:
-    names = header_cells(rows[k].cells)
+    names = _named_above(header_cells(rows[k].cells), rows[k - 1].cells if k else [])
     below = _next_row(rows, k + 1)
     units: list[str] = []
     last = k

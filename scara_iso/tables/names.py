@@ -63,6 +63,7 @@ _CYCLE = _CYCLE_PROPER | {
     "number of cycles", "no of cycle", "no of cycles", "zyklen", "zyklus nr", "zyklusnr",
     "zyklusnummer", "n", "nr", "no", "num", "number", "nummer", "#", "№", "lfd nr", "lfdnr",
     "takt", "trial", "sample", "messung", "messung nr", "index", "obs", "obs #", "observation",
+    "lauf", "lauf nr", "wiederholung", "repetition",
 }  # fmt: skip
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),

@@ -127,6 +127,13 @@ def _check_units(row: Row, layout: Layout, faults: Faults) -> None:
             faults.add(what, row.line, column.position + 1, remedy="name the unit that is true")
 
 
+_FEWEST_ACROSS = 12  # a row of a measuring report has nominal, tolerances, measured, deviation
+_TURN = (
+    "the axes stand in rows: turn the table, so that each has a column "
+    "(in a spreadsheet: copy, then paste special, transpose)"
+)
+
+
 def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     """Return what to do with rows that no header names, split in each way that there is.
 
@@ -134,6 +141,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     """
     if any(map(_targets_across, tables)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
+    if any(map(_axes_in_rows, tables)):
+        return _TURN
     rows = max((_alike(rows) for rows in tables), key=lambda r: (len(r), _width(r)), default=[])
     if len(rows) < 2 or _width(rows) > _MOST:
         return ""
@@ -147,6 +156,16 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     return (
         f"no header says what {quoted(said)} is: name the fields in turn, {SKIPPED} for what is no "
         f"reading, for example `columns={named}`"
+    )
+
+
+def _axes_in_rows(rows: Sequence[Row]) -> bool:
+    """Say whether a row begins with an axis and goes on with its readings."""
+    return any(
+        len(row.cells) > _FEWEST_ACROSS
+        and read_name(row.cells[0]).kind is Kind.AXIS
+        and all(map(_is_number, row.cells[1:]))
+        for row in rows
     )
 
 

@@ -19,6 +19,7 @@ from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.labelled import find_labelled
 from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble, runs_across
+from scara_iso.tables.marks import check_groups
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark, count_decimals
 from scara_iso.tables.positions import (
@@ -120,9 +121,17 @@ def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
         _check_end(text, delimiter, columns, body, set(map(count_decimals, steps)))
     how = f"{delimiter.value}, {encoding}, {_said(columns, options.decimal)}"
     run = assemble(rows, columns, body, options, how)
-    if delimiter is Delimiter.COMMA and not columns.marks and options.decimal is None:
-        _check_split(run, layout, name)
+    if options.decimal is None:
+        _check_delimited(run, delimiter, columns, faults)
     return run
+
+
+def _check_delimited(run: Run, delimiter: Delimiter, columns: Columns, faults: Faults) -> None:
+    """Refuse numbers that are others where the delimiter, or a point, is the other locale's."""
+    if delimiter is Delimiter.COMMA and not columns.marks:
+        _check_split(run, columns.layout, faults.where)
+    if delimiter is Delimiter.SEMICOLON:
+        check_groups(columns, run, faults)
 
 
 def _of_labels(text: str, name: str, options: ReadOptions, encoding: str) -> Run:
@@ -220,6 +229,9 @@ def _understand(
 def _no_table(tables: Sequence[Sequence[Row]], name: str, names: Sequence[str] | None) -> DataError:
     if any(map(runs_across, tables)):
         return refuse(name, "a column for each run", remedy=ONE_A_ROW)
+    if name.lower().endswith(".toml"):
+        remedy = "name the table of readings; a model goes to `model=`, where that is taken"
+        return refuse(name, "a .toml file is no table of readings", remedy=remedy)
     what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
     if names:
         what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"

@@ -9,6 +9,7 @@ import pytest
 from openpyxl.utils import get_column_letter
 
 import scara_iso
+from scara_iso.cli import main
 from scara_iso.errors import DataError, Fault, NoInputError, UsageError
 from scara_iso.tables import read_table
 
@@ -458,3 +459,83 @@ def test_a_cycle_out_of_order_in_a_workbook_names_its_row():
 def test_columns_have_the_letters_of_a_spreadsheet(column, cell):
     assert cell == f"{get_column_letter(column)}2"
     assert str(Fault("wrong", 2, column, "S")) == f"S!{cell}: wrong"
+
+
+def test_faults_that_are_alike_are_one_line_with_every_place():
+    rows = [
+        f"{k},{'n/a' if k > 2 else '0.1'},{'abc' if k in (4, 9) else '0.2'}" for k in range(1, 32)
+    ]
+    with pytest.raises(DataError) as caught:
+        read_table("\n".join(["# unit: mm", "cycle,X,Y", *rows]).encode())
+    assert len(caught.value.faults) == 31
+    assert caught.value.fault_lines() == [
+        "  lines 5 to 33, column 2: 'n/a' is not a number (29 times)",
+        "  line 6, column 3: 'abc' is not a number",
+        "  line 11, column 3: 'abc' is not a number",
+    ]
+
+
+def test_what_to_do_stands_above_a_long_list_of_faults(tmp_path, capsys):
+    table = tmp_path / "run.csv"
+    cells = ["a,0.1", "0.1,b", "c,0.1", "0.1,d", "e,0.1", "0.1,f"]
+    table.write_text("\n".join(["# unit: mm", "X,Y", "0.1,0.1", *cells]))
+    assert main(["analyze", str(table)]) == 65
+    headline, todo, *faults = capsys.readouterr().err.splitlines()
+    assert "6 faults" in headline
+    assert todo == "  correct the file, or export it again"
+    assert len(faults) == 6
+
+
+def test_a_point_in_micrometres_may_group_thousands():
+    table = "# unit: um\ncycle;X\n1;998\n2;1.012\n3;1.015"
+    assert faults(table).faults[0].message.startswith("1.012 um could have a decimal point")
+    assert read_table(table.encode(), decimal=",").axes["X"].readings[1] == pytest.approx(1.012)
+    for stated in ({"decimal": "."}, {"resolution": 0.001}):
+        run = read_table(table.encode(), **stated)
+        assert run.axes["X"].readings[1] == pytest.approx(0.001012)
+
+
+@pytest.mark.parametrize("cells", [("1.0125", "1.012"), ("0.998", "1.012"), ("1.25", "2.25")])
+def test_a_point_in_micrometres_that_can_group_none_is_read(cells):
+    run = read_table("# unit: um\nX;Y\n{};1.5\n{};1.5".format(*cells).encode())
+    assert run.axes["X"].readings[0] == pytest.approx(float(cells[0]) / 1000)
+
+
+def test_a_sentence_under_the_readings_is_a_remark():
+    numbered = "| # | X (mm) |\n|---|---|\n| 1 | 0.1 |\n| 2 | 0.2 |\n\nAll fine.\n"
+    run = read_table(numbered.encode())
+    assert run.axes["X"].readings.tolist() == [0.1, 0.2]
+    assert "line 6: 'All fine.' not used" in run.origin.notes
+
+
+def test_a_sentence_between_readings_that_nobody_numbered_may_be_a_lost_one():
+    error = faults("# unit: mm\nX,Y\n0.1,0.2\nno reading taken\n0.1,0.3\n")
+    assert error.faults == (Fault("readings below the footer of line 4", 5),)
+
+
+def test_a_column_may_be_named_in_the_row_above_the_axes():
+    table = "# unit: mm\nLauf;Messuhr;\n;X;Y\n1;0,1;0,2\n2;0,3;0,4\n"
+    run = read_table(table.encode())
+    assert run.cycle.tolist() == [1, 2]
+    assert run.axes["Y"].readings.tolist() == [0.2, 0.4]
+    assert not run.covariates
+    error = faults("# unit: mm\nVersuch;Messuhr;\n;X;Y\n1;0,1;0,2\n2;0,3;0,4\n")
+    assert places(error) == [(4, 1), (5, 1)]
+
+
+def test_axes_in_rows_are_to_be_turned():
+    error = faults(f"Zyklus;{';'.join(map(str, range(31)))}\nX [mm]{';0,1' * 31}\n")
+    assert error.remedy.startswith("the axes stand in rows: turn the table")
+
+
+def test_a_model_is_no_table(tmp_path):
+    model = tmp_path / "robot.toml"
+    model.write_text('[robot]\nname = "SR-3"\n[indicator.X]\nscatter = 0.003\n')
+    with pytest.raises(DataError, match="no table of readings") as caught:
+        read_table(model)
+    assert "`model=`" in caught.value.remedy
+
+
+def test_a_covariate_in_another_unit_than_its_name_says_is_refused():
+    error = faults("# unit: mm\nX,force_N,temperature_C\n0.1,5 N,20 °C\n0.2,0.51 kg,20 °C\n")
+    assert error.faults == (Fault("force_N: 'kg' behind a value", 4, 2),)

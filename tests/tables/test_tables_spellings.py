@@ -197,6 +197,8 @@ def test_a_random_table_in_a_random_spelling_is_the_same_numbers_or_asked(table,
     data = spell(table, spelling)
     if "," in spelling.mark and is_asked(data):
         assert_same(read_table(data, decimal=","), table)
+    elif (spelling.unit, spelling.delimiter) == ("um", ";"):  # may be asked too
+        assert_same(read_table(data, decimal=spelling.mark), table)
     else:
         assert_same(read_table(data), table)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import time
 from pathlib import Path
@@ -162,4 +163,11 @@ def _cannot_open(address: str, line: LineSettings, error: Exception) -> Instrume
             remedy = f"this hardware cannot do {line}: use another adapter"
         case _:
             remedy = "check the address, the cable and that no other program holds the port"
-    return InstrumentError(f"cannot be opened ({error})", where=address, remedy=remedy)
+    said = _errno_text(error)
+    return InstrumentError(f"cannot be opened ({said})", where=address, remedy=remedy)
+
+
+def _errno_text(error: Exception) -> str:
+    """Return what the system says of an error, without the words of pyserial around it."""
+    code = _code(error)
+    return os.strerror(code) if isinstance(code, int) else str(error)

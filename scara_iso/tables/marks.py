@@ -1,0 +1,62 @@
+"""Whether points and commas can be decimal marks or group thousands: refused where both can be."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scara_iso.run import FloatArray, Run
+from scara_iso.tables.columns import Columns
+from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.names import Kind
+from scara_iso.tables.numbers import Mark
+
+_WHICH_MARK = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
+
+
+def check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
+    """Refuse commas that may group thousands, and commas beside points."""
+    marks = columns.marks
+    if decimal is not None:
+        return
+    comma = marks.get(Mark.COMMA) or marks.get(Mark.EITHER)
+    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
+        for mark, (line, column, text) in marks.items():
+            faults.add(
+                f"{quoted(text)} with {mark.value}: commas and points "
+                "both occur, `decimal=` says which is decimal",
+                line,
+                column,
+                remedy=_WHICH_MARK,
+            )
+    elif Mark.EITHER in marks and Mark.COMMA not in marks:
+        line, column, text = marks[Mark.EITHER]
+        faults.add(
+            f"{quoted(text)} could have a decimal comma or group "
+            "thousands: `decimal=,` or `decimal=.` says which",
+            line,
+            column,
+            remedy=_WHICH_MARK,
+        )
+
+
+def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
+    """Refuse 1.512 um between semicolons, which may be 1512: few dials show such a small step."""
+    for column in columns.layout.of(Kind.AXIS) if Mark.POINT in columns.marks else ():
+        values, unit = np.abs(columns.numbers(column)), run.origin.units[column.name]
+        if unit == "um" and run.axes[column.name].resolution is None and _may_be_grouped(values):
+            faults.add(
+                f"{values[values != np.round(values)][0]:.3f} um could have a decimal point or "
+                "group thousands: `decimal=.` or `decimal=,` says which",
+                int(columns.all_lines()[0]),
+                column.position + 1,
+                remedy=f"{_WHICH_MARK}; or state the dial's resolution",
+            )
+    faults.check()
+
+
+def _may_be_grouped(values: FloatArray) -> bool:
+    """Say whether all that are no whole numbers are spelt as 1.512 or 23.040 is."""
+    parted = values[values != np.round(values)]
+    thousandths = np.isclose(parted * 1000, np.round(parted * 1000), rtol=0, atol=1e-6)
+    fine = np.round(parted, 2) != parted
+    return bool(fine.any() and thousandths.all() and parted.min() >= 1 and parted.max() < 1000)
