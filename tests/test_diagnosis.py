@@ -153,6 +153,15 @@ def test_a_digit_slip_is_an_outlier_and_a_smaller_one_a_flag(rng):
     assert [(flag.axis, flag.cycle) for flag in small.flags] == [("X", CYCLE[7])]
 
 
+def test_an_odd_reading_of_a_probe_beside_wider_scatter_is_not_a_sure_outlier():
+    # Fifteen touches of a soaking probe (fixtures/probe_thermal, superpinda, 1068), in divisions.
+    z = np.array([56, 56, 56, 55, 55, 56, 56, 56, 56, 56, 54, 56, 56, 56, 53.0])
+    found = named(Run(np.arange(1, 16), {"Z": Axis("Z", z, resolution=1.0)}))
+    (odd,) = found.effects
+    assert "outlier" in {odd.effect, *(rival.effect for rival in odd.rivals)}
+    assert odd.probability < 0.9
+
+
 def test_scatter_alone_is_silent_on_most_seeds():
     """4 alarms or more of 40 have a probability of 0.14 at 5 %; this set of seeds is fixed."""
     alarms = 0

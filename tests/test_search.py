@@ -6,7 +6,7 @@ import pytest
 from scara_iso.diagnosis import search as module
 from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.fit import Term
-from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.marginal import MarginalTests
 from scara_iso.diagnosis.permutation import OrderTest
 from scara_iso.diagnosis.problem import SearchProblem, remainder
@@ -169,10 +169,11 @@ def outcome(monkeypatch):
         ({"p_order": 0.51 * 0.95}, False),
         ({"two_levels": 0.5 * 0.25}, True),
         ({"two_levels": 0.51 * 0.25}, False),
-        ({"outlier": 0.01}, False),
+        ({"outlier": 0.5 * 0.1}, True),
+        ({"outlier": 0.51 * 0.1}, False),
     ],
 )
-def test_a_name_is_chosen_where_order_or_levels_pass_the_level(rng, outcome, outcome_given, passes):
+def test_a_name_is_chosen_where_a_test_passes_the_level(rng, outcome, outcome_given, passes):
     outcome(**outcome_given)
     found, left = chosen(problem(NOISE + 2.0 * (ROWS >= 9), [*STEPS, DRIFT]), (), rng, 0.5)
     assert (found.choice is not None) == passes
@@ -180,26 +181,31 @@ def test_a_name_is_chosen_where_order_or_levels_pass_the_level(rng, outcome, out
     np.testing.assert_allclose(left.values.mean(axis=0), 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize(("outlier", "passes"), [(0.05, True), (0.051, False)])
-def test_an_isolated_reading_is_named_by_the_effect_that_it_is_evidence_for(
-    rng, outcome, outlier, passes
-):
-    outcome(outlier=outlier, row=11)
-    given = problem(NOISE, STEPS, effects=("step", "outlier"))
-    found, _ = chosen(given, (), rng, 0.5)
-    if not passes:
-        assert found.choice is None
-        return
-    assert found.choice.probability == {"outlier": 1.0}
-    np.testing.assert_array_equal(found.choice.forms["outlier"].columns[:, 0], ROWS == 11)
-    unnamed, _ = chosen(problem(NOISE, STEPS, effects=("step",)), (), rng, 0.5)
-    assert unnamed.choice is None
+@pytest.mark.parametrize(
+    ("moved", "said"),
+    [
+        ((11,), {"outlier"}),
+        ((4, 11), {"outlier"}),
+        ((15,), {"outlier", "step"}),
+        ((0,), {"outlier", "step"}),
+        ((14, 15), {"step"}),
+    ],
+)
+def test_an_isolated_reading_is_weighed_against_all_that_looks_the_same(rng, outcome, moved, said):
+    outcome(outlier=0.001)
+    both = [EFFECTS[name] for name in ("step", "outlier")]
+    members = hypotheses_of(both, CONDITIONS)
+    found = chosen(problem(NOISE + 8.0 * np.isin(ROWS, moved), members), (), rng)[0].choice
+    assert {found.best, *(rival.effect for rival in found.rivals)} == said
+    assert (found.probability[found.best] > 0.9) == (len(said) == 1)
+    assert {int(found.forms[n].parameters["at_cycle"]) - 2 for n in said} <= {*moved, moved[-1] + 1}
 
 
-def test_the_order_is_looked_at_before_the_isolated_reading(rng, outcome):
-    outcome(p_order=0.01, outlier=0.001, row=3)
-    given = problem(NOISE + 2.0 * (ROWS >= 9), [*STEPS, DRIFT], effects=("outlier",))
-    assert chosen(given, (), rng, 0.05)[0].choice.best == "step"
+def test_a_shift_of_fewer_readings_than_three_has_no_part_in_the_test_of_the_order():
+    members = hypotheses_of([EFFECTS["step"], EFFECTS["outlier"]], CONDITIONS)
+    ordered = [m for m in members if m.ordered and m.effect != UNKNOWN]
+    assert [m.form.parameters["at_cycle"] for m in ordered] == list(CONDITIONS.cycle[3:-2])
+    assert sum(m.weight for m in ordered) == pytest.approx(EFFECTS["step"].weight)
 
 
 def test_tests_alone_choose_nothing(rng):

@@ -19,6 +19,7 @@ LEAST_NAMED = {
     "reversal": 3, "hidden_sides": 0, "changing_flank": 1, "coasting": 3, "hanging": 3,
     "warming_up": 3, "warming_up_with_a_thermometer": 3, "thermostat": 3, "zeroed_again": 2,
     "digit_slip": 3, "scatter_doubles": 0, "comes_loose": 1, "lost_counts": 1, "beating": 2,
+    "passing": 1, "knocked": 1,
 }  # fmt: skip
 """Tables of three in which a right name comes first or among the rivals."""
 

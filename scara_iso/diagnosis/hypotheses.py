@@ -20,11 +20,13 @@ from scara_iso.diagnosis.tuning import (
     SMOOTH_WEIGHT,
     UNKNOWN,
 )
-from scara_iso.effects import Chain, Conditions, Effect, Form, FoundBy, OwnEffect, Process, Shape
+from scara_iso.effects import Chain, Conditions, Effect, Form, OwnEffect, Process, Shape
 from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 
 _EVERY = "*"
+_LEAST_CYCLES = 3
 _SAME = 0.9999
 """Cosine from which two courses are one."""
 
@@ -114,16 +116,29 @@ def _turned(form: Form) -> FloatArray | None:
 
 
 def _of_effect(effect: Effect, conditions: Conditions) -> list[Hypothesis]:
+    """Return the forms of an effect; those that have an order share its weight, if any has."""
     forms = [form for form in effect.forms(conditions) if not _still(form)]
-    total = sum(form.weight for form in forms)
-    ordered = effect.found_by is FoundBy.ORDER
+    ordered = [_has_order(effect, form) for form in forms]
+    total = sum(form.weight for form, use in zip(forms, ordered, strict=True) if use)
+    total = total or sum(form.weight for form in forms)
     return [
         Hypothesis(
             effect.name, form, effect.weight * form.weight / total, effect.test_weight,
-            effect.gain, ordered,
+            effect.gain, use,
         )
-        for form in forms
+        for form, use in zip(forms, ordered, strict=True)
     ]  # fmt: skip
+
+
+def _has_order(effect: Effect, form: Form) -> bool:
+    """Return whether the test of the order counts a form.
+
+    A shape of the catalogue that moves one or two readings is hardly rarer than any other order.
+    """
+    if effect.needs or isinstance(effect, OwnEffect) or not isinstance(form, Shape):
+        return True
+    moved = form.columns != median(form.columns, axis=0)
+    return int(moved.any(axis=1).sum()) >= _LEAST_CYCLES
 
 
 def _still(form: Form) -> bool:

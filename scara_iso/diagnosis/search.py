@@ -30,7 +30,7 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.diagnosis.two_state import Emissions, emissions_of
-from scara_iso.effects import Chain, Effect, Form, FoundBy, Process, Shape, Spread
+from scara_iso.effects import Chain, Form, Process, Shape, Spread
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
@@ -192,16 +192,13 @@ def chosen(
     left = remainder(problem, terms, problem.rows)
     stage = _tests(problem, terms, left, rng)
     by_order, by_levels, by_outlier = _shared(stage.order, stage.marginal)
-    isolated = _isolated(problem.effects)
     if _only_misfit(problem, terms, left):
         by_order = by_levels = 1.0
-    if min(by_order, by_levels) <= level:
+    if min(by_order, by_levels, by_outlier) <= level:
         limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
         named = [member for member in left.members if member.named]
-        stage = replace(stage, choice=_choice(problem, left, named, with_chains=True), limit=limit)
-    elif by_outlier <= level and isolated is not None:
-        form = _at_row(isolated, problem, stage.marginal.outlier_row)
-        stage = replace(stage, choice=Choice({isolated.name: 1.0}, {isolated.name: form}))
+        choice = _choice(problem, left, named, with_chains=True, of_two=by_outlier <= level)
+        stage = replace(stage, choice=choice, limit=limit)
     return stage, left
 
 
@@ -240,8 +237,13 @@ def _choice(
     log_change: Mapping[str, float] | None = None,
     *,
     with_chains: bool,
+    of_two: bool = False,
 ) -> Choice[Form]:
-    """Return the likeliest of ``named``; ``log_change`` of the whole run's choice on its rows."""
+    """Return the likeliest of ``named``; ``log_change`` of the whole run's choice on its rows.
+
+    Two effects at once are weighed beside one where a course of no name, or a random one, would win
+    or where ``of_two`` says so: an odd reading may have company.
+    """
     chains = [member for member in left.members if member.hidden] if with_chains else []
     residual = problem.residual
     length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
@@ -253,22 +255,11 @@ def _choice(
     hypotheses = left.hypotheses.of(named)
     readings = left.readings if log_change is None else None
     choice = choose(hypotheses, left.views, hidden, readings, log_change)
-    if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
+    named_course = choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process)
+    if named_course and not of_two:
         return choice
     both = pairs(hypotheses, left.views, left.rows)
     return choose(hypotheses, left.views, [*hidden, *both], readings, log_change)
-
-
-def _isolated(effects: Mapping[str, Effect]) -> Effect | None:
-    """Return the effect that an isolated reading is evidence for, if one is known."""
-    return next((e for e in effects.values() if e.found_by is FoundBy.ISOLATED_READING), None)
-
-
-def _at_row(effect: Effect, problem: SearchProblem, row: int) -> Form:
-    """Return the form of an effect that moves the reading of one row most."""
-    forms = effect.forms(problem.residual.conditions)
-    shapes = [form for form in forms if isinstance(form, Shape)]
-    return max(shapes, key=lambda shape: float(np.abs(shape.columns[row]).sum()))
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remainder) -> Term:

@@ -117,11 +117,12 @@ def can_show_two(y: FloatArray, division: float) -> bool:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Grid:
-    """Levels and scatter of every cell, shape (cells,), and the log of its prior."""
+    """Levels (l, 1) and scatters (s,); of each cell the log prior and its places in their table."""
 
-    lower: FloatArray
-    upper: FloatArray
-    scatter: FloatArray
+    levels: FloatArray
+    scatters: FloatArray
+    lower: IntArray
+    upper: IntArray
     log_prior: FloatArray
 
 
@@ -164,7 +165,8 @@ def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
     log_prior = density[pair, s] - np.log(scatter[s]) + cell
     if known:
         log_prior -= (KNOWN_FROM - 1) * np.log(scatter[s]) + known / (2 * scatter[s] ** 2)
-    return _Grid(levels[a[pair]], levels[b[pair]], scatter[s], log_prior)
+    row = len(scatter)
+    return _Grid(levels[:, np.newaxis], scatter, a[pair] * row + s, b[pair] * row + s, log_prior)
 
 
 def _log_density(
@@ -191,11 +193,10 @@ def _emissions(
     by lot reach that times 2^-n, so cells far below it are left out.
     """
     unseen = ~np.isfinite(y)
-    reading = np.where(unseen, 0.0, y)[:, np.newaxis]
-    log_lower, log_upper = (
-        _log_density(reading, level, grid.scatter, division) for level in (grid.lower, grid.upper)
-    )
-    log_lower[unseen] = log_upper[unseen] = 0.0
+    reading = np.where(unseen, 0.0, y)[:, np.newaxis, np.newaxis]
+    density = _log_density(reading, grid.levels, grid.scatters, division).reshape(len(y), -1)
+    density[unseen] = 0.0
+    log_lower, log_upper = density[:, grid.lower], density[:, grid.upper]
     peak = np.maximum(log_lower, log_upper)
     most = peak.sum(axis=0) + grid.log_prior
     kept = most > most.max() - len(y) * np.log(2) - _NEGLIGIBLE

@@ -16,7 +16,6 @@ from scara_iso.effects._conditions import Conditions
 from scara_iso.effects._effect import (
     Direction,
     Effect,
-    FoundBy,
     KnownCourse,
     as_column,
 )
@@ -39,7 +38,6 @@ __all__ = [
     "Form",
     "Formula",
     "FormulaError",
-    "FoundBy",
     "GearEffect",
     "Grid",
     "KnownCourse",

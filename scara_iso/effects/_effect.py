@@ -33,13 +33,6 @@ class Direction(Enum):
     ARM = "along the arm"
 
 
-class FoundBy(Enum):
-    """Which test can find an effect."""
-
-    ORDER = "the order of the cycles"
-    ISOLATED_READING = "one reading apart from all others, whatever their order"
-
-
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Effect(ABC):
     """Something that moves or widens readings over the cycles of a test.
@@ -64,7 +57,6 @@ class Effect(ABC):
     test_weight: float = 1.0
     """Weight in the test over that in naming. The test asks whether there is anything, so a course
     that other effects' forms see as well needs less weight of its own."""
-    found_by: FoundBy = FoundBy.ORDER
     common: bool = True
     """Whether chance draws one course for all axes; else each axis has its own."""
     recurs: bool = True

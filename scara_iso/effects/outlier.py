@@ -1,7 +1,7 @@
 """A single reading that stands apart from all others."""
 
 from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import FoundBy, KnownCourse, as_column
+from scara_iso.effects._effect import KnownCourse, as_column
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
@@ -18,7 +18,6 @@ EFFECT = KnownCourse(
     ),
     cause="a misread or mistyped digit, a bumped table, or a damaged frame on the serial line",
     confirm_by="look at the sheet or the raw capture of that cycle",
-    found_by=FoundBy.ISOLATED_READING,
     recurs=False,
     gain=60.0,
     columns=_columns,

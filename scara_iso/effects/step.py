@@ -5,16 +5,14 @@ from scara_iso.effects._effect import KnownCourse, as_column
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
 
-_LEAST_CYCLES = 3
-"""Fewer cycles on one side of a step are outliers, not a level."""
-
 
 def _columns(conditions: Conditions, *, at_cycle: float) -> FloatArray:
     return as_column(conditions.cycle >= at_cycle)
 
 
 def _starts(conditions: Conditions) -> Grid:
-    return Grid.exact(conditions.cycle[_LEAST_CYCLES : len(conditions) - _LEAST_CYCLES + 1])
+    """Return every cycle but the first: a shift before the last reading is an outlier's rival."""
+    return Grid.exact(conditions.cycle[1:])
 
 
 EFFECT = KnownCourse(

@@ -42,6 +42,13 @@ def knocked(rng):
     return on_dial(rng, {"X": moved, "Y": 0.6 * moved})
 
 
+def three_loads(rng):
+    """A neighbouring machine is loaded, loaded again and unloaded: four levels in all."""
+    at = np.sort(rng.choice(np.arange(5, 27, 4), 3, replace=False))
+    moved = rng.choice([-1, 1]) * 0.016 * np.array([0.0, 1.0, 2.2, 0.5])[np.searchsorted(at, _ROW)]
+    return on_dial(rng, {"X": moved, "Y": 0.6 * moved})
+
+
 def beating(rng):
     """Two pumps of nearly the same speed: a vibration that swells and dies away."""
     f = rng.uniform(0.15, 0.3)
