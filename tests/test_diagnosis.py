@@ -153,6 +153,15 @@ def test_a_digit_slip_is_an_outlier_and_a_smaller_one_a_flag(rng):
     assert [(flag.axis, flag.cycle) for flag in small.flags] == [("X", CYCLE[7])]
 
 
+def test_two_gross_readings_to_either_side_are_two_outliers_for_sure(rng):
+    slips = rng.normal(size=N)
+    slips[7], slips[20] = 40, -40
+    found = named(make_run({"X": slips}))
+    assert [one.effect for one in found.effects] == ["outlier", "outlier"]
+    assert {one.parameters["at_cycle"] for one in found.effects} == {CYCLE[7], CYCLE[20]}
+    assert min(one.probability for one in found.effects) > 0.95
+
+
 def test_an_odd_reading_of_a_probe_beside_wider_scatter_is_not_a_sure_outlier():
     # Fifteen touches of a soaking probe (fixtures/probe_thermal, superpinda, 1068), in divisions.
     z = np.array([56, 56, 56, 55, 55, 56, 56, 56, 56, 56, 54, 56, 56, 56, 53.0])

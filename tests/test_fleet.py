@@ -17,7 +17,7 @@ import pytest
 
 import scara_iso
 from scara_iso.cli import main
-from scara_iso.diagnosis import CyclesWanted, finer, floor_of
+from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
 from scara_iso.fleets import Engine, ReadAs
 from scara_iso.fleets.database import results_in, write_parquet
@@ -108,6 +108,26 @@ def test_more_orders_name_a_robot_that_the_first_thousand_cannot(tmp_path, done)
     again = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
     assert again.robots == found.robots
     assert results(tmp_path / "o") == before
+
+
+def test_a_part_that_changes_during_a_closer_look_keeps_its_p_values(
+    tmp_path, done, in_this_process, monkeypatch
+):
+    source, out, summary = done
+    shutil.copytree(out, tmp_path / "o")
+    monkeypatch.setattr("scara_iso.fleets.closer.digest", lambda _: "of another content")
+    found = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
+    assert found.run.failed["part1.csv"] == "has changed since it was read: run it again"
+    assert found.robots[0].p_value == summary.robots[0].p_value
+
+
+def test_of_several_poses_the_largest_figure_is_kept():
+    rows = [f"P{pose},{k},{(k * 7 % 11) / 1000 / pose}" for pose in (1, 2) for k in range(1, 32)]
+    table = "\n".join(["# unit: mm", "pose,cycle,X", *rows, ""]).encode()
+    run, figures = scara_iso.read_table(table), scara_iso.analyze(table).poses
+    assert figures["P1"].axes["X"].RP > figures["P2"].axes["X"].RP
+    found = screen(run, CyclesWanted(), seed=1)
+    assert found.RP["X"] == pytest.approx(figures["P1"].axes["X"].RP)
 
 
 def test_a_table_at_the_floor_by_chance_drops_out_and_keeps_a_valid_p_value():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from scara_iso import read_table, simulate
 from scara_iso.cli import main
 from scara_iso.effects import Conditions, FormulaError, own_effects, parse_formula
 from scara_iso.errors import DataError, UsageError
@@ -187,6 +188,13 @@ def test_the_loop_closes_with_it(call, file, tmp_path):
     said = page.read_text(encoding="utf-8")
     assert "cooled while open on" in said
     assert "the guard door stood open until that cycle" in said
+
+
+def test_a_model_in_hand_takes_them_too(call, file, tmp_path):
+    table, effect = tmp_path / "run.csv", "cooled_while_open@Z:size=0.004,closed=14"
+    assert call("simulate", MODEL, "--effects", file, "--effect", effect, "-o", table)[0] == 0
+    run = simulate(read_model(MODEL), effects=effect, own_effects=read_effects(file))
+    assert run.axes["Z"].readings == pytest.approx(read_table(table).axes["Z"].readings)
 
 
 def test_what_cannot_show_is_said(call, tmp_path):

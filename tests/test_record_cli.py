@@ -382,6 +382,14 @@ def test_the_end_of_input_quits():
     pytest.fail("no quit")
 
 
+def test_input_that_is_closed_is_at_its_end():
+    stream = io.StringIO()
+    stream.close()
+    lines = Lines(stream)
+    lines._follower.join()
+    assert lines.poll() == Quit()
+
+
 def screen(width, encoding="utf-8", operator=None):
     """Return a screen and a function that draws its view as text."""
     file = io.TextIOWrapper(io.BytesIO(), encoding=encoding)

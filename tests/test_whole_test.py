@@ -371,8 +371,9 @@ def test_a_part_of_another_unit_is_said_and_not_mixed(folder):
     analysis = found.analysis()
     assert analysis.poses[1].axes["X"].mean == pytest.approx(12.7254, abs=0.01)
     said = "X in inch, and in mm in P1"
-    assert [one.message for one in analysis.findings if one.code == "other-unit"] == [
-        f"P2: {said}; all is converted to mm"
+    found = [one for one in analysis.findings if one.code == "other-unit"]
+    assert [(one.severity, one.message) for one in found] == [
+        ("warning", f"P2: {said}; all is converted to mm")
     ]
     state = read_folder(folder).parts[1]
     assert state.state == "out of its conditions"

@@ -136,10 +136,11 @@ class Lines:
     def _follow(self, stream: TextIO) -> None:
         """Hand on the lines, the beginnings of long ones; the queue's bound holds the sender."""
         begins = True
-        while piece := stream.readline(_LONGEST):
-            if begins:
-                self._lines.put(piece)
-            begins = piece.endswith("\n")
+        with contextlib.suppress(ValueError):  # closed by whoever opened it: the end, too
+            while piece := stream.readline(_LONGEST):
+                if begins:
+                    self._lines.put(piece)
+                begins = piece.endswith("\n")
         self._lines.put("q")
 
 
