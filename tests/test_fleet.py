@@ -13,6 +13,7 @@ from pathlib import Path
 
 import duckdb
 import numpy as np
+import openpyxl
 import pytest
 
 import scara_iso
@@ -238,6 +239,18 @@ def test_one_row_that_cannot_be_read_is_said_by_its_line(tmp_path, rows, said):
     part.write_text(HEAD + rows, encoding="utf-8")
     with pytest.raises(DataError, match=said):
         list(tables_in(part, ReadAs()))
+
+
+def test_a_workbook_is_a_robot_and_a_note_beside_it_is_listed(tmp_path, in_this_process):
+    book = openpyxl.Workbook()
+    for row in [["# unit: mm"], ["cycle", "X"], *([k, k % 7 / 1000] for k in range(1, 32))]:
+        book.active.append(row)
+    (tmp_path / "parts").mkdir()
+    book.save(tmp_path / "parts" / "R7.xlsx")
+    (tmp_path / "parts" / "notes.txt").write_text("R7 is new", encoding="utf-8")
+    found = scara_iso.fleet(tmp_path / "parts", tmp_path / "o")
+    assert [one.robot for one in found.robots] == ["R7"]
+    assert [one.part for one in found.failed] == ["notes.txt"]
 
 
 def test_one_row_below_a_header_in_quotes_is_read(tmp_path):

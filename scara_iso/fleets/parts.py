@@ -1,7 +1,8 @@
 """The parts of a fleet's tables, and the tables of a part.
 
 A part is a Parquet file, or a CSV file, with the columns robot and X, Y, Z or theta, and as they
-are there test, pose, cycle and any other; or a table of one robot as `read_table` takes it.
+are there test, pose, cycle and any other; or a table of one robot as `read_table` takes it, a
+workbook too.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from scara_iso.quantities import parse_number
 from scara_iso.run import AXES, Run
 from scara_iso.tables import read_table
 
-_ENDINGS = (".csv", ".parquet")
+_ENDINGS = (".csv", ".parquet", ".tsv", ".txt", ".xlsx")
 _DELIMITERS = (",", ";", "\t")
 _HEAD, _BLOCK = 64_000, 1 << 20
 _STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
@@ -54,11 +55,11 @@ def parts_of(source: Path) -> list[Path]:
     found = sorted(
         path
         for path in source.iterdir()
-        if path.suffix.lower() in _ENDINGS and not path.name.startswith(".")
+        if path.suffix.lower() in _ENDINGS and not path.name.startswith((".", "~$"))
     )
     if not found:
         raise NoInputError(
-            "holds no .csv and no .parquet", where=str(source), remedy="put the parts there"
+            f"holds no {', '.join(_ENDINGS)}", where=str(source), remedy="put the parts there"
         )
     return found
 
@@ -82,6 +83,9 @@ def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
         _refuse_twice([str(name) for name in schema["name"][1:]], path)
         frame = fetched("SELECT * FROM read_parquet(?)", [str(path)], str(path))
         yield from _several(frame, path, {}, reading)
+        return
+    if path.suffix.lower() == ".xlsx":
+        yield _single(path, reading)
         return
     statements, header = _head(path)
     for delimiter in _DELIMITERS:
