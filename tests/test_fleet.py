@@ -337,6 +337,21 @@ def lines_of(manifest):
     return manifest.read_bytes().count(b"\n") if manifest.exists() else 0
 
 
+def test_a_script_without_a_guard_runs_once(tmp_path):
+    """Processes that start from nothing run the script again, unless nobody names it to them."""
+    script = tmp_path / "script.py"
+    table = ROOT / "examples" / "scatter.csv"
+    script.write_text(
+        "import scara_iso\nprint('once')\n"
+        f"print(len(scara_iso.analyze_many([{str(table)!r}] * 2)))\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, str(script)], env=environment, capture_output=True, encoding="utf-8"
+    )
+    assert (done.stdout, done.stderr) == ("once\n2\n", "")
+
+
 def test_a_killed_client_goes_on_where_it_stopped(tmp_path, done):
     source, out, _ = done
     words = ("-m", "scara_iso", "fleet", str(source), "-o", str(tmp_path / "o"), "--workers", "1")

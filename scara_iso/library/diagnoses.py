@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -39,8 +40,8 @@ class Diagnoses(Displayed):
 
     def __repr__(self) -> str:
         said = (one.verdict.value if isinstance(one, Diagnosis) else "failed" for one in self)
-        each = ", ".join(f"{name} {word}" for name, word in zip(self.names, said, strict=True))
-        return f"<Diagnoses of {len(self)}: {each}>"
+        counts = ", ".join(f"{count} {word}" for word, count in Counter(said).items())
+        return f"<Diagnoses of {len(self)}: {counts}>"
 
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table, a row for each: name, verdict, effects, p_value, failure."""

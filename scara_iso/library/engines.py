@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import wait
 from threading import Thread
-from typing import Any
+from types import ModuleType
+from typing import Any, ParamSpec, TypeVar
 
 from scara_iso.errors import ServiceError, UsageError
 from scara_iso.fleets import Engine
 
+Given = ParamSpec("Given")
+Answer = TypeVar("Answer")
 LOCAL, DASK = "local", "dask://"
 _SLOW_TO_IMPORT = ("duckdb", "pandas", "scipy.special", "scara_iso.diagnosis.closed_loop")
 _AHEAD = 2
@@ -23,13 +27,28 @@ _PATIENCE = "10s"
 _REMEDY = "use local, or dask://HOST:PORT of a scheduler"
 
 
+class _Processes(ProcessPoolExecutor):
+    """A pool whose processes do not run the user's script, which need not be guarded for that."""
+
+    def submit(
+        self, work: Callable[Given, Answer], /, *args: Given.args, **options: Given.kwargs
+    ) -> Future[Answer]:
+        """Hand over work; a process that starts for it finds an empty ``__main__``."""
+        script = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            return super().submit(work, *args, **options)
+        finally:
+            sys.modules["__main__"] = script
+
+
 def open_processes(workers: int | None = None) -> Executor:
     """Return a pool of processes that start from nothing: nothing of this one is copied."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # theirs: the processes share the cores
     methods = multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     context.set_forkserver_preload(["scara_iso.fleets.work", *_SLOW_TO_IMPORT])
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_with_parent)
+    return _Processes(workers, mp_context=context, initializer=_leave_with_parent)
 
 
 def _leave_with_parent() -> None:
