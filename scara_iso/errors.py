@@ -13,8 +13,10 @@ from typing import ClassVar
 from scara_iso.frozen import dataclass
 
 _MANY = 5
-"""Faults that are alike and said in one line."""
+"""Faults that are alike from which on they are said in one line."""
 _RANGES = 20
+"""Ranges of lines that are named in it."""
+_VALUE = re.compile(r"'[^']*'|\"[^\"]*\"|[-+]?[0-9][0-9.,]*(?:e[-+]?[0-9]+)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +47,6 @@ def _letters(column: int) -> str:
     """Return the name of a column of a sheet, from 1: ``A`` to ``Z``, ``AA`` and so on."""
     more, letter = divmod(column - 1, 26)
     return (_letters(more) if more else "") + chr(ord("A") + letter)
-
-
-_VALUE = re.compile(r"'[^']*'|\"[^\"]*\"|[-+]?[0-9][0-9.,]*(?:e[-+]?[0-9]+)?")
 
 
 def fault_lines(faults: Sequence[Fault]) -> list[str]:

@@ -7,6 +7,9 @@ from dataclasses import field
 
 from scara_iso.frozen import dataclass
 
+SIMULATED = "SIMULATED readings: no robot was measured"
+"""What is said of a run whose head states `simulated`."""
+
 
 @dataclass(frozen=True, slots=True)
 class TableField:

@@ -58,7 +58,7 @@ def said(capsys, monkeypatch):
 def test_three_lines_say_what_was_asked_and_what_is_next(said, call):
     out = said(*call)
     lines = out.rstrip("\n").splitlines()
-    assert len(lines) <= 22 + ("SIMULATED" in out)
+    assert len(lines) <= 22
     assert any(line.startswith("  Next: scara-iso ") for line in lines[:3])
     if call[0] not in ("diagnose", "visits"):
         assert any(INTERVAL.search(line) for line in lines[:2])

@@ -345,7 +345,7 @@ def test_a_neighbouring_division_never_is_an_outlier(rng):
 @pytest.mark.parametrize("kind", ["uniform", "arcsine", "laplace"])
 def test_scatter_between_limits_is_seldom_two_levels(kind, n):
     alarms = 0
-    for seed in range(30):
+    for seed in range(60):
         rng = np.random.default_rng([seed, n])
         drawn = {
             "uniform": rng.uniform(-3, 3, n),
@@ -354,7 +354,7 @@ def test_scatter_between_limits_is_seldom_two_levels(kind, n):
         }[kind]
         found = marginal_tests(np.round(drawn)[:, None], np.ones(1), rng)
         alarms += found.two_levels < 0.0075
-    assert alarms <= 2
+    assert alarms <= 3
 
 
 def test_neighbouring_divisions_never_prove_two_levels(rng):

@@ -44,10 +44,10 @@ from scara_iso.diagnosis import read_sweep
 from scara_iso.errors import ScaraIsoError
 from scara_iso.quantities import find_unit
 from scara_iso.tables import read_table
-lines = ["-" * 60 + "a", "-" * 30_000 + "a", "--- " * 7_000 + "a", "x" + " " * 30_000 + "y",
-         "x" + " _" * 4_000 + "axis", "(" * 30_000, "1" * 30_000 + "e", "#" * 30_000,
-         "=" * 99 + ":", "axis " * 6_000 + "!", "x axis," * 1_500, "1e" + "9" * 30_000,
-         '"' * 30_000]
+lines = ["-" * 60 + "a", "-" * 90_000 + "a", "--- " * 20_000 + "a", "x" + " " * 90_000 + "y",
+         "x" + " _" * 40_000 + "axis", "(" * 90_000, "1" * 90_000 + "e", "#" * 90_000,
+         "=" * 99 + ":", "axis " * 16_000 + "!", "x axis," * 12_000, "1e" + "9" * 90_000,
+         '"' * 90_000]
 for line in lines:
     for text in (f"# unit: mm\\ncycle,X,Y\\n{line}\\n1,0.1,0.2\\n",
                  f"{line}\\ncycle,X,Y\\n1,0.1,0.2\\n",
@@ -59,7 +59,7 @@ for line in lines:
             except ScaraIsoError:
                 pass
     find_unit(line + "\\n")
-    find_unit("1" + " " * 30_000 + "\\n")
+    find_unit("1" + " " * 90_000 + "\\n")
 """
 
 

@@ -21,7 +21,7 @@ ARMS = {
     "beyond a turn of joint 2": Arm(400, 300, (-130, 130), (-225, 225)),
     "backwards": Arm(300, 250, (0, 270), (-140, 20)),
 }
-STEP = 8.0
+STEP = 5.0
 
 
 @functools.cache

@@ -17,6 +17,7 @@ from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
+from scara_iso.origin import SIMULATED
 from scara_iso.pose_columns import no_such_pose
 from scara_iso.run import Run
 
@@ -121,7 +122,7 @@ def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, 
 
 def _simulated(run: Run) -> Iterator[str]:
     if run.metadata.get("simulated"):
-        yield "SIMULATED readings: no robot was measured"
+        yield SIMULATED
 
 
 def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:

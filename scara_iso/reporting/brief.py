@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 from scara_iso.iso9283 import Finding, in_brief
+from scara_iso.origin import SIMULATED
 from scara_iso.reporting.blocks import Block, Interval, NextStep, Number, Text
 from scara_iso.reporting.digits import places, places_that_decide
 from scara_iso.run import Run
@@ -58,7 +59,7 @@ def first_three(lines: Sequence[Block], following: NextStep) -> tuple[Block, ...
 def simulated(run: Run) -> Iterator[Text]:
     """Yield that no robot was measured, where the table says so."""
     if run.metadata.get("simulated"):
-        yield Text("SIMULATED readings: no robot was measured", "bad")
+        yield Text(SIMULATED, "bad")
 
 
 def cautions(findings: Sequence[Finding]) -> Iterator[Text]:

@@ -23,24 +23,9 @@ from scara_iso.tables.statements import Scale, is_of_axes, read_scales
 from scara_iso.tables.text import Row
 
 _NOTES = 50
-_IN_NAMES = {
-    "N",
-    "kN",
-    "kg",
-    "g",
-    "C",
-    "K",
-    "s",
-    "ms",
-    "min",
-    "h",
-    "mm",
-    "um",
-    "bar",
-    "V",
-    "A",
-    "Nm",
-}
+_IN_NAMES = frozenset(
+    ["N", "kN", "kg", "g", "C", "K", "s", "ms", "min", "h", "mm", "um", "bar", "V", "A", "Nm"]
+)
 """Units that end the name of a covariate, as in force_N."""
 
 
