@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.cli import WELCOME, main
 from scara_iso.cli.options import parse_limits
 from scara_iso.errors import UsageError
 
@@ -164,3 +164,20 @@ def test_a_report_outside_its_limit_says_why_it_ends_with_1(tmp_path, monkeypatc
     assert err.startswith("scara-iso: FAIL: OUTSIDE the limit with the whole 95 % interval: XY")
     assert main(["report", WARM_UP, "--limit", "XY=9", "-o", "out.md"]) == 0
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("thread", [False, True])
+def test_what_is_to_be_done_at_the_end_is_done(tmp_path, thread):
+    """A process that ends at once still does what was left for its end."""
+    script = (
+        "import atexit, threading, time; from scara_iso.__main__ import run\n"
+        "atexit.register(print, 'swept')\n"
+        f"if {thread}: threading.Thread(target=lambda: (time.sleep(0.5), print('waited'))).start()\n"
+        "run()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, check=True, cwd=tmp_path, text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    said = done.stdout.replace(WELCOME, "").split()
+    assert said == (["waited"] if thread else []) + ["swept"]
