@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -44,7 +45,7 @@ def find_modules(package: ModuleType, group: str) -> tuple[ModuleType, ...]:
 
 
 def _entries(group: str) -> list[EntryPoint]:
-    if not _is_declared(group):
+    if f"[{group}]".encode() not in _declared(tuple(sys.path)):
         return []
     from importlib.metadata import distributions  # noqa: PLC0415 - 30 ms that few need to pay
 
@@ -61,12 +62,12 @@ def _entries(group: str) -> list[EntryPoint]:
     return [found[name] for name in sorted(found)]
 
 
-def _is_declared(group: str) -> bool:
-    """Return whether any installed distribution declares the group, without parsing them all."""
-    header = f"[{group}]".encode()
+@cache
+def _declared(folders: tuple[str, ...]) -> bytes:
+    """Return the entry points that all distributions in some folders declare, unparsed."""
     declarations = (
         path
-        for folder in sys.path
+        for folder in folders
         for path in Path(folder or ".").glob("*.dist-info/entry_points.txt")
     )
-    return any(path.is_file() and header in path.read_bytes() for path in declarations)
+    return b"\n".join(path.read_bytes() for path in declarations if path.is_file())

@@ -172,7 +172,8 @@ def test_what_is_to_be_done_at_the_end_is_done(tmp_path, thread):
     script = (
         "import atexit, threading, time; from scara_iso.__main__ import run\n"
         "atexit.register(print, 'swept')\n"
-        f"if {thread}: threading.Thread(target=lambda: (time.sleep(0.5), print('waited'))).start()\n"
+        "work = threading.Thread(target=lambda: (time.sleep(0.5), print('waited')))\n"
+        f"if {thread}: work.start()\n"
         "run()"
     )
     done = subprocess.run(
