@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from scara_iso.acquisition.ports.tape import checksum, decode_record, encode
 from scara_iso.acquisition.recorder import history as module
 from scara_iso.acquisition.recorder.history import History, read_history
+from scara_iso.acquisition.tape import checksum, decode_record, encode
 from scara_iso.errors import DataError
 from scara_iso.quantities import Dimension
 

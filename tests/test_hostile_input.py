@@ -18,8 +18,8 @@ import pytest
 import scara_iso
 from scara_iso import effects, read_table
 from scara_iso.acquisition import indicators
-from scara_iso.acquisition.ports.tape import decode_record
 from scara_iso.acquisition.recorder import Quit, Take
+from scara_iso.acquisition.tape import decode_record
 from scara_iso.cli import main
 from scara_iso.cli.keyboard import Lines
 from scara_iso.effects import find_effects

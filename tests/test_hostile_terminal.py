@@ -9,7 +9,7 @@ import pytest
 
 from scara_iso import read_table
 from scara_iso.acquisition.ports import Device
-from scara_iso.acquisition.ports.tape import encode
+from scara_iso.acquisition.tape import encode
 from scara_iso.cli import main
 from scara_iso.reporting.words import printable
 from tests.hostile import TEXTS, WORDS, model, sweep, table

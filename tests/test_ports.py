@@ -30,13 +30,13 @@ from scara_iso.acquisition.ports import (
     refuse_same_device,
 )
 from scara_iso.acquisition.ports.simulated import MODEL_CYCLES
-from scara_iso.acquisition.ports.tape import decode_record, encode, read_tape
 from scara_iso.acquisition.recorder.spec import (
     parse_gauge,
     parse_gauges,
     parse_metadata,
     read_metadata,
 )
+from scara_iso.acquisition.tape import decode_record, encode, read_tape
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, InstrumentError, NoInputError, UsageError
 from scara_iso.robot.model import read_model, simulate

@@ -12,8 +12,8 @@ import pytest
 from scara_iso import read_table
 from scara_iso.acquisition.indicators import LineSettings
 from scara_iso.acquisition.ports import DevicePort
-from scara_iso.acquisition.ports.tape import decode_record
 from scara_iso.acquisition.recorder import raw_path
+from scara_iso.acquisition.tape import decode_record
 from scara_iso.cli import main
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")

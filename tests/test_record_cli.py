@@ -11,7 +11,6 @@ import pytest
 from rich.console import Console
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.tape import decode_record, encode
 from scara_iso.acquisition.recorder import (
     CycleDone,
     Done,
@@ -29,6 +28,7 @@ from scara_iso.acquisition.recorder import (
     Waiting,
     raw_path,
 )
+from scara_iso.acquisition.tape import decode_record, encode
 from scara_iso.cli import main, recording
 from scara_iso.cli.keyboard import Keys, Lines, parse_line
 from scara_iso.cli.record_screen import Screen

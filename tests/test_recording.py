@@ -5,7 +5,6 @@ from bench import Orders, Script, kept, run_session
 from disks import UnsyncedDisk
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.tape import read_tape
 from scara_iso.acquisition.recorder import (
     CycleDone,
     Quit,
@@ -14,6 +13,7 @@ from scara_iso.acquisition.recorder import (
     raw_path,
     recording as module,
 )
+from scara_iso.acquisition.tape import read_tape
 from scara_iso.errors import CannotCreateError, InstrumentError, UsageError, WriteError
 
 SIM = ["X=opto-rs232@sim:?pace=0"]

@@ -4,9 +4,9 @@ import pytest
 from bench import Orders, Script, run_session
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.tape import decode_record, encode
 from scara_iso.acquisition.ports.timeline import Timeline
 from scara_iso.acquisition.recorder import Note, Quit, Take, Void, raw_path
+from scara_iso.acquisition.tape import decode_record, encode
 from scara_iso.cli import main
 
 OPTO = "X=opto-rs232?unit=mm@script"

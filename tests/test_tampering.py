@@ -8,7 +8,6 @@ from disks import UnsyncedDisk
 from hypothesis import given, settings, strategies as st
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.tape import decode_record, encode, read_tape
 from scara_iso.acquisition.recorder import (
     Quit,
     Take,
@@ -17,6 +16,7 @@ from scara_iso.acquisition.recorder import (
     raw_path,
     read_history,
 )
+from scara_iso.acquisition.tape import decode_record, encode, read_tape
 from scara_iso.cli import main
 from scara_iso.errors import CannotCreateError, DataError
 

@@ -37,7 +37,12 @@ if TYPE_CHECKING:
         find_dialects as find_dialects,
         make_generic as make_generic,
     )
-    from scara_iso.acquisition.manifest import check_manifest as check_manifest, sha256 as sha256
+    from scara_iso.acquisition.manifest import (
+        check_manifest as check_manifest,
+        manifest_path as manifest_path,
+        raw_path as raw_path,
+        sha256 as sha256,
+    )
     from scara_iso.acquisition.ports import (
         PULSE as PULSE,
         Clock as Clock,
@@ -59,7 +64,6 @@ if TYPE_CHECKING:
         refuse_same_device as refuse_same_device,
         split_options as split_options,
     )
-    from scara_iso.acquisition.ports.tape import is_tape as is_tape
     from scara_iso.acquisition.recorder import (
         Command as Command,
         CycleDone as CycleDone,
@@ -97,17 +101,16 @@ if TYPE_CHECKING:
         Watched as Watched,
         as_json as as_json,
         check_metadata as check_metadata,
-        manifest_path as manifest_path,
         parse_gauges as parse_gauges,
         parse_metadata as parse_metadata,
         parse_poses as parse_poses,
         parse_trigger as parse_trigger,
-        raw_path as raw_path,
         read_history as read_history,
         read_metadata as read_metadata,
         rebuild as rebuild,
         record as record,
         refuse_existing as refuse_existing,
     )
+    from scara_iso.acquisition.tape import is_tape as is_tape
 else:
     __getattr__ = face(__name__)

@@ -20,8 +20,8 @@ from pathlib import Path
 from scara_iso.acquisition.indicators import Decoder, Dialect, LinePulse, Reading
 from scara_iso.acquisition.ports.clock import Clock, StreamClock
 from scara_iso.acquisition.ports.port import split_options
-from scara_iso.acquisition.ports.tape import Record, is_tape, read_tape
 from scara_iso.acquisition.ports.timeline import Timeline
+from scara_iso.acquisition.tape import Record, is_tape, read_tape
 from scara_iso.errors import DataError, UsageError
 from scara_iso.files import open_file, read_file
 

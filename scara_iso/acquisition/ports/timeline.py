@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from scara_iso.acquisition.ports.tape import Record
+from scara_iso.acquisition.tape import Record
 
 _SET_S = 5.0
 """A clock that differs by more from the time that passed was set [s]."""

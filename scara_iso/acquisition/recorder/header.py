@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from scara_iso.acquisition.ports import Port
-from scara_iso.acquisition.ports.tape import SCHEMA
 from scara_iso.acquisition.recorder.gauge import Gauge
 from scara_iso.acquisition.recorder.history import History
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.plan import Job
 from scara_iso.acquisition.recorder.spec import GaugeSpec
+from scara_iso.acquisition.tape import SCHEMA
 from scara_iso.errors import UsageError
 
 

@@ -14,13 +14,13 @@ from pathlib import Path
 
 import numpy as np
 
-from scara_iso.acquisition.ports.tape import FIRST, SCHEMA, Record, read_tape
 from scara_iso.acquisition.ports.timeline import Timeline
 from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings, grow
 from scara_iso.acquisition.recorder.plan import Listen
 from scara_iso.acquisition.recorder.remarks import Remarks
 from scara_iso.acquisition.recorder.sizes import sizes_of_axis
 from scara_iso.acquisition.recorder.tour import Tour
+from scara_iso.acquisition.tape import FIRST, SCHEMA, Record, read_tape
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
 from scara_iso.origin import Origin

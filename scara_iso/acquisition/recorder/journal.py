@@ -7,7 +7,7 @@ import errno
 from pathlib import Path
 
 from scara_iso.acquisition.ports import Clock
-from scara_iso.acquisition.ports.tape import FIRST, checksum, encode
+from scara_iso.acquisition.tape import FIRST, checksum, encode
 from scara_iso.disk import Disk, write_whole
 from scara_iso.errors import CannotCreateError, NoInputError, ScaraIsoError, WriteError
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from scara_iso.acquisition.ports.tape import Record
+from scara_iso.acquisition.tape import Record
 
 _MOST = 99
 
