@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import cycle
 from typing import TYPE_CHECKING
 
+from scara_iso.render.drawing import new_figure
 from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID
 from scara_iso.reporting import Chart, printable, study_picture
 
@@ -21,9 +22,7 @@ _MOST_LABELS, _LABEL = 20, 12
 
 def plot_gauge_study(found: GaugeStudy) -> Figure:
     """Return the picture of each dial's study below each other."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
-
-    figure = Figure(figsize=(7, 3.4 * len(found.axes)), layout="constrained")
+    figure = new_figure(7, 3.4 * len(found.axes), layout="constrained")
     rows = figure.subplots(len(found.axes), 1, squeeze=False)
     for (axes,), study in zip(rows, found.axes.values(), strict=True):
         picture = study_picture(study)

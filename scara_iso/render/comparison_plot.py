@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
+from scara_iso.render.drawing import new_figure
 from scara_iso.render.plots import ARM, EDGE, PLANE
 from scara_iso.reporting import printable
 
@@ -25,10 +26,8 @@ def plot_comparison(comparison: Comparison) -> Figure:
 
     Full marks are differences that are shown; an arrow is an interval without end.
     """
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
-
     heights = [0.9 + 0.34 * len(pair.spreads) for pair in comparison.pairs[:_MOST_PAIRS]]
-    figure = Figure(figsize=(12, sum(heights) + 0.9), layout="constrained")
+    figure = new_figure(12, sum(heights) + 0.9, layout="constrained")
     rows = figure.subplots(len(heights), 3, squeeze=False, height_ratios=heights)
     for row, pair in zip(rows, comparison.pairs, strict=False):
         _draw_readings(row[0], pair)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scara_iso.render.charts import draw_chart
+from scara_iso.render.drawing import new_figure
 from scara_iso.render.month_pictures import draw_control, draw_months
 from scara_iso.render.plots import AREA, ARM, EDGE, PLANE, SOLID
 from scara_iso.reporting import (
@@ -104,18 +105,16 @@ def _style(number: int) -> Iterator[None]:
 
 
 def _drawn(figure: Figure) -> Drawing:
-    from matplotlib.figure import Figure as Drawing  # noqa: PLC0415 - half a second, likewise
-
     if isinstance(figure.data, OneAxes):
-        drawing = Drawing(figsize=picture_size(figure))
+        drawing = new_figure(*picture_size(figure))
         _draw_one(drawing.add_axes((0.18, 0.20, 0.80, 0.69)), figure.data)
         return drawing
     if isinstance(figure.data, Chart):
-        drawing = Drawing(figsize=picture_size(figure))
+        drawing = new_figure(*picture_size(figure))
         draw_chart(drawing.add_axes((0.10, 0.16, 0.88, 0.80)), figure.data)
         return drawing
     width, height = picture_size(figure)
-    drawing = Drawing(figsize=(width, height))
+    drawing = new_figure(width, height)
     columns, rows = _grid(figure.data)
     grid = drawing.subplots(rows, columns, sharex=True, sharey=columns > 1, squeeze=False)
     if columns > 1:

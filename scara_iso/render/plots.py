@@ -13,6 +13,7 @@ import numpy as np
 from scara_iso.disk import write_file
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import PlannedPose, PosePlan
+from scara_iso.render.drawing import new_figure
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 
@@ -34,9 +35,7 @@ AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#44
 
 def plot_plan(plan: PosePlan) -> Figure:
     """Return the workspace from above, and the solid with its diagonal plane and the poses."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
-
-    figure = Figure(figsize=(11, 5.2), layout="constrained")
+    figure = new_figure(11, 5.2, layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1))
     _draw_from_above(left, plan)
     spec = right.get_subplotspec()
@@ -47,9 +46,7 @@ def plot_plan(plan: PosePlan) -> Figure:
 
 def plot_separating(plan: SeparatingPlan) -> Figure:
     """Return the workspace from above, and the poses that tell the joints apart."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
-
-    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    figure = new_figure(6.4, 6.4, layout="constrained")
     axes = figure.subplots()
     _fill_workspace(axes, plan.arm)
     _draw_poses(axes, plan.arm, plan.poses)
@@ -67,14 +64,12 @@ def plot_poses(found: DiagnosisOfPoses) -> Figure:
 
 
 def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float) -> Figure:
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
-
     of = [
         (f"{axis} {pose[:_LABEL]}".strip(), axis, one.series)
         for pose, one in found.items()
         for axis in one.series.measured
     ]
-    figure = Figure(figsize=(9, 1.2 + height * len(of)), layout="constrained")
+    figure = new_figure(9, 1.2 + height * len(of), layout="constrained")
     rows = figure.subplots(len(of), 2, sharex=True, squeeze=False)
     for (left, right), (label, axis, series) in zip(rows, of, strict=True):
         _draw_series(left, right, series, axis)
@@ -105,9 +100,7 @@ def _draw_series(left: Axes, right: Axes, series: Series, axis: str) -> None:
 
 def plot_reach(reach: ReachMap) -> Figure:
     """Return predicted RP over the reach, the measured poses, and the best and the worst place."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
-
-    figure = Figure(figsize=(6.4, 5.2), layout="constrained")
+    figure = new_figure(6.4, 5.2, layout="constrained")
     axes = figure.subplots()
     shown = axes.pcolormesh(reach.x, reach.y, reach.RP, cmap="cividis", rasterized=True)
     figure.colorbar(shown, ax=axes, label="RP in XY, 30 cycles [mm]")
