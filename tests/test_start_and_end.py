@@ -182,3 +182,13 @@ def test_what_is_to_be_done_at_the_end_is_done(tmp_path, thread):
     )  # fmt: skip
     said = done.stdout.replace(WELCOME, "").split()
     assert said == (["waited"] if thread else []) + ["swept"]
+
+
+@pytest.mark.parametrize("person", [False, True])
+def test_a_person_is_told_what_was_written(tmp_path, monkeypatch, capsys, person):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: person)
+    assert main(["simulate", MODEL, "-o", "run.csv"]) == 0
+    assert main(["plan", MODEL, "-o", "new.toml", "--picture", "plan.svg", "--json"]) == 0
+    names = ["run.csv", "plan.svg", "new.toml"] if person else []
+    assert capsys.readouterr().err == "".join(f"{name} is written\n" for name in names)

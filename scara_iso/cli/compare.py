@@ -26,7 +26,7 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, command_line, named, write_json
+from scara_iso.cli.output import check_outputs, command_line, named, write_json, write_picture
 from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity
@@ -92,8 +92,7 @@ def compare_command(
         found = compare_folders(tables, condition, plot, options, as_json=json, full=full)
     else:
         found = [library.compare(*tables, condition=condition, **options)]
-        if plot is not None:
-            render.save_figure(found[0].plot(), plot)
+        write_picture(found[0], plot)
         if json:
             write_json(render.comparison_json(found[0]))
         else:

@@ -12,7 +12,13 @@ import typer
 from scara_iso import render, reporting
 from scara_iso.acceptance import is_test_folder
 from scara_iso.cli.options import NOT_WITHIN_LIMITS
-from scara_iso.cli.output import check_outputs, command_line, write_json, write_report
+from scara_iso.cli.output import (
+    check_outputs,
+    command_line,
+    write_json,
+    write_picture,
+    write_report,
+)
 from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Beside, Conformity
@@ -169,8 +175,7 @@ def compare_folders(
     several = len(asked) > 1
     found = [(one, comparison) for one, comparison in asked if comparison is not None]
     for one, comparison in found:
-        if (picture := _path(plot, one, several=several)) is not None:
-            render.save_figure(comparison.plot(), picture)
+        write_picture(comparison, _path(plot, one, several=several))
         if not as_json:
             typer.echo(f"{one.condition}:")
             again = [command_line([table], {"condition": one.condition.name}) for table in tables]

@@ -16,7 +16,15 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_sizes,
 )
-from scara_iso.cli.output import check_outputs, command_line, named, write_json, write_report
+from scara_iso.cli.output import (
+    check_outputs,
+    command_line,
+    named,
+    say_written,
+    write_json,
+    write_picture,
+    write_report,
+)
 from scara_iso.iso9283 import Conformity, DecisionRule
 
 Tables = Annotated[
@@ -86,8 +94,8 @@ def gauge_study_command(
         decision=decision.value,
         to=output,
     )
-    if plot is not None:
-        render.save_figure(found.plot(), plot)
+    say_written(output)
+    write_picture(found, plot)
     if json:
         write_json(render.gauge_study_json(found))
     else:

@@ -22,7 +22,7 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, named, write_json, write_report
+from scara_iso.cli.output import check_outputs, named, say_written, write_json, write_report
 
 TablesOfTests = Annotated[
     list[str],
@@ -84,7 +84,6 @@ def history_command(
     else:
         show = reporting.history_report if full else reporting.history_brief
         write_report(show(found))
-    if output is not None:
-        typer.echo(reporting.printable(f"{output} is written"), err=json)
+    say_written(output, aside=json)
     if found.crossed:
         raise typer.Exit(NOT_WITHIN_LIMITS)

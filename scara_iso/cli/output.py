@@ -14,6 +14,7 @@ from scara_iso.disk import write_file
 from scara_iso.errors import CannotCreateError, UsageError
 
 if TYPE_CHECKING:
+    from scara_iso.display import Plotted
     from scara_iso.reporting import Block, Report
 
 
@@ -82,7 +83,7 @@ def _block_in_options(block: Block) -> Block:
 
 
 def write_text(text: str, path: Path | None) -> None:
-    """Write ``text`` to a file, or to standard output where there is none.
+    """Write ``text`` to a file and say so, or to standard output where there is none.
 
     A terminal is shown what it should not obey.
     """
@@ -94,6 +95,25 @@ def write_text(text: str, path: Path | None) -> None:
         sys.stdout.write(text)
     else:
         write_file(path, text.encode("utf-8", "backslashreplace"))
+        say_written(path)
+
+
+def write_picture(result: Plotted, path: Path | None) -> None:
+    """Write the picture of a result to a file, if one is named, and say so."""
+    from scara_iso.render import save_figure
+
+    if path is not None:
+        save_figure(result.plot(), path)
+        say_written(path)
+
+
+def say_written(path: Path | None, *, aside: bool = True) -> None:
+    """Say that a file is there now: as the answer, or ``aside`` of it to a person at a terminal."""
+    from scara_iso.reporting import printable
+
+    stream = sys.stderr if aside else sys.stdout
+    if path is not None and stream is not None and (stream.isatty() or not aside):
+        stream.write(f"{printable(str(path))} is written\n")
 
 
 def command_line(words: Sequence[str], options: Mapping[str, Any], **more: object) -> str:

@@ -11,7 +11,13 @@ import typer
 
 from scara_iso import library, render, reporting
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
-from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
+from scara_iso.cli.output import (
+    check_outputs,
+    write_json,
+    write_picture,
+    write_report,
+    write_text,
+)
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -111,6 +117,7 @@ def plan_command(
     files.write(found)
     if output is not None and files.as_test:
         library.write_planned_test(output, found, model)
+        say_written(output)
     if json:
         write_json(render.plan_json(found))
     else:
@@ -154,8 +161,7 @@ class _Files:
         """Write the picture, and the visits as CSV."""
         from scara_iso.tables import find_locale
 
-        if self.picture is not None:
-            render.save_figure(found.plot(), self.picture)
+        write_picture(found, self.picture)
         if self.output is not None and not self.as_test:
             write_text(reporting.visits_csv(found, find_locale(self.excel_locale)), self.output)
 

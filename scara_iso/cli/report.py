@@ -32,7 +32,7 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, named, settings, write_json
+from scara_iso.cli.output import check_outputs, named, say_written, settings, write_json
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Analysis, Conformity, DecisionRule
 
@@ -144,8 +144,8 @@ def _say_written(found: TestReport, files: Sequence[Path | None], *, as_json: bo
     for one in found.dossier.provenance.restated:
         if one.before is not None:
             typer.echo(reporting.printable(f"scara-iso: overridden, {one}"), err=True)
-    for path in filter(None, files):
-        typer.echo(reporting.printable(f"{path} is written"), err=as_json)
+    for path in files:
+        say_written(path, aside=as_json)
 
 
 def _exit_by(analysis: Analysis) -> None:

@@ -9,7 +9,7 @@ import typer
 
 from scara_iso import library, render, reporting
 from scara_iso.cli.options import NOT_WITHIN_LIMITS, AsJson, Full
-from scara_iso.cli.output import check_outputs, write_json, write_report
+from scara_iso.cli.output import check_outputs, say_written, write_json, write_report
 
 Record = Annotated[
     Path | None,
@@ -34,7 +34,6 @@ def selftest_command(*, report: Record = None, full: Full = False, json: AsJson 
     else:
         show = reporting.validation_report if full else reporting.validation_brief
         write_report(show(found))
-    if report is not None:
-        typer.echo(reporting.printable(f"{report} is written"), err=json)
+    say_written(report, aside=json)
     if found.verdict != "pass":
         raise typer.Exit(NOT_WITHIN_LIMITS)
