@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+import scara_iso
 from scara_iso import read_table
 from scara_iso.acquisition.recorder import (
     CycleDone,
@@ -28,10 +29,13 @@ from scara_iso.acquisition.recorder import (
     Waiting,
     raw_path,
 )
+from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings
+from scara_iso.acquisition.recorder.history import History
 from scara_iso.acquisition.tape import decode_record, encode
 from scara_iso.cli import main, recording
 from scara_iso.cli.keyboard import Keys, Lines, parse_line
 from scara_iso.cli.record_screen import Screen
+from scara_iso.errors import NoInputError
 from scara_iso.render.live import LiveScreen, draw
 
 FIXTURES = Path(__file__).with_name("fixtures") / "recordings"
@@ -390,12 +394,12 @@ def test_input_that_is_closed_is_at_its_end():
     assert lines.poll() == Quit()
 
 
-def screen(width, encoding="utf-8", operator=None):
+def screen(width, encoding="utf-8", operator=None, earlier=None):
     """Return a screen and a function that draws its view as text."""
     file = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
     console = Console(file=file, width=width, force_terminal=True, color_system=None)
     shown = Screen(LiveScreen(console), operator or Keys(lambda: ""), title="record run.csv",
-                   earlier={})  # fmt: skip
+                   earlier=earlier or {})  # fmt: skip
 
     def text():
         with console.capture() as capture:
@@ -419,6 +423,27 @@ STORY = [
         )
     ],
 ]
+
+
+def test_what_was_recorded_before_is_shown_as_the_indicator_showed_it():
+    history = History("run.raw.jsonl")
+    history.columns = {"X": AxisReadings()}
+    for visit in range(1, VOIDABLE + 3):
+        history.columns["X"].put(visit, f"0.{visit:04}", "inch")
+    assert history.shown()["X"][1] == (0.00254, "0.00254", "mm")
+    shown, text = screen(80, earlier=history.shown())
+    shown._take(Started({"X": "a"}, 1, 200, "enter"))
+    assert "0.0102 inch" in text()
+
+
+def test_a_recording_that_is_not_there_is_said_with_what_to_do(run, tmp_path):
+    code, out, err = run("record", "none.csv", "--resume", *X, *TIMER)
+    assert (code, out) == (66, "")
+    assert "none.raw.jsonl: is not there: nothing was recorded for none.csv" in err
+    assert "leave --resume out" in err
+    with pytest.raises(NoInputError, match="nothing was recorded"):
+        scara_iso.record("none.csv", [X[1]], trigger="timer:1", resume=True)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("width", [40, 80, 200])

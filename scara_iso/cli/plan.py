@@ -13,6 +13,7 @@ from scara_iso import library, render, reporting
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import (
     check_outputs,
+    say_written,
     write_json,
     write_picture,
     write_report,

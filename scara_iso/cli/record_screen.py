@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import TracebackType
-from typing import TypeAlias
 
 from scara_iso.acquisition import (
     Command,
@@ -22,6 +21,7 @@ from scara_iso.acquisition import (
     Problem,
     Refused,
     Said,
+    ShownReading,
     Started,
     Stored,
     Tour,
@@ -39,8 +39,6 @@ REDRAW_S = 0.1
 _BETWEEN_BELLS_S = 0.25
 _FEWEST_FOR_RP = 5
 """From so many readings on `analyze` gives RP an interval: fewer say next to nothing of it."""
-_Shown: TypeAlias = tuple[float, str, str]
-"""A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
 _ANGLES = ("deg", "rad", "arcmin", "arcsec")
 _NEXT = {
     "enter": "bring the arm to the pose, let it settle, press Enter",
@@ -72,7 +70,7 @@ class Screen:
         operator: Operator,
         *,
         title: str,
-        earlier: Mapping[str, Mapping[int, float]],
+        earlier: Mapping[str, Mapping[int, ShownReading]],
         place: Callable[[int], str] | None = None,
         following: str | None = None,
         quiet: bool = False,
@@ -92,10 +90,7 @@ class Screen:
         self._visit = 1
         self._waiting: tuple[str, ...] = ()
         self._stored = 0
-        self._readings: dict[str, dict[int, _Shown]] = {
-            axis: {visit: (value, f"{value:g}", "") for visit, value in readings.items()}
-            for axis, readings in earlier.items()
-        }
+        self._readings = {axis: dict(readings) for axis, readings in earlier.items()}
         self._status = ("", "plain")
         self._troubles: Counter[str] = Counter()
         self._paused = False

@@ -30,14 +30,13 @@ from scara_iso.acquisition import (
     Trigger,
     check_metadata,
     choose_clock,
+    earlier_of,
     is_keyboard,
     is_recorded,
     parse_gauges,
     parse_metadata,
     parse_poses,
     parse_trigger,
-    raw_path,
-    read_history,
     read_metadata,
     rebuild,
     record,
@@ -116,7 +115,7 @@ def record_table(
     An ``assignment`` says of which part of a test it is.
     """
     on_terminal = options.shown
-    earlier = read_history(raw_path(table)) if options.resume else None
+    earlier = earlier_of(table) if options.resume else None
     if earlier is not None:
         _tell_damage(earlier)
     header = earlier.header if earlier else {}
@@ -195,7 +194,7 @@ def _screen(
     quiet: bool,
 ) -> Screen:
     live = LiveScreen(open_console(sys.stdout, no_color=settings.no_color))
-    stored = earlier.readings() if earlier else {}
+    stored = earlier.shown() if earlier else {}
     where = job.table.name if assignment is None else job.table.parent
     place = None if assignment is None else assignment.said
     return Screen(

@@ -17,13 +17,12 @@ from scara_iso.acquisition import (
     Tour,
     check_metadata,
     choose_clock,
+    earlier_of,
     is_recorded,
     name_dialects,
     parse_gauges,
     parse_poses,
     parse_trigger,
-    raw_path,
-    read_history,
 )
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import CYCLES_RUN
@@ -91,7 +90,7 @@ def record(
     plan = RecordingPlan(parse_trigger(trigger), cycles or CYCLES_RUN, stable, pause, tour)
     job = Job(path, specs, plan, head, resume, excel_locale)
     if watch:
-        earlier = read_history(raw_path(path)) if resume else None
+        earlier = earlier_of(path) if resume else None
         told = Watcher(job, earlier, told).told
     acquisition.record(
         job,

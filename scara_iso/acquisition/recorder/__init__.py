@@ -1,7 +1,8 @@
 """From ports to durable files: port, clock, disk, operator and listener are arguments."""
 
 from scara_iso.acquisition.manifest import check_manifest, manifest_path, raw_path
-from scara_iso.acquisition.recorder.earlier import refuse_existing
+from scara_iso.acquisition.recorder.axis_readings import ShownReading
+from scara_iso.acquisition.recorder.earlier import earlier_of, refuse_existing
 from scara_iso.acquisition.recorder.events import (
     Command,
     CycleDone,
@@ -74,6 +75,7 @@ __all__ = [
     "RobotLine",
     "Said",
     "Settled",
+    "ShownReading",
     "Started",
     "Stored",
     "SystemDisk",
@@ -88,6 +90,7 @@ __all__ = [
     "as_json",
     "check_manifest",
     "check_metadata",
+    "earlier_of",
     "manifest_path",
     "parse_gauges",
     "parse_metadata",

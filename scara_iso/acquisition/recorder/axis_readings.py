@@ -6,9 +6,12 @@ import math
 from array import array
 from collections import deque
 from decimal import Decimal
+from typing import TypeAlias
 
 from scara_iso.quantities import Dimension, find_unit, parse_number
 
+ShownReading: TypeAlias = tuple[float, str, str]
+"""A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
 VOIDABLE = 100
 """How many readings back an operator may void."""
 
@@ -52,6 +55,16 @@ class AxisReadings:
     def text(self, visit: int) -> str:
         """Return the latest readings' text, and nothing for one that is too old to be struck."""
         return dict(self.shown).get(visit, "")
+
+    def by_visit(self) -> dict[int, ShownReading]:
+        """Return the readings by visit, the latest as they were shown, others in mm or degrees."""
+        texts, unit = dict(self.shown), self.unit or ""
+        base = self.dimension.value if self.dimension else ""
+        return {
+            visit: (value, texts[visit], unit) if visit in texts else (value, f"{value:g}", base)
+            for visit, value in enumerate(self.values, start=1)
+            if not math.isnan(value)
+        }
 
     def __contains__(self, visit: int) -> bool:
         return visit <= len(self.values) and not math.isnan(self.values[visit - 1])

@@ -10,7 +10,7 @@ from scara_iso.acquisition.recorder.history import History, read_history
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.plan import Job
 from scara_iso.acquisition.recorder.table import doubts_beside, table_of
-from scara_iso.errors import CannotCreateError, DataError, UsageError
+from scara_iso.errors import CannotCreateError, DataError, NoInputError, UsageError
 
 
 def refuse_existing(table: Path) -> None:
@@ -27,6 +27,22 @@ def refuse_existing(table: Path) -> None:
                 "exists already", where=str(path),
                 remedy="use another name, or `resume=True` to go on with it",
             )  # fmt: skip
+
+
+def refuse_missing(table: Path) -> None:
+    """Raise `NoInputError` where nothing was recorded for a table."""
+    raw = raw_path(table)
+    if not raw.exists():
+        raise NoInputError(
+            f"is not there: nothing was recorded for {table.name}", where=str(raw),
+            remedy="check the name, or leave `resume=True` out and begin",
+        )  # fmt: skip
+
+
+def earlier_of(table: Path) -> History:
+    """Return what was recorded for a table; raises as `refuse_missing`."""
+    refuse_missing(table)
+    return read_history(raw_path(table))
 
 
 def read_earlier(job: Job) -> History:

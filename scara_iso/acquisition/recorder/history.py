@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from scara_iso.acquisition.ports.timeline import Timeline
-from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings, grow
+from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings, ShownReading, grow
 from scara_iso.acquisition.recorder.plan import Listen
 from scara_iso.acquisition.recorder.remarks import Remarks
 from scara_iso.acquisition.recorder.sizes import sizes_of_axis
@@ -191,6 +191,10 @@ class History:
             axis: {k + 1: v for k, v in enumerate(column.values) if not math.isnan(v)}
             for axis, column in self.columns.items()
         }
+
+    def shown(self) -> dict[str, dict[int, ShownReading]]:
+        """Return the readings by axis and visit, as a screen shows them."""
+        return {axis: column.by_visit() for axis, column in self.columns.items()}
 
     def check(self) -> None:
         """Raise `DataError` where the file is not a recording, or contradicts itself."""

@@ -18,7 +18,12 @@ from scara_iso.acquisition.ports import (
     refuse_same_device,
     replayed_poses,
 )
-from scara_iso.acquisition.recorder.earlier import read_earlier, refuse_existing, strike_cut_short
+from scara_iso.acquisition.recorder.earlier import (
+    read_earlier,
+    refuse_existing,
+    refuse_missing,
+    strike_cut_short,
+)
 from scara_iso.acquisition.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.acquisition.recorder.header import make_gauges, write_header
 from scara_iso.acquisition.recorder.history import read_history
@@ -52,8 +57,7 @@ def record(
     and `CannotCreateError` where files are there already.
     Nothing is left behind where no reading was stored.
     """
-    if not job.resume:
-        refuse_existing(job.table)
+    (refuse_missing if job.resume else refuse_existing)(job.table)
     with ExitStack() as stack:
         ports = _open_ports(job, clock, stack, typed)
         journal = Journal(raw_path(job.table), disk=disk, clock=clock, new=not job.resume)
