@@ -5,8 +5,10 @@ from bench import Orders, Script, kept, run_session
 from disks import UnsyncedDisk
 
 from scara_iso import read_table
+from scara_iso.acquisition.ports import StreamClock
 from scara_iso.acquisition.recorder import (
     CycleDone,
+    Noticed,
     Quit,
     Take,
     Void,
@@ -32,6 +34,23 @@ def stream(tmp_path):
 def events(folder, name):
     tape = read_tape(raw_path(folder / "run.csv"))
     return [record for _, record in tape if record and record["event"] == name]
+
+
+class Dated(StreamClock):
+    """A simulated session's clock on a day."""
+
+    def wall(self):
+        return "2026-05-02T08:00:00Z"
+
+
+@pytest.mark.parametrize(("due", "past"), [("2026-05-01", True), ("2026-05-02", False)])
+def test_a_calibration_that_has_run_out_is_said_as_the_recording_begins(tmp_path, due, past):
+    said = run_session(
+        tmp_path, SIM, cycles=2, clock=Dated(paced=False), metadata={"calibration_due": due}
+    )
+    noticed = [one.message for one in said if isinstance(one, Noticed)]
+    line = f"calibration_due {due} is past: calibrate the indicator, or use another"
+    assert noticed == ([line] if past else [])
 
 
 def test_a_recorded_stream_is_recorded_once_and_not_gone_on_with(stream):

@@ -27,6 +27,7 @@ from scara_iso.acceptance.whole_test import (
 from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
 from scara_iso.library import new_test, read_conditions
+from scara_iso.reporting import Notice, status_report
 from scara_iso.toml_keys import KeyFaults
 
 MODEL = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
@@ -152,6 +153,20 @@ def test_a_part_out_of_its_conditions_is_seen(folder, before, after, code):
     assert part.state == "out of its conditions"
     assert code in [finding.code for finding in part.deviations]
     assert code in [f.code for f in read_conditions(folder)[0].analysis().deviations]
+
+
+@pytest.mark.parametrize(
+    ("stated", "today", "past"),
+    [("", date(2026, 5, 2), True), ("", date(2026, 5, 1), False),
+     ("date = 2026-05-02", date(2026, 1, 1), True), ("date = 2026-05-01", date(2027, 1, 1), False)],
+)  # fmt: skip
+def test_a_calibration_that_has_run_out_is_said_before_anything_is_recorded(
+    folder, stated, today, past
+):
+    edit(folder, "# date = 2026-05-12", f"{stated}\n[instrument.X]\ncalibration_due = 2026-05-01")
+    blocks = status_report(read_folder(folder), today)[0].blocks
+    said = [block for block in blocks if isinstance(block, Notice)]
+    assert [one.subject for one in said] == (["X"] if past else [])
 
 
 def test_one_warm_part_of_several_is_a_deviation(folder):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -86,7 +87,7 @@ def status_command(folder: Directory, *, json: AsJson = False) -> None:
     else:
         from scara_iso.reporting import status_report
 
-        write_report(status_report(found))
+        write_report(status_report(found, datetime.now().astimezone().date()))
 
 
 def _percents(option: str, text: str) -> list[float]:

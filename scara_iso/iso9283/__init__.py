@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief
+    from scara_iso.iso9283.checks.calibration_date import past_due as past_due
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
     from scara_iso.iso9283.conformity import (

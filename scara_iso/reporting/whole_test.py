@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import date
 
 from scara_iso.acceptance import Folder, PartState, about, lacking, seconds_left
-from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+from scara_iso.reporting.blocks import Block, Notice, Report, Section, Table, Text
 
 
-def status_report(folder: Folder) -> Report:
-    """Return the states of a test's parts as a table of poses and conditions, and what is next."""
+def status_report(folder: Folder, today: date) -> Report:
+    """Return the states of a test's parts as a table of poses and conditions, and what is next.
+
+    Calibrations are to hold on the day of the test, or ``today`` where none is stated.
+    """
     title = f"Test of {folder.test.robot.name or folder.path.name}"
+    head = (*_said(folder), *_past_due(folder, today))
     return (
-        Section(title, (*_said(folder), _matrix(folder), *_beside(folder))),
+        Section(title, (*head, _matrix(folder), *_beside(folder))),
         *_listed("Struck", _struck(folder)),
         *_listed("Out of its conditions", _deviations(folder)),
         *_listed("Faulty", [f"{one.part.name}: {one.why}" for one in folder.parts if one.why]),
@@ -24,6 +29,14 @@ def status_report(folder: Folder) -> Report:
 def missing_report(what: str, missing: tuple[str, ...]) -> Report:
     """Return the report on a condition of which no part is recorded."""
     return (Section(what, (Text(f"nothing to analyse yet; missing: {', '.join(missing)}"),)),)
+
+
+def _past_due(folder: Folder, today: date) -> Iterator[Block]:
+    day = folder.test.schedule.date or today
+    for axis, one in folder.test.instruments.items():
+        if one.calibration_due is not None and one.calibration_due < day:
+            text = f"calibration_due {one.calibration_due} is past: calibrate it, or use another"
+            yield Notice("warning", "calibration-date", axis, text)
 
 
 def _matrix(folder: Folder) -> Table:

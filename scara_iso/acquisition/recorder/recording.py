@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from datetime import date
 
 from scara_iso.acquisition.manifest import manifest_path, raw_path
 from scara_iso.acquisition.ports import (
@@ -26,7 +27,7 @@ from scara_iso.acquisition.recorder.earlier import (
 )
 from scara_iso.acquisition.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.acquisition.recorder.header import make_gauges, write_header
-from scara_iso.acquisition.recorder.history import read_history
+from scara_iso.acquisition.recorder.history import History, read_history
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.plan import Job, Listen, RobotLine, Settled
 from scara_iso.acquisition.recorder.position import Position
@@ -37,6 +38,7 @@ from scara_iso.acquisition.recorder.table import remove, table_of, write_table_o
 from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.disk import Disk
 from scara_iso.errors import CannotCreateError, InstrumentError, UsageError, WriteError
+from scara_iso.iso9283 import past_due
 
 
 def record(
@@ -69,8 +71,8 @@ def record(
             write_header(job, gauges, earlier, journal)
             strike_cut_short(earlier, journal)
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
-            for jump in earlier.timeline.jumps:
-                tell(Noticed("", jump))
+            for remark in (*earlier.timeline.jumps, *_past_due(job, earlier, clock)):
+                tell(Noticed("", remark))
             if isinstance(job.plan.trigger, RobotLine):
                 operator = robot = _robot(job, job.plan.trigger, operator, journal, tell, stack)
                 tell = robot.told
@@ -79,6 +81,15 @@ def record(
                 clock=clock, operator=operator, tell=tell,
                 position=Position.after(earlier), attended=attended,
             ).run()  # fmt: skip
+
+
+def _past_due(job: Job, earlier: History, clock: Clock) -> Iterator[str]:
+    """Yield what is stated of a calibration that has run out; a simulation has no date."""
+    wall = clock.wall()
+    if wall is not None:
+        head = {**earlier.header.get("metadata", {}), **job.metadata}
+        for line in past_due(head, date.fromisoformat(wall[:10])):
+            yield f"{line} is past: calibrate the indicator, or use another"
 
 
 def _robot(

@@ -89,11 +89,13 @@ def parse_moment(text: str) -> datetime | None:
 
 
 def stated(run: Run, keys: Collection[str]) -> Iterator[Stated]:
-    """Yield the lines of a run's head that have one of the keys and say something.
+    """Yield the lines of a run's head that have one of the keys and say something."""
+    yield from stated_in(run.metadata, keys)
 
-    A key may be that of one pose, ``temperature[P3]``.
-    """
-    for key, text in run.metadata.items():
+
+def stated_in(head: Mapping[str, str], keys: Collection[str]) -> Iterator[Stated]:
+    """Yield those of a head's lines; a key may be that of one pose, ``temperature[P3]``."""
+    for key, text in head.items():
         if key.strip().lower().partition("[")[0] in keys and is_said(text):
             yield Stated(key, text.strip())
 

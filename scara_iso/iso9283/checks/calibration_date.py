@@ -7,9 +7,10 @@ test says nothing of it either. No clock is asked: only dates in the table are c
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from datetime import date
 
-from scara_iso.iso9283.checks._stated import Stated, first
+from scara_iso.iso9283.checks._stated import Stated, first, stated_in
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "calibration-date"
@@ -38,6 +39,12 @@ def check(measured: Measured) -> Iterator[Finding]:
             f"{due} cannot be checked: the date of the test is not stated",
             advice="state '# date' of the test",
         )
+
+
+def past_due(head: Mapping[str, str], day: date) -> list[str]:
+    """Return the lines of a table's head by which a calibration is past on a day."""
+    lines = stated_in(head, _DUE)
+    return [str(line) for line in lines if (due := line.day()) is not None and due < day]
 
 
 def _against(test: Stated, done: Stated | None, due: Stated | None) -> Iterator[Finding]:
