@@ -40,6 +40,14 @@ def test_a_loop_among_readings_is_called_one_and_push_takes_its_axis(tmp_path, c
     assert "RP" not in first + second
     assert "compliance X 0.2" in second
     assert f"scara-iso push {table} --axis X" in following
+    assert main(["analyze", str(table), "--cycles", str(rows), "--all-count", "--full"]) == 0
+    whole = capsys.readouterr().out
+    assert whole.index("no test of repeatability: RP counts") < whole.index("RP in XY")
+    page = tmp_path / "loop.md"
+    assert main(["report", str(table), "--cycles", str(rows), "--all-count", "-o", str(page)]) == 0
+    front = page.read_text("utf-8").partition("##")[0]
+    assert "Static compliance of" in front
+    assert "no test of repeatability" in front
     for axis in "XY":  # Y is in micrometres
         found = scara_iso.push(table, axis=axis)
         assert found.estimate("lost_motion", "reading").value == pytest.approx(0.04, rel=0.01)

@@ -33,6 +33,7 @@ from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
 
 _NAMED_FIRST = 5
 """So many warnings are named at the top; of more, their number is said there."""
+FORCE_LOOP = "a force loop, no test of repeatability"
 _GRAVITY = {"error": 0, "warning": 1, "info": 2}
 
 
@@ -59,6 +60,7 @@ def _origin(analysis: Analysis) -> Iterator[Block]:
 
 def verdict(analysis: Analysis) -> Iterator[Block]:
     """Yield the figure that the test is about, warnings, and whether limits are kept."""
+    yield from force_loop(analysis)
     if analysis.block is not None:
         yield from drift_verdict(analysis)
     elif len(analysis.poses) == 1:
@@ -69,6 +71,18 @@ def verdict(analysis: Analysis) -> Iterator[Block]:
     yield from _warnings(analysis)
     yield Text(cycles_said(analysis))
     yield from conformity(analysis)
+
+
+def is_force_loop(analysis: Analysis) -> bool:
+    """Return whether a force was stepped to and fro at every pose: RP is no repeatability then."""
+    loops = {one.pose for one in analysis.findings if one.code == "force-loop"}
+    return analysis.block is None and loops >= {pose.label for pose in analysis.poses}
+
+
+def force_loop(analysis: Analysis) -> Iterator[Block]:
+    """Yield that RP is no repeatability, where a force was stepped."""
+    if is_force_loop(analysis):
+        yield Text(f"{FORCE_LOOP}: RP counts what the force moves", "bad")
 
 
 def _warnings(analysis: Analysis) -> Iterator[Block]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from scara_iso.diagnosis import FEWEST_CYCLES, MOST_CYCLES
 from scara_iso.iso9283 import Analysis, AxisResult, Conformity, LimitCheck, PoseResult
-from scara_iso.reporting.analysis import cycles_said, definitions_table
+from scara_iso.reporting.analysis import FORCE_LOOP, cycles_said, definitions_table, is_force_loop
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -58,7 +58,7 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
         return
     if is_force_loop(analysis):
         counted = f"{analysis.cycles.used} readings"
-        yield Headline(("a force loop, no test of repeatability", counted))
+        yield Headline((FORCE_LOOP, counted))
         yield Headline(tuple(_given_way(analysis)) or ("no spring is seen in it",), "plain")
         return
     pose = largest(analysis.poses)
@@ -67,12 +67,6 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
     figures = [figure_said(*one) for one in headline_figures(pose)]
     where = f" {at}" if len(analysis.poses) > 1 else ""
     yield Headline((f"RP  {figures[0]}{where}", *figures[1:], cycles))
-
-
-def is_force_loop(analysis: Analysis) -> bool:
-    """Return whether a force was stepped to and fro at every pose: RP is no repeatability then."""
-    loops = {one.pose for one in analysis.findings if one.code == "force-loop"}
-    return loops >= {pose.label for pose in analysis.poses}
 
 
 def axis_of_loop(analysis: Analysis) -> str | None:

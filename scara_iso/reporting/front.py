@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Analysis, Finding
-from scara_iso.reporting.analysis import cycles_said
+from scara_iso.reporting.analysis import cycles_said, force_loop, is_force_loop
 from scara_iso.reporting.blocks import Block, Signature, Text
 from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words
 from scara_iso.reporting.limits import RULES, conformity
@@ -55,6 +55,7 @@ def front_page(
             "strong",
         )
     yield from (facts for facts in parties(run) if facts.rows)
+    yield from force_loop(analysis)
     yield from conformity(analysis)
     labels = [pose.label for pose in analysis.poses]
     yield from result_tables(parts or [ResultPart(analysis.characteristics, labels)])
@@ -76,7 +77,8 @@ def _subject(analysis: Analysis) -> str:
     run = analysis.run
     serial = stated_field(run, "serial number")
     item = stated_field(run, "item") or "a robot that is not named"
-    return f"Repeatability of {item}{f', serial {serial}' if serial else ''}, by ISO 9283:1998"
+    what = "Static compliance" if is_force_loop(analysis) else "Repeatability"
+    return f"{what} of {item}{f', serial {serial}' if serial else ''}, by ISO 9283:1998"
 
 
 def _rule(analysis: Analysis) -> str:
