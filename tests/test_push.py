@@ -14,6 +14,8 @@ from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
 from scara_iso.force_loop import ForceLoop
 from scara_iso.iso9283 import push_test
+from scara_iso.reporting import Text
+from scara_iso.reporting.front import front_page
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "push.csv"
 
@@ -43,11 +45,10 @@ def test_a_loop_among_readings_is_called_one_and_push_takes_its_axis(tmp_path, c
     assert main(["analyze", str(table), "--cycles", str(rows), "--all-count", "--full"]) == 0
     whole = capsys.readouterr().out
     assert whole.index("no test of repeatability: RP counts") < whole.index("RP in XY")
-    page = tmp_path / "loop.md"
-    assert main(["report", str(table), "--cycles", str(rows), "--all-count", "-o", str(page)]) == 0
-    front = page.read_text("utf-8").partition("##")[0]
-    assert "Static compliance of" in front
-    assert "no test of repeatability" in front
+    analysis = scara_iso.analyze(table, cycles=rows, all_count=True)
+    front = [block.text for block in front_page(analysis, {}, None) if isinstance(block, Text)]
+    assert front[0].startswith("Static compliance of")
+    assert "no test of repeatability" in front[1]
     for axis in "XY":  # Y is in micrometres
         found = scara_iso.push(table, axis=axis)
         assert found.estimate("lost_motion", "reading").value == pytest.approx(0.04, rel=0.01)

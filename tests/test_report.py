@@ -12,6 +12,7 @@ from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
+import numpy as np
 import openpyxl
 import pytest
 from hostile import TEXTS
@@ -204,6 +205,18 @@ def test_the_diagnosis_is_shown_before_and_after_where_it_changed_something():
     drawn = [b.data for b in found.blocks if isinstance(b, Figure)]
     assert {d.axis for d in drawn if isinstance(d, Predictions)} == {"X", "Y"}
     assert section(report, "Diagnosis: warm up")
+
+
+def test_an_axis_that_is_another_in_its_own_unit_is_reported(tmp_path, rng):
+    x = 0.5 + 0.003 * rng.normal(size=31) + 0.03 * (np.arange(31) > 14)
+    rows = [f"{k},{value:.4f},{1000 * value:.1f}" for k, value in enumerate(x, 1)]
+    table, page = tmp_path / "run.csv", tmp_path / "run.md"
+    head = ["# unit: mm", "# unit_Y: um", "# resolution: 0.0001", "cycle,X,Y"]
+    table.write_text("\n".join([*head, *rows, ""]), encoding="utf-8")
+    assert main(["report", str(table), "-o", str(page)]) == 0
+    text = page.read_text("utf-8")
+    assert "X before and after the diagnosis" in text
+    assert "Y before and after the diagnosis" not in text  # it was left out, and has no error
 
 
 def test_the_same_input_gives_the_same_bytes(tmp_path):

@@ -133,6 +133,9 @@ def predictions(
 
 
 def _changed(found: Diagnosis, name: str) -> bool:
+    """Return whether an axis is predicted otherwise; one that follows another has no error."""
+    if name not in found.error_after.rms:
+        return False
     before, after = found.series.predicted_before[name], found.series.predicted_after[name]
     return not np.allclose(before, after, rtol=0, atol=1e-12)
 
