@@ -13,6 +13,7 @@ from typing import Any, BinaryIO
 from scara_iso.errors import DataError, NoInputError
 
 _LARGEST_TOML = 1_000_000
+_NEARLY = 0.8
 _REMEDY = "name a file that can be read"
 
 
@@ -21,8 +22,7 @@ def open_file(path: str | Path) -> BinaryIO:
     try:
         file = open(path, "rb", opener=_open_at_once)  # noqa: SIM115 - the caller closes it
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise NoInputError(reason, where=str(path), remedy=_REMEDY) from error
+        raise not_read(path, error) from error
     if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         file.close()
         raise NoInputError(
@@ -31,14 +31,33 @@ def open_file(path: str | Path) -> BinaryIO:
     return file
 
 
+def not_read(path: str | Path, error: Exception) -> NoInputError:
+    """Return the error of a file that cannot be read; one of nearly its name may be meant."""
+    reason = getattr(error, "strerror", None) or str(error)
+    near = _nearly(Path(path)) if isinstance(error, FileNotFoundError) else None
+    meant = _REMEDY if near is None else f"is it {near}?"
+    return NoInputError(reason, where=str(path), remedy=meant)
+
+
+def _nearly(path: Path) -> Path | None:
+    from difflib import get_close_matches  # noqa: PLC0415 - for a wrong name only
+
+    try:
+        found = get_close_matches(
+            path.name, (one.name for one in path.parent.iterdir()), n=1, cutoff=_NEARLY
+        )
+    except (OSError, ValueError):
+        return None
+    return path.with_name(found[0]) if found else None
+
+
 def read_file(path: str | Path, limit: int) -> bytes:
     """Return the bytes of a regular file; raises as `open_file`, `DataError` beyond ``limit``."""
     with open_file(path) as file:
         try:
             data = file.read(limit + 1)
         except OSError as error:
-            reason = error.strerror or str(error)
-            raise NoInputError(reason, where=str(path), remedy=_REMEDY) from error
+            raise not_read(path, error) from error
     if len(data) > limit:
         raise DataError(f"larger than {limit} bytes", where=str(path), remedy="name another file")
     return data

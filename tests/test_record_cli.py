@@ -34,6 +34,7 @@ from scara_iso.acquisition.recorder.history import History
 from scara_iso.acquisition.tape import decode_record, encode
 from scara_iso.cli import main, recording
 from scara_iso.cli.keyboard import Keys, Lines, parse_line
+from scara_iso.cli.record_options import RecordOptions
 from scara_iso.cli.record_screen import Screen
 from scara_iso.errors import NoInputError
 from scara_iso.render.live import LiveScreen, draw
@@ -392,6 +393,15 @@ def test_input_that_is_closed_is_at_its_end():
     lines = Lines(stream)
     lines._follower.join()
     assert lines.poll() == Quit()
+
+
+def test_a_port_that_is_not_there_is_said_before_a_question(monkeypatch, run):
+    monkeypatch.setattr(RecordOptions, "shown", True)
+    monkeypatch.setattr(sys.stdin, "isatty", lambda: True)
+    monkeypatch.setattr("builtins.input", lambda _: pytest.fail("asked"))
+    code, _, err = run("record", "run.csv", "--gauge", "X=opto-rs232@/dev/none", "--bench", "b")
+    assert code == 69
+    assert "/dev/none: cannot be opened (No such file or directory)" in err
 
 
 def screen(width, encoding="utf-8", operator=None, earlier=None):

@@ -192,3 +192,13 @@ def test_a_person_is_told_what_was_written(tmp_path, monkeypatch, capsys, person
     assert main(["plan", MODEL, "-o", "new.toml", "--picture", "plan.svg", "--json"]) == 0
     names = ["run.csv", "plan.svg", "new.toml"] if person else []
     assert capsys.readouterr().err == "".join(f"{name} is written\n" for name in names)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"), [("rnu.csv", "is it {}?"), ("other.csv", "name a file that can be read")]
+)
+@pytest.mark.parametrize("command", ["analyze", "simulate"])
+def test_a_name_that_is_nearly_one_is_said(tmp_path, capsys, command, name, meant):
+    (tmp_path / "run.csv").write_text("", encoding="utf-8")
+    assert main([command, str(tmp_path / name)]) == 66
+    assert meant.format(tmp_path / "run.csv") in capsys.readouterr().err

@@ -61,6 +61,7 @@ if TYPE_CHECKING:
         is_simulated as is_simulated,
         list_devices as list_devices,
         open_port as open_port,
+        refuse_absent as refuse_absent,
         refuse_same_device as refuse_same_device,
         split_options as split_options,
     )

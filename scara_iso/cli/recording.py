@@ -40,6 +40,7 @@ from scara_iso.acquisition import (
     read_metadata,
     rebuild,
     record,
+    refuse_absent,
     refuse_existing,
 )
 from scara_iso.cli.keyboard import Keys, Lines, TypedKeys, TypedLines, open_keyboard
@@ -150,7 +151,7 @@ def record_table(
     if not options.resume:
         refuse_existing(table)
         if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
-            metadata = metadata or _ask_metadata()
+            metadata = metadata or _ask_metadata(specs)
     job = Job(table, specs, plan, metadata, options.resume, options.excel_locale)
     _run(job, earlier, options, assignment=assignment)
 
@@ -242,8 +243,13 @@ def _trigger(text: str | None, *, on_terminal: bool) -> Trigger:
     )
 
 
-def _ask_metadata() -> dict[str, str]:
-    """Ask once for what the report will want to state; an empty answer leaves it out."""
+def _ask_metadata(specs: Sequence[GaugeSpec]) -> dict[str, str]:
+    """Ask once for what the report will want to state; an empty answer leaves it out.
+
+    Raises `InstrumentError` before anybody types, where a port is not there.
+    """
+    for spec in specs:
+        refuse_absent(spec.address, spec.dialect.line)
     sys.stdout.write("For the head of the table (Enter leaves a line out):\n")
     width = max(map(len, ASKED))
     answers: dict[str, str] = {}

@@ -6,8 +6,7 @@ import sys
 from pathlib import Path
 from typing import BinaryIO
 
-from scara_iso.errors import NoInputError
-from scara_iso.files import open_file
+from scara_iso.files import not_read, open_file
 from scara_iso.tables.faults import refuse
 
 LIMIT = 256 * 2**20
@@ -30,8 +29,7 @@ def read_bytes(source: Source) -> tuple[bytes, str]:
     try:
         data = _read(source)
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise NoInputError(reason, where=name, remedy="name a file that can be read") from error
+        raise not_read(name, error) from error
     if len(data) > LIMIT:
         raise refuse(name, f"larger than {LIMIT // 2**20} MB", remedy="split the file")
     return data, name

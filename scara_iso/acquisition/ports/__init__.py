@@ -14,7 +14,7 @@ from scara_iso.acquisition.ports.address import (
     is_simulated,
 )
 from scara_iso.acquisition.ports.clock import Clock, StreamClock, SystemClock
-from scara_iso.acquisition.ports.device import DevicePort
+from scara_iso.acquisition.ports.device import DevicePort, refuse_absent
 from scara_iso.acquisition.ports.identity import Device, list_devices, refuse_same_device
 from scara_iso.acquisition.ports.keyboard import KeyboardPort
 from scara_iso.acquisition.ports.line import SocketLine, open_line
@@ -50,6 +50,7 @@ __all__ = [
     "number_option",
     "open_line",
     "open_port",
+    "refuse_absent",
     "refuse_same_device",
     "replayed_poses",
     "split_options",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import time
@@ -149,6 +150,12 @@ def _exclude_others(port: Any) -> None:
     """Keep out programs that ask for no lock: the lock of pyserial is advisory."""
     if termios is not None and isinstance(port, serial.Serial):
         ioctl(port.fileno(), termios.TIOCEXCL)
+
+
+def refuse_absent(address: str, line: LineSettings) -> None:
+    """Raise `InstrumentError` where a port that is a file's name is not there."""
+    if address.startswith("/") and not Path(address).exists():
+        raise _cannot_open(address, line, OSError(errno.ENOENT, ""))
 
 
 def _cannot_open(address: str, line: LineSettings, error: Exception) -> InstrumentError:
