@@ -194,3 +194,9 @@ def test_an_error_wraps_between_words_on_a_terminal(monkeypatch, tmp_path):
     assert words == [word for word in pipe.getvalue().split() if len(word) < 48]
     assert all(len(line) < 50 for line in screen.getvalue().splitlines() if str(table) not in line)
     assert screen.getvalue().count("\n") > pipe.getvalue().count("\n")
+
+
+def test_a_figure_against_a_limit_keeps_its_unit(said):
+    lines = said("analyze", "scatter.csv", "--limit", "0.03").splitlines()
+    units = {line.split()[0]: line.split()[3] for line in lines if ".." in line}
+    assert units["theta"] == units["X"] == "mm"  # a length at a radius

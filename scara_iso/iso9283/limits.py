@@ -92,7 +92,8 @@ def _rank(of: str) -> int:
 
 def _plain_names(characteristics: Iterable[Characteristic]) -> list[str]:
     found = sorted(characteristics, key=lambda one: (_between_poses(one), _rank(one.of)))
-    names = (name for one in found for name in one.limited_by)
+    ranks = range(max((len(one.limited_by) for one in found), default=0))
+    names = (name for k in ranks for one in found for name in one.limited_by[k : k + 1])
     return list(dict.fromkeys(name for name in names if name and ":" not in name))
 
 
