@@ -46,10 +46,13 @@ def check_limits(
     names = {name for one in characteristics for name in one.limited_by}
     unknown = sorted(set(limits) - {EVERY_LENGTH} - names)
     if unknown:
-        wanted = (needs or {}).get(unknown[0].partition(":")[0])
+        code = unknown[0].partition(":")[0]
+        wanted = (needs or {}).get(code)
+        why = f"this table has no such figure{f'; it needs {wanted}' if wanted else ''}"
+        if code in {one.code for one in characteristics}:
+            why = "this figure takes no limit" if unknown[0] == code else "it has none at this pose"
         raise UsageError(
-            f"`limit={unknown[0]}=...`: this table has no such figure"
-            + (f"; it needs {wanted}" if wanted else ""),
+            f"`limit={unknown[0]}=...`: {why}",
             remedy=f"it has {', '.join(_plain_names(characteristics))}",
         )
     if EVERY_LENGTH in limits and EVERY_LENGTH not in names:
