@@ -34,6 +34,7 @@ CALLS = (
     ("push", "push.csv", "--arm", "0.25"),
     ("push", "push.csv", "--arm", "0.25", "--limit", "1.2"),
     ("visits", "stream.csv", "--poses", "P1,-"),
+    ("history", "months", "--limit", "XY=0.02"),
 )
 INTERVAL = re.compile(r"\[[-+.\d]+, [-+.\d]+\]")
 PROGRAMMERS = re.compile(r"model before|shown here|p floor|p <=|Mann-Kendall|coarse-resolution")
@@ -60,7 +61,7 @@ def test_three_lines_say_what_was_asked_and_what_is_next(said, call):
     lines = out.rstrip("\n").splitlines()
     assert len(lines) <= 22
     assert any(line.startswith("  Next: scara-iso ") for line in lines[:3])
-    if call[0] not in ("diagnose", "visits"):
+    if call[0] not in ("diagnose", "visits", "history"):
         assert any(INTERVAL.search(line) for line in lines[:2])
     elif call[0] == "diagnose" and len(lines) > 12:
         assert re.search(r"\d", lines[1])

@@ -17,6 +17,7 @@ from scara_iso.monitoring import (
 from scara_iso.reporting.blocks import (
     Block,
     Headline,
+    NextStep,
     Number,
     Report,
     Result,
@@ -24,6 +25,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
+from scara_iso.reporting.brief import first_three
 from scara_iso.reporting.comparison import headline
 from scara_iso.reporting.digits import interval, rounded
 from scara_iso.reporting.dossier import Document
@@ -48,10 +50,10 @@ def history_document(found: RobotHistory) -> Document:
     return Document(title, (*history_report(found), end), simulated=simulated)
 
 
-def history_brief(found: RobotHistory) -> Report:
+def history_brief(found: RobotHistory, following: NextStep) -> Report:
     """Return the answer: a line for each figure that changed or has a limit."""
-    blocks: list[Block] = [Headline((_subject(found),)), *_verdicts(found), *_left_out(found)]
-    return (Section("", tuple(blocks)), Section("", (_now(found),)))
+    lines: list[Block] = [Headline((_subject(found),)), *_verdicts(found), *_left_out(found)]
+    return (Section("", first_three(lines, following)), Section("", (_now(found),)))
 
 
 def history_report(found: RobotHistory) -> Report:
