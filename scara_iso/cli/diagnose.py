@@ -31,7 +31,7 @@ from scara_iso.cli.output import (
     check_outputs,
     command_line,
     named as files_of,
-    say_written,
+    tell_written,
     write_json,
     write_picture,
     write_report,
@@ -225,7 +225,7 @@ def _diagnose_run(
         from scara_iso.diagnosis import save_model
 
         said = save_model(diagnosis, files.model, files.save_model, own)
-        say_written(files.save_model)
+        tell_written(files.save_model)
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     write_picture(diagnosis, files.plot)
     if isinstance(diagnosis, Diagnosis):
@@ -233,7 +233,7 @@ def _diagnose_run(
         return
     if files.map is not None and diagnosis.joint_scatter is not None:
         render.save_map(diagnosis.joint_scatter, files.map)
-        say_written(files.map)
+        tell_written(files.map)
     _write_poses(diagnosis, run.origin.source, how)
 
 

@@ -20,7 +20,7 @@ from scara_iso.cli.output import (
     check_outputs,
     command_line,
     named,
-    say_written,
+    tell_written,
     write_json,
     write_picture,
     write_report,
@@ -94,7 +94,7 @@ def gauge_study_command(
         decision=decision.value,
         to=output,
     )
-    say_written(output)
+    tell_written(output)
     write_picture(found, plot)
     if json:
         write_json(render.gauge_study_json(found))

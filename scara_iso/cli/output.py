@@ -95,7 +95,7 @@ def write_text(text: str, path: Path | None) -> None:
         sys.stdout.write(text)
     else:
         write_file(path, text.encode("utf-8", "backslashreplace"))
-        say_written(path)
+        tell_written(path)
 
 
 def write_picture(result: Plotted, path: Path | None) -> None:
@@ -104,16 +104,21 @@ def write_picture(result: Plotted, path: Path | None) -> None:
 
     if path is not None:
         save_figure(result.plot(), path)
-        say_written(path)
+        tell_written(path)
 
 
-def say_written(path: Path | None, *, aside: bool = True) -> None:
-    """Say that a file is there now: as the answer, or ``aside`` of it to a person at a terminal."""
+def say_written(path: Path | None, *, aside: bool = False) -> None:
+    """Say that a file is there now: on standard output, or ``aside`` of an answer there."""
     from scara_iso.reporting import printable
 
-    stream = sys.stderr if aside else sys.stdout
-    if path is not None and stream is not None and (stream.isatty() or not aside):
-        stream.write(f"{printable(str(path))} is written\n")
+    if path is not None:
+        (sys.stderr if aside else sys.stdout).write(f"{printable(str(path))} is written\n")
+
+
+def tell_written(path: Path | None) -> None:
+    """Say so to a person at a terminal; a script reads nothing but the answer."""
+    if sys.stderr is not None and sys.stderr.isatty():
+        say_written(path, aside=True)
 
 
 def command_line(words: Sequence[str], options: Mapping[str, Any], **more: object) -> str:

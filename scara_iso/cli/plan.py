@@ -13,7 +13,7 @@ from scara_iso import library, render, reporting
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import (
     check_outputs,
-    say_written,
+    tell_written,
     write_json,
     write_picture,
     write_report,
@@ -118,7 +118,7 @@ def plan_command(
     files.write(found)
     if output is not None and files.as_test:
         library.write_planned_test(output, found, model)
-        say_written(output)
+        tell_written(output)
     if json:
         write_json(render.plan_json(found))
     else:
