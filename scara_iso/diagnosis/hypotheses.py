@@ -161,7 +161,8 @@ def _processes(
     correlations: Sequence[FloatArray], variances: Sequence[float], weight: float
 ) -> list[Hypothesis]:
     each = weight / (len(correlations) * len(variances))
-    return [Hypothesis(UNKNOWN, Process(v * c), each) for c in correlations for v in variances]
+    forms = [Process(c, variance=v) for c in correlations for v in variances]
+    return [Hypothesis(UNKNOWN, form, each) for form in forms]
 
 
 def _passages(conditions: Conditions) -> list[Hypothesis]:
