@@ -123,7 +123,7 @@ def log_bayes(
 
     ``known`` (m,) as in `Views`.
     """
-    return _log_bayes([hypotheses], columns, known)[0]
+    return np.asarray(_log_bayes([hypotheses], columns, known)[0])
 
 
 def log_bayes_amplified(
@@ -131,13 +131,13 @@ def log_bayes_amplified(
 ) -> FloatArray:
     """Return `log_bayes` (amplitudes, members, m) of a set amplified by each of AMPLITUDES."""
     amplified = [hypotheses.amplified(factor) for factor, _ in AMPLITUDES]
-    return np.stack(_log_bayes(amplified, columns, known))
+    return _log_bayes(amplified, columns, known)
 
 
 def _log_bayes(
     amplified: Sequence[HypothesisSet], columns: FloatArray, known: FloatArray | None
-) -> list[FloatArray]:
-    """Return `log_bayes` of sets that differ in their variances only."""
+) -> FloatArray:
+    """Return `log_bayes` of sets that differ in their variances only, (sets, members, m)."""
     first = amplified[0]
     beside = np.zeros(columns.shape[1]) if known is None else known
     nu = len(columns) - first.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
@@ -145,15 +145,15 @@ def _log_bayes(
     squared = first.vectors.T @ columns
     squared *= squared
     squared /= -power
-    spreads = _log_bayes_of_spreads(first.scales, columns, nu, beside)
-    found = []
-    for hypotheses in amplified:
-        shaped = hypotheses.explained(squared)
-        shaped += 1
-        np.log(np.maximum(shaped, _SMALLEST_SHARE, out=shaped), out=shaped)
-        shaped *= -nu / 2
-        shaped -= hypotheses.penalty[:, np.newaxis] / 2
-        found.append(np.concatenate([shaped, spreads]))
+    found = np.empty((len(amplified), len(first.members), columns.shape[1]))
+    courses = found[:, : len(first.first)]
+    for hypotheses, shaped in zip(amplified, courses, strict=True):
+        hypotheses.explained(squared, out=shaped)
+    courses += 1
+    np.log(np.maximum(courses, _SMALLEST_SHARE, out=courses), out=courses)
+    courses *= -nu / 2
+    courses -= np.stack([one.penalty for one in amplified])[:, :, np.newaxis] / 2
+    found[:, len(first.first) :] = _log_bayes_of_spreads(first.scales, columns, nu, beside)
     return found
 
 

@@ -7,10 +7,10 @@ least the constant pose) is projected out of U.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from itertools import compress
+from itertools import compress, pairwise
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,6 @@ from scara_iso.run import FloatArray, IntArray
 
 _TINY = 1e-9
 _LEAST_EIGENVALUE = 1e-4
-_FEW = 3
-"""Columns up to which members are summed column by column, all of them at once."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,21 +55,33 @@ class HypothesisSet:
         tested = self.weights * [member.test_weight for member in self.members]
         return np.asarray(tested / tested.sum())
 
-    def explained(self, squared: FloatArray) -> FloatArray:
-        """Return the shrunk sums over each member's columns, (members, m) from (columns, m)."""
-        found = np.zeros((len(self.first), squared.shape[1]))
-        begin = _starts(self.widths)
-        for k in np.unique(self.widths).tolist():
-            own = np.flatnonzero(self.widths == k)
-            shrink = self.shrink[begin[own, np.newaxis] + np.arange(k)]
-            if k <= _FEW:
-                for i in range(k):
-                    found[own] += shrink[:, i, np.newaxis] * squared[self.first[own] + i]
+    def explained(self, squared: FloatArray, out: FloatArray) -> None:
+        """Put the shrunk sums over each member's columns, of (columns, m), into ``out``.
+
+        That has the shape (members, m).
+        """
+        begin = 0
+        for own, at, k, shared in self._runs():
+            count = own.stop - own.start
+            shrink = self.shrink[begin : begin + count * k].reshape(count, k)
+            begin += count * k
+            if shared:
+                np.matmul(shrink, squared[at : at + k], out=out[own])
                 continue
-            for at in np.unique(self.first[own]).tolist():
-                same = self.first[own] == at
-                found[own[same]] = shrink[same] @ squared[at : at + k]
-        return found
+            np.multiply(shrink[:, :1], squared[at : at + count * k : k], out=out[own])
+            for i in range(1, k):
+                out[own] += shrink[:, i : i + 1] * squared[at + i : at + count * k : k]
+
+    def _runs(self) -> Iterator[tuple[slice, int, int, bool]]:
+        """Yield members in a row that share columns of one width, or have them side by side.
+
+        With the first column, the width, and whether they share.
+        """
+        shared = np.diff(self.first, prepend=-1, append=-1) == 0
+        columns = np.where(shared[1:] | shared[:-1], self.first, -1)
+        new = (np.diff(self.widths, prepend=-1) != 0) | (np.diff(columns, prepend=-2) != 0)
+        for a, b in pairwise([*np.flatnonzero(new).tolist(), len(new)]):
+            yield slice(a, b), int(self.first[a]), int(self.widths[a]), bool(columns[a] >= 0)
 
     def of_member(self, i: int) -> tuple[FloatArray, FloatArray]:
         """Return shrink (k,) and columns (n, k) of one member that has columns."""
