@@ -221,7 +221,11 @@ def _read(
     """Yield readings (n, count) of each family, in whole divisions where there is a dial."""
     for family in families:
         drawn = family(rng, (n, count))
-        yield np.round(drawn * scatter + offset[:count]) if scatter else drawn
+        if scatter:
+            drawn *= scatter
+            drawn += offset[:count]
+            np.rint(drawn, out=drawn)
+        yield drawn
 
 
 def _p_values(
