@@ -70,10 +70,10 @@ class Seen:
         return max(0.0, self.course.numbers - other.course.numbers)
 
     def of_gross_ones(self, other: Seen) -> bool:
-        """Return whether it moves few readings, and ``other`` fewer of the same."""
+        """Return whether it moves a few readings as one, and ``other`` fewer of the same."""
         mine, theirs = self.course.moved, other.course.moved
-        fewer = 0 < theirs.sum() < mine.sum() < FEWEST_MOVED
-        return bool(fewer and (theirs <= mine).all())
+        as_one = self.course.coefficients < mine.sum() < FEWEST_MOVED
+        return bool(as_one and 0 < theirs.sum() < mine.sum() and (theirs <= mine).all())
 
 
 @dataclass(frozen=True, eq=False, slots=True)
