@@ -35,7 +35,7 @@ from scara_iso.effects import (
     own_effects,
 )
 from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.explain import find_page
+from scara_iso.reporting.explain import find_pages
 from scara_iso.robot.model import predict, read_model
 from scara_iso.run import Axis, Run
 from scara_iso.toml_keys import KeyFaults
@@ -463,7 +463,7 @@ def test_an_effect_of_a_third_party_is_met_by_all(tmp_path, capsys):
     assert found.effects[0].parameters["size"]["X"] == pytest.approx(0.5, abs=0.05)
     said = repr(diagnosis_report(found, "t"))
     assert "the moon pulls at the robot" in said
-    assert find_page("moon-phase").title.startswith("The moon pulls")
+    assert find_pages("moon-phase")[0].title.startswith("The moon pulls")
     model = tmp_path / "m.toml"
     model.write_text("[indicator.X]\n[[effect]]\nname='moon_phase'\nsize={X=0.5}\n")
     expected = predict(read_model(model), Conditions(J)).axes["X"].readings

@@ -12,7 +12,7 @@ from scara_iso.diagnosis.evidence import (
     LARGEST_LOG,
     Views,
     joint_evidence,
-    log_bayes,
+    log_bayes_amplified,
     log_bayes_of_course,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis
@@ -29,6 +29,7 @@ from scara_iso.run import FloatArray, IntArray
 AnyForm = TypeVar("AnyForm")
 
 _TINY = 1e-300
+_DIGITS = 9
 _SAID = 1.001 * RIVAL
 """Share that no rounding of numbers takes below RIVAL."""
 
@@ -90,10 +91,7 @@ def choose(
     without them they are taken for exact and their scatter for Gaussian, but for the ``log_change``
     of each effect that another choice has found, and no rival is near.
     """
-    log_bf = np.stack([
-        log_bayes(hypotheses.amplified(factor), views.columns, views.known)
-        for factor, _ in AMPLITUDES
-    ])  # fmt: skip
+    log_bf = log_bayes_amplified(hypotheses, views.columns, views.known)
     log_evidence = _log_evidence(hypotheses, views, log_bf)
     others = [(one.effect, one.on_dial) for one in beside if one.on_dial is not None]
     seen = readings and on_dial(hypotheses, views, log_evidence, log_bf, readings, others)
@@ -145,10 +143,13 @@ def beside_near_rivals(
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:
-    """Return that of each member at each amplitude, prior weights included."""
+    """Return that of each member at each amplitude, prior weights included.
+
+    Rounded, so that forms which fit equally well come in one order on every machine.
+    """
     bf = np.stack([joint_evidence(one[:, :, np.newaxis], views)[:, 0] for one in log_bf])
     share = np.array([share for _, share in AMPLITUDES])[:, np.newaxis]
-    return np.asarray(np.log(np.maximum(share * hypotheses.weights * bf, _TINY)))
+    return np.log(np.maximum(share * hypotheses.weights * bf, _TINY)).round(_DIGITS)
 
 
 def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:
@@ -157,7 +158,7 @@ def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequenc
     member = hypotheses.members[own[i]]
     factor, form = AMPLITUDES[amplitude][0], member.form
     if isinstance(form, Process):
-        form = replace(form, covariance=factor * form.covariance, amplitude=factor**0.5)
+        form = replace(form, variance=factor * form.variance, amplitude=factor**0.5)
     return Weighed(member.effect, form, float(np.exp(log_evidence[amplitude, own[i]])))
 
 

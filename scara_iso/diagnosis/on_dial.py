@@ -24,6 +24,7 @@ from scara_iso.diagnosis.tuning import (
     ALIKE,
     AMPLITUDES,
     DIAL_FORMS,
+    FEWEST_MOVED,
     HEAVY_SHARE,
     RIVAL_BIC,
     UNKNOWN,
@@ -68,6 +69,12 @@ class Seen:
             return 0
         return max(0.0, self.course.numbers - other.course.numbers)
 
+    def of_gross_ones(self, other: Seen) -> bool:
+        """Return whether it moves a few readings as one, and ``other`` fewer of the same."""
+        mine, theirs = self.course.moved, other.course.moved
+        as_one = self.course.coefficients < mine.sum() < FEWEST_MOVED
+        return bool(as_one and 0 < theirs.sum() < mine.sum() and (theirs <= mine).all())
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class OnDial:
@@ -89,18 +96,22 @@ class OnDial:
 
         Under either family. A course that resembles the best and fits more numbers comes near
         whatever is true, and must be so much nearer. A course of no name is a rival of random ones
-        only.
+        only. Where the best moves fewer readings than FEWEST_MOVED, what moves one of them is near:
+        they may be gross, one by one.
         """
         own = [one for one in self.seen if one.effect == best]
         if not own:
             return {}
         mine = min(own, key=lambda one: float(one.bic.min()))
         least = np.min([one.bic for one in own], axis=0)
+        likely = [one for one in own if (one.bic - least).min() <= RIVAL_BIC]
         apart: dict[str, float] = {}
         for one in self.seen:
             if one.effect == best or (one.effect == UNKNOWN and not mine.course.random):
                 continue
             d = float((one.bic - least).min()) + self.log_cycles * one.numbers_beyond(mine)
+            if any(form.of_gross_ones(one) for form in likely):
+                d = min(d, RIVAL_BIC)
             apart[one.effect] = min(d, apart.get(one.effect, np.inf))
         return {name: d for name, d in apart.items() if d <= RIVAL_BIC}
 
@@ -146,7 +157,7 @@ def _likeliest(
     """Return amplitude and member of each effect's likeliest forms, each member once."""
     best = log_evidence.argmax(axis=0)
     top: dict[str, list[tuple[int, int]]] = {}
-    for i in np.argsort(-log_evidence.max(axis=0)).tolist():
+    for i in np.argsort(-log_evidence.max(axis=0), kind="stable").tolist():
         own = top.setdefault(hypotheses.members[i].effect, [])
         if len(own) < DIAL_FORMS:
             own.append((int(best[i]), i))

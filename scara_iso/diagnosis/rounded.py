@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
 from scara_iso.diagnosis.normal import normal_cdf
@@ -33,12 +34,13 @@ from scara_iso.run import FloatArray
 _SCATTERS = 6
 _NEWTON = 5
 _TINY = 1e-300
+_SAME = 1e-9
 _FEW = 2
 """Columns of a shape; a random course has more, and is compared apart."""
 _NO_DIAL = 1e-4
 """Division, over the standard deviation, of readings that are not rounded."""
-_NEGLIGIBLE = 0.05
-"""Columns of less prior variance, over the scatter's, are left out."""
+_NEGLIGIBLE = 0.05 - 1e-9
+"""Columns of less prior variance, over the scatter's, are left out; a walk has one of 0.05."""
 
 Distribution = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 """Of x: tail beyond |x|, density, and the density's slope."""
@@ -63,6 +65,12 @@ class DialCourse:
     def numbers(self) -> float:
         """How many numbers are fitted in each axis, those that choose the course included."""
         return self.parameters + self.coefficients
+
+    @property
+    def moved(self) -> npt.NDArray[np.bool_]:
+        """Which readings it takes from where most of them are, shape (n,)."""
+        away = np.abs(self.columns - median(self.columns)) > _SAME
+        return np.asarray(away.any(axis=1))
 
     @property
     def random(self) -> bool:
@@ -98,10 +106,8 @@ def course_of(hypotheses: HypothesisSet, i: int) -> DialCourse:
     )  # fmt: skip
     if i >= shaped:
         return DialCourse(np.empty((n, 0)), np.empty(0), hypotheses.scales[i - shaped], searched)
-    last = hypotheses.first[i + 1] if i + 1 < shaped else len(hypotheses.shrink)
-    own = slice(hypotheses.first[i], last)
-    variances = hypotheses.shrink[own] / (1 - hypotheses.shrink[own])
-    vectors = hypotheses.vectors[:, own]
+    shrink, vectors = hypotheses.of_member(i)
+    variances = shrink / (1 - shrink)
     if isinstance(form, Shape):
         return DialCourse(vectors, variances, np.ones(n), searched, len(variances))
     kept = variances > _NEGLIGIBLE
