@@ -21,7 +21,7 @@ from scara_iso.cli import main
 from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
 from scara_iso.fleets import Engine, ReadAs
-from scara_iso.fleets.database import results_in, write_parquet
+from scara_iso.fleets.database import as_parquet, results_in
 from scara_iso.fleets.dispatch import done_by
 from scara_iso.fleets.parts import tables_in
 from scara_iso.library import engines
@@ -266,7 +266,7 @@ def test_a_full_disk_and_damaged_results_are_said(tmp_path, monkeypatch):
         pass
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
     with pytest.raises(WriteError, match="temporary"):
-        write_parquet(tmp_path / "p.parquet", {"a": ("INTEGER", [1])})
+        as_parquet("SELECT 1 AS a")
 
 
 def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path):

@@ -10,14 +10,14 @@ from __future__ import annotations
 import csv
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import open_file
-from scara_iso.fleets.database import fetched, fetched_csv
+from scara_iso.fleets.database import Query, fetched, fetched_csv, workspace
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import parse_number
@@ -29,6 +29,9 @@ _DELIMITERS = (",", ";", "\t")
 _HEAD, _BLOCK = 64_000, 1 << 20
 _STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
 _NAMES = {name.lower(): name for name in AXES}
+
+TableName = tuple[str, str]
+"""Robot and test, in a part."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,16 +76,30 @@ def digest(path: Path) -> str:
     return found.hexdigest()
 
 
-def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
-    """Yield the tables of a part; one that cannot be read is yielded with its error.
+def tables_in(
+    path: Path, reading: ReadAs, only: Collection[TableName] | None = None
+) -> Iterator[FleetTable]:
+    """Yield the tables of a part, or ``only`` some; one that cannot be read with its error.
 
     Raises `DataError` where the part itself cannot be read.
     """
+    for table in _tables_in(path, reading, only):
+        if only is None or (table.robot, table.test) in only:
+            yield table
+
+
+def columns_of(query: Query, path: Path) -> dict[str, str]:
+    """Return the columns of a Parquet file with their SQL types; `DataError` for a name twice."""
+    schema = query("SELECT name FROM parquet_schema(?)", str(path))
+    _refuse_twice([str(row[0]) for row in schema[1:]], path)
+    return {row[0]: row[1] for row in query("DESCRIBE SELECT * FROM read_parquet(?)", str(path))}
+
+
+def _tables_in(
+    path: Path, reading: ReadAs, only: Collection[TableName] | None
+) -> Iterator[FleetTable]:
     if path.suffix.lower() == ".parquet":
-        schema = fetched("SELECT name FROM parquet_schema(?)", [str(path)], str(path))
-        _refuse_twice([str(name) for name in schema["name"][1:]], path)
-        frame = fetched("SELECT * FROM read_parquet(?)", [str(path)], str(path))
-        yield from _several(frame, path, {}, reading)
+        yield from _several(_parquet_rows(path, only), path, {}, reading)
         return
     if path.suffix.lower() == ".xlsx":
         yield _single(path, reading)
@@ -95,6 +112,22 @@ def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
             yield from _several(fetched_csv(path, delimiter, names), path, statements, reading)
             return
     yield _single(path, reading)
+
+
+def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
+    """Return the rows of a Parquet file as a pandas table, in their order."""
+    with workspace(path) as query:
+        columns = columns_of(query, path)
+    if only is None or "robot" not in columns:
+        return fetched("SELECT * FROM read_parquet(?)", [str(path)], str(path))
+    test = "coalesce(test::VARCHAR, '')" if "test" in columns else "''"
+    sql = (
+        "SELECT * EXCLUDE (file_row_number) FROM read_parquet(?, file_row_number = true) "  # noqa: S608
+        f"WHERE (robot::VARCHAR, {test}) IN (SELECT (unnest(?::VARCHAR[]), unnest(?::VARCHAR[]))) "
+        "ORDER BY file_row_number"
+    )
+    robots, tests = zip(*only, strict=True)
+    return fetched(sql, [str(path), list(robots), list(tests)], str(path))
 
 
 def _refuse_twice(names: list[str], path: Path) -> None:

@@ -8,8 +8,18 @@ from typing import Any
 
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.errors import UsageError
-from scara_iso.fleets import FleetSummary, ReadAs, Task, run_fleet, summarise
-from scara_iso.library.engines import LOCAL, engine_of
+from scara_iso.fleets import (
+    FiguresTask,
+    FleetFigures,
+    FleetSummary,
+    ReadAs,
+    Task,
+    run_figures,
+    run_fleet,
+    summarise,
+    summarise_figures,
+)
+from scara_iso.library.engines import LOCAL, engine_of, threads_of
 from scara_iso.quantities import parse_unit
 
 LEVEL = 0.05
@@ -51,3 +61,31 @@ def fleet(
     with engine_of(engine, workers) as where:
         run = run_fleet(Path(source), Path(to), task, where, level=level, track=track)
     return summarise(run, level)
+
+
+def fleet_figures(
+    source: str | Path,
+    to: str | Path,
+    *,
+    engine: str = LOCAL,
+    workers: int | None = None,
+    unit: str | None = None,
+    resolution: float | None = None,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
+    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
+) -> FleetFigures:
+    """Return RP of many robots, and leave that of every pose in ``to``, without a diagnosis.
+
+    DuckDB adds the tables of Parquet files up, in as many threads as ``workers``; the figures are
+    those of `analyze`. The other options, and what is raised, as of `fleet`.
+    """
+    if unit is not None:
+        parse_unit(unit)
+    wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
+    with threads_of(engine, workers) as (where, threads):
+        task = FiguresTask(ReadAs(unit, resolution), wanted, threads)
+        run = run_figures(Path(source), Path(to), task, where, track=track)
+    return summarise_figures(run)
