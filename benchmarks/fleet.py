@@ -18,7 +18,6 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import os
-import resource
 import tempfile
 import threading
 import time
@@ -185,7 +184,7 @@ def measured(work: Callable[..., None], *given: object) -> tuple[float, float, f
     start, used = time.perf_counter(), time.process_time()
     work(*given)
     taken = time.perf_counter() - start, time.process_time() - used
-    return *taken, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    return *taken, peak(Path("/proc", str(os.getpid())))
 
 
 def apart(work: Callable[..., None], *given: object) -> tuple[float, float, float]:

@@ -102,8 +102,9 @@ def _worst(query: Query) -> tuple[RobotFigures, ...]:
 
 def _twice(query: Query) -> tuple[TwiceThere, ...]:
     rows = query(
-        "SELECT DISTINCT robot, test, parts FROM (SELECT robot, test, string_agg(part, ',' "
-        "ORDER BY part) AS parts FROM fleet GROUP BY robot, test, pose HAVING count(*) > 1) "
-        "ORDER BY robot, test"
+        "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "
+        "GROUP BY robot, test, pose HAVING count(*) > 1)) "
+        "SELECT robot, test, string_agg(DISTINCT part, ',' ORDER BY part) FROM fleet "
+        "SEMI JOIN twice USING (robot, test) GROUP BY robot, test ORDER BY robot, test"
     )
     return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)

@@ -147,16 +147,16 @@ def _barycentres(query: Query, part: _Part) -> None:
     """Make the table ``means``, with whether each table is as most are; eq. 2."""
     cycles, axes = part.cycles, part.axes
     count = cycles.last - cycles.first + 1
-    counted = "" if cycles.counts_from == cycles.first else f"WHERE cycle >= {cycles.counts_from}"
-    only = f"FILTER ({counted})" if counted else ""
-    means = ", ".join(f"sum({a}) {only} / {cycles.used} AS mean_{a}" for a in axes)
-    there = " AND ".join(f"count({a}) = {count}" for a in axes)
+    counted = "{0}"
+    if cycles.counts_from > cycles.first:
+        counted = f"CASE WHEN cycle >= {cycles.counts_from} THEN {{0}} END"
+    means = ", ".join(f"sum({counted.format(a)}) / {cycles.used} AS mean_{a}" for a in axes)
+    there = f"count({' + '.join(axes)}) = {count}"
     (numbers,) = query("SELECT bit_xor(hash(c)) FROM range(?, ?) r(c)", cycles.first,
                        cycles.last + 1)[0]  # fmt: skip
     query(
         f"CREATE TEMP TABLE means AS SELECT robot, test, pose, hash(robot, test, pose) AS key, "
-        f"coalesce(count(*) = {count} AND min(cycle) = {cycles.first} AND "
-        f"max(cycle) = {cycles.last} AND bit_xor(hash(cycle)) = {numbers} AND {there}, false) "
+        f"coalesce(count(*) = {count} AND bit_xor(hash(cycle)) = {numbers} AND {there}, false) "
         f"AS whole, {means} FROM {part.rows} GROUP BY robot, test, pose",
         part.path,
     )
