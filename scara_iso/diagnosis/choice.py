@@ -12,7 +12,7 @@ from scara_iso.diagnosis.evidence import (
     LARGEST_LOG,
     Views,
     joint_evidence,
-    log_bayes,
+    log_bayes_amplified,
     log_bayes_of_course,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis
@@ -90,10 +90,7 @@ def choose(
     without them they are taken for exact and their scatter for Gaussian, but for the ``log_change``
     of each effect that another choice has found, and no rival is near.
     """
-    log_bf = np.stack([
-        log_bayes(hypotheses.amplified(factor), views.columns, views.known)
-        for factor, _ in AMPLITUDES
-    ])  # fmt: skip
+    log_bf = log_bayes_amplified(hypotheses, views.columns, views.known)
     log_evidence = _log_evidence(hypotheses, views, log_bf)
     others = [(one.effect, one.on_dial) for one in beside if one.on_dial is not None]
     seen = readings and on_dial(hypotheses, views, log_evidence, log_bf, readings, others)
@@ -157,7 +154,7 @@ def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequenc
     member = hypotheses.members[own[i]]
     factor, form = AMPLITUDES[amplitude][0], member.form
     if isinstance(form, Process):
-        form = replace(form, covariance=factor * form.covariance, amplitude=factor**0.5)
+        form = replace(form, variance=factor * form.variance, amplitude=factor**0.5)
     return Weighed(member.effect, form, float(np.exp(log_evidence[amplitude, own[i]])))
 
 

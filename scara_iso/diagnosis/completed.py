@@ -27,6 +27,8 @@ from scara_iso.run import FloatArray, IntArray
 _CYCLES = 30
 _DRAWS = 1000
 _SCATTERS, _LEVELS = 60, 31
+_DIGITS = 12
+"""Those of a division by which two readings are one."""
 _LIMITS = (0.025, 0.5, 0.975)
 
 
@@ -141,8 +143,9 @@ def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
     size = max(float(y.std(ddof=1)), 0.3)
     s = np.geomspace(LEAST_ON_DIAL, 3 * size, _SCATTERS)[:, np.newaxis, np.newaxis]
     level = y.mean() + np.linspace(-1, 1, _LEVELS)[:, np.newaxis] * max(0.6, size)
-    apart = -np.abs(y - level)
+    shown, times = np.unique(y.round(_DIGITS), return_counts=True)
+    apart = -np.abs(shown - level)
     p = np.maximum(normal_cdf((apart + 0.5) / s) - normal_cdf((apart - 0.5) / s), 1e-300)
-    log = power * np.log(p).sum(axis=2)
+    log = power * np.log(p) @ times
     weight = np.exp(log - log.max()).sum(axis=1)
     return s[:, 0, 0], weight / weight.sum()

@@ -8,12 +8,12 @@ s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
-from scara_iso.diagnosis.tuning import GAIN, KNOWN_FROM
+from scara_iso.diagnosis.tuning import AMPLITUDES, GAIN, KNOWN_FROM
 from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
@@ -123,20 +123,38 @@ def log_bayes(
 
     ``known`` (m,) as in `Views`.
     """
+    return np.asarray(_log_bayes([hypotheses], columns, known)[0])
+
+
+def log_bayes_amplified(
+    hypotheses: HypothesisSet, columns: FloatArray, known: FloatArray | None = None
+) -> FloatArray:
+    """Return `log_bayes` (amplitudes, members, m) of a set amplified by each of AMPLITUDES."""
+    amplified = [hypotheses.amplified(factor) for factor, _ in AMPLITUDES]
+    return _log_bayes(amplified, columns, known)
+
+
+def _log_bayes(
+    amplified: Sequence[HypothesisSet], columns: FloatArray, known: FloatArray | None
+) -> FloatArray:
+    """Return `log_bayes` of sets that differ in their variances only, (sets, members, m)."""
+    first = amplified[0]
     beside = np.zeros(columns.shape[1]) if known is None else known
-    nu = len(columns) - hypotheses.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
+    nu = len(columns) - first.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
     power = np.maximum((columns**2).sum(axis=0), _TINY) + beside
-    squared = (hypotheses.vectors * np.sqrt(hypotheses.shrink)).T @ columns
+    squared = first.vectors.T @ columns
     squared *= squared
-    shaped = hypotheses.summed(squared)
-    shaped /= -power
-    shaped += 1
-    np.log(np.maximum(shaped, _SMALLEST_SHARE, out=shaped), out=shaped)
-    shaped *= -nu / 2
-    shaped -= hypotheses.penalty[:, np.newaxis] / 2
-    if not len(hypotheses.scales):
-        return np.asarray(shaped)
-    return np.concatenate([shaped, _log_bayes_of_spreads(hypotheses.scales, columns, nu, beside)])
+    squared /= -power
+    found = np.empty((len(amplified), len(first.members), columns.shape[1]))
+    courses = found[:, : len(first.first)]
+    for hypotheses, shaped in zip(amplified, courses, strict=True):
+        hypotheses.explained(squared, out=shaped)
+    courses += 1
+    np.log(np.maximum(courses, _SMALLEST_SHARE, out=courses), out=courses)
+    courses *= -nu / 2
+    courses -= np.stack([one.penalty for one in amplified])[:, :, np.newaxis] / 2
+    found[:, len(first.first) :] = _log_bayes_of_spreads(first.scales, columns, nu, beside)
+    return found
 
 
 def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArray) -> FloatArray:

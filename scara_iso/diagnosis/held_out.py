@@ -56,7 +56,7 @@ def cross_validated(
                 problem, rows, len(fitted.terms), with_chains=with_chains,
                 log_changes=log_changes, limits=limits,
             )  # fmt: skip
-            predicted = fit(terms, values[rows], rows, n).predicted
+            predicted = fit(terms, values[rows], rows, n).predicted if terms else pose
             before.append(_excess(values, pose, unseen))
             after.append(_excess(values, predicted, unseen))
     whole = np.broadcast_to(values.mean(axis=0), values.shape)

@@ -20,7 +20,7 @@ from scara_iso.diagnosis.tuning import (
     SMOOTH_WEIGHT,
     UNKNOWN,
 )
-from scara_iso.effects import Chain, Conditions, Effect, Form, OwnEffect, Process, Shape
+from scara_iso.effects import CLOCK, Chain, Conditions, Effect, Form, OwnEffect, Process, Shape
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
@@ -59,18 +59,6 @@ def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hy
     An effect of any column takes those through which no other effect acts. What a user wrote takes
     no other hypothesis away.
     """
-    if conditions.covariates:
-        return _made(effects, conditions)
-    return _of_cycles(tuple(effects), np.asarray(conditions.cycle, dtype=np.int64).tobytes())
-
-
-@lru_cache(maxsize=4)
-def _of_cycles(effects: tuple[Effect, ...], cycle: bytes) -> tuple[Hypothesis, ...]:
-    """Return the hypotheses that all tables of the same cycles, and nothing beside them, share."""
-    return _made(effects, Conditions(np.frombuffer(cycle, dtype=np.int64)))
-
-
-def _made(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis, ...]:
     catalogue = [effect for effect in effects if not isinstance(effect, OwnEffect)]
     others = [effect for effect in catalogue if _EVERY not in effect.needs]
     free = conditions.without(
@@ -79,15 +67,33 @@ def _made(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis
     known = [
         hypothesis
         for effect in effects
-        for hypothesis in _of_effect(effect, free if _EVERY in effect.needs else conditions)
+        for hypothesis in _shared(effect, free if _EVERY in effect.needs else conditions)
     ]
     recorded = {effect.name for effect in catalogue if effect.needs}
-    return (
-        *_not_recorded(known, recorded),
-        *_unknown(conditions),
-        *_passages(conditions),
-        *_levels(conditions),
-    )
+    cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()
+    return (*_not_recorded(known, recorded), *_of_no_name(cycle))
+
+
+def _shared(effect: Effect, conditions: Conditions) -> tuple[Hypothesis, ...]:
+    """Return `_of_effect`; tables of the same cycles and clock share it where no column counts."""
+    if effect.needs or effect.hidden_by:
+        return _of_effect(effect, conditions)
+    cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()
+    clock = np.asarray(conditions.covariates.get(CLOCK, ()), dtype=np.float64).tobytes()
+    return _of_clock(effect, cycle, clock)
+
+
+@lru_cache(maxsize=64)
+def _of_clock(effect: Effect, cycle: bytes, clock: bytes) -> tuple[Hypothesis, ...]:
+    seconds = {CLOCK: np.frombuffer(clock)} if clock else {}
+    return _of_effect(effect, Conditions(np.frombuffer(cycle, dtype=np.int64), seconds))
+
+
+@lru_cache(maxsize=4)
+def _of_no_name(cycle: bytes) -> tuple[Hypothesis, ...]:
+    """Return the hypotheses that carry no name; tables of the same cycles share them."""
+    conditions = Conditions(np.frombuffer(cycle, dtype=np.int64))
+    return (*_unknown(conditions), *_passages(conditions), *_levels(conditions))
 
 
 def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hypothesis]:
@@ -115,19 +121,19 @@ def _turned(form: Form) -> FloatArray | None:
     return np.asarray(centred / np.linalg.norm(centred))
 
 
-def _of_effect(effect: Effect, conditions: Conditions) -> list[Hypothesis]:
+def _of_effect(effect: Effect, conditions: Conditions) -> tuple[Hypothesis, ...]:
     """Return the forms of an effect; those that have an order share its weight, if any has."""
     forms = [form for form in effect.forms(conditions) if not _still(form)]
     ordered = [_has_order(effect, form) for form in forms]
     total = sum(form.weight for form, use in zip(forms, ordered, strict=True) if use)
     total = total or sum(form.weight for form in forms)
-    return [
+    return tuple(
         Hypothesis(
             effect.name, form, effect.weight * form.weight / total, effect.test_weight,
             effect.gain, use,
         )
         for form, use in zip(forms, ordered, strict=True)
-    ]  # fmt: skip
+    )  # fmt: skip
 
 
 def _has_order(effect: Effect, form: Form) -> bool:
@@ -161,7 +167,8 @@ def _processes(
     correlations: Sequence[FloatArray], variances: Sequence[float], weight: float
 ) -> list[Hypothesis]:
     each = weight / (len(correlations) * len(variances))
-    return [Hypothesis(UNKNOWN, Process(v * c), each) for c in correlations for v in variances]
+    forms = [Process(c, variance=v) for c in correlations for v in variances]
+    return [Hypothesis(UNKNOWN, form, each) for form in forms]
 
 
 def _passages(conditions: Conditions) -> list[Hypothesis]:

@@ -7,12 +7,14 @@ least the constant pose) is projected out of U.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from itertools import compress
+from itertools import compress, pairwise
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.effects import Process, Shape, Spread
@@ -27,16 +29,18 @@ _LEAST_EIGENVALUE = 1e-4
 class HypothesisSet:
     """Hypotheses over n cycles, orthogonal to ``basis`` (n, f), which holds what is fitted.
 
-    ``vectors`` (n, m) are the members' orthonormal columns side by side, beginning at ``first``
-    (one for each); ``shrink`` (m,) is s / (1 + s) of each column, ``penalty`` the members' log
+    ``vectors`` (n, m) are orthonormal columns, of which each member has ``widths`` from ``first``
+    on; random courses that differ in their variance alone share theirs. ``shrink`` is s / (1 + s)
+    of the members' columns, one member behind the other, ``penalty`` the members' log
     determinants. Spreads come last and have ``scales`` (spreads, n) instead.
     """
 
     members: tuple[Hypothesis, ...]
     basis: FloatArray
     vectors: FloatArray
-    shrink: FloatArray
     first: IntArray
+    widths: IntArray
+    shrink: FloatArray
     penalty: FloatArray
     scales: FloatArray
 
@@ -51,34 +55,61 @@ class HypothesisSet:
         tested = self.weights * [member.test_weight for member in self.members]
         return np.asarray(tested / tested.sum())
 
-    def summed(self, columns: FloatArray) -> FloatArray:
-        """Return the sums over each member's columns, shape (members, m) from (columns, m)."""
-        single = np.diff(self.first, append=len(columns)) == 1
-        found = np.empty((len(self.first), columns.shape[1]))
-        found[single] = columns[self.first[single]]
-        ends = [*self.first[1:], len(columns)]
-        for k in np.flatnonzero(~single):  # several times as fast as reduceat across the rows
-            columns[self.first[k] : ends[k]].sum(axis=0, out=found[k])
-        return found
+    def explained(self, squared: FloatArray, out: FloatArray) -> None:
+        """Put the shrunk sums over each member's columns, of (columns, m), into ``out``.
+
+        That has the shape (members, m).
+        """
+        begin = 0
+        for own, at, k, shared in self._runs():
+            count = own.stop - own.start
+            shrink = self.shrink[begin : begin + count * k].reshape(count, k)
+            begin += count * k
+            if shared:
+                np.matmul(shrink, squared[at : at + k], out=out[own])
+                continue
+            np.multiply(shrink[:, :1], squared[at : at + count * k : k], out=out[own])
+            for i in range(1, k):
+                out[own] += shrink[:, i : i + 1] * squared[at + i : at + count * k : k]
+
+    def _runs(self) -> Iterator[tuple[slice, int, int, bool]]:
+        """Yield members in a row that share columns of one width, or have them side by side.
+
+        With the first column, the width, and whether they share.
+        """
+        shared = np.diff(self.first, prepend=-1, append=-1) == 0
+        columns = np.where(shared[1:] | shared[:-1], self.first, -1)
+        new = (np.diff(self.widths, prepend=-1) != 0) | (np.diff(columns, prepend=-2) != 0)
+        for a, b in pairwise([*np.flatnonzero(new).tolist(), len(new)]):
+            yield slice(a, b), int(self.first[a]), int(self.widths[a]), bool(columns[a] >= 0)
+
+    def of_member(self, i: int) -> tuple[FloatArray, FloatArray]:
+        """Return shrink (k,) and columns (n, k) of one member that has columns."""
+        k, begin = int(self.widths[i]), int(self.widths[:i].sum())
+        return self.shrink[begin : begin + k], self.vectors[:, self.first[i] : self.first[i] + k]
 
     def amplified(self, factor: float) -> HypothesisSet:
         """Return the set with every variance beside the scatter ``factor`` times as large."""
         s = self.shrink / (1 - self.shrink) * factor
-        return replace(self, shrink=s / (1 + s), penalty=np.add.reduceat(np.log1p(s), self.first))
+        penalty = np.add.reduceat(np.log1p(s), _starts(self.widths))
+        return replace(self, shrink=s / (1 + s), penalty=penalty)
 
     def of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
         """Return the set of those of ``members`` that this one holds."""
         wanted = set(members)
         held = np.array([member in wanted for member in self.members], dtype=bool)
         courses, spreads = np.split(held, [len(self.first)])
-        widths = np.diff(self.first, append=len(self.shrink))
-        columns = np.repeat(courses, widths)
+        own = np.repeat(courses, self.widths)
+        at = np.repeat(self.first - _starts(self.widths), self.widths) + np.arange(len(own))
+        used = np.zeros(self.vectors.shape[1], dtype=bool)
+        used[at[own]] = True
         return HypothesisSet(
             members=tuple(compress(self.members, held)),
             basis=self.basis,
-            vectors=np.compress(columns, self.vectors, axis=1),
-            shrink=self.shrink[columns],
-            first=_starts(widths[courses]),
+            vectors=np.compress(used, self.vectors, axis=1),
+            first=(np.cumsum(used) - used)[self.first[courses]],
+            widths=self.widths[courses],
+            shrink=self.shrink[own],
             penalty=self.penalty[courses],
             scales=self.scales[spreads],
         )
@@ -90,28 +121,64 @@ def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> H
     ``basis`` has shape (rows, f). Members that say nothing beside it are left out, and so are
     chains, which are searched in the readings themselves.
     """
-    groups = [*_shape_groups(members, rows, basis), *_process_groups(members, rows, basis)]
-    spreads = [(m, m.form) for m in members if isinstance(m.form, Spread)]
-    scales = [np.empty((0, len(rows))), *(form.scale[np.newaxis, rows] for _, form in spreads)]
+    kinds = _kinds(tuple(members))
+    groups = [_shape_group(own, columns[:, rows], basis) for own, columns in kinds.shapes]
+    groups += [_process_group(kinds.processes, rows, basis)] if kinds.processes else []
+    behind = np.cumsum([0, *(group.vectors.shape[1] for group in groups)])
     return HypothesisSet(
-        members=(*(m for group in groups for m in group.members), *(m for m, _ in spreads)),
+        members=(*(m for group in groups for m in group.members), *kinds.spreads),
         basis=basis,
         vectors=np.concatenate([np.empty((len(basis), 0)), *(g.vectors for g in groups)], axis=1),
-        shrink=np.concatenate([np.empty(0), *(group.shrink for group in groups)]),
-        first=_starts([width for group in groups for width in group.widths]),
-        penalty=np.concatenate([np.empty(0), *(group.penalty for group in groups)]),
-        scales=np.concatenate(scales),
+        first=_joined([g.first + at for g, at in zip(groups, behind, strict=False)], np.int64),
+        widths=_joined([group.widths for group in groups], np.int64),
+        shrink=_joined([group.shrink for group in groups]),
+        penalty=_joined([group.penalty for group in groups]),
+        scales=kinds.scales[:, rows] if kinds.spreads else np.empty((0, len(rows))),
+    )
+
+
+def _joined(parts: Sequence[npt.NDArray[Any]], kind: type = np.float64) -> npt.NDArray[Any]:
+    return np.concatenate([np.empty(0, dtype=kind), *parts])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Kinds:
+    """Members by kind: shapes of one width with their columns (members, n, k), and the others."""
+
+    shapes: tuple[tuple[tuple[Hypothesis, ...], FloatArray], ...]
+    processes: tuple[tuple[Hypothesis, Process], ...]
+    spreads: tuple[Hypothesis, ...]
+    scales: FloatArray
+
+
+@lru_cache(maxsize=2)
+def _kinds(members: tuple[Hypothesis, ...]) -> _Kinds:
+    """Return the members by kind; folds of one run share them."""
+    by_width: dict[int, list[tuple[Hypothesis, FloatArray]]] = {}
+    for m in members:
+        if isinstance(m.form, Shape):
+            by_width.setdefault(m.form.columns.shape[1], []).append((m, m.form.columns))
+    spreads = [(m, m.form.scale) for m in members if isinstance(m.form, Spread)]
+    return _Kinds(
+        tuple(
+            (tuple(m for m, _ in by_width[k]), np.stack([columns for _, columns in by_width[k]]))
+            for k in sorted(by_width)
+        ),
+        tuple((m, m.form) for m in members if isinstance(m.form, Process)),
+        tuple(m for m, _ in spreads),
+        np.array([scale for _, scale in spreads]),
     )
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Group:
-    """Members of one kind with their columns side by side; fields as in `HypothesisSet`."""
+    """Members of one kind; fields as in `HypothesisSet`."""
 
     members: tuple[Hypothesis, ...]
     vectors: FloatArray
+    first: IntArray
+    widths: IntArray
     shrink: FloatArray
-    widths: tuple[int, ...]
     penalty: FloatArray
 
 
@@ -119,25 +186,18 @@ def _starts(widths: Sequence[int] | IntArray) -> IntArray:
     return np.cumsum([0, *widths])[:-1]
 
 
-def _shape_groups(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> list[_Group]:
-    shaped = [(m, m.form.columns) for m in members if isinstance(m.form, Shape)]
-    widths = sorted({columns.shape[1] for _, columns in shaped})
-    return [_shape_group([s for s in shaped if s[1].shape[1] == k], rows, basis) for k in widths]
-
-
-def _shape_group(
-    shaped: Sequence[tuple[Hypothesis, FloatArray]], rows: IntArray, basis: FloatArray
-) -> _Group:
-    columns = np.stack([columns for _, columns in shaped])[:, rows]
+def _shape_group(shaped: Sequence[Hypothesis], columns: FloatArray, basis: FloatArray) -> _Group:
     vectors, usable = _orthonormal(columns, basis)
-    members = tuple(m for (m, _), use in zip(shaped, usable, strict=True) if use)
+    members = tuple(compress(shaped, usable))
     k = vectors.shape[2]
     gain = np.array([m.gain for m in members], dtype=np.float64)
+    widths = np.full(len(members), k)
     return _Group(
         members=members,
         vectors=np.moveaxis(vectors, 0, 1).reshape(len(basis), -1),
+        first=k * np.arange(len(members)),
+        widths=widths,
         shrink=np.repeat(gain / (1 + gain), k),
-        widths=(k,) * len(members),
         penalty=k * np.log1p(gain),
     )
 
@@ -157,45 +217,52 @@ def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, li
     return free[usable], [bool(u) for u in usable]
 
 
-def _process_groups(
-    members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray
-) -> list[_Group]:
-    chosen = [(m, m.form) for m in members if isinstance(m.form, Process)]
-    return [_process_group(chosen, rows, basis)] if chosen else []
-
-
 def _process_group(
     chosen: Sequence[tuple[Hypothesis, Process]], rows: IntArray, basis: FloatArray
 ) -> _Group:
-    values, vectors = _eigen(tuple(form for _, form in chosen), rows.tobytes(), basis.tobytes())
-    keep = values > _LEAST_EIGENVALUE
-    said = [i for i in range(len(chosen)) if keep[i].any()]
-    shrink = [values[i][keep[i]] / (1 + values[i][keep[i]]) for i in said]
-    columns = [np.empty((len(rows), 0)), *(vectors[i][:, keep[i]] for i in said)]
+    """Return the processes; those of one unit keep the eigenvectors that say something of any."""
+    forms = tuple(form for _, form in chosen)
+    unit, values, vectors = _eigen(forms, rows.tobytes(), basis.tobytes())
+    s = np.array([form.variance for form in forms])[:, np.newaxis] * values[unit]
+    s[s <= _LEAST_EIGENVALUE] = 0.0
+    said = np.asarray(s.any(axis=1))
+    s, unit = s[said], unit[said]
+    columns, first, widths = [np.empty((len(rows), 0))], np.zeros_like(unit), np.zeros_like(unit)
+    for u in np.unique(unit).tolist():
+        kept = s[unit == u].any(axis=0)
+        first[unit == u] = sum(part.shape[1] for part in columns)
+        widths[unit == u] = kept.sum()
+        columns.append(vectors[u][:, kept])
+    last = [one[len(rows) - width :] for one, width in zip(s, widths, strict=True)]
+    s = _joined(last)
     return _Group(
-        members=tuple(chosen[i][0] for i in said),
+        members=tuple(compress((m for m, _ in chosen), said)),
         vectors=np.concatenate(columns, axis=1),
-        shrink=np.concatenate([np.empty(0), *shrink]),
-        widths=tuple(len(s) for s in shrink),
-        penalty=np.array([-np.log1p(-s).sum() for s in shrink]),
+        first=first,
+        widths=widths,
+        shrink=s / (1 + s),
+        penalty=np.array([np.log1p(one).sum() for one in last]),
     )
 
 
 @lru_cache(maxsize=2)
 def _eigen(
     forms: tuple[Process, ...], of_rows: bytes, of_basis: bytes
-) -> tuple[FloatArray, FloatArray]:
-    """Return eigenvalues (processes, n) and vectors (processes, n, n) on rows, free of a basis.
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return each process' unit by number, and what the units are on rows, free of a basis.
 
-    Tables of the same cycles share them.
+    That is their eigenvalues (units, n), ascending, and vectors (units, n, n). Tables of the same
+    cycles share them.
     """
     rows = np.frombuffer(of_rows, dtype=np.int64)
     basis = np.frombuffer(of_basis).reshape(len(rows), -1)
     projector = np.eye(len(rows)) - basis @ basis.T
-    covariance = np.stack([form.covariance for form in forms])[:, rows[:, np.newaxis], rows]
+    units = {id(form.unit): form.unit for form in forms}
+    covariance = np.stack(list(units.values()))[:, rows[:, np.newaxis], rows]
     values, vectors = np.linalg.eigh(projector @ covariance @ projector)
     values.flags.writeable = vectors.flags.writeable = False
-    return values, vectors
+    place = {key: number for number, key in enumerate(units)}
+    return np.array([place[id(form.unit)] for form in forms]), values, vectors
 
 
 def constant(n: int) -> FloatArray:

@@ -8,7 +8,7 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -127,8 +127,11 @@ def level_statistic(y: FloatArray) -> FloatArray:
     below = np.arange(k, n - k + 1).reshape(-1, *[1] * (y.ndim - 1))
     between = np.cumsum(ranked, axis=0)[k - 1 : n - k] ** 2 * n / (below * (n - below))
     share = between / np.maximum((ranked**2).sum(axis=0), 1e-300)
-    log_bf = -(n - 1) / 2 * np.log(1 - share * GAIN / (1 + GAIN))
-    return np.asarray(np.log(np.exp(log_bf).mean(axis=0)))
+    share *= -GAIN / (1 + GAIN)
+    share += 1
+    log_bf = np.log(share, out=share)
+    log_bf *= -(n - 1) / 2
+    return np.asarray(np.log(np.exp(log_bf, out=log_bf).mean(axis=0)))
 
 
 def _split(y: FloatArray) -> FloatArray:
@@ -214,14 +217,15 @@ def _read(
     rng: np.random.Generator,
     n: int,
     count: int,
-) -> FloatArray:
-    """Return readings (n, families, count), in whole divisions where there is a dial."""
-    drawn = np.stack([family(rng, (n, count)) for family in families], axis=1)
-    return np.round(drawn * scatter + offset[:count]) if scatter else drawn
+) -> Iterator[FloatArray]:
+    """Yield readings (n, count) of each family, in whole divisions where there is a dial."""
+    for family in families:
+        drawn = family(rng, (n, count))
+        yield np.round(drawn * scatter + offset[:count]) if scatter else drawn
 
 
 def _p_values(
-    statistic: Statistic, y: FloatArray, drawn: Callable[[int, int], FloatArray]
+    statistic: Statistic, y: FloatArray, drawn: Callable[[int, int], Iterable[FloatArray]]
 ) -> FloatArray:
     """Return the share of simulations at least as extreme, for each family, shape (families,).
 
@@ -229,12 +233,9 @@ def _p_values(
     to the level CLEAR that changes no verdict's chance: no p-value stopped there is so small.
     """
     observed = statistic(y)
-    first = _share(observed, statistic(drawn(len(y), FIRST_SIMULATIONS)))
-    if first[0] > CLEAR:
-        return first
-    return _share(observed, statistic(drawn(len(y), SIMULATIONS)))
-
-
-def _share(observed: FloatArray, simulated: FloatArray) -> FloatArray:
-    beaten = (simulated >= observed - 1e-9).sum(axis=-1)
-    return np.asarray((1 + beaten) / (1 + simulated.shape[-1]))
+    for count in (FIRST_SIMULATIONS, SIMULATIONS):
+        beaten = [int((statistic(x) >= observed - 1e-9).sum()) for x in drawn(len(y), count)]
+        p_values = (1 + np.array(beaten)) / (1 + count)
+        if p_values[0] > CLEAR:
+            break
+    return np.asarray(p_values)

@@ -13,7 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.choice import Weighed
-from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
+from scara_iso.diagnosis.evidence import (
+    LARGEST_LOG,
+    Views,
+    joint_evidence,
+    log_bayes,
+    log_bayes_amplified,
+)
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, extended
 from scara_iso.diagnosis.rounded import DialCourse, course_beside, course_of
@@ -75,10 +81,10 @@ def _beside(
     known = None if views.known is None else views.known[:q]
     free = columns - basis @ (basis.T @ columns)
     total = np.zeros(len(second))
-    for factor, share in AMPLITUDES:
-        single = log_bayes(alone.amplified(factor), columns, known)
-        both = single[first] + log_bayes(beside.amplified(factor), free, known)
-        mixed = _mixed(single[first], single[second], both, q)
+    singles = log_bayes_amplified(alone, columns, known)
+    besides = log_bayes_amplified(beside, free, known)
+    for (_, share), single, other in zip(AMPLITUDES, singles, besides, strict=True):
+        mixed = _mixed(single[first], single[second], single[first] + other, q)
         total += share * beside.weights * mixed
     return float(total.sum()), _together(
         alone, first, second[int(total.argmax())]

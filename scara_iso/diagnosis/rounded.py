@@ -98,10 +98,8 @@ def course_of(hypotheses: HypothesisSet, i: int) -> DialCourse:
     )  # fmt: skip
     if i >= shaped:
         return DialCourse(np.empty((n, 0)), np.empty(0), hypotheses.scales[i - shaped], searched)
-    last = hypotheses.first[i + 1] if i + 1 < shaped else len(hypotheses.shrink)
-    own = slice(hypotheses.first[i], last)
-    variances = hypotheses.shrink[own] / (1 - hypotheses.shrink[own])
-    vectors = hypotheses.vectors[:, own]
+    shrink, vectors = hypotheses.of_member(i)
+    variances = shrink / (1 - shrink)
     if isinstance(form, Shape):
         return DialCourse(vectors, variances, np.ones(n), searched, len(variances))
     kept = variances > _NEGLIGIBLE

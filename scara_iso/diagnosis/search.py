@@ -109,7 +109,7 @@ def find_again(
     terms: tuple[Term, ...] = ()
     for i in range(count):
         left = remainder(problem, terms, rows)
-        if i < len(limits) and _order_of(problem, terms, left) < limits[i]:
+        if i < len(limits) and not _reaches(problem, terms, left, limits[i]):
             return terms
         named = [m for m in left.members if m.named and not _unknown_shape(m)]
         changed = log_changes[i] if i < len(log_changes) else {}
@@ -168,9 +168,14 @@ def in_order(
     return left.hypotheses.of(ordered), problem.views_of(calm, left.basis), emissions, spreading
 
 
-def _order_of(problem: SearchProblem, terms: Sequence[Term], left: Remainder) -> float:
-    """Return the statistic of the order of what is left on some rows."""
-    return order_statistic(*in_order(problem, terms, left))
+def _reaches(problem: SearchProblem, terms: Sequence[Term], left: Remainder, limit: float) -> bool:
+    """Return whether the statistic of the order of what is left on some rows reaches ``limit``.
+
+    What comes from outside the set only adds to it.
+    """
+    hypotheses, views, emissions, spreading = in_order(problem, terms, left)
+    alone = order_statistic(hypotheses, views)
+    return alone >= limit or order_statistic(hypotheses, views, emissions, spreading) >= limit
 
 
 def _drawn_in(left: Remainder) -> FloatArray:

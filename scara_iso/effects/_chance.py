@@ -44,7 +44,7 @@ class RandomCourse(Effect):
             response = self.filtered(np.eye(len(conditions)), **values)
             together = response @ response.T
             found += [
-                Process(variance * together, values, weight, scale=variance**0.5)
+                Process(together, values, weight, scale=variance**0.5, variance=variance)
                 for variance in self.variances
             ]
         return tuple(found)

@@ -24,17 +24,24 @@ class Shape:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Process:
-    """A random course: covariance (n, n) in units of the scatter's variance.
+    """A random course: covariance ``variance`` times ``unit`` (n, n), beside scatter of variance 1.
 
     ``scale`` is the standard deviation, in scatters, of what its size means (such as one step) at
-    ``amplitude`` 1; the search tries larger amplitudes too.
+    ``amplitude`` 1; the search tries larger amplitudes too. Forms that differ in their variance
+    alone hold the same ``unit``, so that what belongs to it is computed once.
     """
 
-    covariance: FloatArray
+    unit: FloatArray
     parameters: Values = field(default_factory=dict)
     weight: float = 1.0
     scale: float = 1.0
     amplitude: float = 1.0
+    variance: float = 1.0
+
+    @property
+    def covariance(self) -> FloatArray:
+        """The covariance (n, n)."""
+        return self.variance * self.unit
 
 
 @dataclass(frozen=True, eq=False, slots=True)
