@@ -188,7 +188,7 @@ def test_a_name_is_chosen_where_a_test_passes_the_level(rng, outcome, outcome_gi
         ((4, 11), {"outlier"}),
         ((15,), {"outlier", "step"}),
         ((0,), {"outlier", "step"}),
-        ((14, 15), {"step"}),
+        ((14, 15), {"outlier", "step"}),
     ],
 )
 def test_an_isolated_reading_is_weighed_against_all_that_looks_the_same(rng, outcome, moved, said):

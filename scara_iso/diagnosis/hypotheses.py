@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from scara_iso.diagnosis.tuning import (
+    FEWEST_MOVED,
     GAIN,
     LEVELS_WEIGHT,
     PASSAGE_WEIGHT,
@@ -26,7 +27,6 @@ from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 
 _EVERY = "*"
-_LEAST_CYCLES = 3
 _SAME = 0.9999
 """Cosine from which two courses are one."""
 
@@ -144,7 +144,7 @@ def _has_order(effect: Effect, form: Form) -> bool:
     if effect.needs or isinstance(effect, OwnEffect) or not isinstance(form, Shape):
         return True
     moved = form.columns != median(form.columns, axis=0)
-    return int(moved.any(axis=1).sum()) >= _LEAST_CYCLES
+    return int(moved.any(axis=1).sum()) >= FEWEST_MOVED
 
 
 def _still(form: Form) -> bool:

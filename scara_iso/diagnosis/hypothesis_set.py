@@ -182,8 +182,8 @@ class _Group:
     penalty: FloatArray
 
 
-def _starts(widths: Sequence[int] | IntArray) -> IntArray:
-    return np.cumsum([0, *widths])[:-1]
+def _starts(widths: IntArray) -> IntArray:
+    return np.cumsum(widths) - widths
 
 
 def _shape_group(shaped: Sequence[Hypothesis], columns: FloatArray, basis: FloatArray) -> _Group:

@@ -231,7 +231,9 @@ def _read(family: int, count: int, *, y: FloatArray, scatter: float, seed: int) 
     if not scatter:
         return drawn
     offset = np.random.default_rng([seed, count]).uniform(-0.5, 0.5, size=count)
-    return np.asarray(np.round(drawn * scatter + offset))
+    readings = drawn * scatter
+    readings += offset
+    return np.rint(readings, out=readings)
 
 
 def _p_value(

@@ -24,6 +24,7 @@ from scara_iso.diagnosis.tuning import (
     ALIKE,
     AMPLITUDES,
     DIAL_FORMS,
+    FEWEST_MOVED,
     HEAVY_SHARE,
     RIVAL_BIC,
     UNKNOWN,
@@ -68,6 +69,12 @@ class Seen:
             return 0
         return max(0.0, self.course.numbers - other.course.numbers)
 
+    def of_gross_ones(self, other: Seen) -> bool:
+        """Return whether it moves few readings, and ``other`` fewer of the same."""
+        mine, theirs = self.course.moved, other.course.moved
+        fewer = 0 < theirs.sum() < mine.sum() < FEWEST_MOVED
+        return bool(fewer and (theirs <= mine).all())
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class OnDial:
@@ -89,18 +96,22 @@ class OnDial:
 
         Under either family. A course that resembles the best and fits more numbers comes near
         whatever is true, and must be so much nearer. A course of no name is a rival of random ones
-        only.
+        only. Where the best moves fewer readings than FEWEST_MOVED, what moves one of them is near:
+        they may be gross, one by one.
         """
         own = [one for one in self.seen if one.effect == best]
         if not own:
             return {}
         mine = min(own, key=lambda one: float(one.bic.min()))
         least = np.min([one.bic for one in own], axis=0)
+        likely = [one for one in own if (one.bic - least).min() <= RIVAL_BIC]
         apart: dict[str, float] = {}
         for one in self.seen:
             if one.effect == best or (one.effect == UNKNOWN and not mine.course.random):
                 continue
             d = float((one.bic - least).min()) + self.log_cycles * one.numbers_beyond(mine)
+            if any(form.of_gross_ones(one) for form in likely):
+                d = min(d, RIVAL_BIC)
             apart[one.effect] = min(d, apart.get(one.effect, np.inf))
         return {name: d for name, d in apart.items() if d <= RIVAL_BIC}
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
 from scara_iso.diagnosis.normal import normal_cdf
@@ -33,6 +34,7 @@ from scara_iso.run import FloatArray
 _SCATTERS = 6
 _NEWTON = 5
 _TINY = 1e-300
+_SAME = 1e-9
 _FEW = 2
 """Columns of a shape; a random course has more, and is compared apart."""
 _NO_DIAL = 1e-4
@@ -63,6 +65,12 @@ class DialCourse:
     def numbers(self) -> float:
         """How many numbers are fitted in each axis, those that choose the course included."""
         return self.parameters + self.coefficients
+
+    @property
+    def moved(self) -> npt.NDArray[np.bool_]:
+        """Which readings it takes from where most of them are, shape (n,)."""
+        away = np.abs(self.columns - median(self.columns)) > _SAME
+        return np.asarray(away.any(axis=1))
 
     @property
     def random(self) -> bool:

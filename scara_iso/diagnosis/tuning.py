@@ -53,6 +53,10 @@ SIMULATIONS = 1999
 FIRST_SIMULATIONS, CLEAR = 199, 0.1
 """Where so many simulations give every p-value above CLEAR the rest are not made."""
 
+FEWEST_MOVED = 3
+"""A course that moves fewer readings than this is hardly rarer than any other order, and cannot be
+told from as many gross readings."""
+
 FEWEST_ON_A_LEVEL = 4
 """Fewer readings than this are no level of their own."""
 
