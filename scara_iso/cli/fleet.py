@@ -14,6 +14,7 @@ from scara_iso.cli.options import (
     AllowGaps,
     AsJson,
     CyclesRun,
+    DecimalMark,
     FirstDiscarded,
     Full,
     ResolutionOfTable,
@@ -60,6 +61,7 @@ def fleet_command(
     figures: Figures = False,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
     all_count: AllCount = False,
@@ -81,6 +83,7 @@ def fleet_command(
 
     options: dict[str, Any] = {
         "engine": engine, "workers": workers, "unit": unit, "resolution": resolution,
+        "decimal": decimal,
         "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
         "all_count": all_count, "allow_gaps": allow_gaps, "track": watched,
     }  # fmt: skip

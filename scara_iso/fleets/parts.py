@@ -18,6 +18,7 @@ from typing import Any
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import open_file
 from scara_iso.fleets.database import Query, fetched, fetched_csv, workspace
+from scara_iso.fleets.decimal_marks import refuse_groups, settle_marks
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import parse_number
@@ -40,6 +41,8 @@ class ReadAs:
 
     unit: str | None = None
     resolution: float | None = None
+    decimal: str | None = None
+    """The decimal mark, where the numbers can be read two ways."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -109,7 +112,8 @@ def _tables_in(
         names = [name.strip() for name in next(csv.reader([header], delimiter=delimiter), [])]
         if "robot" in map(str.lower, names):
             _refuse_twice(names, path)
-            yield from _several(fetched_csv(path, delimiter, names), path, statements, reading)
+            frame = fetched_csv(path, delimiter, names)
+            yield from _several(frame, path, statements, reading, grouped=delimiter == ";")
             return
     yield _single(path, reading)
 
@@ -142,7 +146,8 @@ def _refuse_twice(names: list[str], path: Path) -> None:
 
 def _single(path: Path, reading: ReadAs) -> FleetTable:
     try:
-        run = read_table(path, unit=reading.unit, resolution=reading.resolution)
+        run = read_table(path, unit=reading.unit, resolution=reading.resolution,
+                         decimal=reading.decimal)  # fmt: skip
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
     robot = run.metadata.get("serial_number") or run.metadata.get("robot") or path.stem
@@ -164,8 +169,9 @@ def _head(path: Path) -> tuple[dict[str, str], str]:
 
 
 def _several(
-    frame: Any, path: Path, statements: dict[str, str], reading: ReadAs
+    frame: Any, path: Path, statements: dict[str, str], reading: ReadAs, *, grouped: bool = False
 ) -> Iterator[FleetTable]:
+    """Yield the tables of a part; numbers between semicolons may have been ``grouped``."""
     if frame.empty:
         raise DataError("holds no rows", where=str(path), remedy="put readings below its header")
     frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
@@ -176,12 +182,26 @@ def _several(
         raise DataError(
             f"{nameless} rows name no robot", where=str(path), remedy="name the robot of each row"
         )
-    attributes = {"axes": _axes(frame, statements, reading), "metadata": statements}
+    axes = _axes(frame, statements, reading)
+    settle_marks(frame, _text_columns(frame), reading.decimal, str(path))
+    if grouped and reading.decimal is None:
+        refuse_groups(frame, axes, str(path))
+    attributes = {"axes": axes, "metadata": statements}
     keys = ["robot", "test"] if "test" in frame.columns else ["robot"]
     for key, rows in frame.groupby(keys, sort=False, dropna=False):
         robot, test = (*("" if one != one else str(one) for one in key), "")[:2]  # noqa: PLR0124
         where = f"{path.name}: {robot} {test}".rstrip()
         yield FleetTable(robot, test, _run(rows.drop(columns=keys), attributes, where))
+
+
+def _text_columns(frame: Any) -> list[str]:
+    """Return the columns of text that should hold numbers."""
+    names = {"robot", "test", "approach", *POSE_NAMES}
+    return [
+        name
+        for name in frame.columns
+        if frame[name].dtype.kind not in "iufb" and name.lower() not in names
+    ]
 
 
 def _axes(frame: Any, statements: dict[str, str], reading: ReadAs) -> dict[str, dict[str, Any]]:

@@ -33,6 +33,7 @@ def fleet(
     workers: int | None = None,
     unit: str | None = None,
     resolution: float | None = None,
+    decimal: str | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -54,10 +55,9 @@ def fleet(
     """
     if not 0 < level < 1:
         raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
-    if unit is not None:
-        parse_unit(unit)
+    _check(unit, decimal)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    task = Task(ReadAs(unit, resolution), wanted, seed)
+    task = Task(ReadAs(unit, resolution, decimal), wanted, seed)
     with engine_of(engine, workers) as where:
         run = run_fleet(Path(source), Path(to), task, where, level=level, track=track)
     return summarise(run, level)
@@ -71,6 +71,7 @@ def fleet_figures(
     workers: int | None = None,
     unit: str | None = None,
     resolution: float | None = None,
+    decimal: str | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -82,10 +83,16 @@ def fleet_figures(
     DuckDB adds the tables of Parquet files up, in as many threads as ``workers``; the figures are
     those of `analyze`. The other options, and what is raised, as of `fleet`.
     """
-    if unit is not None:
-        parse_unit(unit)
+    _check(unit, decimal)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
     with threads_of(engine, workers) as (where, threads):
-        task = FiguresTask(ReadAs(unit, resolution), wanted, threads)
+        task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
         run = run_figures(Path(source), Path(to), task, where, track=track)
     return summarise_figures(run)
+
+
+def _check(unit: str | None, decimal: str | None) -> None:
+    if unit is not None:
+        parse_unit(unit)
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
