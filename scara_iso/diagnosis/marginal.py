@@ -193,7 +193,7 @@ _FAMILIES: Mapping[int, Family] = {
 
 def _draw(seed: int, family: int, n: int, count: int) -> FloatArray:
     """Return scatter of unit variance (n, count)."""
-    drawn = _FAMILIES[family](np.random.default_rng([seed, family, count]), (n, count))
+    drawn = _FAMILIES[family](np.random.default_rng([seed, count, family]), (n, count))
     drawn.flags.writeable = False
     return drawn
 
@@ -212,7 +212,7 @@ def _skewed(y: FloatArray, seed: int, count: int) -> FloatArray:
     centred = y - y.mean()
     observed = abs(float((centred**3).mean())) / float((centred**2).mean()) ** 1.5
     k = 4 / min(MOST_SKEWED, 1.5 * observed + 0.6) ** 2
-    rng = np.random.default_rng([seed, _SKEWED, count])
+    rng = np.random.default_rng([seed, count, _SKEWED])
     return np.asarray((rng.gamma(k, size=(len(y), count)) - k) / np.sqrt(k))
 
 
