@@ -29,6 +29,7 @@ from scara_iso.run import FloatArray, IntArray
 AnyForm = TypeVar("AnyForm")
 
 _TINY = 1e-300
+_DIGITS = 9
 _SAID = 1.001 * RIVAL
 """Share that no rounding of numbers takes below RIVAL."""
 
@@ -142,10 +143,13 @@ def beside_near_rivals(
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:
-    """Return that of each member at each amplitude, prior weights included."""
+    """Return that of each member at each amplitude, prior weights included.
+
+    Rounded, so that forms which fit equally well come in one order on every machine.
+    """
     bf = np.stack([joint_evidence(one[:, :, np.newaxis], views)[:, 0] for one in log_bf])
     share = np.array([share for _, share in AMPLITUDES])[:, np.newaxis]
-    return np.asarray(np.log(np.maximum(share * hypotheses.weights * bf, _TINY)))
+    return np.log(np.maximum(share * hypotheses.weights * bf, _TINY)).round(_DIGITS)
 
 
 def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:

@@ -157,7 +157,7 @@ def _likeliest(
     """Return amplitude and member of each effect's likeliest forms, each member once."""
     best = log_evidence.argmax(axis=0)
     top: dict[str, list[tuple[int, int]]] = {}
-    for i in np.argsort(-log_evidence.max(axis=0)).tolist():
+    for i in np.argsort(-log_evidence.max(axis=0), kind="stable").tolist():
         own = top.setdefault(hypotheses.members[i].effect, [])
         if len(own) < DIAL_FORMS:
             own.append((int(best[i]), i))

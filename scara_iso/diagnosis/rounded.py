@@ -39,8 +39,8 @@ _FEW = 2
 """Columns of a shape; a random course has more, and is compared apart."""
 _NO_DIAL = 1e-4
 """Division, over the standard deviation, of readings that are not rounded."""
-_NEGLIGIBLE = 0.05
-"""Columns of less prior variance, over the scatter's, are left out."""
+_NEGLIGIBLE = 0.05 - 1e-9
+"""Columns of less prior variance, over the scatter's, are left out; a walk has one of 0.05."""
 
 Distribution = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 """Of x: tail beyond |x|, density, and the density's slope."""

@@ -101,8 +101,8 @@ def emissions_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Emi
     within = max(float((ranked**2).sum() - between.max()), 1e-12 * float(ranked @ ranked))
     scatter = max(np.sqrt(within / (n - 2)), LEAST_SCATTER * division)
     levels = np.array([ranked[:k].mean(), ranked[k:].mean()])[:, np.newaxis]
-    log_likelihood = -0.5 * ((y - y.mean() - levels) / scatter) ** 2
-    lower, upper = np.exp(log_likelihood - log_likelihood.max(axis=0))
+    density = -0.5 * ((y - y.mean() - levels) / scatter) ** 2
+    lower, upper = np.exp(density - density.max(axis=0))
     return Emissions(lower, upper, chains)
 
 
@@ -193,8 +193,9 @@ def _emissions(
     by lot reach that times 2^-n, so cells far below it are left out.
     """
     unseen = ~np.isfinite(y)
-    reading = np.where(unseen, 0.0, y)[:, np.newaxis, np.newaxis]
-    density = _log_density(reading, grid.levels, grid.scatters, division).reshape(len(y), -1)
+    shown, at = np.unique(np.where(unseen, 0.0, y), return_inverse=True)
+    of_shown = _log_density(shown[:, None, None], grid.levels, grid.scatters, division)
+    density = of_shown.reshape(len(shown), -1)[at]
     density[unseen] = 0.0
     log_lower, log_upper = density[:, grid.lower], density[:, grid.upper]
     peak = np.maximum(log_lower, log_upper)
@@ -284,8 +285,7 @@ def _log_scatter_alone(seen: FloatArray, known: float, division: float) -> float
     m = nu + (KNOWN_FROM - 1 if known else 0)
     S = float(((seen - seen.mean()) ** 2).sum()) + known
     free = lgamma(m / 2) - nu / 2 * np.log(2 * np.pi) - m / 2 * np.log(S / 2)
-    exact = float(free - 0.5 * np.log(nu + 1) - np.log(2))
-    return exact + _rounding_of_one_level(seen, division)
+    return float(free - 0.5 * np.log(nu + 1) - np.log(2)) + _rounding_of_one_level(seen, division)
 
 
 def _rounding_of_one_level(seen: FloatArray, division: float) -> float:
