@@ -21,6 +21,7 @@ _CASES: tuple[tuple[str, Sequence[int], Mapping[str, Any], str], ...] = (
     ("30 rows from 1", range(1, 31), {}, "refused: either the first of 31 was discarded"),
     ("30 rows from 1, first gone", range(1, 31), _GONE, "none discarded, 30 used"),
     ("30 rows from 2, first gone", range(2, 32), _GONE, "none discarded, 30 used"),
+    ("30 run, rows from 1", range(1, 31), {"cycles": 30, **_GONE}, "none discarded, 30 used"),
     ("30 run, rows from 2", range(2, 32), {"cycles": 30, **_GONE}, "none discarded, 30 used"),
     ("30 run, all count", range(1, 31), {"all_count": True}, "none discarded, 30 used"),
     ("20 run", range(1, 21), {"cycles": 20}, "1 discarded, 19 used"),
