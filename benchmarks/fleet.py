@@ -2,20 +2,27 @@
 
     python benchmarks/fleet.py [--robots 1000] [--ill 30] [--compared 100]
     python benchmarks/fleet.py --robots 0          only what each engine takes
+    python benchmarks/fleet.py --sums 1e6 1e7 1e8  only RP of so many readings
 
 One table of 31 cycles and three axes for each robot; the ill have a step of four standard
 deviations in one axis. Times are of one run; the ratios are to one process of this machine, and
 say little where it has other work. Memory is the largest of any process (Linux).
+
+Sums: tables of 31 cycles and three axes in Parquet files of 3.3 million rows, their figures by
+`fleet_figures` (with manifest and summary) beside one bare DuckDB query for the same figures, and
+one for means and standard deviations only; each in a process of its own, two threads.
 """
 
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -27,6 +34,21 @@ import numpy as np
 import scara_iso
 
 SIGMA, STEP, PART = 0.003, 4, 25
+TABLES, READINGS = 107_526, 93
+"""Tables of a Parquet file, readings of a table."""
+NORMAL = f"round({SIGMA} * sqrt(-2 * ln(1 - random())) * cos(2 * pi() * random()), 3)"
+MANY = f"""SELECT 'R' || (k // 20) AS robot, 't' || (k % 20) AS test, c::INTEGER AS cycle,
+    {NORMAL} AS X, {NORMAL} AS Y, {NORMAL} AS Z FROM range(?, ?) a(k), range(1, 32) b(c)
+    ORDER BY k, c"""  # noqa: S608 - of these constants
+ONLY_SUMS = """SELECT robot, test, avg(X), stddev(X), avg(Y), stddev(Y), avg(Z), stddev(Z)
+    FROM readings WHERE cycle > 1 GROUP BY robot, test"""
+FIGURES = """WITH own AS (FROM readings WHERE cycle > 1),
+    mean AS (SELECT robot, test, avg(X) mx, avg(Y) my, avg(Z) mz FROM own GROUP BY robot, test),
+    l AS (SELECT robot, test, abs(X - mx) x, abs(Y - my) y, abs(Z - mz) z,
+          sqrt((X - mx)**2 + (Y - my)**2) xy, sqrt((X - mx)**2 + (Y - my)**2 + (Z - mz)**2) xyz
+          FROM own JOIN mean USING (robot, test))
+    SELECT robot, test, avg(x) + 3 * stddev(x), avg(y) + 3 * stddev(y), avg(z) + 3 * stddev(z),
+    avg(xy) + 3 * stddev(xy), avg(xyz) + 3 * stddev(xyz) FROM l GROUP BY robot, test"""
 
 
 def write(folder: Path, robots: int, ill: int) -> set[str]:
@@ -144,13 +166,82 @@ def find(folder: Path, robots: int, ill: int) -> None:
     )
 
 
+def by_query(source: Path, to: Path, sql: str) -> None:
+    """Write what a bare query gives."""
+    connection = duckdb.connect()
+    connection.execute("SET threads = 2")
+    connection.execute(f"CREATE VIEW readings AS FROM '{source}/*.parquet'")
+    connection.execute(f"COPY ({sql}) TO '{to}.parquet'")
+
+
+def by_figures(source: Path, to: Path) -> None:
+    """Write the figures as the program does."""
+    scara_iso.fleet_figures(source, to, unit="mm", resolution=0.001, workers=2)
+
+
+def measured(work: Callable[..., None], *given: object) -> tuple[float, float, float]:
+    """Return seconds, those of processor, and the peak of memory [MB]."""
+    start, used = time.perf_counter(), time.process_time()
+    work(*given)
+    taken = time.perf_counter() - start, time.process_time() - used
+    return *taken, peak(Path("/proc", str(os.getpid())))
+
+
+def apart(work: Callable[..., None], *given: object) -> tuple[float, float, float]:
+    """Return what is `measured` in a process of its own."""
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=context) as pool:
+        return pool.submit(measured, work, *given).result()
+
+
+def sums(folder: Path, readings: int) -> None:
+    """Print what the figures of so many readings take."""
+    source, tables = folder / "many", readings // READINGS
+    source.mkdir()
+    for first in range(0, tables, TABLES):
+        made, ends = f"{source}/{first:08}.parquet", [first, min(first + TABLES, tables)]
+        duckdb.execute(f"COPY ({MANY}) TO '{made}'", ends)
+    found = {
+        "this program": apart(by_figures, source, folder / "out"),
+        "bare, same figures": apart(by_query, source, folder / "figures", FIGURES),
+        "bare, sums only": apart(by_query, source, folder / "sums", ONLY_SUMS),
+    }
+    print(f"{readings:,} readings in {tables:,} tables; {differing(source, folder / 'out')}")
+    seconds, used, _ = found["this program"]
+    for name, (wall, processor, peak_MB) in found.items():
+        ratios = f"this program {seconds / wall:.2f} and {used / processor:.2f} times"
+        taken = f"{wall:7.2f} s, of processor {processor:7.2f} s, {peak_MB:5.0f} MB"
+        print(f"  {name:20} {taken}; {ratios}", flush=True)
+
+
+def differing(source: Path, to: Path, sample: int = 50) -> str:
+    """Return how far the figures of some tables are from those of `analyze`."""
+    part = min(source.glob("*.parquet"))
+    rows = duckdb.sql(f"FROM '{to}/parts/{part.name}.parquet'").df().sample(sample, random_state=1)
+    worst = 0.0
+    for row in rows.itertuples():
+        mine = f"robot = '{row.robot}' AND test = '{row.test}'"
+        table = duckdb.read_parquet(str(part)).filter(mine).order("cycle")
+        run = scara_iso.Run.from_frame(table.select("cycle, X, Y, Z").df(), unit="mm")
+        pose = scara_iso.analyze(run).poses[0]
+        own = {**pose.axes, "XY": pose.XY, "XYZ": pose.XYZ}
+        worst = max(*(abs(getattr(row, f"RP_{k}") / one.RP - 1) for k, one in own.items()), worst)
+    return f"{sample} of them differ from analyze by at most {worst:.0e} of a figure"
+
+
 def main() -> None:
     """Print what is found, and what it takes."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robots", type=int, default=1000)
     parser.add_argument("--ill", type=int, default=30)
     parser.add_argument("--compared", type=int, default=100)
+    parser.add_argument("--sums", type=float, nargs="*", metavar="READINGS")
     given = parser.parse_args()
+    for readings in given.sums or ():
+        with tempfile.TemporaryDirectory() as name:
+            sums(Path(name), int(readings))
+    if given.sums is not None:
+        return
     asked = [(given.robots, given.ill), (given.robots // 10, 1)] if given.robots else []
     for robots, ill in asked:
         with tempfile.TemporaryDirectory() as name:

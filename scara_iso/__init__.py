@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         ScaraIsoError as ScaraIsoError,
         UsageError as UsageError,
     )
-    from scara_iso.fleets import FleetSummary as FleetSummary
+    from scara_iso.fleets import FleetFigures as FleetFigures, FleetSummary as FleetSummary
     from scara_iso.iso9283 import (
         Analysis as Analysis,
         AxisResult as AxisResult,
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
         diagnose as diagnose,
         diagnose_many as diagnose_many,
         fleet as fleet,
+        fleet_figures as fleet_figures,
         gauge_study as gauge_study,
         history as history,
         plan as plan,
@@ -95,6 +96,7 @@ __all__ = [
     "diagnose",
     "diagnose_many",
     "fleet",
+    "fleet_figures",
     "gauge_study",
     "history",
     "plan",

@@ -357,6 +357,13 @@ def test_scatter_between_limits_is_seldom_two_levels(kind, n):
     assert alarms <= 3
 
 
+def test_axes_share_their_simulations():
+    y = np.round(np.random.default_rng(1).standard_t(2, size=(30, 2)) * 3)
+    both = marginal_tests(y, np.ones(2), np.random.default_rng(5))
+    alone = [marginal_tests(one[:, None], np.ones(1), np.random.default_rng(5)) for one in y.T]
+    assert both.gaussian_outlier == 2 * min(one.gaussian_outlier for one in alone) < 1
+
+
 def test_neighbouring_divisions_never_prove_two_levels(rng):
     readings = rng.permutation(np.repeat([0.0, 2.0], 15))[:, None]
     fine = marginal_tests(readings, np.array([0.1]), rng)

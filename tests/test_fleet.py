@@ -21,7 +21,7 @@ from scara_iso.cli import main
 from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
 from scara_iso.fleets import Engine, ReadAs
-from scara_iso.fleets.database import results_in, write_parquet
+from scara_iso.fleets.database import as_parquet, results_in
 from scara_iso.fleets.dispatch import done_by
 from scara_iso.fleets.parts import tables_in
 from scara_iso.library import engines
@@ -225,6 +225,54 @@ def test_a_part_apart_by_semicolons_is_several_robots(tmp_path):
     assert found == {"R1": 0.1, "R2": 0.3}
 
 
+def only_run(part, **options):
+    (found,) = tables_in(part, ReadAs(**options))
+    if isinstance(found.run, DataError):
+        raise found.run
+    return found.run
+
+
+COMMAS = ("0,1", "0,25", "0,003")
+
+
+@pytest.mark.parametrize(
+    ("cells", "options", "expected"),
+    [
+        (COMMAS, {}, [0.1, 0.25, 0.003]),
+        (("1,512", "2,048", "3,001"), {}, "could have a decimal comma or group thousands"),
+        (("1,512", "2,048", "3,001"), {"decimal": ","}, [1.512, 2.048, 3.001]),
+        (("1,512", "2,048", "3,001"), {"decimal": "."}, [1512, 2048, 3001]),
+        (("0,1", "0.25", "0,3"), {}, "commas and points both occur"),
+        (("0,1", "dent", "0,3"), {}, "'X' is not numeric"),
+    ],
+)
+def test_decimal_commas_of_a_part_are_those_of_analyze(tmp_path, cells, options, expected):
+    part, table = tmp_path / "a.csv", tmp_path / "t.csv"
+    rows = [f"{k};{cell}" for k, cell in enumerate(cells, 1)]
+    own = "\n".join(f"R1;{row}" for row in rows)
+    part.write_text(f"# unit: mm\nrobot;cycle;X\n{own}\n", "utf-8")
+    table.write_text("# unit: mm\ncycle;X\n" + "\n".join(rows) + "\n", "utf-8")
+    if isinstance(expected, str):
+        with pytest.raises(DataError):
+            scara_iso.read_table(table, **options)
+        with pytest.raises(DataError, match=expected):
+            only_run(part, **options)
+        return
+    found = only_run(part, **options)
+    read = scara_iso.read_table(table, **options)
+    assert found.axes["X"].readings.tolist() == expected == read.axes["X"].readings.tolist()
+
+
+def test_micrometres_that_may_be_grouped_are_refused(tmp_path):
+    part = tmp_path / "a.csv"
+    text = "# unit: um\nrobot;cycle;X\nR1;1;1.512\nR1;2;2.048\n"
+    part.write_text(text, encoding="utf-8")
+    with pytest.raises(DataError, match="group thousands"):
+        list(tables_in(part, ReadAs()))
+    (found,) = tables_in(part, ReadAs(decimal="."))
+    assert found.run.axes["X"].readings.tolist() == pytest.approx([0.001512, 0.002048])
+
+
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
@@ -266,7 +314,7 @@ def test_a_full_disk_and_damaged_results_are_said(tmp_path, monkeypatch):
         pass
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
     with pytest.raises(WriteError, match="temporary"):
-        write_parquet(tmp_path / "p.parquet", {"a": ("INTEGER", [1])})
+        as_parquet("SELECT 1 AS a")
 
 
 def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path):

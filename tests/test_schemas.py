@@ -305,6 +305,9 @@ def documents(tmp_path_factory):
         ],
         "dialects": written("ports", "--dialects"),
         "fleet": written("fleet", few_robots(folder / "robots"), "-o", folder / "out", code=65),
+        "fleet-figures": written(
+            "fleet", folder / "robots", "-o", folder / "figures", "--figures", code=65
+        ),
         "gauge-study": [
             *written("gauge-study", EXAMPLES / "dial_type_1.csv", "--tolerance", "0.04"),
             *written("gauge-study", EXAMPLES / "dial_crossed.csv"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,12 +14,16 @@ from scara_iso.cli.options import (
     AllowGaps,
     AsJson,
     CyclesRun,
+    DecimalMark,
     FirstDiscarded,
     Full,
     ResolutionOfTable,
     UnitOfTable,
 )
 from scara_iso.cli.output import settings, write_json, write_report
+
+if TYPE_CHECKING:
+    from scara_iso.fleets import FleetFigures, FleetSummary
 
 UNREADABLE = 65
 Source = Annotated[
@@ -41,6 +45,9 @@ EngineName = Annotated[
 Workers = Annotated[
     int | None, typer.Option(metavar="N", help="Processes of local; else the cores.", min=1)
 ]
+Figures = Annotated[
+    bool, typer.Option("--figures", help="RP only, added up by DuckDB: nothing is diagnosed.")
+]
 Level = Annotated[float, typer.Option(help="False discovery rate among the robots named.")]
 
 
@@ -51,8 +58,10 @@ def fleet_command(
     engine: EngineName = "local",
     workers: Workers = None,
     level: Level = 0.05,
+    figures: Figures = False,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
     all_count: AllCount = False,
@@ -66,24 +75,39 @@ def fleet_command(
 
     The same command again goes on where one that died stopped.
     """
-    from scara_iso.library import fleet
+    from scara_iso.library import fleet, fleet_figures
     from scara_iso.render import open_console, track
 
     def watched(each: Iterator[Any], count: int) -> Iterator[Any]:
         return iter(track(each, count, open_console(sys.stderr, no_color=settings.no_color)))
 
-    found = fleet(
-        source, output, engine=engine, workers=workers, level=level, unit=unit,
-        resolution=resolution, first_cycle_discarded=first_cycle_discarded, cycles=cycles,
-        all_count=all_count, allow_gaps=allow_gaps, track=watched,
-    )  # fmt: skip
-    if json:
-        from scara_iso.render import fleet_json
-
-        write_json(fleet_json(found))
+    options: dict[str, Any] = {
+        "engine": engine, "workers": workers, "unit": unit, "resolution": resolution,
+        "decimal": decimal,
+        "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
+        "all_count": all_count, "allow_gaps": allow_gaps, "track": watched,
+    }  # fmt: skip
+    found: FleetSummary | FleetFigures
+    if figures:
+        found = fleet_figures(source, output, **options)
     else:
-        from scara_iso.reporting import fleet_report
-
-        write_report(fleet_report(found, full=full))
+        found = fleet(source, output, level=level, **options)
+    _say(found, full=full, json=json)
     if found.failed or found.run.failed:
         raise typer.Exit(UNREADABLE)
+
+
+def _say(found: FleetSummary | FleetFigures, *, full: bool, json: bool) -> None:
+    from scara_iso.fleets import FleetFigures
+    from scara_iso.render import fleet_figures_json, fleet_json
+    from scara_iso.reporting import fleet_figures_report, fleet_report
+
+    if isinstance(found, FleetFigures):
+        if json:
+            write_json(fleet_figures_json(found))
+        else:
+            write_report(fleet_figures_report(found, full=full))
+    elif json:
+        write_json(fleet_json(found))
+    else:
+        write_report(fleet_report(found, full=full))

@@ -222,7 +222,8 @@ def _process_group(
 ) -> _Group:
     """Return the processes; those of one unit keep the eigenvectors that say something of any."""
     forms = tuple(form for _, form in chosen)
-    unit, values, vectors = _eigen(forms, rows.tobytes(), basis.tobytes())
+    eigen = _eigen_of_few if len(rows) <= _FEW else _eigen
+    unit, values, vectors = eigen(forms, rows.tobytes(), basis.tobytes())
     s = np.array([form.variance for form in forms])[:, np.newaxis] * values[unit]
     s[s <= _LEAST_EIGENVALUE] = 0.0
     said = np.asarray(s.any(axis=1))
@@ -245,8 +246,7 @@ def _process_group(
     )
 
 
-@lru_cache(maxsize=2)
-def _eigen(
+def _of_units(
     forms: tuple[Process, ...], of_rows: bytes, of_basis: bytes
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return each process' unit by number, and what the units are on rows, free of a basis.
@@ -263,6 +263,11 @@ def _eigen(
     values.flags.writeable = vectors.flags.writeable = False
     place = {key: number for number, key in enumerate(units)}
     return np.array([place[id(form.unit)] for form in forms]), values, vectors
+
+
+_eigen, _eigen_of_few = lru_cache(maxsize=2)(_of_units), lru_cache(maxsize=64)(_of_units)
+_FEW = 64
+"""Rows of which many bases are kept: a step in one table often lies where it does in another."""
 
 
 def constant(n: int) -> FloatArray:

@@ -8,8 +8,8 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -61,13 +61,14 @@ def marginal_tests(
     values: FloatArray, division: FloatArray, rng: np.random.Generator
 ) -> MarginalTests:
     """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
-    axes = values.shape[1]
+    axes, seed = values.shape[1], int(rng.integers(2**63))
     levels, outliers, gaussian = np.ones(axes), np.ones(axes), np.ones(axes)
     for a in range(axes):
         if not np.ptp(values[:, a]):
             continue
-        y = values[:, a] / (division[a] or 1.0)
-        levels[a], outliers[a], gaussian[a] = _of_axis(y, bool(division[a]), rng)
+        y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
+        levels[a] = _levels(y, on_dial, seed)
+        outliers[a], gaussian[a] = _outlier(y, on_dial, seed)
     worst = int(np.argmin(gaussian))
     return MarginalTests(
         two_levels=min(1.0, axes * float(levels.min())),
@@ -80,28 +81,32 @@ def marginal_tests(
     )
 
 
-def _of_axis(y: FloatArray, on_dial: bool, rng: np.random.Generator) -> tuple[float, float, float]:
-    """Return p-values of one axis: two levels, an outlier, and one in Gaussian scatter.
-
-    Neighbouring divisions prove neither two levels nor an outlier.
-    """
+def _levels(y: FloatArray, on_dial: bool, seed: int) -> float:
+    """Return the p-value of two levels; neighbouring divisions prove none."""
+    if on_dial and np.ptp(y) < NEIGHBOURS:
+        return 1.0
     scatter = _scatter(y) if on_dial else 0.0
-    offset = rng.uniform(-0.5, 0.5, size=SIMULATIONS)
-    tails = (_gaussian, _student(5), _student(3), _laplace, _skewed(y))
-    levels, p_outlier = 1.0, np.ones(2)
-    if not (on_dial and np.ptp(y) < NEIGHBOURS):
-        cases = [(level_statistic, tails), (_beside_uniform, (_uniform,))]
-        cases.append((_beside_arcsine, (_arcsine,)))
-        levels = max(
-            float(_p_values(statistic, y, partial(_read, families, scatter, offset, rng)).max())
-            for statistic, families in cases
-        )
-    if not (on_dial and _apart(y) < TWO_DIVISIONS):
-        statistic = partial(outlier_statistic, least=float(on_dial))
-        inner = y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]]
-        scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
-        p_outlier = _p_values(statistic, y, partial(_read, tails, scatter, offset, rng))
-    return levels, float(p_outlier.max()), float(p_outlier[0])
+    cases = [(level_statistic, name) for name in _TAILS]
+    cases += [(_beside_uniform, _UNIFORM), (_beside_arcsine, _ARCSINE)]
+    return _p_value(cases, y, partial(_read, y=y, scatter=scatter, seed=seed))
+
+
+def _outlier(y: FloatArray, on_dial: bool, seed: int) -> tuple[float, float]:
+    """Return the p-values of an outlier, and of one in Gaussian scatter.
+
+    Neighbouring divisions prove none.
+    """
+    if on_dial and _apart(y) < TWO_DIVISIONS:
+        return 1.0, 1.0
+    statistic = partial(outlier_statistic, least=float(on_dial))
+    inner = y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]]
+    scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
+    read = partial(_read, y=y, scatter=scatter, seed=seed)
+    cases = [(statistic, name) for name in _TAILS]
+    gaussian = _share(*cases[0], y, read, FIRST_SIMULATIONS)
+    if gaussian > CLEAR:
+        return 1.0, gaussian
+    return _p_value(cases, y, read), _share(*cases[0], y, read, SIMULATIONS)
 
 
 def _farthest(y: FloatArray) -> int:
@@ -174,35 +179,41 @@ def outlier_statistic(y: FloatArray, least: float = 0.0) -> FloatArray:
     return np.asarray((first + second / 3) / (scatter + 1e-9))
 
 
-def _gaussian(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
-    return np.asarray(rng.normal(size=shape))
+_GAUSSIAN, _T5, _T3, _LAPLACE, _SKEWED, _UNIFORM, _ARCSINE = range(7)
+_TAILS = (_GAUSSIAN, _T5, _T3, _LAPLACE, _SKEWED)
+_FAMILIES: Mapping[int, Family] = {
+    _GAUSSIAN: lambda rng, shape: rng.normal(size=shape),
+    _T5: lambda rng, shape: rng.standard_t(5, size=shape) / np.sqrt(5 / 3),
+    _T3: lambda rng, shape: rng.standard_t(3, size=shape) / np.sqrt(3),
+    _LAPLACE: lambda rng, shape: rng.laplace(size=shape) / np.sqrt(2),
+    _UNIFORM: lambda rng, shape: rng.uniform(-1, 1, size=shape) * np.sqrt(3),
+    _ARCSINE: lambda rng, shape: np.sin(rng.uniform(0, 2 * np.pi, size=shape)) * np.sqrt(2),
+}
 
 
-def _student(nu: int) -> Family:
-    return lambda rng, shape: np.asarray(rng.standard_t(nu, size=shape) / np.sqrt(nu / (nu - 2)))
+def _draw(seed: int, family: int, n: int, count: int) -> FloatArray:
+    """Return scatter of unit variance (n, count)."""
+    drawn = _FAMILIES[family](np.random.default_rng([seed, count, family]), (n, count))
+    drawn.flags.writeable = False
+    return drawn
 
 
-def _laplace(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
-    return np.asarray(rng.laplace(size=shape) / np.sqrt(2))
+_drawn = lru_cache(maxsize=16)(_draw)
+"""Axes and tables of one length and seed share them."""
+_FEW = 1 << 18
+"""Numbers of scatter that are kept for the next axis."""
 
 
-def _uniform(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
-    return np.asarray(rng.uniform(-1, 1, size=shape) * np.sqrt(3))
-
-
-def _arcsine(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
-    return np.asarray(np.sin(rng.uniform(0, 2 * np.pi, size=shape)) * np.sqrt(2))
-
-
-def _skewed(y: FloatArray) -> Family:
-    """Return gamma scatter, skewed rather more than the readings y (n,) are.
+def _skewed(y: FloatArray, seed: int, count: int) -> FloatArray:
+    """Return gamma scatter (n, count), skewed rather more than the readings y (n,) are.
 
     Of few readings the skewness comes out too small, and uncertain by about sqrt(6 / n).
     """
     centred = y - y.mean()
     observed = abs(float((centred**3).mean())) / float((centred**2).mean()) ** 1.5
     k = 4 / min(MOST_SKEWED, 1.5 * observed + 0.6) ** 2
-    return lambda rng, shape: np.asarray((rng.gamma(k, size=shape) - k) / np.sqrt(k))
+    rng = np.random.default_rng([seed, count, _SKEWED])
+    return np.asarray((rng.gamma(k, size=(len(y), count)) - k) / np.sqrt(k))
 
 
 def _scatter(y: FloatArray) -> float:
@@ -210,36 +221,46 @@ def _scatter(y: FloatArray) -> float:
     return float(np.sqrt(max(float(y.var(ddof=1)) - 1 / 12, 0.2**2)))
 
 
-def _read(
-    families: Sequence[Family],
-    scatter: float,
-    offset: FloatArray,
-    rng: np.random.Generator,
-    n: int,
-    count: int,
-) -> Iterator[FloatArray]:
-    """Yield readings (n, count) of each family, in whole divisions where there is a dial."""
-    for family in families:
-        drawn = family(rng, (n, count))
-        if scatter:
-            drawn *= scatter
-            drawn += offset[:count]
-            np.rint(drawn, out=drawn)
-        yield drawn
+def _read(family: int, count: int, *, y: FloatArray, scatter: float, seed: int) -> FloatArray:
+    """Return readings (n, count) like y (n,), in whole divisions where there is a dial."""
+    if family == _SKEWED:
+        drawn = _skewed(y, seed, count)
+    else:
+        draw = _drawn if len(y) * count <= _FEW else _draw
+        drawn = draw(seed, family, len(y), count)
+    if not scatter:
+        return drawn
+    offset = np.random.default_rng([seed, count]).uniform(-0.5, 0.5, size=count)
+    readings = drawn * scatter
+    readings += offset
+    return np.rint(readings, out=readings)
 
 
-def _p_values(
-    statistic: Statistic, y: FloatArray, drawn: Callable[[int, int], Iterable[FloatArray]]
-) -> FloatArray:
-    """Return the share of simulations at least as extreme, for each family, shape (families,).
+def _p_value(
+    cases: Sequence[tuple[Statistic, int]], y: FloatArray, read: Callable[[int, int], FloatArray]
+) -> float:
+    """Return the largest share of simulations at least as extreme, of all families.
 
-    A first look at some of them is enough where the first share is far above the levels in use. Up
-    to the level CLEAR that changes no verdict's chance: no p-value stopped there is so small.
+    1 as soon as one family's share is above CLEAR, after a first look at some simulations: up to
+    that level it changes no verdict's chance.
     """
-    observed = statistic(y)
+    shares = [1.0]
     for count in (FIRST_SIMULATIONS, SIMULATIONS):
-        beaten = [int((statistic(x) >= observed - 1e-9).sum()) for x in drawn(len(y), count)]
-        p_values = (1 + np.array(beaten)) / (1 + count)
-        if p_values[0] > CLEAR:
-            break
-    return np.asarray(p_values)
+        shares = []
+        for statistic, family in cases:
+            shares.append(_share(statistic, family, y, read, count))
+            if shares[-1] > CLEAR:
+                return 1.0
+    return max(shares)
+
+
+def _share(
+    statistic: Statistic,
+    family: int,
+    y: FloatArray,
+    read: Callable[[int, int], FloatArray],
+    count: int,
+) -> float:
+    """Return the share of simulations of a family that are at least as extreme as y."""
+    beaten = statistic(read(family, count)) >= statistic(y) - 1e-9
+    return (1 + int(beaten.sum())) / (1 + count)

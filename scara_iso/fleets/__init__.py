@@ -10,6 +10,15 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.fleets.dispatch import Engine as Engine
+    from scara_iso.fleets.figure_summary import (
+        FleetFigures as FleetFigures,
+        RobotFigures as RobotFigures,
+        summarise_figures as summarise_figures,
+    )
+    from scara_iso.fleets.figures import (
+        FiguresTask as FiguresTask,
+        run_figures as run_figures,
+    )
     from scara_iso.fleets.parts import ReadAs as ReadAs
     from scara_iso.fleets.runs import FleetRun as FleetRun, run_fleet as run_fleet
     from scara_iso.fleets.summary import (

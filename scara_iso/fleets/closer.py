@@ -21,7 +21,7 @@ from typing import Any
 from scara_iso.diagnosis import PERMUTATIONS, finer, floor_of
 from scara_iso.fleets.database import results_in, rewrite_parquet
 from scara_iso.fleets.dispatch import Engine, done_by
-from scara_iso.fleets.parts import digest, tables_in
+from scara_iso.fleets.parts import TableName, digest, tables_in
 from scara_iso.fleets.work import Task
 from scara_iso.run import Run
 
@@ -29,16 +29,13 @@ MOST_ORDERS = 250_000
 """Enough for a lone ill robot among 11,000; minutes of one core for a table."""
 _ALIKE = 1 + 1e-9
 
-_Table = tuple[str, str]
-"""Robot and test, in a part."""
-
 
 @dataclass(frozen=True, slots=True)
 class CloserLook:
     """The p-values of some tables of a part by more orders, and whether each is at its floor."""
 
     sha256: str
-    p_values: Mapping[_Table, tuple[float, bool]]
+    p_values: Mapping[TableName, tuple[float, bool]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +48,7 @@ class _AtFloor:
     """Robots of the tables."""
     most_tables: int
     """Of one of these robots."""
-    behind: Mapping[str, frozenset[_Table]]
+    behind: Mapping[str, frozenset[TableName]]
     """Those that were compared with no more orders yet."""
 
 
@@ -109,7 +106,7 @@ def _at_floor(results: Path, orders: int) -> _AtFloor:
     )
     with results_in(results) as query:
         rows = query(sql, orders, orders, floor_of(orders) * _ALIKE)
-    behind: dict[str, frozenset[_Table]] = {}
+    behind: dict[str, frozenset[TableName]] = {}
     for part, robot, test, so_far, *_ in rows:
         if so_far == orders:
             behind[part] = behind.get(part, frozenset()) | {(robot, test)}
@@ -118,12 +115,11 @@ def _at_floor(results: Path, orders: int) -> _AtFloor:
 
 
 def _looked(
-    part: str, task: Task, tables: Mapping[str, frozenset[_Table]], orders: int
+    part: str, task: Task, tables: Mapping[str, frozenset[TableName]], orders: int
 ) -> CloserLook:
     """Return the finer p-values of some tables of a part."""
     found = {}
-    for table in tables_in(Path(part), task.reading):
-        key = (table.robot, table.test)
-        if key in tables[part] and isinstance(table.run, Run):
-            found[key] = finer(table.run, task.wanted, orders, seed=task.seed)
+    for table in tables_in(Path(part), task.reading, tables[part]):
+        if isinstance(table.run, Run):
+            found[table.robot, table.test] = finer(table.run, task.wanted, orders, seed=task.seed)
     return CloserLook(digest(Path(part)), found)

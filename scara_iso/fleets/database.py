@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,16 +18,24 @@ Query = Callable[..., list[Any]]
 
 _OF_A_ROW = re.compile(r"CSV Error on Line: (?P<line>\d+)\n.*\n+(?P<reason>\S.*)")
 _REMEDY = "pip install 'scara-iso[fleet]'"
+_ROOM = "make room, or name another folder by TMPDIR"
+_MEMORY = "1GB"
+
+Columns = Mapping[str, tuple[str, Sequence[object]]]
+"""By name, each with its SQL type."""
 
 
-def connect() -> Any:
+def connect(threads: int = 1) -> Any:
     """Return a connection in memory, of one thread; `UsageError` without the package for it."""
     try:
         import duckdb  # noqa: PLC0415 - an extra
     except ImportError as error:
         raise UsageError("tables of a fleet need DuckDB", remedy=_REMEDY) from error
     connection = duckdb.connect()
-    connection.execute("SET threads = 1")  # the processes share the cores
+    connection.execute(f"SET threads = {threads}")  # one where processes share the cores
+    connection.execute(f"SET memory_limit = '{_MEMORY}'")  # what is more goes to the disk
+    own = f"scara-iso-{os.getpid()}-{id(connection)}"  # a folder of two would be lost
+    connection.execute("SET temp_directory = ?", [str(Path(tempfile.gettempdir(), own))])
     return connection
 
 
@@ -88,10 +97,58 @@ def _brief(error: Exception) -> str:
     return " ".join(said.split())[:200]
 
 
-def write_parquet(path: Path, columns: Mapping[str, tuple[str, Sequence[object]]]) -> None:
-    """Write columns, each with its SQL type, as one Parquet file, whole or not at all."""
+@contextmanager
+def workspace(where: Path, threads: int = 1) -> Iterator[Query]:
+    """Yield how tables are made and queried that end with it; `DataError` naming ``where``."""
+    connection = connect(threads)
+    import duckdb  # noqa: PLC0415 - it is there
+
+    try:
+        connection.execute("SET preserve_insertion_order = false")
+        yield lambda sql, *parameters: connection.execute(sql, list(parameters)).fetchall()
+    except duckdb.OutOfMemoryException as error:
+        raise WriteError(
+            "no room for temporary files", where=tempfile.gettempdir(), remedy=_ROOM
+        ) from error
+    except duckdb.Error as error:
+        raise DataError(
+            f"cannot be read: {_brief(error)}", where=str(where), remedy="mend the file"
+        ) from error
+    finally:
+        connection.close()
+
+
+def unnested(columns: Columns) -> tuple[str, list[list[object]]]:
+    """Return the SQL that gives columns as a table, and its parameters."""
     listed = ", ".join(f'unnest(?::{kind}[]) AS "{name}"' for name, (kind, _) in columns.items())
-    _write(path, f"SELECT {listed}", [list(values) for _, values in columns.values()])
+    return f"SELECT {listed}", [list(values) for _, values in columns.values()]
+
+
+def as_parquet(sql: str, parameters: Sequence[object] = (), query: Query | None = None) -> bytes:
+    """Return what SQL gives as a Parquet file, of the tables of ``query`` where that is given."""
+    with _written_beside() as made:
+        if query is None:
+            with closing(connect()) as connection:
+                connection.execute(f"CREATE TABLE made AS {sql}", list(parameters))
+                connection.execute(f"COPY made TO '{made}' (FORMAT parquet)")
+        else:
+            query(f"COPY ({sql}) TO '{made}' (FORMAT parquet)", *parameters)
+        return made.read_bytes()
+
+
+@contextmanager
+def _written_beside() -> Iterator[Path]:
+    """Yield where a file may be made for a while; `WriteError` where none can."""
+    import duckdb  # noqa: PLC0415 - an extra
+
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            yield Path(folder, "part.parquet")
+    except (duckdb.IOException, OSError) as error:
+        raise WriteError(
+            "the folder for temporary files cannot be written, as where its disk is full",
+            where=tempfile.gettempdir(), remedy=_ROOM,
+        ) from error  # fmt: skip
 
 
 def rewrite_parquet(
@@ -108,24 +165,5 @@ def rewrite_parquet(
         "unnest(?::VARCHAR[]) AS test, unnest(?::DOUBLE[]) AS p, unnest(?::BOOLEAN[]) AS floor) "
         "AS made USING (robot, test)"
     )
-    _write(path, sql, [orders, str(path), robots, tests, values, floors])
-
-
-def _write(path: Path, sql: str, parameters: Sequence[object]) -> None:
-    connection = connect()
-    import duckdb  # noqa: PLC0415 - it is there
-
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            made = Path(folder, "part.parquet")
-            connection.execute(f"CREATE TABLE made AS {sql}", list(parameters))
-            connection.execute(f"COPY made TO '{made}' (FORMAT parquet)")
-            data = made.read_bytes()
-    except (duckdb.IOException, OSError) as error:
-        raise WriteError(
-            "the folder for temporary files cannot be written, as where its disk is full",
-            where=tempfile.gettempdir(), remedy="make room, or name another one by TMPDIR",
-        ) from error  # fmt: skip
-    finally:
-        connection.close()
-    write_file(path, data)
+    given = [orders, str(path), robots, tests, values, floors]
+    write_file(path, as_parquet(sql, given))

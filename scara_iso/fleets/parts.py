@@ -10,14 +10,15 @@ from __future__ import annotations
 import csv
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import open_file
-from scara_iso.fleets.database import fetched, fetched_csv
+from scara_iso.fleets.database import Query, fetched, fetched_csv, workspace
+from scara_iso.fleets.decimal_marks import refuse_groups, settle_marks
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import parse_number
@@ -30,6 +31,9 @@ _HEAD, _BLOCK = 64_000, 1 << 20
 _STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
 _NAMES = {name.lower(): name for name in AXES}
 
+TableName = tuple[str, str]
+"""Robot and test, in a part."""
+
 
 @dataclass(frozen=True, slots=True)
 class ReadAs:
@@ -37,6 +41,8 @@ class ReadAs:
 
     unit: str | None = None
     resolution: float | None = None
+    decimal: str | None = None
+    """The decimal mark, where the numbers can be read two ways."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,16 +79,30 @@ def digest(path: Path) -> str:
     return found.hexdigest()
 
 
-def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
-    """Yield the tables of a part; one that cannot be read is yielded with its error.
+def tables_in(
+    path: Path, reading: ReadAs, only: Collection[TableName] | None = None
+) -> Iterator[FleetTable]:
+    """Yield the tables of a part, or ``only`` some; one that cannot be read with its error.
 
     Raises `DataError` where the part itself cannot be read.
     """
+    for table in _tables_in(path, reading, only):
+        if only is None or (table.robot, table.test) in only:
+            yield table
+
+
+def columns_of(query: Query, path: Path) -> dict[str, str]:
+    """Return the columns of a Parquet file with their SQL types; `DataError` for a name twice."""
+    schema = query("SELECT name FROM parquet_schema(?)", str(path))
+    _refuse_twice([str(row[0]) for row in schema[1:]], path)
+    return {row[0]: row[1] for row in query("DESCRIBE SELECT * FROM read_parquet(?)", str(path))}
+
+
+def _tables_in(
+    path: Path, reading: ReadAs, only: Collection[TableName] | None
+) -> Iterator[FleetTable]:
     if path.suffix.lower() == ".parquet":
-        schema = fetched("SELECT name FROM parquet_schema(?)", [str(path)], str(path))
-        _refuse_twice([str(name) for name in schema["name"][1:]], path)
-        frame = fetched("SELECT * FROM read_parquet(?)", [str(path)], str(path))
-        yield from _several(frame, path, {}, reading)
+        yield from _several(_parquet_rows(path, only), path, {}, reading)
         return
     if path.suffix.lower() == ".xlsx":
         yield _single(path, reading)
@@ -92,9 +112,26 @@ def tables_in(path: Path, reading: ReadAs) -> Iterator[FleetTable]:
         names = [name.strip() for name in next(csv.reader([header], delimiter=delimiter), [])]
         if "robot" in map(str.lower, names):
             _refuse_twice(names, path)
-            yield from _several(fetched_csv(path, delimiter, names), path, statements, reading)
+            frame = fetched_csv(path, delimiter, names)
+            yield from _several(frame, path, statements, reading, grouped=delimiter == ";")
             return
     yield _single(path, reading)
+
+
+def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
+    """Return the rows of a Parquet file as a pandas table, in their order."""
+    with workspace(path) as query:
+        columns = columns_of(query, path)
+    if only is None or "robot" not in columns:
+        return fetched("SELECT * FROM read_parquet(?)", [str(path)], str(path))
+    test = "coalesce(test::VARCHAR, '')" if "test" in columns else "''"
+    sql = (
+        "SELECT * EXCLUDE (file_row_number) FROM read_parquet(?, file_row_number = true) "  # noqa: S608
+        f"WHERE (robot::VARCHAR, {test}) IN (SELECT (unnest(?::VARCHAR[]), unnest(?::VARCHAR[]))) "
+        "ORDER BY file_row_number"
+    )
+    robots, tests = zip(*only, strict=True)
+    return fetched(sql, [str(path), list(robots), list(tests)], str(path))
 
 
 def _refuse_twice(names: list[str], path: Path) -> None:
@@ -109,7 +146,8 @@ def _refuse_twice(names: list[str], path: Path) -> None:
 
 def _single(path: Path, reading: ReadAs) -> FleetTable:
     try:
-        run = read_table(path, unit=reading.unit, resolution=reading.resolution)
+        run = read_table(path, unit=reading.unit, resolution=reading.resolution,
+                         decimal=reading.decimal)  # fmt: skip
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
     robot = run.metadata.get("serial_number") or run.metadata.get("robot") or path.stem
@@ -131,8 +169,9 @@ def _head(path: Path) -> tuple[dict[str, str], str]:
 
 
 def _several(
-    frame: Any, path: Path, statements: dict[str, str], reading: ReadAs
+    frame: Any, path: Path, statements: dict[str, str], reading: ReadAs, *, grouped: bool = False
 ) -> Iterator[FleetTable]:
+    """Yield the tables of a part; numbers between semicolons may have been ``grouped``."""
     if frame.empty:
         raise DataError("holds no rows", where=str(path), remedy="put readings below its header")
     frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
@@ -143,12 +182,26 @@ def _several(
         raise DataError(
             f"{nameless} rows name no robot", where=str(path), remedy="name the robot of each row"
         )
-    attributes = {"axes": _axes(frame, statements, reading), "metadata": statements}
+    axes = _axes(frame, statements, reading)
+    settle_marks(frame, _text_columns(frame), reading.decimal, str(path))
+    if grouped and reading.decimal is None:
+        refuse_groups(frame, axes, str(path))
+    attributes = {"axes": axes, "metadata": statements}
     keys = ["robot", "test"] if "test" in frame.columns else ["robot"]
     for key, rows in frame.groupby(keys, sort=False, dropna=False):
         robot, test = (*("" if one != one else str(one) for one in key), "")[:2]  # noqa: PLR0124
         where = f"{path.name}: {robot} {test}".rstrip()
         yield FleetTable(robot, test, _run(rows.drop(columns=keys), attributes, where))
+
+
+def _text_columns(frame: Any) -> list[str]:
+    """Return the columns of text that should hold numbers."""
+    names = {"robot", "test", "approach", *POSE_NAMES}
+    return [
+        name
+        for name in frame.columns
+        if frame[name].dtype.kind not in "iufb" and name.lower() not in names
+    ]
 
 
 def _axes(frame: Any, statements: dict[str, str], reading: ReadAs) -> dict[str, dict[str, Any]]:

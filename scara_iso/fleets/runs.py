@@ -9,16 +9,20 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from scara_iso.disk import write_file
 from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.fleets.closer import look_closer
-from scara_iso.fleets.database import connect, write_parquet
+from scara_iso.fleets.database import connect
 from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.ledger import PartDone, PartLedger
 from scara_iso.fleets.parts import digest, parts_of
-from scara_iso.fleets.work import FIGURES, PartResult, Task, examine
+from scara_iso.fleets.work import PartResult, Task, examine
 from scara_iso.frozen import dataclass
 
 RESULTS = "parts"
+
+Track = Callable[[Iterator[Any], int], Iterator[Any]]
+"""Passes results on as they come, of so many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,26 +46,48 @@ def run_fleet(
     engine: Engine,
     *,
     level: float,
-    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
+    track: Track = lambda each, _: each,
 ) -> FleetRun:
     """Have every part of ``source`` examined, and leave a Parquet file for each in ``to``.
 
     The p-values are as fine as the false discovery ``level`` needs (`look_closer`). ``track`` may
-    watch the results as they come. Raises `NoInputError` where no part is there, as
-    `PartLedger`, `WriteError` for a full disk, `DataError` where a worker is of another version.
+    watch the results as they come. Raises as `run_parts`.
+    """
+
+    def closer(paths: Mapping[str, Path], read: Mapping[str, str]) -> Mapping[str, str]:
+        return look_closer(to / RESULTS, paths, read, task, engine, level, track=track)
+
+    options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
+    work = partial(examine, task=task)
+    return run_parts(source, to, options, work, engine, track=track, after=closer)
+
+
+def run_parts(
+    source: Path,
+    to: Path,
+    options: Mapping[str, Any],
+    work: Callable[[str], PartResult],
+    engine: Engine,
+    *,
+    track: Track,
+    after: Callable[[Mapping[str, Path], Mapping[str, str]], Mapping[str, str]] = lambda *_: {},
+) -> FleetRun:
+    """Have ``work`` done on every part of ``source``, and leave its result for each in ``to``.
+
+    ``after`` gets the parts and the SHA-256 of what was read of each, and returns what failed.
+    Raises `NoInputError` where no part is there, as `PartLedger`, `WriteError` for a full disk,
+    `DataError` where a worker is of another version.
     """
     from scara_iso import __version__  # noqa: PLC0415 - the face of all
 
     connect().close()  # before anything is computed
     paths = {path.name: path for path in parts_of(source)}
-    options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
     with closing(PartLedger(to, __version__, options)) as ledger:
         (to / RESULTS).mkdir(exist_ok=True)
         missing = [name for name, path in paths.items() if not _is_done(ledger, to, name, path)]
         _forget(to, paths)
-        results = _results(missing, paths, task, engine)
         given_up: dict[str, str] = {}
-        for result in track(results, len(missing)):
+        for result in track(_results(missing, paths, work, engine), len(missing)):
             if result.version != __version__:
                 raise DataError(
                     f"a worker has scara-iso {result.version}, and this is {__version__}",
@@ -72,9 +98,8 @@ def run_fleet(
                 continue
             _keep(ledger, to, result)
         failed = {d.part: d.error for d in ledger.done.values() if d.error and d.part in paths}
-        read = {name: done.sha256 for name, done in ledger.done.items()}
-        coarse = look_closer(to / RESULTS, paths, read, task, engine, level, track=track)
-    return FleetRun(to, len(paths), len(paths) - len(missing), {**failed, **coarse, **given_up})
+        later = after(paths, {name: done.sha256 for name, done in ledger.done.items()})
+    return FleetRun(to, len(paths), len(paths) - len(missing), {**failed, **later, **given_up})
 
 
 def result_path(to: Path, part: str) -> Path:
@@ -100,17 +125,20 @@ def _forget(to: Path, paths: Mapping[str, Path]) -> None:
 
 
 def _results(
-    names: list[str], paths: Mapping[str, Path], task: Task, engine: Engine
+    names: list[str],
+    paths: Mapping[str, Path],
+    work: Callable[[str], PartResult],
+    engine: Engine,
 ) -> Iterator[PartResult]:
     by_path = {str(paths[name].absolute()): name for name in names}
-    for path, found in done_by(engine, partial(examine, task=task), list(by_path)):
+    for path, found in done_by(engine, work, list(by_path)):
         if isinstance(found, PartResult):
             yield found
         elif isinstance(found, ScaraIsoError):
             raise found
         else:
             said = f"given up: {type(found).__name__}: {found}"
-            yield PartResult(by_path[path], "", _version(), (), said)
+            yield PartResult(by_path[path], "", _version(), 0, 0, b"", said)
 
 
 def _version() -> str:
@@ -122,22 +150,6 @@ def _version() -> str:
 def _keep(ledger: PartLedger, to: Path, result: PartResult) -> None:
     """Put the result on the disk, then the line that says so."""
     if result.error is None:
-        write_parquet(result_path(to, result.part), _columns(result))
-    failed = sum(row.error is not None for row in result.rows)
-    ledger.add(PartDone(result.part, result.sha256, len(result.rows), failed, result.error))
-
-
-def _columns(result: PartResult) -> dict[str, tuple[str, list[Any]]]:
-    rows = result.rows
-    kinds = {"robot": "VARCHAR", "test": "VARCHAR", "cycles": "INTEGER", "poses": "INTEGER",
-             "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN",
-             "orders": "INTEGER"}  # fmt: skip
-    columns: dict[str, tuple[str, list[Any]]] = {
-        name: (kind, [getattr(row, name) for row in rows]) for name, kind in kinds.items()
-    }
-    columns["effects"] = ("VARCHAR", [",".join(row.effects) for row in rows])
-    for name in FIGURES:
-        columns[f"RP_{name}"] = ("DOUBLE", [row.RP.get(name) for row in rows])
-    columns["error"] = ("VARCHAR", [row.error for row in rows])
-    columns["part"] = ("VARCHAR", [result.part] * len(rows))
-    return columns
+        write_file(result_path(to, result.part), result.parquet)
+    row = PartDone(result.part, result.sha256, result.tables, result.failed, result.error)
+    ledger.add(row)

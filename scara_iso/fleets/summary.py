@@ -136,14 +136,8 @@ def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
             tables=sum(row[0] for row in query("SELECT count(*) FROM fleet WHERE error IS NULL")),
             robots=robots,
             effects=_effects(robots),
-            RP_quantiles=_quantiles(query),
-            failed=tuple(
-                FailedTable(*row)
-                for row in query(
-                    "SELECT part, robot, test, error FROM fleet WHERE error IS NOT NULL "
-                    "ORDER BY part, robot, test"
-                )
-            ),
+            RP_quantiles=quantiles_of_RP(query),
+            failed=failed_tables(query),
             twice=_twice(query),
         )
 
@@ -186,7 +180,17 @@ def _effects(robots: tuple[RobotResult, ...]) -> dict[str, int]:
     return dict(sorted(counts.items(), key=lambda pair: (-pair[1], pair[0])))
 
 
-def _quantiles(query: Query) -> dict[str, tuple[float, ...]]:
+def failed_tables(query: Query) -> tuple[FailedTable, ...]:
+    """Return the tables of which there is nothing."""
+    rows = query(
+        "SELECT part, robot, test, error FROM fleet WHERE error IS NOT NULL "
+        "ORDER BY part, robot, test"
+    )
+    return tuple(FailedTable(*row) for row in rows)
+
+
+def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802 - the symbol
+    """Return 5, 25, 50, 75 and 95 % of each RP that is there."""
     found: dict[str, tuple[float, ...]] = {}
     for name in ("X", "Y", "Z", "theta", "XY", "XYZ"):
         sql = f'SELECT quantile_cont("RP_{name}", [0.05, 0.25, 0.5, 0.75, 0.95]) FROM fleet'  # noqa: S608

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import field
+from functools import partial
 from pathlib import Path
 
 from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, screen
-from scara_iso.errors import ScaraIsoError
+from scara_iso.errors import ScaraIsoError, WriteError
+from scara_iso.fleets.database import Columns, as_parquet, unnested
 from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
 from scara_iso.frozen import dataclass
 
@@ -48,37 +51,68 @@ class TableRow:
 
 @dataclass(frozen=True, slots=True)
 class PartResult:
-    """What is found of one part."""
+    """What is made of one part."""
 
     part: str
     sha256: str
     version: str
     """Of the program that worked on it."""
-    rows: tuple[TableRow, ...]
+    tables: int
+    failed: int
+    """Of these tables."""
+    parquet: bytes
+    """A row for each table, as a file."""
     error: str | None = None
     """Why the part could not be read."""
 
 
 def examine(part: str, task: Task) -> PartResult:
     """Return what is found of a part; what cannot be read is said in it, and raises nothing."""
+    return result_of(Path(part), partial(_diagnosed, task=task))
+
+
+def result_of(path: Path, made: Callable[[Path], tuple[int, int, bytes]]) -> PartResult:
+    """Return what is ``made`` of a part: its tables, how many failed, and the file of results."""
     from scara_iso import __version__  # noqa: PLC0415 - the face of all
 
-    path, sha256 = Path(part), ""
+    sha256 = ""
     try:
         sha256 = digest(path)
-        rows = tuple(_row(table, task) for table in tables_in(path, task.reading))
+        return PartResult(path.name, sha256, __version__, *made(path))
+    except WriteError:
+        raise
     except ScaraIsoError as error:
-        return PartResult(path.name, sha256, __version__, (), str(error))
-    return PartResult(path.name, sha256, __version__, rows)
+        return PartResult(path.name, sha256, __version__, 0, 0, b"", str(error))
+
+
+def _diagnosed(path: Path, task: Task) -> tuple[int, int, bytes]:
+    rows = [_row(table, task) for table in tables_in(path, task.reading)]
+    failed = sum(row.error is not None for row in rows)
+    return len(rows), failed, as_parquet(*unnested(_columns(rows, path.name)))
+
+
+def _columns(rows: Sequence[TableRow], part: str) -> Columns:
+    kinds = {"robot": "VARCHAR", "test": "VARCHAR", "cycles": "INTEGER", "poses": "INTEGER",
+             "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN",
+             "orders": "INTEGER"}  # fmt: skip
+    columns: dict[str, tuple[str, Sequence[object]]] = {
+        name: (kind, [getattr(row, name) for row in rows]) for name, kind in kinds.items()
+    }
+    columns["effects"] = ("VARCHAR", [",".join(row.effects) for row in rows])
+    for name in FIGURES:
+        columns[f"RP_{name}"] = ("DOUBLE", [row.RP.get(name) for row in rows])
+    columns["error"] = ("VARCHAR", [row.error for row in rows])
+    columns["part"] = ("VARCHAR", [part] * len(rows))
+    return columns
 
 
 def _row(table: FleetTable, task: Task) -> TableRow:
     if isinstance(table.run, ScaraIsoError):
-        return TableRow(table.robot, table.test, error=_said(table.run))
+        return TableRow(table.robot, table.test, error=in_one_line(table.run))
     try:
         found = screen(table.run, task.wanted, seed=task.seed)
     except ScaraIsoError as error:
-        return TableRow(table.robot, table.test, error=_said(error))
+        return TableRow(table.robot, table.test, error=in_one_line(error))
     return TableRow(
         robot=table.robot,
         test=table.test,
@@ -92,7 +126,7 @@ def _row(table: FleetTable, task: Task) -> TableRow:
     )
 
 
-def _said(error: ScaraIsoError) -> str:
+def in_one_line(error: ScaraIsoError) -> str:
     """Return an error with the first of its faults on one line."""
     lines = [line.strip() for line in str(error).splitlines()]
     more = [f"and {len(lines) - _LINES} more"] if len(lines) > _LINES else []

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.library.diagnoses import Diagnoses as Diagnoses
     from scara_iso.library.figures import analyze as analyze, analyze_many as analyze_many
-    from scara_iso.library.fleet_runs import fleet as fleet
+    from scara_iso.library.fleet_runs import fleet as fleet, fleet_figures as fleet_figures
     from scara_iso.library.folders import (
         new_test as new_test,
         write_planned_test as write_planned_test,

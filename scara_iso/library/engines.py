@@ -6,7 +6,7 @@ import multiprocessing
 import os
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import wait
@@ -78,6 +78,19 @@ def engine_of(name: str, workers: int | None = None) -> Iterator[Engine]:
             yield engine
     else:
         raise UsageError(f"`engine={name}`", remedy=_REMEDY)
+
+
+@contextmanager
+def threads_of(name: str, workers: int | None = None) -> Iterator[tuple[Engine, int]]:
+    """Yield an engine as `engine_of`, and the threads that DuckDB may take for one part.
+
+    ``local`` is this process: what adds up in threads of its own needs no other.
+    """
+    if name == LOCAL:
+        yield Engine(partial(ThreadPoolExecutor, 1), 1), workers or os.cpu_count() or 1
+    else:
+        with engine_of(name) as engine:
+            yield engine, 1
 
 
 @contextmanager

@@ -8,8 +8,18 @@ from typing import Any
 
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.errors import UsageError
-from scara_iso.fleets import FleetSummary, ReadAs, Task, run_fleet, summarise
-from scara_iso.library.engines import LOCAL, engine_of
+from scara_iso.fleets import (
+    FiguresTask,
+    FleetFigures,
+    FleetSummary,
+    ReadAs,
+    Task,
+    run_figures,
+    run_fleet,
+    summarise,
+    summarise_figures,
+)
+from scara_iso.library.engines import LOCAL, engine_of, threads_of
 from scara_iso.quantities import parse_unit
 
 LEVEL = 0.05
@@ -23,6 +33,7 @@ def fleet(
     workers: int | None = None,
     unit: str | None = None,
     resolution: float | None = None,
+    decimal: str | None = None,
     first_cycle_discarded: bool = False,
     cycles: int | None = None,
     all_count: bool = False,
@@ -44,10 +55,44 @@ def fleet(
     """
     if not 0 < level < 1:
         raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
-    if unit is not None:
-        parse_unit(unit)
+    _check(unit, decimal)
     wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
-    task = Task(ReadAs(unit, resolution), wanted, seed)
+    task = Task(ReadAs(unit, resolution, decimal), wanted, seed)
     with engine_of(engine, workers) as where:
         run = run_fleet(Path(source), Path(to), task, where, level=level, track=track)
     return summarise(run, level)
+
+
+def fleet_figures(
+    source: str | Path,
+    to: str | Path,
+    *,
+    engine: str = LOCAL,
+    workers: int | None = None,
+    unit: str | None = None,
+    resolution: float | None = None,
+    decimal: str | None = None,
+    first_cycle_discarded: bool = False,
+    cycles: int | None = None,
+    all_count: bool = False,
+    allow_gaps: bool = False,
+    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
+) -> FleetFigures:
+    """Return RP of many robots, and leave that of every pose in ``to``, without a diagnosis.
+
+    DuckDB adds the tables of Parquet files up, in as many threads as ``workers``; the figures are
+    those of `analyze`. The other options, and what is raised, as of `fleet`.
+    """
+    _check(unit, decimal)
+    wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
+    with threads_of(engine, workers) as (where, threads):
+        task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
+        run = run_figures(Path(source), Path(to), task, where, track=track)
+    return summarise_figures(run)
+
+
+def _check(unit: str | None, decimal: str | None) -> None:
+    if unit is not None:
+        parse_unit(unit)
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from scara_iso.comparison import Comparison
 from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, SeparatingPlan
-from scara_iso.fleets import FleetSummary
+from scara_iso.fleets import FleetFigures, FleetSummary
 from scara_iso.iso9283 import Analysis, PosePlan, PushResult
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.reports import TestReport
@@ -31,6 +31,7 @@ from scara_iso.reporting import (
     comparison_report,
     diagnosis_report,
     document,
+    fleet_figures_report,
     fleet_report,
     gauge_study_report,
     history_report,
@@ -58,6 +59,7 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], Report]]] = {
     Diagnoses: ("Diagnoses", lambda found: summary_report(found.names, found.found)),
     Diagnosis: ("Diagnosis", lambda found: diagnosis_report(found, "")),
     DiagnosisOfPoses: ("Diagnosis of several poses", lambda found: poses_report(found, "")),
+    FleetFigures: ("Figures of a fleet", fleet_figures_report),
     FleetSummary: ("Fleet", fleet_report),
     GaugeStudy: ("Gauge study", gauge_study_report),
     PosePlan: ("Plan of the test", plan_report),

@@ -119,7 +119,7 @@ def _refuse_twice(tests: Sequence[DatedAnalysis]) -> None:
             seen[key] = test.source
     if faults:
         raise DataError(
-            f"{len(faults)} tests of one day, and no time says which was first",
+            "several tests of one day, and no time says which was first",
             remedy="state the time too, '# date: 2026-05-12T14:30', or leave one of them out",
             faults=faults,
         )

@@ -25,7 +25,10 @@ if TYPE_CHECKING:
         diagnosis_json as diagnosis_json,
         poses_diagnosis_json as poses_diagnosis_json,
     )
-    from scara_iso.render.json_fleet import fleet_json as fleet_json
+    from scara_iso.render.json_fleet import (
+        fleet_figures_json as fleet_figures_json,
+        fleet_json as fleet_json,
+    )
     from scara_iso.render.json_gauge_study import gauge_study_json as gauge_study_json
     from scara_iso.render.json_history import history_json as history_json
     from scara_iso.render.json_push import push_json as push_json

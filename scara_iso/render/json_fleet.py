@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from scara_iso.render.json import Json, each, picked
 
 if TYPE_CHECKING:
-    from scara_iso.fleets import FleetSummary
+    from scara_iso.fleets import FleetFigures, FleetSummary
 
 _ROBOT = "robot tables p_value q_value found effects RP_XY"
 
@@ -20,9 +20,31 @@ def fleet_json(found: FleetSummary) -> Json:
         "folder": str(found.run.folder),
         "parts": picked(found.run, "count=parts done_before=before failed"),
         **picked(found, "tables false_discovery_rate=level found_too_coarse=too_coarse effects"),
-        "RP_quantiles": picked(found, "RP_quantiles")["RP_quantiles"],
-        "quantiles": [0.05, 0.25, 0.5, 0.75, 0.95],
+        **_quantiles(found),
         "robots": each(found.robots, _ROBOT),
         "twice": each(found.twice, "robot test parts"),
         "failed": each(found.failed, "part robot test error"),
+    }
+
+
+def fleet_figures_json(found: FleetFigures) -> Json:
+    """Return the JSON object of a fleet's figures alone, schema ``scara-iso/fleet-figures/1``."""
+    return {
+        "schema": "scara-iso/fleet-figures/1",
+        "unit": "mm",
+        "folder": str(found.run.folder),
+        "files": str(found.files),
+        "parts": picked(found.run, "count=parts done_before=before failed"),
+        **picked(found, "tables robots"),
+        **_quantiles(found),
+        "worst": each(found.worst, "robot tables RP"),
+        "twice": each(found.twice, "robot test parts"),
+        "failed": each(found.failed, "part robot test error"),
+    }
+
+
+def _quantiles(found: FleetSummary | FleetFigures) -> Json:
+    return {
+        "RP_quantiles": picked(found, "RP_quantiles")["RP_quantiles"],
+        "quantiles": [0.05, 0.25, 0.5, 0.75, 0.95],
     }

@@ -67,7 +67,10 @@ if TYPE_CHECKING:
         pages as pages,
         pages_report as pages_report,
     )
-    from scara_iso.reporting.fleet import fleet_report as fleet_report
+    from scara_iso.reporting.fleet import (
+        fleet_figures_report as fleet_figures_report,
+        fleet_report as fleet_report,
+    )
     from scara_iso.reporting.front import Amendment as Amendment
     from scara_iso.reporting.gauge_pictures import study_picture as study_picture
     from scara_iso.reporting.gauge_study import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.fleets import FleetSummary, RobotResult
+from scara_iso.fleets import FleetFigures, FleetRun, FleetSummary, RobotFigures, RobotResult
 from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
 from scara_iso.reporting.digits import four_digits
 from scara_iso.reporting.words import words
@@ -27,8 +27,38 @@ def fleet_report(found: FleetSummary, *, full: bool = False) -> Report:
         sections.append(Section("Worst first", (_robots(shown, note),)))
     if found.effects:
         sections.append(Section("Effects of the robots found", (_effects(found),)))
+    return (*sections, *_of_both(found, full=full))
+
+
+def fleet_figures_report(found: FleetFigures, *, full: bool = False) -> Report:
+    """Return which robots scatter most; ``full`` lists every failure, else the first of them."""
+    sections = [Section("", tuple(_counts(found)))]
+    shown = found.worst if full else found.worst[:_WORST]
+    if shown:
+        left = found.robots - len(shown)
+        more = f"and {left} more: {found.files}" if left else ""
+        names = [name for name in shown[0].RP if any(one.RP[name] for one in shown)]
+        rows = tuple((one.robot, Number(one.tables), *_cells(one, names)) for one in shown)
+        head = ("robot", "tables", *(f"RP {name}" for name in names))
+        sections.append(Section("Largest RP of a pose first", (Table(head, rows, more),)))
+    return (*sections, *_of_both(found, full=full))
+
+
+def _cells(one: RobotFigures, names: list[str]) -> Iterator[Cell]:
+    for name in names:
+        value = one.RP[name]
+        yield "" if value is None else Number(value, ".4f")
+
+
+def _counts(found: FleetFigures) -> Iterator[Block]:
+    yield Text(f"RP of {found.tables} tables of {found.robots} robots", "good")
+    yield Text(f"{_parts(found.run)}; the figures of every pose are in {found.files}")
+    yield from _troubles(found)
+
+
+def _of_both(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Section]:
     if found.RP_quantiles:
-        sections.append(Section("RP of the tables", (_RP(found),)))
+        yield Section("RP of the tables", (_RP(found),))
     failures = list(_failures(found))
     if failures:
         most = len(failures) if full else _FAILURES
@@ -36,8 +66,7 @@ def fleet_report(found: FleetSummary, *, full: bool = False) -> Report:
         rows = tuple(failures[:most])
         note = f"and {more} more: `full=`" if more > 0 else ""
         table = Table(("part", "robot", "test", "why"), rows, note)
-        sections.append(Section("Nothing of these", (table,)))
-    return tuple(sections)
+        yield Section("Nothing of these", (table,))
 
 
 def _answer(found: FleetSummary) -> Iterator[Block]:
@@ -47,20 +76,27 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     if named:
         yield Text(f"of them {false:.1f} by chance at most, on average: false discovery rate "
                    f"{found.level:g}", "quiet")  # fmt: skip
-    run = found.run
-    done = f"; {run.before} of them were done before" if run.before else ""
-    yield Text(f"{found.tables} tables in {run.parts} parts{done}; results in {run.folder}")
-    count = len(found.failed) + len(run.failed)
-    if count:
-        yield Text(f"! {count} could not be used: they are listed below", "warn")
-    for one in found.twice[:_FAILURES]:
-        yield Text(f"! {one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
-                   "count; remove the one that is too much", "warn")  # fmt: skip
+    yield Text(f"{found.tables} tables in {_parts(found.run)}; results in {found.run.folder}")
+    yield from _troubles(found)
     if found.undecided:
         names = [one.robot for one in found.undecided]
         more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
         yield Text(f"! {', '.join(names[:_NAMED])}{more}: nothing drawn came as far, and too "
                    "little was drawn to name them among so many: look at them", "warn")  # fmt: skip
+
+
+def _parts(run: FleetRun) -> str:
+    done = f"; {run.before} of them were done before" if run.before else ""
+    return f"{run.parts} parts{done}"
+
+
+def _troubles(found: FleetSummary | FleetFigures) -> Iterator[Text]:
+    count = len(found.failed) + len(found.run.failed)
+    if count:
+        yield Text(f"! {count} could not be used: they are listed below", "warn")
+    for one in found.twice[:_FAILURES]:
+        yield Text(f"! {one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
+                   "count; remove the one that is too much", "warn")  # fmt: skip
 
 
 def _robots(robots: tuple[RobotResult, ...], note: str) -> Table:
@@ -83,7 +119,7 @@ def _effects(found: FleetSummary) -> Table:
     return Table(("effect", "robots"), rows)
 
 
-def _RP(found: FleetSummary) -> Table:  # noqa: N802 - the field's symbol
+def _RP(found: FleetSummary | FleetFigures) -> Table:  # noqa: N802 - the field's symbol
     rows: list[tuple[Cell, ...]] = [
         (name, *(Number(end, ".4f") for end in ends)) for name, ends in found.RP_quantiles.items()
     ]
@@ -92,6 +128,6 @@ def _RP(found: FleetSummary) -> Table:  # noqa: N802 - the field's symbol
     )
 
 
-def _failures(found: FleetSummary) -> Iterator[tuple[Cell, ...]]:
+def _failures(found: FleetSummary | FleetFigures) -> Iterator[tuple[Cell, ...]]:
     yield from ((part, "", "", error) for part, error in sorted(found.run.failed.items()))
     yield from ((one.part, one.robot, one.test, one.error) for one in found.failed)

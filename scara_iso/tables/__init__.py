@@ -25,12 +25,17 @@ if TYPE_CHECKING:
         find_locale as find_locale,
         write_rows as write_rows,
     )
+    from scara_iso.tables.marks import may_be_grouped as may_be_grouped
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,
         read_columns as read_columns,
     )
-    from scara_iso.tables.numbers import parse_clean as parse_clean
+    from scara_iso.tables.numbers import (
+        Mark as Mark,
+        parse_cell as parse_cell,
+        parse_clean as parse_clean,
+    )
     from scara_iso.tables.other_units import converted as converted
     from scara_iso.tables.parts import PosePart as PosePart, merge as merge, pose_in as pose_in
     from scara_iso.tables.read import read_table as read_table

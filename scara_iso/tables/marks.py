@@ -43,7 +43,7 @@ def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
     """Refuse 1.512 um between semicolons, which may be 1512: few dials show such a small step."""
     for column in columns.layout.of(Kind.AXIS) if Mark.POINT in columns.marks else ():
         values, unit = np.abs(columns.numbers(column)), run.origin.units[column.name]
-        if unit == "um" and run.axes[column.name].resolution is None and _may_be_grouped(values):
+        if unit == "um" and run.axes[column.name].resolution is None and may_be_grouped(values):
             faults.add(
                 f"{values[values != np.round(values)][0]:.3f} um could have a decimal point or "
                 "group thousands: `decimal=.` or `decimal=,` says which",
@@ -54,7 +54,7 @@ def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
     faults.check()
 
 
-def _may_be_grouped(values: FloatArray) -> bool:
+def may_be_grouped(values: FloatArray) -> bool:
     """Say whether all that are no whole numbers are spelt as 1.512 or 23.040 is."""
     parted = values[values != np.round(values)]
     thousandths = np.isclose(parted * 1000, np.round(parted * 1000), rtol=0, atol=1e-6)

@@ -1,0 +1,110 @@
+"""The figures of a fleet as a whole: which robots scatter most, and how RP is distributed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scara_iso.display import Displayed
+from scara_iso.fleets.database import Query, results_in
+from scara_iso.fleets.runs import RESULTS, FleetRun
+from scara_iso.fleets.summary import FailedTable, TwiceThere, failed_tables, quantiles_of_RP
+from scara_iso.fleets.work import FIGURES
+from scara_iso.frames import frame_of
+from scara_iso.frozen import dataclass
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_WORST = 100
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFigures:
+    """The figures of one robot."""
+
+    robot: str
+    """Its name."""
+    tables: int
+    """How many there are of it."""
+    RP: Mapping[str, float | None]
+    """By figure, the largest of a pose [mm, deg]; None where it has none."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FleetFigures(Displayed):
+    """The figures of a fleet: those of every pose stand in the files of ``run``."""
+
+    run: FleetRun
+    """What became of the parts."""
+    tables: int
+    """How many have figures."""
+    robots: int
+    """How many there are of these."""
+    worst: tuple[RobotFigures, ...]
+    """100 robots at most, by their largest RP: of XY, else of the first axis that is there."""
+    RP_quantiles: Mapping[str, tuple[float, ...]]
+    """By figure, of the poses: 5, 25, 50, 75 and 95 % [mm, deg]."""
+    failed: tuple[FailedTable, ...]
+    """Tables of which there is nothing."""
+    twice: tuple[TwiceThere, ...]
+    """Tests that are there more than once: each counts."""
+
+    def __repr__(self) -> str:
+        return f"<FleetFigures of {self.robots} robots: {self.tables} tables>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table, a row for each of the ``worst``."""
+        rows = [
+            {"robot": one.robot, "tables": one.tables}
+            | {f"RP_{name}": one.RP[name] for name in FIGURES}
+            for one in self.worst
+        ]
+        return frame_of(rows, {})
+
+    @property
+    def files(self) -> Path:
+        """Folder of the figures of every pose, as Parquet."""
+        return self.run.folder / RESULTS
+
+
+def summarise_figures(run: FleetRun) -> FleetFigures:
+    """Return the summary of the figures that a run has left in its folder."""
+    with results_in(run.folder / RESULTS) as query:
+        counts = query("SELECT count(DISTINCT (robot, test, part)), count(DISTINCT robot) "
+                       "FROM fleet WHERE error IS NULL")  # fmt: skip
+        tables, robots = counts[0] if counts else (0, 0)
+        return FleetFigures(
+            run=run,
+            tables=tables,
+            robots=robots,
+            worst=_worst(query),
+            RP_quantiles=quantiles_of_RP(query),
+            failed=failed_tables(query),
+            twice=_twice(query),
+        )
+
+
+def _worst(query: Query) -> tuple[RobotFigures, ...]:
+    largest = ", ".join(f'max("RP_{name}")' for name in FIGURES)
+    rows = query(
+        f"SELECT robot, count(DISTINCT (test, part)), {largest} FROM fleet "  # noqa: S608
+        "WHERE error IS NULL GROUP BY robot "
+        "ORDER BY coalesce(max(RP_XY), max(RP_X), max(RP_Y), max(RP_Z), max(RP_theta)) DESC, robot "
+        f"LIMIT {_WORST}"
+    )
+    return tuple(
+        RobotFigures(robot, tables, dict(zip(FIGURES, RP, strict=True)))
+        for robot, tables, *RP in rows
+    )
+
+
+def _twice(query: Query) -> tuple[TwiceThere, ...]:
+    rows = query(
+        "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "
+        "GROUP BY robot, test, pose HAVING count(*) > 1)) "
+        "SELECT robot, test, string_agg(DISTINCT part, ',' ORDER BY part) FROM fleet "
+        "SEMI JOIN twice USING (robot, test) GROUP BY robot, test ORDER BY robot, test"
+    )
+    return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
