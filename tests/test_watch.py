@@ -1,8 +1,10 @@
 """The watch over a recording: what it says, when, and that nothing of the recording hears of it."""
 
+import copy
 import io
 import json
 import shutil
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -14,6 +16,9 @@ from scara_iso import read_table, record
 from scara_iso.acquisition import (
     CycleDone,
     Job,
+    NextWay,
+    Pause,
+    Paused,
     Quit,
     RecordingPlan,
     Started,
@@ -33,7 +38,10 @@ from scara_iso.cli.keyboard import Keys
 from scara_iso.cli.record_screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor, monitoring
 from scara_iso.diagnosis.e_process import EProcess, _bet, _normal, _step_table
+from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.looks import is_look, look, normal_scores
+from scara_iso.diagnosis.next_cycles import right_after
+from scara_iso.effects import Shape
 from scara_iso.library import Watcher
 from scara_iso.render.live import LiveScreen, draw
 from scara_iso.reporting.watching import warning
@@ -283,6 +291,20 @@ def test_a_name_that_is_not_sure_stands_beside_its_rivals():
     assert "likeliest so far step (61%) or onset (20%) or linear drift (12%), since" in first
     first, *_ = warning(Watched(19, 46.2, "structure", "unknown", 12, 0.6, {"step": 0.4}))
     assert "nothing known fits yet or step (40%)" in first
+    first, *_ = warning(Watched(19, 46.2, "structure", "step", 12, 0.45, {"onset": 0.4}))
+    assert "too early for a cause: step (45%) or onset (40%)" in first
+
+
+def test_what_would_tell_rivals_apart_stands_below_them():
+    ways = (NextWay(True, 4, 0.74), NextWay(False, 4, 0.65))
+    said = Watched(19, 46.2, "structure", "step", 12, 0.61, {"onset": 0.3}, ways)
+    assert warning(said)[2] == (
+        "To tell them apart, chance of a right name (61% now): a pause as long as 20 cycles (p), "
+        "then 4 cycles 74%, 4 cycles 65%"
+    )
+    assert as_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}
+    hardly = replace(said, next=(NextWay(False, 4, 0.62),))
+    assert warning(hardly)[2] == "Neither ten more cycles nor a pause will tell them apart"
 
 
 def test_the_share_of_a_name_is_its_probability_among_all(rng):
@@ -293,6 +315,59 @@ def test_the_share_of_a_name_is_its_probability_among_all(rng):
     assert found.alarm
     assert 0 < found.share <= 1
     assert all(0 < rival <= found.share for rival in found.rivals.values())
+
+
+def _course(name, n):
+    """Return a hypothesis over n readings: a step at the fifth, or a drift."""
+    course = {"step": np.arange(n) >= 4, "linear_drift": np.arange(n)}[name]
+    return Hypothesis(name, Shape(1.0 * course[:, np.newaxis]), 1.0)
+
+
+def test_more_cycles_tell_rivals_apart_as_far_as_what_they_foretell_differs():
+    values = ((np.arange(8) >= 4) + 0.6 * np.sin(9 * np.arange(8.0)))[:, np.newaxis]
+    even = {"step": 0.5, "linear_drift": 0.5}
+
+    def right(*members):
+        return right_after(values, even, members, np.random.default_rng(1))
+
+    one, ten = (right(_course("step", 8 + m), _course("linear_drift", 8 + m)) for m in (1, 10))
+    assert 0.55 < one < ten - 0.1
+    step = _course("step", 18)
+    assert right(step, replace(step, effect="linear_drift")) == pytest.approx(0.5)
+
+
+def test_the_advice_that_is_followed_tells_a_drift_from_a_step():
+    rng, monitor = np.random.default_rng(9), Monitor(planned=31, seed=1)
+    for k in range(19):
+        monitor.take([0.15 * k + rng.normal()])
+    before = monitor.suspicion
+    assert before.effect == "step"
+    assert "linear_drift" in before.rivals
+    right = {(one.pause, one.cycles): one.right for one in before.next}
+    assert [*right.values()] == sorted(right.values(), reverse=True)
+    assert right[True, 4] > right[False, 4] > before.share
+    stayed, shares = copy.deepcopy(monitor), []
+    monitor.pause()
+    for one, stood in ((monitor, 20), (stayed, 0)):
+        rng = np.random.default_rng(99)
+        for k in range(19 + stood, 23 + stood):
+            one.take([0.15 * k + rng.normal()])
+        shares.append((one.suspicion.effect, one.suspicion.share))
+    assert shares[0] == ("linear_drift", pytest.approx(0.95, abs=0.04))
+    assert shares[1] == ("step", pytest.approx(0.55, abs=0.1))
+
+
+def test_a_pause_is_heard_and_stays_before_what_is_taken_again(rng):
+    watch = Watcher(_job(axes="X"), None, lambda _: None)
+    values = rng.normal(0, 0.01, 16)
+    say_cycles(watch, values[:12])
+    watch.told(Paused(on=True))
+    watch.told(Paused(on=False))
+    assert watch._stood == {12}
+    say_cycles(watch, values[12:], first=13)
+    assert watch._monitor._pauses == {12}
+    watch.told(Voided(11, ("X",), "slipped"))
+    assert watch._monitor._pauses == {10}
 
 
 def test_a_test_stopped_early_says_so(tmp_path, capsys):
@@ -306,13 +381,24 @@ def test_a_test_stopped_early_says_so(tmp_path, capsys):
     assert found["message"] == "stopped after 9 of 31 planned cycles: this is no ISO 9283 test"
 
 
+def test_a_resumed_recording_knows_where_the_operator_paused(tmp_path):
+    operator = Quits(*[Pause()] * 2)
+    table = tmp_path / "short.csv"
+    record(table, ["X=opto-rs232@sim:?pace=0"], trigger="timer:10", operator=operator,
+           tell=operator.told)  # fmt: skip
+    assert read_history(raw_path(table)).pauses == [9]
+
+
 class Quits:
-    """An operator who ends the session after its ninth cycle."""
+    """An operator who ends the session after its ninth cycle, and does something before."""
 
     cycle = 0
+
+    def __init__(self, *before):
+        self.due = [*before, Quit()]
 
     def told(self, said):
         self.cycle = getattr(said, "cycle", self.cycle) - isinstance(said, Waiting)
 
     def poll(self):
-        return Quit() if self.cycle >= 9 else None
+        return self.due.pop(0) if self.cycle >= 9 and self.due else None

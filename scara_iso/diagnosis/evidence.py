@@ -8,7 +8,7 @@ s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -164,6 +164,15 @@ def _log_bayes_of_spreads(
     share = np.maximum(S / alone, _SMALLEST_SHARE)
     determinant = np.log(scales).sum(axis=1, keepdims=True)
     return np.asarray(-determinant - 0.5 * np.log(total / n) - nu / 2 * np.log(share))
+
+
+def evidence_of_runs(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatArray:
+    """Return Bayes factors over all axes, shape (members, runs), of each of ``runs`` (n, axes)."""
+    seen = [views_of(values, hypotheses.basis).columns for values in runs]
+    columns = np.stack(seen, axis=2)
+    n, v, count = columns.shape
+    log_bf = log_bayes(hypotheses, columns.reshape(n, -1)).reshape(-1, v, count)
+    return joint_evidence(log_bf, Views(columns[:, :, 0], runs[0].shape[1]))
 
 
 def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
