@@ -38,10 +38,7 @@ from scara_iso.cli.keyboard import Keys
 from scara_iso.cli.record_screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor, monitoring
 from scara_iso.diagnosis.e_process import EProcess, _bet, _normal, _step_table
-from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.looks import is_look, look, normal_scores
-from scara_iso.diagnosis.next_cycles import right_after
-from scara_iso.effects import Shape
 from scara_iso.library import Watcher
 from scara_iso.render.live import LiveScreen, draw
 from scara_iso.reporting.watching import warning
@@ -315,25 +312,6 @@ def test_the_share_of_a_name_is_its_probability_among_all(rng):
     assert found.alarm
     assert 0 < found.share <= 1
     assert all(0 < rival <= found.share for rival in found.rivals.values())
-
-
-def _course(name, n):
-    """Return a hypothesis over n readings: a step at the fifth, or a drift."""
-    course = {"step": np.arange(n) >= 4, "linear_drift": np.arange(n)}[name]
-    return Hypothesis(name, Shape(1.0 * course[:, np.newaxis]), 1.0)
-
-
-def test_more_cycles_tell_rivals_apart_as_far_as_what_they_foretell_differs():
-    values = ((np.arange(8) >= 4) + 0.6 * np.sin(9 * np.arange(8.0)))[:, np.newaxis]
-    even = {"step": 0.5, "linear_drift": 0.5}
-
-    def right(*members):
-        return right_after(values, even, members, np.random.default_rng(1))
-
-    one, ten = (right(_course("step", 8 + m), _course("linear_drift", 8 + m)) for m in (1, 10))
-    assert 0.55 < one < ten - 0.1
-    step = _course("step", 18)
-    assert right(step, replace(step, effect="linear_drift")) == pytest.approx(0.5)
 
 
 def test_the_advice_that_is_followed_tells_a_drift_from_a_step():

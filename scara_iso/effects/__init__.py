@@ -12,7 +12,7 @@ from functools import cache
 from types import ModuleType
 
 from scara_iso.effects._chance import RandomCourse, ScatterChange, TwoStates
-from scara_iso.effects._conditions import Conditions
+from scara_iso.effects._conditions import CLOCK, Conditions
 from scara_iso.effects._effect import (
     Direction,
     Effect,
@@ -30,6 +30,7 @@ from scara_iso.plugins import find_modules
 
 __all__ = [
     "AMPLITUDE_AND_PHASE",
+    "CLOCK",
     "SIZE",
     "Chain",
     "Conditions",
