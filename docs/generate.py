@@ -22,9 +22,9 @@ MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
 def reference() -> dict[str, str]:
     """Return the text of every page by its file name."""
-    effects = [page for page in pages().values() if page.kind.startswith("effect")]
-    findings = [page for page in pages().values() if page.kind == "finding"]
-    characteristics = [page for page in pages().values() if page.kind == "characteristic"]
+    effects = [page for page in pages() if page.kind.startswith("effect")]
+    findings = [page for page in pages() if page.kind == "finding"]
+    characteristics = [page for page in pages() if page.kind == "characteristic"]
     made = {
         "commands.md": ("Commands", _commands()),
         "characteristics.md": ("Characteristics", _pages(characteristics)),

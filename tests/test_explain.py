@@ -28,8 +28,8 @@ def codes_in_the_source():
 def test_every_effect_and_finding_has_a_page_and_no_other():
     wanted = {*codes_in_the_source(), *(e.name for e in (*find_effects(), *find_gear_effects()))}
     assert {"trend", "edited", "same-readings", "warm_up", "gap"} <= wanted
-    assert set(pages()) == {*wanted, "beyond-dials"}
-    assert all(page.title and page.text for page in pages().values())
+    assert {page.code for page in pages()} == {*wanted, "beyond-dials"}
+    assert all(page.title and page.text for page in pages())
 
 
 @pytest.mark.parametrize("code", ["trend", "warm_up", "warm-up", "warm up", "REFLECTED_INERTIA"])
@@ -46,10 +46,16 @@ def test_the_words_on_the_screen_lead_to_the_page(capsys):
 def test_without_a_code_all_are_listed(capsys):
     assert main(["explain"]) == 0
     out = capsys.readouterr().out
-    assert all(f"{code}: " in out for code in pages())
+    assert all(f"{page.code}: {page.title[:9]}" in out for page in pages())
     assert main(["explain", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    assert [page["code"] for page in document["pages"]] == list(pages())
+    assert [page["code"] for page in document["pages"]] == [page.code for page in pages()]
+
+
+def test_a_code_of_a_characteristic_and_an_effect_has_both_pages(capsys):
+    assert main(["explain", "compliance", "--json"]) == 0
+    kinds = [page["kind"] for page in json.loads(capsys.readouterr().out)["pages"]]
+    assert kinds == ["characteristic", "effect on readings"]
 
 
 def test_an_unknown_code_names_the_nearest(capsys):

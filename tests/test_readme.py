@@ -17,7 +17,7 @@ def test_ci_runs_the_readme_s_commands():
     commands = [block.strip() for block in blocks("sh")]
     assert len(commands) == 2
     ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    run = (step for line in ci.splitlines() for step in line.split(" && "))
+    run = (step for line in ci.splitlines() for step in line.strip().split(" && "))
     assert all(step in run for command in commands for step in command.split(" && "))  # in order
 
 

@@ -84,10 +84,10 @@ def test_the_largest_of_several_angles_is_named():
 def test_a_screen_shows_a_part_and_counts_the_rest():
     rows = tuple((str(k), "1") for k in range(103))
     assert "\n  3 more; --json gives them all" in shown(Table(("a", "b"), rows))
-    notices = [Notice("info", "code", "", f"notice {k}") for k in range(45)]
+    notices = [Notice("info", "code", "", f"notice {k}") for k in range(105)]
     text = shown(*notices, Text("the end", "strong"))
-    assert "notice 39" in text
-    assert "notice 40" not in text
+    assert "notice 99" in text
+    assert "notice 100" not in text
     assert "  5 more; --json gives them all\n  the end" in text
     assert "7 more; --json" in shown(*[Text(f"note {k}", "quiet") for k in range(13)])
     assert "--json gives all" in shown(Text("word " * 1000))

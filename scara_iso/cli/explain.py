@@ -13,7 +13,7 @@ from scara_iso.cli.output import write_json, write_report
 def _codes() -> list[str]:
     from scara_iso.reporting import pages
 
-    return list(pages())
+    return list(dict.fromkeys(page.code for page in pages()))
 
 
 Code = Annotated[
@@ -35,12 +35,12 @@ def explain_command(
     Example: scara-iso explain coarse-resolution
     """
     from scara_iso.render import explain_json
-    from scara_iso.reporting import find_page, list_report, page_report, pages
+    from scara_iso.reporting import find_pages, list_report, pages, pages_report
     from scara_iso.robot import read_effects
 
     own = () if effects is None else read_effects(effects)
-    wanted = list(pages(own).values()) if code is None else [find_page(code, own)]
+    wanted = pages(own) if code is None else find_pages(code, own)
     if json:
         write_json(explain_json(wanted))
     else:
-        write_report(list_report(wanted) if code is None else page_report(wanted[0]))
+        write_report(list_report(wanted) if code is None else pages_report(wanted))

@@ -55,8 +55,8 @@ _GAP = " " * 3
 _ENDLESS = 10_000
 _LEAST_DRAWN = 20
 """Readings are drawn beside their figures where so many characters are left."""
-_MOST_POSES, _MOST_ROWS, _MOST_NOTICES, _MOST_NOTES, _LONGEST = 10, 100, 40, 6, 2000
-"""Poses (or tables) of a report, rows of a table, texts in a row, quiet ones, letters of one."""
+_MOST_POSES, _MOST_ROWS, _MOST_NOTES, _LONGEST = 10, 100, 6, 2000
+"""Poses (or tables) of a report, rows of a table or texts in a row, quiet ones, letters of one."""
 
 
 def open_console(stream: TextIO, *, no_color: bool = False) -> Console:
@@ -105,7 +105,7 @@ def _most(block: Block) -> int:
         case Text(tone="quiet"):
             return _MOST_NOTES
         case Notice() | Text(tone="plain"):
-            return _MOST_NOTICES
+            return _MOST_ROWS
     return _ENDLESS
 
 

@@ -62,10 +62,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.explain import (
         Page as Page,
-        find_page as find_page,
+        find_pages as find_pages,
         list_report as list_report,
-        page_report as page_report,
         pages as pages,
+        pages_report as pages_report,
     )
     from scara_iso.reporting.fleet import fleet_report as fleet_report
     from scara_iso.reporting.front import Amendment as Amendment

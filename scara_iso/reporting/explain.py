@@ -32,10 +32,11 @@ class Page:
     parameters: tuple[tuple[str, str, str], ...] = ()
 
 
-def pages(own: Sequence[OwnEffect] = ()) -> dict[str, Page]:
-    """Return the pages by code: findings, characteristics, effects on readings, on reversals.
+def pages(own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
+    """Return the pages: findings, characteristics, effects on readings, on reversals.
 
-    The user's ``own`` effects are effects on readings.
+    The user's ``own`` effects are effects on readings. A characteristic and an effect may share a
+    code: compliance is both.
     """
     modules = find_modules(checks, "scara_iso.checks")
     texts = {module.CODE: module.__doc__ or "" for module in modules}
@@ -51,34 +52,34 @@ def pages(own: Sequence[OwnEffect] = ()) -> dict[str, Page]:
         for module in find_modules(effects, "scara_iso.effects")
     ]
     found += [_effect(effect, _own_text(effect)) for effect in own]
-    every = (*findings, *figures, *sorted(found, key=lambda page: page.kind))
-    return {page.code: page for page in every}
+    return (*findings, *figures, *sorted(found, key=lambda page: page.kind))
 
 
-def find_page(code: str, own: Sequence[OwnEffect] = ()) -> Page:
-    """Return a page by its code, or by the words that stand for a finding on the screen.
+def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
+    """Return the pages of a code, or of the words that stand for a finding on the screen.
 
     ``-``, ``_`` and a blank are the same. Raises `UsageError` with the nearest codes.
     """
-    found = pages(own)
-    words = {_plain(in_brief(page.code)): page.code for page in found.values()}
-    known = words | {_plain(name): name for name in found}
-    if _plain(code) in known:
-        return found[known[_plain(code)]]
+    every = pages(own)
+    words = {_plain(in_brief(page.code)): page.code for page in every}
+    known = words | {_plain(page.code): page.code for page in every}
+    if found := tuple(page for page in every if page.code == known.get(_plain(code))):
+        return found
     near = [known[name] for name in get_close_matches(_plain(code), known)]
     remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all codes"
     raise UsageError(f"no finding, characteristic or effect is called {code[:80]!r}", remedy=remedy)
 
 
-def page_report(page: Page) -> Report:
-    """Return the report on one code."""
-    blocks: list[Block] = [Text(f"{page.code}: {page.title}", "strong")]
-    blocks += [Text(paragraph) for paragraph in page.text]
-    blocks.append(Text(page.kind, "quiet"))
-    sections = [Section("", tuple(blocks))]
+def pages_report(found: Iterable[Page]) -> Report:
+    """Return the report on the pages of one code."""
+    return tuple(section for page in found for section in _sections(page))
+
+
+def _sections(page: Page) -> Iterator[Section]:
+    said = (Text(f"{page.code}: {page.title}", "strong"), *map(Text, page.text))
+    yield Section("", (*said, Text(page.kind, "quiet")))
     if page.parameters:
-        sections.append(Section("parameters", tuple(_parameters(page))))
-    return tuple(sections)
+        yield Section("parameters", tuple(_parameters(page)))
 
 
 def list_report(found: Iterable[Page]) -> Report:

@@ -50,29 +50,19 @@ class Motion:
 
 def motion(time: FloatArray, readings: list[FloatArray], window_s: float) -> Motion:
     """Return how far the ``readings``, shape (n,) each, move within a window of ``window_s``."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d  # noqa: PLC0415 - 0.1 s
+
     step = np.diff(time)
     interval = float(np.median(step))
     size = max(FEWEST_IN_WINDOW, 2 * round(window_s / interval / 2) + 1)
     ranges = np.zeros(len(time))
     for values in readings:
-        highest, lowest = (_in_windows(values, size, of) for of in (np.maximum, np.minimum))
+        highest, lowest = maximum_filter1d(values, size), minimum_filter1d(values, size)
         np.maximum(ranges, highest - lowest, out=ranges)
     gaps = np.flatnonzero(step > _GAP * interval).tolist()
     for gap in gaps:
         ranges[max(0, gap - size // 2 + 1) : gap + size // 2 + 1] = math.inf
     return Motion(ranges, size, tuple(gaps))
-
-
-def _in_windows(values: FloatArray, size: int, of: np.ufunc) -> FloatArray:
-    """Return the largest, or smallest, of the window of odd ``size`` around each sample.
-
-    Shapes (n,). A window ends where the stream does. Windows of twice the length are made of two.
-    """
-    found, length = np.pad(values, size // 2, mode="edge"), 1
-    while 2 * length <= size:
-        found, length = of(found[:-length], found[length:]), 2 * length
-    rest = size - length
-    return np.asarray(of(found[:-rest], found[rest:]) if rest else found)
 
 
 @dataclass(frozen=True, slots=True)
