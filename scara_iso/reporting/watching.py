@@ -11,7 +11,7 @@ _RIVALS = 2
 _WORTH = 0.02
 """Chance of a right name that is worth more cycles."""
 _STANDS_OUT = 0.5
-"""Share from which a cause is called the likeliest: below, 4 of 10 are right (watch.py)."""
+"""Share from which a cause is called the likeliest: below, fewer than half are right (watch.py)."""
 _UNKNOWN = "look at robot, fixture and indicator"
 _YOURS = "Nothing stops by itself; a test that is stopped early is no ISO 9283 test"
 
