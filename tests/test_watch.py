@@ -257,7 +257,7 @@ def test_ranks_of_a_step_on_three_axes_raise_the_alarm_of_an_open_length(rng):
     alarms = []
     for k in range(40):
         monitor.take((rng.normal(size=3) + 3.0 * (k >= 20)).tolist())
-        alarms.append(monitor.suspicion.alarm)
+        alarms.append(monitor.evidence >= ALARM)
     assert not any(alarms[:20])
     assert alarms.index(True) <= 29
     assert all(late or not early for early, late in pairwise(alarms))
