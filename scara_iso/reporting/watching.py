@@ -39,16 +39,16 @@ def warning(watched: Watched) -> tuple[str, ...]:
 
 def _apart(watched: Watched) -> Iterator[str]:
     """Yield what would tell the rivals apart, and how well."""
-    now = watched.share or 0.0
-    ways = [f"{_way(one)} {one.right:.0%}" for one in watched.next or ()]
-    if ways and max(one.right for one in watched.next or ()) < now + _WORTH:
+    now, ways = watched.share or 0.0, watched.next or ()
+    if ways and max(one.right for one in ways) < now + _WORTH:
         yield "Neither ten more cycles nor a pause will tell them apart"
     elif ways:
-        yield f"To tell them apart, chance of a right name ({now:.0%} now): {', '.join(ways)}"
+        then = ", ".join(f"{one.right:.0%} after {_way(one)}" for one in ways)
+        yield f"To tell them apart: a name is right in {now:.0%} now, in {then}"
 
 
 def _way(one: NextWay) -> str:
-    behind = "a pause as long as 20 cycles (p), then " if one.pause else ""
+    behind = "a pause as long as 20 cycles (p) and " if one.pause else ""
     return f"{behind}{one.cycles} cycles"
 
 
