@@ -19,7 +19,8 @@ from scara_iso.effects import Process, Shape, Spread
 from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
-_DRAWS = 200
+_DRAWS, _FEWEST_DRAWS = 200, 50
+"""Futures of one axis, and of many: they are judged while a recording waits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,13 +96,14 @@ def _drawn(
 
     ``evidence`` (amplitudes, members) is that of the readings that are there.
     """
+    draws = max(_FEWEST_DRAWS, _DRAWS // values.shape[1])
     effects = np.array([member.effect for member in hypotheses.members])
     wider = [hypotheses.amplified(factor) for factor, _ in AMPLITUDES]
     for effect, share in probability.items():
         own = np.where(effects == effect, evidence, 0.0)
         if not own.any():
             continue
-        places = rng.choice(own.size, round(_DRAWS * share), p=own.ravel() / own.sum())
+        places = rng.choice(own.size, round(draws * share), p=own.ravel() / own.sum())
         for place in places.tolist():
             amplitude, member = divmod(place, len(effects))
             after = _foretold(values, _covariance(wider[amplitude], member), rng)
