@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.next_cycles import right_after
+from scara_iso.diagnosis.next_cycles import _foretold, right_after
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.effects import Shape
 from scara_iso.run import Axis, Run
@@ -29,6 +30,16 @@ def test_more_cycles_tell_rivals_apart_as_far_as_what_they_foretell_differs():
     assert 0.55 < one < ten - 0.1
     step = _course("step", 18)
     assert right(step, replace(step, effect="linear_drift")) == pytest.approx(0.5)
+
+
+def test_scatter_alone_foretells_what_a_prediction_interval_says(rng):
+    values = rng.normal(2.0, 3.0, (12, 1))
+    drawn = _foretold(values, np.eye(14), 4000, rng)
+    assert drawn.shape == (4000, 2, 1)
+    s = values.std(ddof=1) * (1 + 1 / 12) ** 0.5
+    for share in (0.05, 0.5, 0.9):
+        expected = values.mean() + s * student.ppf(share, 11)
+        assert np.mean(drawn[:, 1] < expected) == pytest.approx(share, abs=0.03)
 
 
 def loaded(payload):

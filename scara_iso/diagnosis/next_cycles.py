@@ -104,10 +104,11 @@ def _drawn(
         if not own.any():
             continue
         places = rng.choice(own.size, round(draws * share), p=own.ravel() / own.sum())
-        for place in places.tolist():
-            amplitude, member = divmod(place, len(effects))
-            after = _foretold(values, _covariance(wider[amplitude], member), rng)
-            yield np.concatenate([values, after])
+        for place, count in zip(*np.unique(places, return_counts=True), strict=True):
+            amplitude, member = divmod(int(place), len(effects))
+            covariance = _covariance(wider[amplitude], member)
+            for after in _foretold(values, covariance, int(count), rng):
+                yield np.concatenate([values, after])
 
 
 def _covariance(hypotheses: HypothesisSet, member: int) -> FloatArray:
@@ -120,8 +121,10 @@ def _covariance(hypotheses: HypothesisSet, member: int) -> FloatArray:
     return np.asarray(np.eye(len(vectors)) + (vectors * (shrink / (1 - shrink))) @ vectors.T)
 
 
-def _foretold(values: FloatArray, covariance: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return a draw of what follows ``values`` (n, axes), shape (m, axes).
+def _foretold(
+    values: FloatArray, covariance: FloatArray, count: int, rng: np.random.Generator
+) -> FloatArray:
+    """Return draws of what follows ``values`` (n, axes), shape (count, m, axes).
 
     ``covariance`` (n + m, n + m) is in the scatter's variance. Mean and scatter are those that the
     values tell: the best linear unbiased prediction (Goldberger 1962), with Student's t.
@@ -133,8 +136,9 @@ def _foretold(values: FloatArray, covariance: FloatArray, rng: np.random.Generat
     left = values - mean
     beside = 1 - across @ inverse.sum(axis=1)
     spread = covariance[n:, n:] - across @ inverse @ across.T + np.outer(beside, beside) / known
-    scatter = left.T @ inverse @ left / rng.chisquare(n - 1)
-    drawn = _root(spread) @ rng.normal(size=(len(spread), axes)) @ _root(scatter).T
+    width = np.sqrt(1 / rng.chisquare(n - 1, (count, 1, 1)))
+    normal = rng.normal(size=(count, len(spread), axes))
+    drawn = width * (_root(spread) @ normal @ _root(left.T @ inverse @ left).T)
     return np.asarray(mean + across @ inverse @ left + drawn)
 
 
