@@ -3,6 +3,7 @@
 import io
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -34,6 +35,7 @@ CALLS = (
     ("push", "push.csv", "--arm", "0.25"),
     ("push", "push.csv", "--arm", "0.25", "--limit", "1.2"),
     ("visits", "stream.csv", "--poses", "P1,-"),
+    ("history", "months"),
 )
 INTERVAL = re.compile(r"\[[-+.\d]+, [-+.\d]+\]")
 PROGRAMMERS = re.compile(r"model before|shown here|p floor|p <=|Mann-Kendall|coarse-resolution")
@@ -60,7 +62,7 @@ def test_three_lines_say_what_was_asked_and_what_is_next(said, call):
     lines = out.rstrip("\n").splitlines()
     assert len(lines) <= 22
     assert any(line.startswith("  Next: scara-iso ") for line in lines[:3])
-    if call[0] not in ("diagnose", "visits"):
+    if call[0] not in ("diagnose", "visits", "history"):
         assert any(INTERVAL.search(line) for line in lines[:2])
     elif call[0] == "diagnose" and len(lines) > 12:
         assert re.search(r"\d", lines[1])
@@ -75,8 +77,8 @@ def test_what_it_says_to_do_next_works(said, call, tmp_path, monkeypatch, capsys
     words = shlex.split(following)
     if words[0] == "diagnose" and call[0] != "diagnose":
         words += ["--json"]  # the same work, and its text is tried above
-    for name in EXAMPLES.glob("*.csv"):
-        (tmp_path / name.name).write_bytes(name.read_bytes())
+    tables = shutil.ignore_patterns("reports", "*.html", "*.toml", "*.xlsx")
+    shutil.copytree(EXAMPLES, tmp_path, ignore=tables, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     assert main(words) in (0, 1), capsys.readouterr().err
 
@@ -194,3 +196,9 @@ def test_an_error_wraps_between_words_on_a_terminal(monkeypatch, tmp_path):
     assert words == [word for word in pipe.getvalue().split() if len(word) < 48]
     assert all(len(line) < 50 for line in screen.getvalue().splitlines() if str(table) not in line)
     assert screen.getvalue().count("\n") > pipe.getvalue().count("\n")
+
+
+def test_a_figure_against_a_limit_keeps_its_unit(said):
+    lines = said("analyze", "scatter.csv", "--limit", "0.03").splitlines()
+    units = {line.split()[0]: line.split()[3] for line in lines if ".." in line}
+    assert units["theta"] == units["X"] == "mm"  # a length at a radius

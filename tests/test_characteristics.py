@@ -27,6 +27,7 @@ from scara_iso.plugins import find_modules
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
+from scara_iso.validation.references import references
 
 UNITS = {"stabilisation_time": "s", "compliance": "mm/100 N"}
 MODULES = find_modules(characteristics, "scara_iso.characteristics")
@@ -273,6 +274,20 @@ def test_a_general_limit_is_one_of_repeatability(rng):
     assert [check.figure for check in limits] == 2 * ["X", "Y", "Z", "XY", "XYZ"]
 
 
+def test_a_limit_of_what_takes_none_is_said_so(rng):
+    with pytest.raises(UsageError, match="it has none at this pose"):
+        analyze(two_poses(rng), limits={"RD:P8-P9": 1.0})
+    drift = read_table(references("vectors", "drift.csv"))
+    with pytest.raises(UsageError, match="this figure takes no limit"):
+        analyze(drift, limits={"steady_after": 1.0})
+
+
+def test_a_limit_by_its_code_is_that_of_every_figure_of_it(rng):
+    limits = analyze(two_poses(rng), limits={"RP": 1.0, "XY": 2.0}).limits
+    assert [check.figure for check in limits] == 2 * ["X", "Y", "Z", "XY", "XYZ"]
+    assert [check.limit for check in limits] == 2 * [1.0, 1.0, 1.0, 2.0, 1.0]
+
+
 def test_a_limit_of_what_is_not_there_names_what_is(rng):
     run = two_poses(rng, in_turn=False)
     with pytest.raises(UsageError) as caught:
@@ -282,7 +297,7 @@ def test_a_limit_of_what_is_not_there_names_what_is(rng):
     assert "needs two to ten poses that are visited in each cycle" in caught.value.what
     with pytest.raises(UsageError) as caught:
         analyze(two_poses(rng), limits={"RQ": 1.0})
-    assert caught.value.remedy.startswith("it has X, Y, Z, theta, XY, XYZ, AD, AP, RD")
+    assert caught.value.remedy.startswith("it has X, Y, Z, theta, XY, XYZ, RP, RP_a, AD, AP, RD")
 
 
 def test_terminal_and_json_show_it(rng, tmp_path, capsys):

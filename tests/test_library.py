@@ -186,3 +186,8 @@ def test_one_effect_may_be_one_text():
     one = scara_iso.simulate(MODEL, effects="warm_up:size=0.03,tau=8")
     several = scara_iso.simulate(MODEL, effects=["warm_up:size=0.03,tau=8"])
     assert np.array_equal(one.axes["X"].readings, several.axes["X"].readings)
+
+
+def test_several_poses_are_not_held_out_of_one():
+    with pytest.raises(DataError, match="what it is held out of has one"):
+        scara_iso.diagnose(TABLE_1, hold_out=EXAMPLES / "five_poses.csv")

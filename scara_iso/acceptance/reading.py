@@ -25,7 +25,7 @@ from scara_iso.acceptance.whole_test import (
     Surroundings,
     WholeTest,
 )
-from scara_iso.errors import DataError
+from scara_iso.errors import DataError, NoInputError
 from scara_iso.files import read_toml
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.quantities import Dimension
@@ -48,6 +48,11 @@ def read_test(folder: Path) -> WholeTest:
     key.
     """
     path = folder / FILE
+    if not path.is_file():
+        raise NoInputError(
+            f"is no folder of a test: it has no {FILE}", where=str(folder),
+            remedy=f"make it one: scara-iso test new {folder} `model=MODEL.toml`",
+        )  # fmt: skip
     faults = KeyFaults()
     found = parse_test(read_toml(path, "docs/test-folder.md"), faults)
     if faults:

@@ -22,7 +22,7 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, named, write_json, write_report
+from scara_iso.cli.output import check_outputs, command_line, named, write_json, write_report
 
 TablesOfTests = Annotated[
     list[str],
@@ -82,8 +82,14 @@ def history_command(
     if json:
         write_json(render.history_json(found))
     else:
-        show = reporting.history_report if full else reporting.history_brief
-        write_report(show(found))
+        given = {"unit": unit, "resolution": resolution, "decimal": decimal, "cycles": cycles,
+                 "first_cycle_discarded": first_cycle_discarded, "all_count": all_count,
+                 "allow_gaps": allow_gaps}  # fmt: skip
+        last = command_line([found.tests[-1].source], given)
+        following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
+        write_report(
+            reporting.history_report(found) if full else reporting.history_brief(found, following)
+        )
     if output is not None:
         typer.echo(reporting.printable(f"{output} is written"), err=json)
     if found.crossed:

@@ -46,10 +46,13 @@ def check_limits(
     names = {name for one in characteristics for name in one.limited_by}
     unknown = sorted(set(limits) - {EVERY_LENGTH} - names)
     if unknown:
-        wanted = (needs or {}).get(unknown[0].partition(":")[0])
+        code = unknown[0].partition(":")[0]
+        wanted = (needs or {}).get(code)
+        why = f"this table has no such figure{f'; it needs {wanted}' if wanted else ''}"
+        if code in {one.code for one in characteristics}:
+            why = "this figure takes no limit" if unknown[0] == code else "it has none at this pose"
         raise UsageError(
-            f"`limit={unknown[0]}=...`: this table has no such figure"
-            + (f"; it needs {wanted}" if wanted else ""),
+            f"`limit={unknown[0]}=...`: {why}",
             remedy=f"it has {', '.join(_plain_names(characteristics))}",
         )
     if EVERY_LENGTH in limits and EVERY_LENGTH not in names:
@@ -92,7 +95,8 @@ def _rank(of: str) -> int:
 
 def _plain_names(characteristics: Iterable[Characteristic]) -> list[str]:
     found = sorted(characteristics, key=lambda one: (_between_poses(one), _rank(one.of)))
-    names = (name for one in found for name in one.limited_by)
+    ranks = range(max((len(one.limited_by) for one in found), default=0))
+    names = (name for k in ranks for one in found for name in one.limited_by[k : k + 1])
     return list(dict.fromkeys(name for name in names if name and ":" not in name))
 
 

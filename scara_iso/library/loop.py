@@ -19,7 +19,7 @@ from scara_iso.diagnosis import (
     close_the_loop_at_poses,
 )
 from scara_iso.effects import OwnEffect
-from scara_iso.errors import ScaraIsoError, UsageError
+from scara_iso.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, poses_in_cycles
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.inputs import TableOptions, Tables
@@ -88,6 +88,11 @@ def diagnose(
         return replace(found, notes=(*_seen(run, second), *found.notes))
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
+    if second is not None and pose is None and len(list(second.rows_by_pose())) > 1:
+        raise DataError(
+            "has several poses, and what it is held out of has one", where=second.origin.source,
+            remedy="hold out a table of one pose",
+        )  # fmt: skip
     one = close_the_loop(run, known, wanted, hold_out=second, sigma=sigma, seed=seed, own=own)
     return replace(one, notes=(*_seen(run, second), *one.notes))
 

@@ -185,10 +185,10 @@ def _cells(figure: Figure, check: LimitCheck | None) -> tuple[Cell, ...]:
 
 
 def _checked(check: LimitCheck) -> tuple[Cell, ...]:
-    unit = "deg" if check.figure.endswith("theta") else "mm"
-    figures = figure_cells(check.RP, check.interval, limit=check.limit)
+    mark = "± " if check.code == "RP_a" else ""
+    figures = figure_cells(check.RP, check.interval, limit=check.limit, mark=mark)
     name = f"{check.figure} eq. 23" if check.code == "RP_rss" else check.figure
-    return (name, *figures, unit, VERDICTS[check.verdict])
+    return (name, *figures, check.unit, VERDICTS[check.verdict])
 
 
 def _table_of_poses(poses: Sequence[PoseResult]) -> Table:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import PurePath
 
 from scara_iso.monitoring import (
@@ -17,6 +18,7 @@ from scara_iso.monitoring import (
 from scara_iso.reporting.blocks import (
     Block,
     Headline,
+    NextStep,
     Number,
     Report,
     Result,
@@ -24,6 +26,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
+from scara_iso.reporting.brief import first_three
 from scara_iso.reporting.comparison import headline
 from scara_iso.reporting.digits import interval, rounded
 from scara_iso.reporting.dossier import Document
@@ -48,10 +51,11 @@ def history_document(found: RobotHistory) -> Document:
     return Document(title, (*history_report(found), end), simulated=simulated)
 
 
-def history_brief(found: RobotHistory) -> Report:
+def history_brief(found: RobotHistory, following: NextStep) -> Report:
     """Return the answer: a line for each figure that changed or has a limit."""
-    blocks: list[Block] = [Headline((_subject(found),)), *_verdicts(found), *_left_out(found)]
-    return (Section("", tuple(blocks)), Section("", (_now(found),)))
+    verdicts = _verdicts(found, brief=True)
+    lines: list[Block] = [Headline((_subject(found),)), *verdicts, *_left_out(found)]
+    return (Section("", first_three(lines, following)), Section("", (_now(found),)))
 
 
 def history_report(found: RobotHistory) -> Report:
@@ -81,12 +85,16 @@ def _subject(found: RobotHistory) -> str:
     return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
 
 
-def _verdicts(found: RobotHistory) -> Iterator[Text]:
-    """Yield what limits, charts and trends amount to, the limits first."""
+def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
+    """Yield what limits, charts and trends amount to, the limits first.
+
+    In ``brief`` the alarms of the charts are left out where a trend says as much.
+    """
     for one in found.spreads:
         if limited := _limit_said(one):
             yield Text(f"{_code(one)} {_name(one)}: {limited}", "bad" if one.crossed else "good")
-    changed = {id(one): "; ".join(_change_said(one)) for one in found.spreads}
+    most = 1 if brief else None
+    changed = {id(one): "; ".join(islice(_change_said(one), most)) for one in found.spreads}
     for one in found.spreads:
         if said := changed[id(one)]:
             yield Text(f"{_code(one)} {_name(one)}: {said}", "warn")
