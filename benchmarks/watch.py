@@ -10,20 +10,24 @@ and the p-value among as many other runs in which nothing acts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.stats import norm, t as student
 
 from benchmarks import page
-from scara_iso.diagnosis import Monitor, Suspicion
+from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.e_process import EProcess
 from scara_iso.diagnosis.evidence import joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.going_on import PAUSE
 from scara_iso.diagnosis.looks import ALARM, _hypotheses, evidence_of, is_look, normal_scores
-from scara_iso.run import FloatArray
+from scara_iso.diagnosis.monitoring import WAYS_ON, drawn_in, explained, ways_on
+from scara_iso.effects import Form
+from scara_iso.run import FloatArray, IntArray
 
-RUNS, ORDERS, AXIS_RUNS, NAMED = 2000, 20_000, 1000, 25
+RUNS, ORDERS, AXIS_RUNS, NAMED = 2000, 20_000, 1000, 100
 PLANNED = 30
 SIGMA = 0.7
 """Scatter in divisions of the dial, where readings are rounded."""
@@ -48,6 +52,14 @@ COURSES = {
     "warm-up 4, tau 10": -4.0 * np.expm1(-K / 10),
     "alternating 2": 2.0 * (K % 2),
     "alternating 2 from 15 on": 2.0 * (K % 2) * (K >= 15),
+}
+FOLLOWED: dict[str, Callable[[IntArray], FloatArray]] = {
+    "step 2 after 15": lambda k: 2.0 * (k >= 15),
+    "step 3 after 12": lambda k: 3.0 * (k >= 12),
+    "drift 0.1 a cycle": lambda k: 0.1 * k,
+    "drift 0.2 a cycle": lambda k: 0.2 * k,
+    "warm-up 4, tau 5": lambda k: -4.0 * np.expm1(-k / 5),
+    "warm-up 4, tau 10": lambda k: -4.0 * np.expm1(-k / 10),
 }
 KINDS = {
     "step": "step", "drift": "linear_drift", "warm-up": "warm_up", "alternating": "contact_side",
@@ -236,29 +248,112 @@ def names() -> Iterator[str]:
     """Yield a row for each course: what is said at the alarm, and how often it is right."""
     yield "| effect [scatters] | alarms | named right | of shares above 90 % | or a rival |"
     yield "|---|---|---|---|---|"
-    for k, name in enumerate(COURSES):
-        told = [one for one in _at_alarm(300 + k, name) if one is not None]
-        right = {KINDS[name.split()[0]]}
-        named = [one.effect in right for one in told]
-        sure = [ok for ok, one in zip(named, told, strict=True) if (one.share or 0.0) > SURE]
-        among = [bool(right & {str(one.effect), *(one.rivals or {})}) for one in told]
+    for name, told in _at_alarms().items():
+        right = KINDS[name.split()[0]]
+        named = [one.best == right for one in told]
+        sure = [ok for ok, one in zip(named, told, strict=True) if _share(one) > SURE]
+        among = [right in (one.best, *(rival.effect for rival in one.rivals)) for one in told]
         cells = (named, sure, among)
         shares = " | ".join(f"{sum(one)} of {len(one)}" for one in cells)
         yield f"| {name} | {len(told)} | {shares} |"
 
 
-def _at_alarm(seed: int, name: str) -> Iterator[Suspicion | None]:
-    """Yield what is known at the first alarm of each recording, None where there is none."""
+def shares() -> Iterator[str]:
+    """Yield a row for each range of shares: how many of the names at the alarm are right."""
+    yield "| share stated | names | mean of it | right |"
+    yield "|---|---|---|---|"
+    told = [
+        (_share(one), one.best == KINDS[name.split()[0]])
+        for name, own in _at_alarms().items()
+        for one in own
+    ]
+    for low, high in pairwise((0.0, 0.5, 0.7, 0.8, 0.9, 1.01)):
+        here = np.array([one for one in told if low <= one[0] < high]).reshape(-1, 2)
+        stated, right = 100 * here.mean(axis=0)
+        among = f"{100 * low:.0f} to {min(100, 100 * high):.0f} %"
+        yield f"| {among} | {len(here)} | {stated:.0f} | {right:.0f} |"
+
+
+def _share(choice: Choice[Form]) -> float:
+    return choice.probability[choice.best]
+
+
+@cache
+def _at_alarms() -> dict[str, list[Choice[Form]]]:
+    """Return what is known at the first alarm of the recordings of each course."""
+    return {
+        name: [_explained(values) for values, _ in _alarms(300 + k, name)]
+        for k, name in enumerate(COURSES)
+    }
+
+
+def _explained(values: FloatArray, pauses: Sequence[int] = ()) -> Choice[Form]:
+    return explained(drawn_in(values), _cycles(len(values)), PLANNED, pauses)
+
+
+def _cycles(n: int) -> IntArray:
+    return np.arange(2, n + 2)
+
+
+def _alarms(seed: int, name: str) -> Iterator[tuple[FloatArray, float]]:
+    """Yield each recording's readings (n, 1) up to its first alarm, and its place on the dial."""
     rng = np.random.default_rng(seed)
-    values = rounded(rng.normal(size=(NAMED, PLANNED)) + COURSES[name], rng)
-    for run, row in enumerate(values):
-        monitor, told = Monitor(planned=PLANNED + 1, seed=run), None
-        for value in (row[0], *row):
-            monitor.take([float(value)])
-            if told is None and monitor.evidence >= ALARM:
-                told = monitor.suspicion
-        yield told
+    place = rng.random((NAMED, 1))
+    values = np.round(SIGMA * (rng.normal(size=(NAMED, PLANNED)) + COURSES[name]) + place)
+    alarm = looks(values, rng) >= ALARM
+    first = _first(alarm)
+    for run in np.flatnonzero(alarm.any(axis=1)):
+        yield values[run, : int(first[run]), np.newaxis], float(place[run, 0])
+
+
+def followed() -> Iterator[str]:
+    """Yield a row for each course: right names where rivals were left, and what more cycles bring.
+
+    What had warmed begins anew, goes on or stands in a pause; what drifts goes on or stands.
+    """
+    ways = [_said(*way) for way in WAYS_ON]
+    yield f"| effect [scatters] | with rivals | right at the alarm | {' | '.join(ways)} |"
+    yield f"|---|---|---|{'---|' * len(ways)}"
+    for k, name in enumerate(FOLLOWED):
+        rng, found = np.random.default_rng(400 + k), []
+        for values, zero in _alarms(500 + k, name):
+            cycles = _cycles(len(values))
+            choice = _explained(values)
+            if choice.rivals:
+                foretold = {
+                    (one.pause, one.cycles): one.right
+                    for one in ways_on(drawn_in(values), cycles, choice, PLANNED, [])
+                }
+                after = [_followed(values, zero, name, *way, rng) for way in WAYS_ON]
+                right = [one == KINDS[name.split()[0]] for one in (choice.best, *after)]
+                found.append([*right, *(foretold[way] for way in WAYS_ON)])
+        now, *rest = 100 * np.mean(found, axis=0)
+        cells = [f"{a:.0f} ({b:.0f})" for a, b in zip(rest[:3], rest[3:], strict=True)]
+        yield f"| {name} | {len(found)} | {now:.0f} | {' | '.join(cells)} |"
+
+
+def _said(pause: bool, cycles: int) -> str:
+    return f"{'pause, ' if pause else ''}{cycles} cycles (promised)"
+
+
+def _followed(
+    values: FloatArray, zero: float, name: str, pause: bool, more: int, rng: np.random.Generator
+) -> str:
+    """Return the likeliest name after ``more`` cycles of a course."""
+    n, kind = len(values), name.split(maxsplit=1)[0]
+    clocks = {"step": [n], "drift": [n, n + PAUSE], "warm-up": [n, n + PAUSE, 0]}[kind]
+    begin = int(rng.choice(clocks)) if pause else n
+    course = _course(name, begin + more)[begin:]
+    after = np.round(SIGMA * (rng.normal(size=more) + course) + zero)
+    whole = np.concatenate([values, after[:, np.newaxis]])
+    return _explained(whole, [n] if pause else []).best
+
+
+def _course(name: str, n: int) -> FloatArray:
+    """Return a course of `FOLLOWED` over ``n`` cycles."""
+    return FOLLOWED[name](np.arange(n))
 
 
 if __name__ == "__main__":
-    page.run({"level": level, "found": found, "axes": axes, "names": names}, PAGE, __doc__)
+    tables = {"level": level, "found": found, "axes": axes, "names": names, "shares": shares}
+    page.run({**tables, "followed": followed}, PAGE, __doc__)

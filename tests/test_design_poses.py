@@ -7,9 +7,11 @@ import pytest
 from scipy.linalg import block_diag
 
 from scara_iso.cli import main
+from scara_iso.cli.diagnose_design import _of_poses
 from scara_iso.diagnosis import CyclesWanted, design_of_poses, like_test, whole_cycles
-from scara_iso.diagnosis.planning_poses import PlannedPosesTest
+from scara_iso.diagnosis.planning_poses import PlannedPosesTest, _others
 from scara_iso.effects import Conditions, find_effects
+from scara_iso.library import TableOptions
 from scara_iso.robot import Arm, read_model
 from scara_iso.tables import read_table
 
@@ -67,6 +69,25 @@ def test_the_plan_of_a_table_has_the_scatter_of_its_joints():
     assert plan.sources["joint 1"] == pytest.approx(10e-6, rel=0.3)  # as simulated
     assert plan.sources["joint 2"] == pytest.approx(15e-6, rel=0.3)
     assert plan.division == (0.001, 0.001)
+
+
+def test_poses_approached_from_two_directions_are_planned_with_both(tmp_path):
+    lines = (EXAMPLES / "five_poses.csv").read_text().splitlines()
+    arrivals = [f"{way},{row}" for row in lines[6:] for way in ("+x", "-x")]
+    both = tmp_path / "both.csv"
+    both.write_text("\n".join([*lines[:5], f"approach,{lines[5]}", *arrivals]))
+    once, twice = (
+        _of_poses(read_model(MODEL), read_table(table), TableOptions(), CyclesWanted(None), None)
+        for table in (EXAMPLES / "five_poses.csv", both)
+    )
+    assert [*twice.joints_deg][:2] == ["P1 from +x", "P1 from -x"]
+    assert twice.joints_deg["P1 from -x"] == once.joints_deg["P1"]
+    for joint, sigma in once.sigma.items():
+        assert twice.sigma[joint] == pytest.approx(sigma / 2**0.5, rel=0.02)
+    changes = dict(_others(twice))
+    assert not any("approach" in words for words in changes), "it is there already"
+    (proposed,) = (one for words, one in changes.items() if "separating" in words)
+    assert len(proposed.joints_deg) == len(twice.joints_deg)
 
 
 @pytest.mark.parametrize(

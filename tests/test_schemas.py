@@ -51,7 +51,9 @@ EVENTS = [
     events.CycleDone(1, discarded=True, pose="P2"),
     events.Voided(1, ("X",), "knocked", "P2"),
     events.Watched(13, 1.6, "nothing yet"),
-    events.Watched(19, 46.2, "structure", "step", 12, 0.8, {"onset": 0.1}),
+    events.Watched(
+        19, 46.2, "structure", "step", 12, 0.8, {"onset": 0.1}, (events.NextWay(True, 4, 0.9),)
+    ),
     events.Done(31, 31, "run.csv", "run.raw.jsonl"),
 ]
 

@@ -1,8 +1,10 @@
 """The watch over a recording: what it says, when, and that nothing of the recording hears of it."""
 
+import copy
 import io
 import json
 import shutil
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -14,6 +16,9 @@ from scara_iso import read_table, record
 from scara_iso.acquisition import (
     CycleDone,
     Job,
+    NextWay,
+    Pause,
+    Paused,
     Quit,
     RecordingPlan,
     Started,
@@ -252,7 +257,7 @@ def test_ranks_of_a_step_on_three_axes_raise_the_alarm_of_an_open_length(rng):
     alarms = []
     for k in range(40):
         monitor.take((rng.normal(size=3) + 3.0 * (k >= 20)).tolist())
-        alarms.append(monitor.suspicion.alarm)
+        alarms.append(monitor.evidence >= ALARM)
     assert not any(alarms[:20])
     assert alarms.index(True) <= 29
     assert all(late or not early for early, late in pairwise(alarms))
@@ -283,6 +288,20 @@ def test_a_name_that_is_not_sure_stands_beside_its_rivals():
     assert "likeliest so far step (61%) or onset (20%) or linear drift (12%), since" in first
     first, *_ = warning(Watched(19, 46.2, "structure", "unknown", 12, 0.6, {"step": 0.4}))
     assert "nothing known fits yet or step (40%)" in first
+    first, *_ = warning(Watched(19, 46.2, "structure", "step", 12, 0.45, {"onset": 0.4}))
+    assert "too early for a cause: step (45%) or onset (40%)" in first
+
+
+def test_what_would_tell_rivals_apart_stands_below_them():
+    ways = (NextWay(True, 4, 0.74), NextWay(False, 4, 0.65))
+    said = Watched(19, 46.2, "structure", "step", 12, 0.61, {"onset": 0.3}, ways)
+    assert warning(said)[2] == (
+        "To tell them apart: a name is right in 61% now, in 74% after a pause as long as 20 "
+        "cycles (p) and 4 cycles, 65% after 4 cycles"
+    )
+    assert as_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}
+    hardly = replace(said, next=(NextWay(False, 4, 0.62),))
+    assert warning(hardly)[2] == "Neither ten more cycles nor a pause will tell them apart"
 
 
 def test_the_share_of_a_name_is_its_probability_among_all(rng):
@@ -293,6 +312,40 @@ def test_the_share_of_a_name_is_its_probability_among_all(rng):
     assert found.alarm
     assert 0 < found.share <= 1
     assert all(0 < rival <= found.share for rival in found.rivals.values())
+
+
+def test_the_advice_that_is_followed_tells_a_drift_from_a_step():
+    rng, monitor = np.random.default_rng(9), Monitor(planned=31, seed=1)
+    for k in range(19):
+        monitor.take([0.15 * k + rng.normal()])
+    before = monitor.suspicion
+    assert before.effect == "step"
+    assert "linear_drift" in before.rivals
+    right = {(one.pause, one.cycles): one.right for one in before.next}
+    assert [*right.values()] == sorted(right.values(), reverse=True)
+    assert right[True, 4] > right[False, 4] > before.share
+    stayed, shares = copy.deepcopy(monitor), []
+    monitor.pause()
+    for one, stood in ((monitor, 20), (stayed, 0)):
+        rng = np.random.default_rng(99)
+        for k in range(19 + stood, 23 + stood):
+            one.take([0.15 * k + rng.normal()])
+        shares.append((one.suspicion.effect, one.suspicion.share))
+    assert shares[0] == ("linear_drift", pytest.approx(0.95, abs=0.04))
+    assert shares[1] == ("step", pytest.approx(0.55, abs=0.1))
+
+
+def test_a_pause_is_heard_and_stays_before_what_is_taken_again(rng):
+    watch = Watcher(_job(axes="X"), None, lambda _: None)
+    values = rng.normal(0, 0.01, 16)
+    say_cycles(watch, values[:12])
+    watch.told(Paused(on=True))
+    watch.told(Paused(on=False))
+    assert watch._stood == {12}
+    say_cycles(watch, values[12:], first=13)
+    assert watch._monitor._pauses == {12}
+    watch.told(Voided(11, ("X",), "slipped"))
+    assert watch._monitor._pauses == {10}
 
 
 def test_a_test_stopped_early_says_so(tmp_path, capsys):
@@ -306,13 +359,24 @@ def test_a_test_stopped_early_says_so(tmp_path, capsys):
     assert found["message"] == "stopped after 9 of 31 planned cycles: this is no ISO 9283 test"
 
 
+def test_a_resumed_recording_knows_where_the_operator_paused(tmp_path):
+    operator = Quits(*[Pause()] * 2)
+    table = tmp_path / "short.csv"
+    record(table, ["X=opto-rs232@sim:?pace=0"], trigger="timer:10", operator=operator,
+           tell=operator.told)  # fmt: skip
+    assert read_history(raw_path(table)).pauses == [9]
+
+
 class Quits:
-    """An operator who ends the session after its ninth cycle."""
+    """An operator who ends the session after its ninth cycle, and does something before."""
 
     cycle = 0
+
+    def __init__(self, *before):
+        self.due = [*before, Quit()]
 
     def told(self, said):
         self.cycle = getattr(said, "cycle", self.cycle) - isinstance(said, Waiting)
 
     def poll(self):
-        return Quit() if self.cycle >= 9 else None
+        return self.due.pop(0) if self.cycle >= 9 and self.due else None

@@ -76,6 +76,7 @@ if TYPE_CHECKING:
         History as History,
         Job as Job,
         Listen as Listen,
+        NextWay as NextWay,
         Note as Note,
         Noted as Noted,
         Noticed as Noticed,

@@ -27,7 +27,7 @@ from scara_iso.library import TableOptions, defined
 from scara_iso.quantities import Dimension
 from scara_iso.render import design_json, design_of_poses_json
 from scara_iso.reporting import design_of_poses_report, design_report
-from scara_iso.robot import Model, read_model
+from scara_iso.robot import Arm, Model, read_model
 from scara_iso.run import FloatArray, Run
 
 _FEWEST_POSES = 2
@@ -75,24 +75,32 @@ def _of_poses(
     model: Model, run: Run | None, reading: TableOptions, wanted: CyclesWanted, sigma: float | None
 ) -> PlannedPosesTest:
     """Return the test of a model's poses, like that of a table where one is named."""
-    labels = [str(label) for label, _ in run.rows_by_pose()] if run else list(model.poses)
-    poses = {one: model.poses[one] for one in labels if one in model.poses}
-    if model.arm is None or len(poses) < _FEWEST_POSES or len(poses) < len(labels):
-        raise UsageError(
-            "--model does not go with --design but for a test of several poses",
-            remedy="give links and [pose.P1] joint_deg at each of them, or leave it out",
-        )
+    arm, poses = _arm_at(model, run)
     if run is None:
         dial = _planned(_conditions(reading, wanted), reading, sigma)
         variances = np.array([0.0, 0.0, dial.sigma**2, 0.0])
         steps = (dial.division, dial.division)
-        return PlannedPosesTest(dial.conditions, model.arm, poses, variances, steps)
+        return PlannedPosesTest(dial.conditions, arm, poses, variances, steps)
     used = wanted.used(run.unwrapped())
     rows = {str(pose): rows for pose, rows in zip(used.poses, used.rows, strict=True)}
-    test = like_test(whole_cycles(run, rows), model.arm, poses)
+    test = like_test(whole_cycles(run, rows), arm, poses)
     if sigma is None:
         return test
     return replace(test, variances=np.array([0.0, 0.0, sigma**2, 0.0]))
+
+
+def _arm_at(model: Model, run: Run | None) -> tuple[Arm, dict[str, tuple[float, float]]]:
+    """Return the arm, and its joints at each arrival of a table's cycle, or at a model's poses."""
+    at = {pose: pose for pose in model.poses}
+    if run is not None:
+        at = {str(label): str(run.arrival_at(label)[0]) for label, _ in run.rows_by_pose()}
+    known = {arrival: model.poses[pose] for arrival, pose in at.items() if pose in model.poses}
+    if model.arm is None or len(set(at.values())) < _FEWEST_POSES or len(known) < len(at):
+        raise UsageError(
+            "--model does not go with --design but for a test of several poses",
+            remedy="give links and [pose.P1] joint_deg at each of them, or leave it out",
+        )
+    return model.arm, known
 
 
 def _like(run: Run, sigma: float | None) -> PlannedRun:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.looks import ALARM as ALARM
     from scara_iso.diagnosis.marginal import marginal_tests as marginal_tests
     from scara_iso.diagnosis.monitoring import Monitor as Monitor, Suspicion as Suspicion
+    from scara_iso.diagnosis.next_cycles import NextCycles as NextCycles
     from scara_iso.diagnosis.permutation import order_test as order_test
     from scara_iso.diagnosis.planning import (
         Alike as Alike,

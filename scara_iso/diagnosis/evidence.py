@@ -184,6 +184,15 @@ def _log_bayes_of_spreads(
     return np.asarray(-determinant - 0.5 * np.log(total / n) - nu / 2 * np.log(share))
 
 
+def evidence_of_runs(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatArray:
+    """Return Bayes factors over all axes, shape (members, runs), of each of ``runs`` (n, axes)."""
+    seen = [views_of(values, hypotheses.basis).columns for values in runs]
+    columns = np.stack(seen, axis=2)
+    n, v, count = columns.shape
+    log_bf = log_bayes(hypotheses, columns.reshape(n, -1)).reshape(-1, v, count)
+    return joint_evidence(log_bf, Views(columns[:, :, 0], runs[0].shape[1]))
+
+
 def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     """Return Bayes factors over all axes, shape (members, m), from single ones (members, v, m).
 

@@ -13,11 +13,11 @@ import numpy as np
 from scara_iso.diagnosis.choice import Choice, choose
 from scara_iso.diagnosis.e_process import EProcess
 from scara_iso.diagnosis.evidence import views_of
-from scara_iso.diagnosis.hypotheses import hypotheses_of
-from scara_iso.diagnosis.hypothesis_set import build, constant
+from scara_iso.diagnosis.going_on import begun, named_over
 from scara_iso.diagnosis.looks import ALARM, MOST_PLANNED, is_look, look
+from scara_iso.diagnosis.next_cycles import NextCycles, right_after
 from scara_iso.diagnosis.tuning import GROSS
-from scara_iso.effects import Conditions, Form, Shape, find_effects
+from scara_iso.effects import Form, Shape
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
@@ -27,6 +27,8 @@ _NAMED_FROM = 100
 _STILL = 0.02
 """Share of its travel up to which a course has not begun."""
 _NOTHING = 1.0
+WAYS_ON = ((True, 4), (False, 4), (False, 10))
+"""Whether behind a pause, and so many cycles, by which rivals may be told apart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +37,7 @@ class Suspicion:
 
     ``effect`` is the likeliest one so far (or the unknown), ``since`` the cycle from which it acts,
     ``share`` its probability and ``rivals`` those of others at least a tenth as likely; there are
-    none without alarm.
+    none without alarm. ``next`` are ways to go on that may tell rivals apart, the best one first.
     """
 
     evidence: float
@@ -44,10 +46,11 @@ class Suspicion:
     since: int | None = None
     share: float | None = None
     rivals: Mapping[str, float] | None = None
+    next: tuple[NextCycles, ...] = ()
 
 
 class Monitor:
-    """Judges a test cycle by cycle. What it says depends on its cycles, plan and seed alone.
+    """Judges a test cycle by cycle. What it says depends on its cycles, pauses, plan and seed.
 
     ``planned`` cycles include the first, which has no part in the tests; None, or more than
     `MOST_PLANNED`, is an open length. Over the whole test an alarm comes in at most 5 % of tests in
@@ -60,6 +63,7 @@ class Monitor:
         self._values: list[Sequence[float]] = []
         self._noise: list[FloatArray] = []
         self._evidence: list[float] = []
+        self._pauses: set[int] = set()
         self._e_process: EProcess | None = None
 
     def take(self, values: Sequence[float]) -> None:
@@ -72,9 +76,14 @@ class Monitor:
         else:
             self._evidence.append(max(self._evidence[-1], self._looked(noise[1])))
 
+    def pause(self) -> None:
+        """Note that the robot stood before the next cycle."""
+        self._pauses.add(self.cycles)
+
     def strike(self, cycle: int) -> None:
         """Forget a cycle, from 1, and those behind it."""
         kept = self._values[: cycle - 1]
+        self._pauses = {min(before, cycle - 1) for before in self._pauses}
         if self._planned is not None:
             self._values, self._noise = kept, self._noise[: cycle - 1]
             self._evidence = self._evidence[: cycle - 1]
@@ -101,12 +110,16 @@ class Monitor:
             return Suspicion(evidence)
         n = min(self.cycles - 1, _NAMED_FROM)
         cycles = np.arange(self.cycles - n, self.cycles) + 1
-        choice = explained(np.array(self._values[-n:]), cycles)
+        pauses = [int(before - cycles[0]) + 1 for before in sorted(self._pauses)]
+        pauses = [before for before in pauses if 0 < before < n]
+        values, planned = drawn_in(np.array(self._values[-n:])), self._planned or 0
+        choice = explained(values, cycles, planned, pauses)
         since = int(cycles[_begin(choice.forms[choice.best])])
         rivals = {one.effect: one.probability for one in choice.rivals}
         return Suspicion(
-            evidence, True, choice.best, since, choice.probability[choice.best], rivals
-        )
+            evidence, True, choice.best, since, choice.probability[choice.best], rivals,
+            ways_on(values, cycles, choice, planned, pauses) if rivals else (),
+        )  # fmt: skip
 
     def _looked(self, within: FloatArray) -> float:
         """Return the evidence with the last cycle, which lies ``within`` its rank (0 to 1)."""
@@ -127,19 +140,34 @@ def _rank_of_last(values: FloatArray, noise: FloatArray, within: FloatArray) -> 
     return np.asarray(((before < last).sum(axis=0) + tied.sum(axis=0) + within) / len(values))
 
 
-def explained(values: FloatArray, cycles: IntArray) -> Choice[Form]:
+def explained(
+    values: FloatArray, cycles: IntArray, planned: int = 0, pauses: Sequence[int] = ()
+) -> Choice[Form]:
     """Return how likely each effect is in readings (n, channels) of ``cycles``.
 
-    The unknown is the likeliest where nothing known fits better.
+    The unknown is the likeliest where nothing known fits better. ``planned`` readings and
+    ``pauses`` are those of `named_over`.
     """
-    n = len(values)
-    members = hypotheses_of(find_effects(), Conditions(cycles, {}))
-    named = [m for m in members if m.named and m.ordered]
-    hypotheses = build(named, np.arange(n), constant(n))
-    return choose(hypotheses, views_of(_drawn_in(values), hypotheses.basis))
+    hypotheses = begun(named_over(cycles, planned, pauses), len(cycles))
+    return choose(hypotheses, views_of(values, hypotheses.basis))
 
 
-def _drawn_in(values: FloatArray) -> FloatArray:
+def ways_on(
+    values: FloatArray, cycles: IntArray, choice: Choice[Form], planned: int, pauses: list[int]
+) -> tuple[NextCycles, ...]:
+    """Return ways to go on after ``cycles``, that which leaves the likeliest name surest first."""
+    n, found = len(cycles), []
+    for pause, more in WAYS_ON:
+        members = named_over(
+            np.arange(n + more) + cycles[0], planned, [*pauses, n] if pause else pauses
+        )
+        rng = np.random.default_rng(n)
+        right = right_after(values, choice.probability, members, rng)
+        found.append(NextCycles(pause, more, right))
+    return tuple(sorted(found, key=lambda one: -one.right))
+
+
+def drawn_in(values: FloatArray) -> FloatArray:
     """Return values with gross ones drawn in, so that no single reading gives the name."""
     middle = median(values, axis=0)
     robust = 1.4826 * median(np.abs(values - middle), axis=0)

@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.evidence import evidence_of_runs
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant, extended
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
@@ -214,12 +214,7 @@ def _readings(
 
 def _statistics(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatArray:
     """Return the log of the mean Bayes factor of each run, shape (runs,)."""
-    seen = [views_of(values, hypotheses.basis).columns for values in runs]
-    columns = np.stack(seen, axis=2)
-    n, v, count = columns.shape
-    log_bf = log_bayes(hypotheses, columns.reshape(n, -1)).reshape(-1, v, count)
-    views = Views(columns[:, :, 0], runs[0].shape[1])
-    return np.asarray(np.log(hypotheses.test_weights @ joint_evidence(log_bf, views)))
+    return np.asarray(np.log(hypotheses.test_weights @ evidence_of_runs(hypotheses, runs)))
 
 
 def _crossing(power: Callable[[float], float], travels: FloatArray, sigma: float) -> float | None:

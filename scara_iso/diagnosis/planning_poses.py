@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -53,8 +54,10 @@ _NO_SCATTER_MM = 1e-6
 class PlannedPosesTest:
     """A test of X and Y at several poses: what is recorded, where the joints are, what scatters.
 
-    ``variances`` (4,) are those of joint 1 and joint 2 [rad2], of each dial's own [mm2] and the
-    covariance of the joints; ``division`` is of X and Y [mm], 0 for none.
+    ``joints_deg`` has each arrival of a cycle, so that a pose that is approached from several
+    directions is there for each. ``variances`` (4,) are those of joint 1 and joint 2 [rad2], of
+    each dial's own [mm2] and the covariance of the joints; ``division`` is of X and Y [mm], 0 for
+    none.
     """
 
     conditions: Conditions
@@ -62,6 +65,11 @@ class PlannedPosesTest:
     joints_deg: Mapping[str, Joints]
     variances: FloatArray
     division: tuple[float, float]
+
+    @property
+    def directions(self) -> int:
+        """From how many directions a pose is approached in a cycle."""
+        return round(len(self.joints_deg) / len(set(self.joints_deg.values())))
 
     @property
     def scatter(self) -> FloatArray:
@@ -156,7 +164,8 @@ def _times(smallest: Sequence[Smallest], sigma: float) -> tuple[Smallest, ...]:
 
 def _others(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]]:
     for words, conditions in other_conditions(plan.conditions):
-        yield words, replace(plan, conditions=conditions)
+        if plan.directions == 1 or "approach" not in conditions.covariates:
+            yield words, replace(plan, conditions=conditions)
     if any(plan.division):
         x, y = plan.division
         yield "dials ten times as fine", replace(plan, division=(x / 10, y / 10))
@@ -164,7 +173,10 @@ def _others(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]]:
         proposed = separating_plan(plan.arm, {}, conditions=PoseTestConditions(), rated=Rated())
     except UsageError:
         return
-    poses = {one.name: (one.joint_1_deg, one.joint_2_deg) for one in proposed.poses}
+    poses = {
+        f"{one.name} {k}": (one.joint_1_deg, one.joint_2_deg)
+        for one, k in product(proposed.poses, range(plan.directions))
+    }
     yield "the poses that plan proposes with `separating=True`", replace(plan, joints_deg=poses)
 
 

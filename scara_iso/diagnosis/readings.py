@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from scara_iso.diagnosis.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
+from scara_iso.diagnosis.next_conditions import next_conditions
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
@@ -159,11 +160,25 @@ def _diagnosis(
         error_after=_error(problem.residual, fitted, unseen.after),
         shares=shares,
         flags=_flags(problem.residual, stages),
-        notes=(*problem.residual.notes, *_coarse(shares), *_other_scatter(problem, fitted)),
+        notes=(
+            *problem.residual.notes,
+            *_coarse(shares),
+            *_other_scatter(problem, fitted),
+            *_next(problem, stages),
+        ),
         repeatability=RP,
         scatter=scatter,
         series=Series(problem.residual.conditions.cycle, *courses),
     )
+
+
+def _next(problem: SearchProblem, stages: Sequence[Stage]) -> Iterator[str]:
+    """Yield what would tell the rivals of the first effect of one pose apart."""
+    choice = stages[0].choice
+    if choice is not None and problem.poses is None:
+        residual, effects = problem.residual, tuple(problem.effects.values())
+        said = next_conditions(residual.values, residual.conditions, choice, effects)
+        yield from () if said is None else (said,)
 
 
 def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:

@@ -16,7 +16,9 @@ from scara_iso.acquisition import (
     Done,
     History,
     Job,
+    NextWay,
     Noticed,
+    Paused,
     Said,
     Started,
     Stored,
@@ -51,6 +53,8 @@ class Watcher:
         self._channels: list[_Channel] = list(product(poses, self._head["axes"]))
         self._values: dict[int, dict[_Channel, float]] = {}
         self._first: dict[_Channel, float] = {}
+        self._stood: set[int] = set()
+        """How many cycles were complete before each pause."""
         self._monitor: Monitor | None = None
         self._due = self._failed = False
         if earlier is not None:
@@ -67,6 +71,8 @@ class Watcher:
         elif not isinstance(said, CycleDone | Done):
             self._judge(said)
         self._due |= isinstance(said, CycleDone)
+        if said == Paused(on=False) and self._monitor is not None:
+            self._stood.add(self._monitor.cycles)
 
     def _put(self, cycle: int, channel: _Channel, value: float, *, angle: bool) -> None:
         first = self._first.setdefault(channel, value)
@@ -74,6 +80,7 @@ class Watcher:
         self._values.setdefault(cycle, {})[channel] = turned if angle else value
 
     def _remember(self, earlier: History) -> None:
+        self._stood.update(earlier.pauses)
         for axis, readings in earlier.readings().items():
             angle = earlier.columns[axis].dimension is Dimension.ANGLE
             for visit, value in readings.items():
@@ -101,6 +108,8 @@ class Watcher:
         if isinstance(said, Voided):
             self._strike(said, monitor)
         while len(self._values.get(monitor.cycles + 1, {})) == len(self._channels):
+            if monitor.cycles in self._stood:
+                monitor.pause()
             values = self._values[monitor.cycles + 1]
             monitor.take([values[channel] for channel in self._channels])
         if monitor.cycles in (0, before):
@@ -117,6 +126,7 @@ class Watcher:
     def _strike(self, said: Voided, monitor: Monitor) -> None:
         for axis in said.axes:
             self._values.get(said.cycle, {}).pop((said.pose, axis), None)
+        self._stood = {min(before, said.cycle - 1) for before in self._stood}
         if said.cycle <= monitor.cycles:
             monitor.strike(said.cycle)
 
@@ -126,9 +136,17 @@ def _known(monitor: Monitor) -> Watched:
     evidence = float(f"{found.evidence:.{_DIGITS}g}")
     if not found.alarm:
         return Watched(monitor.cycles, evidence, "nothing yet")
-    rivals = {name: round(share, _SHARE) for name, share in (found.rivals or {}).items()}
-    share = round(found.share or 0.0, _SHARE)
-    return Watched(monitor.cycles, evidence, "structure", found.effect, found.since, share, rivals)
+    return Watched(
+        monitor.cycles,
+        evidence,
+        "structure",
+        found.effect,
+        found.since,
+        round(found.share or 0.0, _SHARE),
+        {name: round(share, _SHARE) for name, share in (found.rivals or {}).items()},
+        tuple(NextWay(one.pause, one.cycles, round(one.right, _SHARE)) for one in found.next)
+        or None,
+    )
 
 
 def _head_of(job: Job) -> dict[str, Any]:

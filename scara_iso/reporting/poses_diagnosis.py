@@ -105,11 +105,11 @@ def _where(found: Found) -> str:
 
 
 def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
-    """Yield the size of each effect where it acts, and the most that it moves a dial."""
+    """Yield the size of each effect where it acts, its course, and the most that a dial moves."""
     for one in found.effects:
-        parts = [*_at_joint(one), *_farthest(one)]
         others = [n for n, value in one.parameters.items() if not isinstance(value, Mapping)]
-        parts += [parameters_said(one, others)] if others else []
+        course = [parameters_said(one, others)] if others else []
+        parts = [*_at_joint(one), *course, *_farthest(one)]
         of = f"{words(one.effect)}: " if len(found.effects) > 1 else ""
         if parts:
             yield Headline((f"{of}{parts[0]}", *parts[1:]), "plain")

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from scara_iso.acquisition import Watched
+from collections.abc import Iterator
+
+from scara_iso.acquisition import NextWay, Watched
 from scara_iso.reporting.words import words
 
 _RIVALS = 2
+_WORTH = 0.02
+"""Chance of a right name that is worth more cycles."""
+_STANDS_OUT = 0.5
+"""Share from which a cause is called the likeliest: below, fewer than half are right (watch.py)."""
 _UNKNOWN = "look at robot, fixture and indicator"
 _YOURS = "Nothing stops by itself; a test that is stopped early is no ISO 9283 test"
 
@@ -26,8 +32,24 @@ def warning(watched: Watched) -> tuple[str, ...]:
     return (
         f"More than scatter: {likeliest}, {begun} (evidence {watched.evidence:.3g}, alarm at 20)",
         f"{do[0].upper()}{do[1:]}; {strike} start again",
+        *_apart(watched),
         _YOURS,
     )
+
+
+def _apart(watched: Watched) -> Iterator[str]:
+    """Yield what would tell the rivals apart, and how well."""
+    now, ways = watched.share or 0.0, watched.next or ()
+    if ways and max(one.right for one in ways) < now + _WORTH:
+        yield "Neither ten more cycles nor a pause will tell them apart"
+    elif ways:
+        then = ", ".join(f"{one.right:.0%} after {_way(one)}" for one in ways)
+        yield f"To tell them apart: a name is right in {now:.0%} now, in {then}"
+
+
+def _way(one: NextWay) -> str:
+    behind = "a pause as long as 20 cycles (p) and " if one.pause else ""
+    return f"{behind}{one.cycles} cycles"
 
 
 def _named(watched: Watched) -> str:
@@ -36,6 +58,8 @@ def _named(watched: Watched) -> str:
     if watched.share is None:
         return f"likeliest {name}"
     so_far = "likeliest so far" if watched.rivals else "likeliest"
+    if watched.share < _STANDS_OUT:
+        so_far = "too early for a cause:"
     return f"{so_far} {name} ({watched.share:.0%}){_others(watched)}"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Literal, Protocol, TypeAlias
 
 from scara_iso.frozen import dataclass
@@ -126,11 +126,24 @@ class Paused:
 
 
 @dataclass(frozen=True, slots=True)
+class NextWay:
+    """A way to tell rivals apart: so many more ``cycles``, after a ``pause`` or without.
+
+    ``right`` is the chance that the likeliest name is right then.
+    """
+
+    pause: bool
+    cycles: int
+    right: float
+
+
+@dataclass(frozen=True, slots=True)
 class Watched:
     """What all readings up to ``cycle`` say together: ``structure`` at an alarm.
 
     Then ``effect`` is the likeliest one so far, ``since`` the cycle from which it acts, ``share``
-    its probability, and ``rivals`` the others that are likely, with theirs.
+    its probability, and ``rivals`` the others that are likely, with theirs. ``next`` are ways to
+    tell these apart, the best one first.
     """
 
     cycle: int
@@ -140,6 +153,7 @@ class Watched:
     since: int | None = None
     share: float | None = None
     rivals: Mapping[str, float] | None = None
+    next: tuple[NextWay, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,6 +189,8 @@ def as_json(said: Said) -> dict[str, object]:
 
 
 def _plain(value: object) -> object:
+    if isinstance(value, tuple):
+        return [asdict(one) if isinstance(one, NextWay) else one for one in value]
     return dict(value) if isinstance(value, Mapping) else value
 
 

@@ -53,6 +53,7 @@ class History:
         self.faults: list[Fault] = []
         self.timeline = Timeline()
         self.remarks = Remarks()
+        self.pauses: list[int] = []  # how many cycles were complete at each
         self.previous = FIRST
         """Checksum of the last whole line."""
         self.has_table = False
@@ -108,24 +109,30 @@ class History:
             case {"event": "session"}:
                 self._begin(record)
             case {"event": "stored", "cycle": int(cycle), "axis": str(axis)}:
-                if not 0 < cycle <= _MAX_CYCLES // len(self.tour):
-                    raise ValueError(f"cycle {cycle}")
-                visit = self.tour.visit(cycle, record.get("pose"))
-                self.columns[axis].put(visit, record["text"], record["unit"])
-                grow(self.times, visit)
-                self.times[visit - 1] = self.timeline.start + record["at"]
-                self.latest.append((visit, axis))
-                (self._asked.discard if self._trigger == str(Listen()) else self._asked.add)(axis)
+                self._put(cycle, axis, record)
             case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
                 visit = self.tour.visit(cycle, record.get("pose"))
                 self.remarks.take(record, {axis: self.columns[axis].text(visit) for axis in axes})
                 self.strike(visit, axes)
+                self.pauses = [min(before, cycle - 1) for before in self.pauses]
+            case {"event": "continued"}:
+                self.pauses.append(self.cycles)
             case {"event": "note" | "changed"}:
                 self.remarks.take(record, {})
             case {"event": "end"}:
                 self.has_table = bool(self.complete_rows().any())
             case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
                 self.troubles[event] += 1
+
+    def _put(self, cycle: int, axis: str, record: Record) -> None:
+        if not 0 < cycle <= _MAX_CYCLES // len(self.tour):
+            raise ValueError(f"cycle {cycle}")
+        visit = self.tour.visit(cycle, record.get("pose"))
+        self.columns[axis].put(visit, record["text"], record["unit"])
+        grow(self.times, visit)
+        self.times[visit - 1] = self.timeline.start + record["at"]
+        self.latest.append((visit, axis))
+        (self._asked.discard if self._trigger == str(Listen()) else self._asked.add)(axis)
 
     def strike(self, visit: int, axes: Iterable[str]) -> None:
         """Take readings of a visit out of the table."""
