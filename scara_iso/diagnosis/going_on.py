@@ -58,7 +58,7 @@ def _on(member: Hypothesis, rows: IntArray, share: float) -> Hypothesis:
     if isinstance(form, Shape):
         form = replace(form, columns=form.columns[rows])
     elif isinstance(form, Process):
-        form = replace(form, covariance=form.covariance[np.ix_(rows, rows)])
+        form = replace(form, unit=form.unit[np.ix_(rows, rows)])
     elif isinstance(form, Spread):
         form = replace(form, scale=form.scale[rows])
     return replace(member, form=form, weight=share * member.weight)

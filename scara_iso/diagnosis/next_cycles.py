@@ -115,9 +115,7 @@ def _covariance(hypotheses: HypothesisSet, member: int) -> FloatArray:
     """Return the covariance of readings (n, n) under a member, in the scatter's variance."""
     if member >= len(hypotheses.first):
         return np.diag(hypotheses.scales[member - len(hypotheses.first)] ** 2)
-    end = [*hypotheses.first[1:].tolist(), len(hypotheses.shrink)][member]
-    own = slice(int(hypotheses.first[member]), end)
-    vectors, shrink = hypotheses.vectors[:, own], hypotheses.shrink[own]
+    shrink, vectors = hypotheses.of_member(member)
     return np.asarray(np.eye(len(vectors)) + (vectors * (shrink / (1 - shrink))) @ vectors.T)
 
 
