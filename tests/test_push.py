@@ -167,7 +167,7 @@ def test_limits_are_decided_on_the_interval(rng, limits, verdict):
 
 
 def test_a_limit_of_what_is_not_there(rng):
-    with pytest.raises(UsageError, match="no such figure"):
+    with pytest.raises(UsageError, match="this figure takes no limit"):
         of_joint(rng, arm=None, noise=0.001).loop and push_test(
             of_joint(rng).loop, limits={"lost_motion": 1.0}
         )

@@ -5,10 +5,15 @@ from __future__ import annotations
 import math
 from array import array
 from collections import deque
+from collections.abc import Mapping
 from decimal import Decimal
 from typing import TypeAlias
 
+import numpy as np
+
+from scara_iso.acquisition.recorder.sizes import sizes_of_axis
 from scara_iso.quantities import Dimension, find_unit, parse_number
+from scara_iso.run import Axis, IntArray
 
 ShownReading: TypeAlias = tuple[float, str, str]
 """A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
@@ -55,6 +60,12 @@ class AxisReadings:
     def text(self, visit: int) -> str:
         """Return the latest readings' text, and nothing for one that is too old to be struck."""
         return dict(self.shown).get(visit, "")
+
+    def axis(self, name: str, rows: IntArray, metadata: Mapping[str, str]) -> Axis:
+        """Return the readings in ``rows``, with what ``metadata`` states of the axis."""
+        dimension = self.dimension or Dimension.LENGTH
+        sizes = sizes_of_axis(metadata, name, dimension)
+        return Axis(name, np.array(self.values)[rows], dimension, self.resolution or None, *sizes)
 
     def by_visit(self) -> dict[int, ShownReading]:
         """Return the readings by visit, the latest as they were shown, others in mm or degrees."""

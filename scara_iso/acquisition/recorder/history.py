@@ -18,14 +18,12 @@ from scara_iso.acquisition.ports.timeline import Timeline
 from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings, ShownReading, grow
 from scara_iso.acquisition.recorder.plan import Listen
 from scara_iso.acquisition.recorder.remarks import Remarks
-from scara_iso.acquisition.recorder.sizes import sizes_of_axis
 from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.acquisition.tape import FIRST, SCHEMA, Record, read_tape
 from scara_iso.errors import DataError, Fault
 from scara_iso.iso9283 import SEPARATOR
 from scara_iso.origin import Origin
-from scara_iso.quantities import Dimension
-from scara_iso.run import Axis, Run
+from scara_iso.run import Run
 
 _SHOWN = 10
 _SEED = re.compile(r"&seed=[^&\s]*|(?<=\?)seed=[^&\s]*&?")
@@ -228,15 +226,7 @@ class History:
             cycle=turn + 1,
             pose=np.array(self.tour.poses)[place] if self.tour.poses else None,
             axes={
-                name: Axis(
-                    name,
-                    np.array(column.values)[rows],
-                    column.dimension or Dimension.LENGTH,
-                    column.resolution or None,
-                    *sizes_of_axis(
-                        self.header["metadata"], name, column.dimension or Dimension.LENGTH
-                    ),
-                )
+                name: column.axis(name, rows, self.header["metadata"])
                 for name, column in self.columns.items()
             },
             covariates={"time_s": np.round(times, 3)},
