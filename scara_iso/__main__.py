@@ -11,8 +11,6 @@ import os
 import signal
 import sys
 
-from scara_iso import display
-
 INTERRUPTED = 130
 _COLLECTED_AFTER = 100_000
 """New objects before the first look for garbage: imports make most of them, and none of it."""
@@ -21,7 +19,6 @@ _COLLECTED_AFTER = 100_000
 def run() -> None:
     """Run the command with the process' arguments and exit: the console script."""
     gc.set_threshold(_COLLECTED_AFTER)
-    display.help_is_read = False
     heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else: nohup, a script
     if heard:
         signal.signal(signal.SIGINT, _leave)

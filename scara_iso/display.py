@@ -20,9 +20,6 @@ def _none() -> Any:
 notebook: Callable[[], Any] = _none
 """Gives ``page(result)`` and ``picture(result)``; called when somebody looks."""
 
-help_is_read = True
-"""False in the program: nobody there asks matplotlib for help on its classes."""
-
 
 class Displayed:
     """A result that a notebook shows as a page."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from scara_iso import display
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -14,10 +12,6 @@ def new_figure(
     width: float, height: float, *, layout: Literal["constrained"] | None = None
 ) -> Figure:
     """Return an empty figure of a size in inches."""
-    import matplotlib.artist  # noqa: PLC0415 - half a second, for pictures only
-
-    if not display.help_is_read:
-        matplotlib.artist.kwdoc = lambda artist: ""  # noqa: ARG005 - called by that name
-    from matplotlib.figure import Figure  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
     return Figure(figsize=(width, height), layout=layout)
