@@ -13,11 +13,9 @@ import numpy as np
 
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant
+from scara_iso.diagnosis.tuning import PAUSE
 from scara_iso.effects import Conditions, Process, Shape, Spread, find_effects
 from scara_iso.run import IntArray
-
-PAUSE = 20
-"""A pause is as long as so many cycles: ten minutes where one takes half a minute."""
 
 
 def named_over(cycles: IntArray, planned: int, pauses: Sequence[int] = ()) -> list[Hypothesis]:

@@ -182,3 +182,8 @@ POWER = 0.8
 
 ALIKE = 0.9
 """Cosine of two centred courses from which no number of readings tells them apart."""
+
+# a recording that goes on
+
+PAUSE = 20
+"""A pause is as long as so many cycles: ten minutes where one takes half a minute."""

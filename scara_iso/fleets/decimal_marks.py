@@ -9,9 +9,14 @@ import numpy as np
 
 from scara_iso.errors import DataError
 from scara_iso.quantities import parse_unit
-from scara_iso.tables import Mark, may_be_grouped, parse_cell
-
-_REMEDY = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
+from scara_iso.tables import (
+    WHICH_MARK,
+    Mark,
+    are_mixed,
+    are_undecided,
+    may_be_grouped,
+    parse_cell,
+)
 
 
 def settle_marks(frame: Any, names: Iterable[str], decimal: str | None, where: str) -> None:
@@ -43,14 +48,13 @@ def _marks(text: Mapping[str, Sequence[str]]) -> dict[Mark, str]:
 
 
 def _refuse_unsure(marks: Mapping[Mark, str], where: str) -> None:
-    comma = marks.get(Mark.COMMA) or marks.get(Mark.EITHER)
-    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
-        one = marks.get(Mark.BOTH) or comma
-        raise DataError(f"{one!r}: commas and points both occur", where=where, remedy=_REMEDY)
-    if Mark.EITHER in marks and Mark.COMMA not in marks:
+    if are_mixed(marks):
+        one = next(marks[mark] for mark in (Mark.BOTH, Mark.COMMA, Mark.EITHER) if mark in marks)
+        raise DataError(f"{one!r}: commas and points both occur", where=where, remedy=WHICH_MARK)
+    if are_undecided(marks):
         raise DataError(
             f"{marks[Mark.EITHER]!r} could have a decimal comma or group thousands",
-            where=where, remedy=_REMEDY,
+            where=where, remedy=WHICH_MARK,
         )  # fmt: skip
 
 
@@ -62,5 +66,6 @@ def refuse_groups(frame: Any, axes: Mapping[str, Mapping[str, Any]], where: str)
             if numbers and may_be_grouped(np.abs(np.array(numbers))):
                 raise DataError(
                     f"{name}: {frame[name].iloc[0]} um could have a decimal point or group "
-                    "thousands", where=where, remedy=f"{_REMEDY}; or state the dial's resolution",
+                    "thousands", where=where,
+                    remedy=f"{WHICH_MARK}; or state the dial's resolution",
                 )  # fmt: skip

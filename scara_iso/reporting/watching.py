@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.acquisition import NextWay, Watched
+from scara_iso.diagnosis import PAUSE
 from scara_iso.reporting.words import words
 
 _RIVALS = 2
@@ -48,7 +49,7 @@ def _apart(watched: Watched) -> Iterator[str]:
 
 
 def _way(one: NextWay) -> str:
-    behind = "a pause as long as 20 cycles (p) and " if one.pause else ""
+    behind = f"a pause as long as {PAUSE} cycles (p) and " if one.pause else ""
     return f"{behind}{one.cycles} cycles"
 
 

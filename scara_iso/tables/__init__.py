@@ -25,7 +25,12 @@ if TYPE_CHECKING:
         find_locale as find_locale,
         write_rows as write_rows,
     )
-    from scara_iso.tables.marks import may_be_grouped as may_be_grouped
+    from scara_iso.tables.marks import (
+        WHICH_MARK as WHICH_MARK,
+        are_mixed as are_mixed,
+        are_undecided as are_undecided,
+        may_be_grouped as may_be_grouped,
+    )
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 import numpy as np
 
 from scara_iso.run import FloatArray, Run
@@ -10,7 +12,7 @@ from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark
 
-_WHICH_MARK = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
+WHICH_MARK = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
 
 
 def check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
@@ -18,25 +20,35 @@ def check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
     marks = columns.marks
     if decimal is not None:
         return
-    comma = marks.get(Mark.COMMA) or marks.get(Mark.EITHER)
-    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
+    if are_mixed(marks):
         for mark, (line, column, text) in marks.items():
             faults.add(
                 f"{quoted(text)} with {mark.value}: commas and points "
                 "both occur, `decimal=` says which is decimal",
                 line,
                 column,
-                remedy=_WHICH_MARK,
+                remedy=WHICH_MARK,
             )
-    elif Mark.EITHER in marks and Mark.COMMA not in marks:
+    elif are_undecided(marks):
         line, column, text = marks[Mark.EITHER]
         faults.add(
             f"{quoted(text)} could have a decimal comma or group "
             "thousands: `decimal=,` or `decimal=.` says which",
             line,
             column,
-            remedy=_WHICH_MARK,
+            remedy=WHICH_MARK,
         )
+
+
+def are_mixed(marks: Container[Mark]) -> bool:
+    """Say whether commas and points both occur."""
+    comma = Mark.COMMA in marks or Mark.EITHER in marks
+    return Mark.BOTH in marks or (comma and Mark.POINT in marks)
+
+
+def are_undecided(marks: Container[Mark]) -> bool:
+    """Say whether every comma may group thousands."""
+    return Mark.EITHER in marks and Mark.COMMA not in marks
 
 
 def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
@@ -49,7 +61,7 @@ def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
                 "group thousands: `decimal=.` or `decimal=,` says which",
                 int(columns.all_lines()[0]),
                 column.position + 1,
-                remedy=f"{_WHICH_MARK}; or state the dial's resolution",
+                remedy=f"{WHICH_MARK}; or state the dial's resolution",
             )
     faults.check()
 
