@@ -2,7 +2,8 @@
 
 One table of ``benchmarks/diagnosis.py`` is meant where only a table is named; its figures stand in
 docs/appendix/diagnosis-appendix.md, section 8, those of ``benchmarks/gear.py`` in section 5. The
-weights of single effects, chosen on the tables *naming* (prior) and *power* (test), stand in their files.
+weights of single effects, chosen on the tables *naming* (prior) and *power* (test), stand in their
+files.
 """
 
 from __future__ import annotations
