@@ -93,12 +93,16 @@ def header_cells(cells: Sequence[str]) -> list[str]:
 
 
 _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
+_TRIAL = re.compile(r"(x|y|z|theta)[ _]?[0-9]{1,2}")
 
 
 def runs_across(rows: Sequence[Row]) -> Row | None:
-    """Return the first row that names runs side by side, as ISO 230-2 has them: ``Run 1 Run 2``."""
+    """Return the first row that names runs side by side: ``Run 1 Run 2``, or ``X1 X2``."""
     for row in rows:
-        short = (clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME)
+        short = [clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME]
+        axes = [trial[1] for text in short if (trial := _TRIAL.fullmatch(text))]
+        if len(axes) > len(set(axes)):
+            return row
         named = [text for text in short if _RUN.fullmatch(text)]
         if len(named) > 1 and not all(map(parse_cell, named)):
             return row

@@ -97,11 +97,13 @@ _SPLITS = (
 
 
 def clean(text: str) -> str:
-    """Return ``text`` on one line, its blanks plain and single."""
-    return " ".join(text.translate(_PLAIN_BLANKS).split())
+    """Return ``text`` on one line, its blanks plain and single, full-width marks as ASCII."""
+    return " ".join(text.translate(_PLAIN).split())
 
 
-_PLAIN_BLANKS = str.maketrans(dict.fromkeys(BLANKS, " "))
+_PLAIN = str.maketrans(
+    {**dict.fromkeys(BLANKS, " "), **dict(zip("（）［］：", "()[]:", strict=True))}
+)
 
 
 @lru_cache(maxsize=256)

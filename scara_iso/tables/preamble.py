@@ -15,9 +15,9 @@ from scara_iso.tables.text import Row
 
 _ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
-_FIRST = r"(?:[0-9]{1,2}\. ?)?[^\W\d_][^:=：]{0,40}"
-_BARE_KEY = re.compile(rf"{_FIRST}[:=：]")
-_IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?:(?!(?<=\d):\d)[:=](?![\\/])|：) ?(.*)")
+_FIRST = r"(?:[0-9]{1,2}\. ?)?[^\W\d_][^:=]{0,40}"
+_BARE_KEY = re.compile(rf"{_FIRST}[:=]")
+_IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?!(?<=\d):\d)[:=](?![\\/]) ?(.*)")
 """A key and its value in one cell: no time of day, no path and no address."""
 _LONGEST_KEY = 61
 _WIDE = re.compile(r"\s{2,}|\t")
@@ -89,7 +89,7 @@ def read_statements(row: Row) -> list[tuple[str, str]]:
     """
     cells = [text for text in map(clean, row.cells) if text]
     if len(cells) == 2 and _KEY.fullmatch(cells[0]) and not _BARE_KEY.fullmatch(cells[1]):
-        return [_normal(cells[0].strip("#:=： "), cells[1])]
+        return [_normal(cells[0].strip("#:= "), cells[1])]
     words = " ".join(cells) == clean(row.text)
     pieces = _WIDE.split(row.text) if words else cells
     found = [] if is_comment(row.text) else _beside_each_other(pieces)

@@ -117,6 +117,14 @@ def test_what_a_refusal_says_to_do_is_enough(name, tmp_path):
     assert len(read_table(edit(text).encode(), unit="mm")) > 0
 
 
+@pytest.mark.parametrize("title", ["Pose {} (500/200/100)", "P{} [A]"])
+def test_coordinates_behind_a_pose_s_name_are_not_read(title):
+    table = "".join(f"{title.format(k)}\nNr;X（mm）\n1;0,{k}\n\n" for k in (1, 2))
+    run = read_table(table.encode())
+    assert run.pose.tolist() == ["P1", "P2"]
+    assert run.axes["X"].readings.tolist() == [0.1, 0.2]
+
+
 HEADINGS = [
     "X", "Messwert X", "Wert X", "dX", "Dial 1 (X)", "dial X", "Messuhr X", "X Messwert",
     "Dial 2 (X) [mm]", "X-Achse", "X Ist", "Lectura X",
@@ -271,6 +279,7 @@ def test_the_head_of_a_form_is_read_statement_by_statement(above, resolution, ke
         ("Auflösung: 0,01 / 0,001 mm\n" + FORM, "one number", "Auflösung: 0,01\n" + FORM),
         ("Auflösung: 1 µm;Skalenteilung: 1 mm\n" + FORM, "one of them", "Auflösung: 1 µm\n" + FORM),
         ("Nr;X;;Nr;X\n1;0,1;;2;0,2\n", "goes below it", "Nr;X\n1;0,1\n2;0,2\n"),
+        ("Nr;X1;X2\n1;0,1;0,2\n", "row for each reading", "Nr;X\n1;0,1\n2;0,2\n"),
         ("Pose;X\nP1;0,1\n;0,2\n", "in each row", "Pose;X\nP1;0,1\nP1;0,2\n"),
     ],
 )
