@@ -88,7 +88,7 @@ def read_statements(row: Row) -> list[tuple[str, str]]:
     other: ``Date: | 2026-03-01 | | Tested by: | Smith``.
     """
     cells = [text for text in map(clean, row.cells) if text]
-    if len(cells) == 2 and _KEY.fullmatch(cells[0]) and not _BARE_KEY.fullmatch(cells[1]):
+    if len(cells) == 2 and _KEY.fullmatch(cells[0]) and not _begins_another(cells[1]):
         return [_normal(cells[0].strip("#:= "), cells[1])]
     words = " ".join(cells) == clean(row.text)
     pieces = _WIDE.split(row.text) if words else cells
@@ -100,6 +100,10 @@ def read_statements(row: Row) -> list[tuple[str, str]]:
     if mark and len(key) <= _LONGEST_KEY and key[:1].isalpha():
         return [_normal(key, text[mark.end() :].strip())]
     return [_normal(*size)] if (size := _own_size(clean(text))) else []
+
+
+def _begins_another(cell: str) -> bool:
+    return _BARE_KEY.fullmatch(cell) is not None or _own_size(cell) is not None
 
 
 def _beside_each_other(cells: Sequence[str]) -> list[tuple[str, str]]:

@@ -255,6 +255,7 @@ FORM = "Nr;X;Y\n1;0,112;0,811\n2;0,113;0,812\n"
         ("Roboter: A    Auflösung: 0,001 mm\n", 0.001, {"roboter": "A"}),
         ("Auflösung 0,001 mm\n", 0.001, {}),
         ("Protokoll;Messuhr: M;Auflösung 1 µm\n", 0.001, {"messuhr": "M"}),
+        ("Messuhr M;Auflösung 1 µm\n", 0.001, {}),
         ("Auflösung:;0,01;mm;Ort:;Halle 3;Nord\n", 0.01, {"ort": "Halle 3, Nord"}),
         ("Resolution [µm]:;5\n", 0.005, {}),
         ("日期：;2026-03-01;;分辨率：;0.001 mm\n", 0.001, {"日期": "2026-03-01"}),
