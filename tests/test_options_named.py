@@ -57,7 +57,7 @@ def test_help_has_no_words_of_programmers_and_groups_what_belongs_together(comma
     out = capsys.readouterr().out
     assert not re.search(r"<(str|float|int|path)\b(?! *\|)[^|]*>", out)
     if "--all-count" in out:
-        assert out.count("How a table is read:") == out.count("  --unit")
+        assert out.count("How a table is read:") == out.count("  --decimal")
         assert out.index("Which cycles count:") < out.index("--all-count")
 
 

@@ -24,6 +24,7 @@ def gauge_study(
     reference: float | Mapping[str, float] | None = None,
     unit: str | None = None,
     resolution: float | None = None,
+    decimal: str | None = None,
     decision: str = DecisionRule.SIMPLE.value,
     to: str | Path | None = None,
     seed: int = SEED,
@@ -33,9 +34,9 @@ def gauge_study(
     ``table`` is a path, ``-``, bytes or an open file, or several of one study; which study it is
     is told by what the readings name: ``part`` (a recording's ``pose``), ``operator``, ``session``,
     ``reference``. ``tolerance`` (its width) and ``reference`` (the true value) are in the unit of
-    the readings, one for all or by axis. ``unit`` and ``resolution`` (in it) as in `read_table`.
-    ``decision`` is ``simple`` (the figure against the guideline's limit, as the guidelines do) or
-    ``interval`` (all of its 95 % interval). ``to`` also writes it: .dfq (AQDEF) or a form of the
+    the readings, one for all or by axis. ``unit``, ``resolution`` (in it) and ``decimal`` as in
+    `read_table`. ``decision`` is ``simple`` (the figure against the guideline's limit, as
+    the guidelines do) or ``interval`` (all of its 95 % interval). ``to`` also writes it: .dfq (AQDEF) or a form of the
     report. ``seed`` is of the draws for intervals of several variances. Raises `DataError` for a
     table that cannot be read or makes no study, `UsageError` for options that make no sense.
     """
@@ -47,6 +48,7 @@ def gauge_study(
         tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
         unit=unit,
         resolution=resolution,
+        decimal=decimal,
         references=_by_axis(reference),
         tolerances=_positive(_by_axis(tolerance)),
     )

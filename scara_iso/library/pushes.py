@@ -17,6 +17,7 @@ def push(
     arm: float | None = None,
     unit: str | None = None,
     resolution: float | None = None,
+    decimal: str | None = None,
     limits: Mapping[str, Limit] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
 ) -> PushResult:
@@ -25,8 +26,8 @@ def push(
     ``table`` is a path, ``-``, bytes or an open file with the columns force_N and reading (a
     length), its steps in the order in which they were done. ``axis`` takes that column of a table
     of readings in place of reading. ``arm`` is the distance from the joint to dial and force [m];
-    without it there are figures of the reading only. ``unit`` and ``resolution`` (in it) are as in
-    `read_table`. ``limits`` are by code (``lost_motion``,
+    without it there are figures of the reading only. ``unit``, ``resolution`` (in it) and
+    ``decimal`` are as in `read_table`. ``limits`` are by code (``lost_motion``,
     ``friction_width``, ``hysteresis``, ``deflection``) in arcmin of the joint, with ``_mm`` behind
     in mm; the empty name is the lost motion; a pair is the smallest and the largest value.
     ``decision`` as in `analyze`. Raises `DataError` for a table that cannot be read or is no loop,
@@ -36,7 +37,8 @@ def push(
     if decision not in words:
         raise UsageError(f"decision {decision!r}", remedy=f"use {' or '.join(words)}")
     if axis is None:
-        loop = read_loop(table, unit=unit, resolution=resolution)
+        loop = read_loop(table, unit=unit, resolution=resolution, decimal=decimal)
     else:
-        loop = loop_of(read_table(table, unit=unit, resolution=resolution), axis)
+        read = read_table(table, unit=unit, resolution=resolution, decimal=decimal)
+        loop = loop_of(read, axis)
     return push_test(loop, arm_m=arm, limits=limits, decision=DecisionRule(decision))
