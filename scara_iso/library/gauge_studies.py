@@ -36,9 +36,10 @@ def gauge_study(
     ``reference``. ``tolerance`` (its width) and ``reference`` (the true value) are in the unit of
     the readings, one for all or by axis. ``unit``, ``resolution`` (in it) and ``decimal`` as in
     `read_table`. ``decision`` is ``simple`` (the figure against the guideline's limit, as
-    the guidelines do) or ``interval`` (all of its 95 % interval). ``to`` also writes it: .dfq (AQDEF) or a form of the
-    report. ``seed`` is of the draws for intervals of several variances. Raises `DataError` for a
-    table that cannot be read or makes no study, `UsageError` for options that make no sense.
+    the guidelines do) or ``interval`` (all of its 95 % interval). ``to`` also writes it: .dfq
+    (AQDEF) or a form of the report. ``seed`` is of the draws for intervals of several variances.
+    Raises `DataError` for a table that cannot be read or makes no study, `UsageError` for options that
+    make no sense.
     """
     words = [rule.value for rule in DecisionRule]
     if decision not in words:
