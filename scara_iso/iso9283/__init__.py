@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
     from scara_iso.iso9283.conformity import (
+        EVERY_LENGTH as EVERY_LENGTH,
         Conformity as Conformity,
         DecisionRule as DecisionRule,
         Limit as Limit,

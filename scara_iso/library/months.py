@@ -11,6 +11,7 @@ from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, analyze, moment_of_test
 from scara_iso.library.inputs import Table, TableOptions, Tables, tables_of
+from scara_iso.library.sizes import sizes_of
 from scara_iso.monitoring import DatedAnalysis, RobotHistory, follow, is_plausible, read_events
 from scara_iso.reporting import printable
 
@@ -22,7 +23,7 @@ def history(
     *,
     events: str | Path | None = None,
     robot: str | None = None,
-    limits: Mapping[str, float] | None = None,
+    limits: float | Mapping[str, float] | None = None,
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
@@ -41,6 +42,7 @@ def history(
     `DataError` where none can be used, one states no date, or the tests are of several robots or
     in no order; `NoInputError` for what is not there; `UsageError` for a limit of no figure.
     """
+    limits = sizes_of("limits", limits)
     found, beside = _tables(tables, events)
     reading = TableOptions(unit, resolution, decimal)
     options: dict[str, Any] = {
