@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES, check_limits as check_limits
     from scara_iso.iso9283.moments import (
+        moment_in_name as moment_in_name,
         moment_of_test as moment_of_test,
         parse_moment as parse_moment,
     )

@@ -51,9 +51,12 @@ def figure_said(
     return f"{said} [{between.low}, {between.high}]" if isinstance(between, Interval) else said
 
 
-def first_three(lines: Sequence[Block], following: NextStep) -> tuple[Block, ...]:
-    """Return the lines with what to do next as the third."""
-    return (*lines[:2], following, *lines[2:])
+def first_three(
+    lines: Sequence[Block], following: NextStep, *, answer: int = 2
+) -> tuple[Block, ...]:
+    """Return the lines with what to do next behind the ``answer``: the third, or below its list."""
+    behind = max(answer, 2)
+    return (*lines[:behind], following, *lines[behind:])
 
 
 def simulated(run: Run) -> Iterator[Text]:
