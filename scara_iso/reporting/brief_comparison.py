@@ -34,7 +34,7 @@ from scara_iso.reporting.comparison import (
 from scara_iso.reporting.digits import rounded
 from scara_iso.reporting.limits import VERDICTS
 
-_MOST_ROWS, _MOST_AXES = 8, 2
+_MOST_ROWS, _MOST_AXES = 8, 1
 _SIDES = ("before", "after")
 _WHAT_ELSE = "what else than scatter is in it"
 
@@ -101,7 +101,7 @@ def _answer(pair: Pair) -> Iterator[Block]:
         return
     yield Headline(_changes("RP", pair.spreads, pair))
     if pair.means:
-        yield Headline(_changes("mean", pair.means, pair), "plain")
+        yield Text("   ".join(_changes("mean", pair.means, pair)))
 
 
 def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str, ...]:
@@ -151,17 +151,16 @@ def _drifts(analysis: Analysis) -> bool:
 
 
 def _rows(pair: Pair) -> tuple[tuple[Cell, ...], ...]:
-    shown = [("RP", one) for one in pair.spreads]
-    shown += [("mean", one) for one in pair.means if one.verdict in CHANGED]
-    shown.sort(key=lambda found: found[1].verdict not in CHANGED)
-    kept = shown[:_MOST_ROWS]
-    return tuple(_row(what, one) for what, one in kept)
+    planar = any(one.figure == "XY" for one in pair.spreads)
+    shown = [one for one in pair.spreads if not (planar and one.figure == "XYZ")]
+    shown.sort(key=lambda one: one.verdict not in CHANGED)
+    return tuple(map(_row, shown[:_MOST_ROWS]))
 
 
-def _row(what: str, one: Contrast) -> tuple[Cell, ...]:
+def _row(one: Contrast) -> tuple[Cell, ...]:
     U = U_of_change(one)
     return (
-        f"{what} {figure_name(one)} [{one.unit}]",
+        f"RP {figure_name(one)} [{one.unit}]",
         rounded(one.before, U),
         rounded(one.after, U),
         rounded(one.difference, U, sign="+"),

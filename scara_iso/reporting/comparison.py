@@ -110,7 +110,7 @@ def caution(pair: Pair) -> Iterator[Block]:
         )
         yield Text(f"{said} dial touch, or is it too coarse?", "warn")
     if any(one.verdict is ContrastVerdict.DIAL for one in every):
-        said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
+        said = "'the dial': rounding alone can make this difference: use a finer one"
         yield Text(said, "warn")
 
 
