@@ -17,7 +17,7 @@ import numpy as np
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.fleets.database import Columns, as_parquet, unnested, workspace
-from scara_iso.fleets.dispatch import Engine
+from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.parts import FleetTable, ReadAs, columns_of, tables_in
 from scara_iso.fleets.runs import FleetRun, Track, run_parts
 from scara_iso.fleets.sums import Summed, sum_up
@@ -65,7 +65,10 @@ def run_figures(
     Raises as `run_parts`.
     """
     options = {"figures": True, **asdict(task.reading), **asdict(task.wanted)}
-    return run_parts(source, to, options, partial(figures_of_part, task=task), engine, track=track)
+    work = partial(figures_of_part, task=task)
+    return run_parts(
+        source, to, options, lambda parts: track(done_by(engine, work, parts), len(parts))
+    )
 
 
 def figures_of_part(part: str, task: FiguresTask) -> PartResult:

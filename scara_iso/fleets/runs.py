@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
@@ -16,13 +16,18 @@ from scara_iso.fleets.database import connect
 from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.ledger import PartDone, PartLedger
 from scara_iso.fleets.parts import digest, parts_of
-from scara_iso.fleets.work import PartResult, Task, examine
+from scara_iso.fleets.pieces import Piece, Share
+from scara_iso.fleets.work import PartResult, Task, examine, joined
 from scara_iso.frozen import dataclass
 
 RESULTS = "parts"
 
 Track = Callable[[Iterator[Any], int], Iterator[Any]]
 """Passes results on as they come, of so many."""
+
+
+Results = Iterator[tuple[str, PartResult | Exception]]
+"""What is found of each part, or what became of it, by its path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,25 +63,45 @@ def run_fleet(
         return look_closer(to / RESULTS, paths, read, task, engine, level, track=track)
 
     options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
+
+    def results(parts: Sequence[str]) -> Results:
+        return _examined(parts, task, engine, track)
+
+    return run_parts(source, to, options, results, after=closer)
+
+
+def _examined(parts: Sequence[str], task: Task, engine: Engine, track: Track) -> Results:
+    """Yield the result of each part once all of its pieces are examined."""
+    own = engine.shares_of_each(len(parts))
+    pieces = [Piece(part, share) for part in parts for share in own]
+    found: dict[str, dict[Share, PartResult]] = {part: {} for part in parts}
+    given_up = set[str]()
     work = partial(examine, task=task)
-    return run_parts(source, to, options, work, engine, track=track, after=closer)
+    for piece, result in track(done_by(engine, work, pieces), len(pieces)):
+        done = found[piece.path]
+        if isinstance(result, PartResult):
+            done[piece.share] = result
+        elif piece.path not in given_up:
+            given_up.add(piece.path)
+            yield piece.path, result
+        if len(done) == len(own):
+            del found[piece.path]
+            yield piece.path, joined([done[share] for share in own])
 
 
 def run_parts(
     source: Path,
     to: Path,
     options: Mapping[str, Any],
-    work: Callable[[str], PartResult],
-    engine: Engine,
+    results: Callable[[Sequence[str]], Results],
     *,
-    track: Track,
     after: Callable[[Mapping[str, Path], Mapping[str, str]], Mapping[str, str]] = lambda *_: {},
 ) -> FleetRun:
-    """Have ``work`` done on every part of ``source``, and leave its result for each in ``to``.
+    """Leave in ``to`` what is found of every part of ``source``.
 
-    ``after`` gets the parts and the SHA-256 of what was read of each, and returns what failed.
-    Raises `NoInputError` where no part is there, as `PartLedger`, `WriteError` for a full disk,
-    `DataError` where a worker is of another version.
+    ``results`` yields that of each path that it is given. ``after`` gets the parts and the SHA-256
+    of what was read of each, and returns what failed. Raises `NoInputError` where no part is there,
+    as `PartLedger`, `WriteError` for a full disk, `DataError` where a worker is of another version.
     """
     from scara_iso import __version__  # noqa: PLC0415 - the face of all
 
@@ -87,7 +112,7 @@ def run_parts(
         missing = [name for name, path in paths.items() if not _is_done(ledger, to, name, path)]
         _forget(to, paths)
         given_up: dict[str, str] = {}
-        for result in track(_results(missing, paths, work, engine), len(missing)):
+        for result in _by_name(missing, paths, results):
             if result.version != __version__:
                 raise DataError(
                     f"a worker has scara-iso {result.version}, and this is {__version__}",
@@ -124,14 +149,13 @@ def _forget(to: Path, paths: Mapping[str, Path]) -> None:
             path.unlink()
 
 
-def _results(
+def _by_name(
     names: list[str],
     paths: Mapping[str, Path],
-    work: Callable[[str], PartResult],
-    engine: Engine,
+    results: Callable[[Sequence[str]], Results],
 ) -> Iterator[PartResult]:
     by_path = {str(paths[name].absolute()): name for name in names}
-    for path, found in done_by(engine, work, list(by_path)):
+    for path, found in results(list(by_path)):
         if isinstance(found, PartResult):
             yield found
         elif isinstance(found, ScaraIsoError):

@@ -1,16 +1,17 @@
-"""What is done with one part, by whichever process or machine: every table of it is diagnosed."""
+"""What is done with a piece of a part, by whichever process or machine: each table is diagnosed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 
 from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, screen
 from scara_iso.errors import ScaraIsoError, WriteError
-from scara_iso.fleets.database import Columns, as_parquet, unnested
+from scara_iso.fleets.database import Columns, as_parquet, joined_parquet, unnested
 from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
+from scara_iso.fleets.pieces import Piece, Share
 from scara_iso.frozen import dataclass
 
 _LINES = 4
@@ -66,9 +67,9 @@ class PartResult:
     """Why the part could not be read."""
 
 
-def examine(part: str, task: Task) -> PartResult:
-    """Return what is found of a part; what cannot be read is said in it, and raises nothing."""
-    return result_of(Path(part), partial(_diagnosed, task=task))
+def examine(piece: Piece, task: Task) -> PartResult:
+    """Return what is found of a piece; what cannot be read is said in it, and raises nothing."""
+    return result_of(Path(piece.path), partial(_diagnosed, task=task, share=piece.share))
 
 
 def result_of(path: Path, made: Callable[[Path], tuple[int, int, bytes]]) -> PartResult:
@@ -85,8 +86,28 @@ def result_of(path: Path, made: Callable[[Path], tuple[int, int, bytes]]) -> Par
         return PartResult(path.name, sha256, __version__, 0, 0, b"", str(error))
 
 
-def _diagnosed(path: Path, task: Task) -> tuple[int, int, bytes]:
-    rows = [_row(table, task) for table in tables_in(path, task.reading)]
+def joined(pieces: Sequence[PartResult]) -> PartResult:
+    """Return the result of a part that several pieces are, in their order.
+
+    One of another version stands for all, and there is nothing of a part that cannot be read, or
+    that has changed between two of them.
+    """
+    first = pieces[0]
+    odd = [one for one in pieces if one.version != first.version or one.error]
+    if len(pieces) == 1 or odd:
+        return odd[0] if odd else first
+    if len({one.sha256 for one in pieces}) > 1:
+        return replace(first, sha256="", error="has changed while it was read: run it again")
+    return replace(
+        first,
+        tables=sum(one.tables for one in pieces),
+        failed=sum(one.failed for one in pieces),
+        parquet=joined_parquet([one.parquet for one in pieces]),
+    )
+
+
+def _diagnosed(path: Path, task: Task, share: Share) -> tuple[int, int, bytes]:
+    rows = [_row(table, task) for table in tables_in(path, task.reading, share=share)]
     failed = sum(row.error is not None for row in rows)
     return len(rows), failed, as_parquet(*unnested(_columns(rows, path.name)))
 
