@@ -15,6 +15,7 @@ import duckdb
 import numpy as np
 import openpyxl
 import pytest
+from hypothesis import given, strategies as st
 
 import scara_iso
 from scara_iso.cli import main
@@ -24,6 +25,7 @@ from scara_iso.fleets import Engine, ReadAs
 from scara_iso.fleets.database import as_parquet, results_in
 from scara_iso.fleets.dispatch import done_by
 from scara_iso.fleets.parts import tables_in
+from scara_iso.fleets.work import PartResult, joined
 from scara_iso.library import engines
 from scara_iso.library.engines import open_processes
 
@@ -206,6 +208,38 @@ def test_a_part_that_is_a_link_is_known_by_its_own_name(tmp_path, in_this_proces
         assert found.run.before == before
         assert [one.part for one in found.failed] == ["a.csv", "b.csv"]
         assert found.tables == 0  # none of them was diagnosed
+
+
+def test_the_tables_of_one_part_are_shared_and_its_result_is_one_file(
+    tmp_path, done, in_this_process, monkeypatch
+):
+    source, out, _ = done
+    (tmp_path / "parts").mkdir()
+    shutil.copy(source / "part1.csv", tmp_path / "parts")
+    whole, examined = scara_iso.fleets.runs.examine, []
+    monkeypatch.setattr(
+        "scara_iso.fleets.runs.examine",
+        lambda *a, **k: examined.append(whole(*a, **k)) or examined[-1],
+    )
+    found = scara_iso.fleet(tmp_path / "parts", tmp_path / "o", workers=2)
+    assert (found.run.before, found.tables) == (0, 4)
+    assert [one.tables for one in examined if one.tables] == [1, 1, 1, 1]
+    of_part = duckdb.sql(f"FROM '{out}/parts/part1.csv.parquet'").fetchall()
+    assert duckdb.sql(f"FROM '{tmp_path}/o/parts/part1.csv.parquet'").fetchall() == of_part
+
+
+def test_a_part_that_changed_between_its_pieces_is_left_to_the_next_run():
+    pieces = [PartResult("a.csv", digest, "1", 4, 0, b"", None) for digest in ("one", "other")]
+    found = joined(pieces)
+    assert (found.sha256, found.error) == ("", "has changed while it was read: run it again")
+
+
+@given(count=st.integers(0, 50), pieces=st.integers(1, 30))
+def test_shares_hold_everything_once_in_its_order(count, pieces):
+    shares = Engine(open_processes, pieces).shares_of_each(2)
+    own = [share.take(range(count)) for share in shares]
+    assert [one for several in own for one in several] == list(range(count))
+    assert max(map(len, own)) - min(map(len, own)) <= 1
 
 
 @pytest.mark.parametrize("header", ["robot,cycle,X,X", "robot;cycle;x;X"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
@@ -40,6 +40,8 @@ class FleetRun:
     """How many the source has."""
     before: int
     """Parts that an earlier run had done."""
+    tables: int
+    """How many tables were examined, without those of which there is nothing."""
     failed: Mapping[str, str]
     """Parts that could not be read or were given up, with why."""
 
@@ -110,7 +112,7 @@ def run_parts(
     with closing(PartLedger(to, __version__, options)) as ledger:
         (to / RESULTS).mkdir(exist_ok=True)
         missing = [name for name, path in paths.items() if not _is_done(ledger, to, name, path)]
-        _forget(to, paths)
+        _forget(to, paths.keys() - missing)
         given_up: dict[str, str] = {}
         for result in _by_name(missing, paths, results):
             if result.version != __version__:
@@ -122,9 +124,16 @@ def run_parts(
                 given_up[result.part] = result.error or "given up"
                 continue
             _keep(ledger, to, result)
-        failed = {d.part: d.error for d in ledger.done.values() if d.error and d.part in paths}
-        later = after(paths, {name: done.sha256 for name, done in ledger.done.items()})
-    return FleetRun(to, len(paths), len(paths) - len(missing), {**failed, **later, **given_up})
+        done = [one for one in ledger.done.values() if one.part in paths.keys() - given_up]
+        failed = {one.part: one.error for one in done if one.error}
+        later = after(paths, {one.part: one.sha256 for one in done})
+    return FleetRun(
+        folder=to,
+        parts=len(paths),
+        before=len(paths) - len(missing),
+        tables=sum(one.tables - one.failed for one in done),
+        failed={**failed, **later, **given_up},
+    )
 
 
 def result_path(to: Path, part: str) -> Path:
@@ -142,10 +151,10 @@ def _is_done(ledger: PartLedger, to: Path, name: str, path: Path) -> bool:
         return False
 
 
-def _forget(to: Path, paths: Mapping[str, Path]) -> None:
-    """Remove the results of parts that are gone from the source: they are no part of the fleet."""
+def _forget(to: Path, done: Collection[str]) -> None:
+    """Remove all results but those of parts as they are today: no other is of the fleet."""
     for path in (to / RESULTS).glob("*.parquet"):
-        if path.name.removesuffix(".parquet") not in paths:
+        if path.name.removesuffix(".parquet") not in done:
             path.unlink()
 
 
