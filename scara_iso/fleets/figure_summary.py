@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
+from scara_iso.fleets.drift import FleetDrift, drift_of
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.summary import (
+    LEVEL,
     FailedTable,
     TwiceThere,
     failed_tables,
@@ -58,6 +60,8 @@ class FleetFigures(Displayed):
     """Tables of which there is nothing."""
     twice: tuple[TwiceThere, ...]
     """Tests that are there more than once: each counts."""
+    drift: FleetDrift | None
+    """How RP moves over the dates of the tests; None where no robot has several."""
 
     def __repr__(self) -> str:
         return f"<FleetFigures of {self.robots} robots: {self.tables} tables>"
@@ -91,6 +95,7 @@ def summarise_figures(run: FleetRun) -> FleetFigures:
             RP_quantiles=quantiles_of_RP(query),
             failed=failed_tables(query),
             twice=tables_twice(query, "robot, test, pose"),
+            drift=drift_of(query, LEVEL),
         )
 
 

@@ -21,7 +21,7 @@ from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.parts import FleetTable, ReadAs, columns_of, tables_in
 from scara_iso.fleets.runs import FleetRun, Track, run_parts
 from scara_iso.fleets.sums import Summed, sum_up
-from scara_iso.fleets.work import FIGURES, PartResult, in_one_line, result_of
+from scara_iso.fleets.work import FIGURES, PartResult, date_of, in_one_line, result_of
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import AXES, Run
@@ -49,6 +49,7 @@ class FigureRow:
     cycles: int = 0
     mean: Mapping[str, float] = field(default_factory=dict)
     RP: Mapping[str, float] = field(default_factory=dict)
+    date: str | None = None
     error: str | None = None
 
 
@@ -127,6 +128,7 @@ def _poses(table: FleetTable, run: Run, wanted: CyclesWanted) -> Iterator[Figure
             cycles=len(rows),
             mean={name: float(found[name].mean[0]) for name in readings},
             RP={name: float(one.RP) for name, one in found.items()},
+            date=date_of(run),
         )
 
 
@@ -135,6 +137,7 @@ _KINDS = {
     "cycles": "INTEGER",
     **{f"mean_{name}": "DOUBLE" for name in AXES},
     **{f"RP_{name}": "DOUBLE" for name in FIGURES},
+    "date": "VARCHAR",
     "error": "VARCHAR",
 }
 

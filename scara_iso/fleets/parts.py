@@ -202,7 +202,7 @@ def _settled(several: _Several, path: Path, reading: ReadAs) -> dict[str, Any]:
         raise DataError(
             f"{nameless} rows name no robot", where=str(path), remedy="name the robot of each row"
         )
-    axes = _axes(frame, several.statements, reading)
+    axes = _axes(frame, several.statements, reading, path)
     settle_marks(frame, _text_columns(frame), reading.decimal, str(path))
     if several.grouped and reading.decimal is None:
         refuse_groups(frame, axes, str(path))
@@ -216,7 +216,7 @@ def _keys(frame: Any) -> list[str]:
 
 def _text_columns(frame: Any) -> list[str]:
     """Return the columns of text that should hold numbers."""
-    names = {"robot", "test", "approach", *POSE_NAMES}
+    names = {"robot", "test", "date", "approach", *POSE_NAMES}
     return [
         name
         for name in frame.columns
@@ -224,7 +224,9 @@ def _text_columns(frame: Any) -> list[str]:
     ]
 
 
-def _axes(frame: Any, statements: Mapping[str, str], reading: ReadAs) -> dict[str, dict[str, Any]]:
+def _axes(
+    frame: Any, statements: Mapping[str, str], reading: ReadAs, path: Path
+) -> dict[str, dict[str, Any]]:
     """Return unit and resolution of each axis, where they are stated."""
     found: dict[str, dict[str, Any]] = {}
     for name in (name for name in AXES if name in frame.columns):
@@ -232,11 +234,25 @@ def _axes(frame: Any, statements: Mapping[str, str], reading: ReadAs) -> dict[st
         unit = statements.get(f"unit_{low}", statements.get("unit", reading.unit))
         if unit is not None:
             own = statements.get(f"resolution_{low}", statements.get("resolution"))
-            found[name] = {"unit": unit, "resolution": float(own) if own else reading.resolution}
+            resolution = _resolution(own, path) if own else reading.resolution
+            found[name] = {"unit": unit, "resolution": resolution}
+    return found
+
+
+def _resolution(stated: str, path: Path) -> float:
+    found = parse_number(stated)
+    if found is None:
+        raise DataError(
+            f"states a resolution {stated[:30]!r}, which is no number",
+            where=str(path),
+            remedy="write '# resolution: 0.001', in the unit of its readings",
+        )
     return found
 
 
 def _run(rows: Any, attributes: dict[str, Any], where: str) -> Run | ScaraIsoError:
+    if "date" in rows.columns:
+        attributes = _dated(rows.pop("date"), attributes)
     rows = rows.drop(columns=_keys(rows)).dropna(axis=1, how="all").reset_index(drop=True)
     for name in rows.columns:
         if rows[name].dtype.kind not in "iuf" and str(name).lower() not in POSE_NAMES:
@@ -248,6 +264,14 @@ def _run(rows: Any, attributes: dict[str, Any], where: str) -> Run | ScaraIsoErr
         error.where = where
         return error
     return replace(run, origin=replace(run.origin, source=where))
+
+
+def _dated(dates: Any, attributes: dict[str, Any]) -> dict[str, Any]:
+    """Return the attributes of a table with the first of its dates."""
+    stated = dates.dropna()
+    if stated.empty:
+        return attributes
+    return {**attributes, "metadata": {**attributes["metadata"], "date": str(stated.iloc[0])}}
 
 
 def _numbers(column: Any) -> Any:

@@ -15,6 +15,7 @@ import numpy as np
 
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
+from scara_iso.fleets.drift import QUANTILES, FleetDrift, drift_of
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LEVEL = 0.05
-QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +95,8 @@ class FleetSummary(Displayed):
     """Tables of which there is nothing."""
     twice: tuple[TwiceThere, ...] = ()
     """Tests that are there more than once: each counts."""
+    drift: FleetDrift | None = None
+    """How RP moves over the dates of the tests; None where no robot has several."""
 
     @property
     def found(self) -> tuple[RobotResult, ...]:
@@ -142,6 +144,7 @@ def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
             RP_quantiles=quantiles_of_RP(query),
             failed=failed_tables(query),
             twice=tables_twice(query),
+            drift=drift_of(query, level),
         )
 
 

@@ -13,6 +13,8 @@ from scara_iso.fleets.database import Columns, as_parquet, joined_parquet, unnes
 from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
 from scara_iso.fleets.pieces import Piece, Share
 from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import moment_of_test
+from scara_iso.run import Run
 
 _LINES = 4
 FIGURES = ("X", "Y", "Z", "theta", "XY", "XYZ")
@@ -46,6 +48,8 @@ class TableRow:
     """Each once."""
     RP: dict[str, float] = field(default_factory=dict)
     """By figure [mm, deg]."""
+    date: str | None = None
+    """When it was made, as the table states it."""
     error: str | None = None
     """Why there is nothing of it."""
 
@@ -115,7 +119,7 @@ def _diagnosed(path: Path, task: Task, share: Share) -> tuple[int, int, bytes]:
 def _columns(rows: Sequence[TableRow], part: str) -> Columns:
     kinds = {"robot": "VARCHAR", "test": "VARCHAR", "cycles": "INTEGER", "poses": "INTEGER",
              "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN",
-             "orders": "INTEGER"}  # fmt: skip
+             "orders": "INTEGER", "date": "VARCHAR"}  # fmt: skip
     columns: dict[str, tuple[str, Sequence[object]]] = {
         name: (kind, [getattr(row, name) for row in rows]) for name, kind in kinds.items()
     }
@@ -144,7 +148,14 @@ def _row(table: FleetTable, task: Task) -> TableRow:
         at_floor=found.at_floor,
         effects=found.effects,
         RP=dict(found.RP),
+        date=date_of(table.run),
     )
+
+
+def date_of(run: Run) -> str | None:
+    """Return when a table was made, as it states it."""
+    moment = moment_of_test(run)
+    return None if moment is None else moment.replace(tzinfo=None).isoformat()
 
 
 def in_one_line(error: ScaraIsoError) -> str:
