@@ -3,6 +3,7 @@
     python benchmarks/fleet.py [--robots 1000] [--ill 30] [--compared 100]
     python benchmarks/fleet.py --robots 0          only what each engine takes
     python benchmarks/fleet.py --sums 1e6 1e7 1e8  only RP of so many readings
+    python benchmarks/fleet.py --drift 20          only whose RP grows, in so many fleets
 
 One table of 31 cycles and three axes for each robot; the ill have a step of four standard
 deviations in one axis. Times are of one run; the ratios are to one process of this machine, and
@@ -11,6 +12,9 @@ say little where it has other work. Memory is the largest of any process (Linux)
 Sums: tables of 31 cycles and three axes in Parquet files of 3.3 million rows, their figures by
 `fleet_figures` (with manifest and summary) beside one bare DuckDB query for the same figures, and
 one for means and standard deviations only; each in a process of its own, two threads.
+
+Drift: 1,000 robots tested monthly; tests of a robot differ by 5 % beside their sampling, and of 30
+robots the scatter grows evenly by a share of the first a month.
 """
 
 from __future__ import annotations
@@ -30,6 +34,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import duckdb
 import numpy as np
+import pandas as pd
 
 import scara_iso
 
@@ -214,6 +219,30 @@ def sums(folder: Path, readings: int) -> None:
         print(f"  {name:20} {taken}; {ratios}", flush=True)
 
 
+def drifting(folder: Path, fleets: int, dates: int, growth: float, robots: int, ill: int) -> None:
+    """Print how many of the growing robots are named, and how many others."""
+    named, false, covered = 0, 0.0, 0
+    for k in range(fleets):
+        rng, source = np.random.default_rng(k), folder / str(k)
+        source.mkdir()
+        grown = 1 + growth * np.arange(dates) * (np.arange(robots) < ill)[:, None]
+        size = SIGMA * grown * np.exp(rng.normal(0, 0.05, (robots, dates)))
+        X, Y = (rng.normal(0, 1, (2, robots, dates, 31)) * size[..., None]).round(3).reshape(2, -1)
+        frame = pd.DataFrame({"robot": np.repeat(np.arange(robots), dates * 31)})
+        months = [f"{2024 + m // 12}-{m % 12 + 1:02}-05" for m in range(dates)]
+        frame["test"] = np.tile(np.repeat(months, 31), robots)
+        frame["cycle"] = np.tile(np.arange(1, 32), robots * dates)
+        duckdb.from_df(frame.assign(X=X, Y=Y)).write_parquet(str(source / "a.parquet"))
+        drift = scara_iso.fleet_figures(source, folder / f"o{k}", unit="mm").drift
+        ill_ones = [one for one in drift.growing if int(one.robot) < ill]
+        named += len(ill_ones)
+        false += (len(drift.growing) - len(ill_ones)) / max(len(drift.growing), 1)
+        covered += drift.interval[0] <= 0 <= drift.interval[1]
+    print(f"{dates} dates, {growth:.0%} a month: {named / fleets:.1f} of {ill} named; of the named "
+          f"{false / fleets:.3f} healthy; no drift of the fleet in the interval of {covered} of "
+          f"{fleets}", flush=True)  # fmt: skip
+
+
 def differing(source: Path, to: Path, sample: int = 50) -> str:
     """Return how far the figures of some tables are from those of `analyze`."""
     part = min(source.glob("*.parquet"))
@@ -235,12 +264,17 @@ def main() -> None:
     parser.add_argument("--robots", type=int, default=1000)
     parser.add_argument("--ill", type=int, default=30)
     parser.add_argument("--compared", type=int, default=100)
+    parser.add_argument("--drift", type=int, default=0, metavar="FLEETS")
     parser.add_argument("--sums", type=float, nargs="*", metavar="READINGS")
     given = parser.parse_args()
+    for dates, growth in ((4, 0.1), (12, 0.0), (12, 0.02), (12, 0.05), (24, 0.02)):
+        if given.drift:
+            with tempfile.TemporaryDirectory() as name:
+                drifting(Path(name), given.drift, dates, growth, 1000, 30 if growth else 0)
     for readings in given.sums or ():
         with tempfile.TemporaryDirectory() as name:
             sums(Path(name), int(readings))
-    if given.sums is not None:
+    if given.sums is not None or given.drift:
         return
     asked = [(given.robots, given.ill), (given.robots // 10, 1)] if given.robots else []
     for robots, ill in asked:

@@ -7,10 +7,11 @@ import duckdb
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import false_discovery_control, linregress
+from scipy.stats import kstest, linregress, t
 
 import scara_iso
 from scara_iso.cli import main
+from scara_iso.fleets.drift import shrunk
 
 DATES = ("2026-01", "2026-02-05", "2026-03-05", "2026-04-05 10:30", "2026-06-01", "2026-07-01")
 DAYS = [0, 35, 63, 94 + 10.5 / 24, 151, 181]
@@ -63,13 +64,29 @@ def test_growth_is_that_of_a_regression_of_each_robot(done):
     assert (drift.figure, drift.robots, drift.asked) == ("XY", 8, 8)
     assert drift.per_month == pytest.approx(math.sqrt((1 + growth[3]) * (1 + growth[4])) - 1)
     assert drift.interval == pytest.approx((growth[0], growth[-1]))  # sign test: 1 - 2/256
-    q_values = false_discovery_control([fit.pvalue for fit in fits.values()])
-    assert {one.robot: one.q_value for one in drift.growing} == pytest.approx(
-        {robot: q for robot, q in zip(fits, q_values, strict=True) if q <= 0.05}
-    )
-    assert [one.robot for one in drift.growing] == sorted(
-        ("R0", "R1"), key=lambda name: fits[name].pvalue
-    )
+    assert {one.robot for one in drift.growing} == {"R0", "R1"}
+    for one in drift.growing:
+        fit = fits[one.robot]
+        assert one.per_month == pytest.approx(math.expm1(fit.slope * 365.25 / 12))
+        assert one.p_value < fit.pvalue  # 4 degrees of its own, more with those of the others
+        assert one.q_value >= one.p_value
+
+
+@pytest.mark.parametrize("prior", [3.0, 40.0, math.inf])
+def test_the_scatter_of_others_is_taken_as_far_as_robots_are_alike(prior):
+    """Variances of robots as drawn from Smyth's prior: p-values of no slope are uniform."""
+    rng, n = np.random.default_rng(2), 4000
+    freedom = rng.integers(1, 9, n).astype(float)
+    true = np.ones(n) if prior == math.inf else prior / rng.chisquare(prior, n)
+    found, total = shrunk(true * rng.chisquare(freedom) / freedom, freedom)
+    assert kstest(t.sf(rng.normal(0, np.sqrt(true / found)), total), "uniform").pvalue > 0.01
+    if prior < 10:  # else it hardly matters
+        assert np.median(total - freedom) == pytest.approx(prior, rel=0.25)
+
+
+def test_a_robot_alone_is_judged_by_its_own_scatter():
+    variance, freedom = shrunk(np.array([2.0]), np.array([4.0]))
+    assert (variance.tolist(), freedom.tolist()) == ([2.0], [4.0])
 
 
 def test_each_period_has_its_tests_and_how_many_are_worse_than_before(done):

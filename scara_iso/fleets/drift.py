@@ -2,14 +2,15 @@
 
 Each robot is compared with itself, so robots that were tested later or oftener bend nothing: its
 growth is the slope of ln RP over the days. The fleet's is that of its median robot, with the
-interval of a sign test, which no few wild robots can move. Whether one robot grows is asked by the
-t-test of its own slope, and of all that are named the false discovery rate is held.
+interval of a sign test, which no few wild robots can move. Whether one robot grows is asked by a
+t-test of its slope, whose scatter is learnt from the other robots too (`shrunk`), and of all that
+are named the false discovery rate is held.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from scara_iso.run import FloatArray
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 MONTH = 365.25 / 12
 """Days."""
+_LEAST = 1e-12
+"""Variance of ln RP that rounding may leave."""
 _FEWEST = 3
 """Dates of a robot: two have no scatter about their slope."""
 _PERIODS = {"%Y-%m-%d": 24, "%Y-%m": 24, "%Y": 10_000}
@@ -95,7 +98,8 @@ def drift_of(query: Query, level: float) -> FleetDrift | None:
         f"AND '2150-01-01' AND \"RP_{figure}\" > 0 GROUP BY robot, moment"
     )
     rows = query(
-        "SELECT robot, count(*), regr_slope(ln(RP), day), regr_r2(ln(RP), day) "
+        "SELECT robot, count(*), regr_slope(ln(RP), day), regr_sxx(ln(RP), day), "
+        "regr_syy(ln(RP), day) * (1 - regr_r2(ln(RP), day)) "
         "FROM (SELECT *, epoch(moment) / 86400 AS day FROM dated) GROUP BY robot "
         "HAVING count(*) > 1 ORDER BY robot"
     )
@@ -109,7 +113,7 @@ def drift_of(query: Query, level: float) -> FleetDrift | None:
         per_month=math.expm1(float(np.median(slopes))),
         interval=_of_median(slopes),
         asked=sum(row[1] >= _FEWEST for row in rows),
-        growing=_growing(rows, level),
+        growing=tuple(_growing(rows, level)),
     )
 
 
@@ -147,21 +151,43 @@ def _of_median(slopes: FloatArray) -> tuple[float, float] | None:
 
 
 def _growing(
-    rows: Sequence[tuple[str, int, float, float]], level: float
-) -> tuple[RobotGrowth, ...]:
+    rows: Sequence[tuple[str, int, float, float, float]], level: float
+) -> Iterator[RobotGrowth]:
     from scipy.stats import false_discovery_control, t  # noqa: PLC0415 - scipy for fleets only
 
     asked = [row for row in rows if row[1] >= _FEWEST]
     if not asked:
-        return ()
-    robots, dates, slopes, shares = map(np.array, zip(*asked, strict=True))
-    left = np.maximum(1 - shares, np.finfo(float).tiny)
-    in_errors = np.sign(slopes) * np.sqrt(shares * (dates - 2) / left)
-    p_values = np.asarray(t.sf(in_errors, dates - 2))
+        return
+    robots, dates, slopes, spans, misfits = map(np.array, zip(*asked, strict=True))
+    variances, freedom = shrunk(misfits / (dates - 2), dates - 2.0)
+    p_values = np.asarray(t.sf(slopes * np.sqrt(spans / variances), freedom))
     q_values = np.asarray(false_discovery_control(p_values, method="bh"))
-    found = [
-        RobotGrowth(str(robots[k]), int(dates[k]), math.expm1(slopes[k] * MONTH),
-                    float(p), float(q_values[k]))
-        for k, p in enumerate(p_values) if q_values[k] <= level
-    ]  # fmt: skip
-    return tuple(sorted(found, key=lambda one: (one.q_value, one.p_value, one.robot)))
+    for k in np.lexsort((robots, p_values)):
+        if q_values[k] <= level:
+            growth = math.expm1(slopes[k] * MONTH)
+            yield RobotGrowth(
+                str(robots[k]), int(dates[k]), growth, float(p_values[k]), float(q_values[k])
+            )
+
+
+def shrunk(variances: FloatArray, freedom: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return variances of shape (robots,) drawn to those of the others, and their freedom.
+
+    Of ``freedom`` degrees before. How far follows from how much more they differ than by chance
+    (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3:3): few dates of a robot tell little of its own.
+    """
+    from scipy.optimize import brentq  # noqa: PLC0415 - scipy for fleets only
+    from scipy.special import digamma, polygamma  # noqa: PLC0415
+
+    variances = np.maximum(variances, _LEAST)
+    if len(variances) == 1:
+        return variances, freedom
+    logs = np.log(variances) - digamma(freedom / 2) + np.log(freedom / 2)
+    own = float(logs.var(ddof=1) - polygamma(1, freedom / 2).mean())
+    most = float(freedom.sum())
+    if own <= polygamma(1, most / 2):
+        return np.full(len(logs), np.exp(logs.mean())), np.full(len(logs), most)
+    half = brentq(lambda half: float(polygamma(1, half)) - own, 1e-6, most)
+    centre = np.exp(logs.mean() + digamma(half) - np.log(half))
+    total = 2 * half + freedom
+    return (2 * half * centre + freedom * variances) / total, np.minimum(total, most)
