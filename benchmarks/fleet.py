@@ -6,8 +6,9 @@
     python benchmarks/fleet.py --drift 20          only whose RP grows, in so many fleets
 
 One table of 31 cycles and three axes for each robot; the ill have a step of four standard
-deviations in one axis. Times are of one run; the ratios are to one process of this machine, and
-say little where it has other work. Memory is the largest of any process (Linux).
+deviations in one axis. Times are of one run. Beside them stand seconds of processor of the busiest
+process, whose ratio is what the work can be shared where the cores have no other. Memory is the
+largest of any process (Linux).
 
 Sums: tables of 31 cycles and three axes in Parquet files of 3.3 million rows, their figures by
 `fleet_figures` (with manifest and summary) beside one bare DuckDB query for the same figures, and
@@ -91,20 +92,28 @@ def seconds(source: Path, to: Path, **options: object) -> tuple[float, scara_iso
 @contextmanager
 def watched() -> Iterator[list[float]]:
     """Yield a list that ends with the most memory [MB] that a process of this group took."""
-    most, done = [0.0], threading.Event()
+    with looking(peak) as found:
+        most: list[float] = []
+        yield most
+    most.append(max(found.values()))
+
+
+@contextmanager
+def looking(at: Callable[[Path], float]) -> Iterator[dict[str, float]]:
+    """Yield what is last seen of each process."""
+    seen, done = dict[str, float](), threading.Event()
 
     def look() -> None:
-        while not done.wait(0.5):
-            most.append(max(map(peak, Path("/proc").glob("[0-9]*")), default=0.0))
+        while not done.wait(0.1):
+            seen.update({path.name: at(path) for path in Path("/proc").glob("[0-9]*")})
 
     thread = threading.Thread(target=look)
     thread.start()
     try:
-        yield most
+        yield seen
     finally:
         done.set()
         thread.join()
-        most.append(max(most))
 
 
 def peak(process: Path) -> float:
@@ -119,32 +128,57 @@ def peak(process: Path) -> float:
     return float(found[0]) / 1e3 if found else 0.0
 
 
+def processor(process: Path) -> float:
+    """Return the seconds of processor that another process of this group has taken."""
+    try:
+        pid = int(process.name)
+        if pid == os.getpid() or os.getpgid(pid) != os.getpgid(0):
+            return 0.0
+        fields = (process / "stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
+
+
 def digest(to: Path) -> int:
     """Return a number that two runs share where their results are the same."""
     return hash(tuple(sorted(map(repr, duckdb.sql(f"FROM '{to}/parts/*.parquet'").fetchall()))))
 
 
-def dask(source: Path, to: Path) -> float:
-    """Return the seconds with a scheduler and two workers as processes of their own."""
+def dask(source: Path, to: Path) -> tuple[float, float]:
+    """Return what is `shared` with a scheduler and two workers as processes of their own."""
     from distributed import LocalCluster  # noqa: PLC0415 - an extra
 
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         address = cluster.scheduler_address.removeprefix("tcp://")
-        return seconds(source, to, engine=f"dask://{address}")[0]
+        return shared(source, to, engine=f"dask://{address}")
+
+
+def shared(source: Path, to: Path, **options: object) -> tuple[float, float]:
+    """Return the seconds of a run, and those of processor of the busiest process."""
+    before = {path.name: processor(path) for path in Path("/proc").glob("[0-9]*")}
+    with looking(processor) as seen:
+        taken, _ = seconds(source, to, **options)
+    return taken, max(used - before.get(name, 0.0) for name, used in seen.items())
 
 
 def compare(folder: Path, robots: int, ill: int) -> None:
     """Print what each engine takes for the same robots."""
     source = folder / "few"
     write(source, robots, ill)
-    one, _ = seconds(source, folder / "one", workers=1)
-    two, _ = seconds(source, folder / "two", workers=2)
-    cluster = dask(source, folder / "dask")
+    found = {
+        "1 process": shared(source, folder / "one", workers=1),
+        "2 processes": shared(source, folder / "two", workers=2),
+        "Dask, 2 workers": dask(source, folder / "dask"),
+    }
     same = len({digest(folder / name) for name in ("one", "two", "dask")}) == 1
-    print(f"{robots} robots, {ill} of them with a step; equal results: {same}")
+    print(f"{robots} robots in {-(-robots // PART)} parts, {ill} of them with a step; "
+          f"equal results: {same}")  # fmt: skip
     print(f"  bare DuckDB, sums only  {bare(source):7.2f} s")
-    for name, taken in (("1 process", one), ("2 processes", two), ("Dask, 2 workers", cluster)):
-        print(f"  {name:22}  {taken:7.2f} s  {robots / taken:5.1f} tables/s  {one / taken:.2f} x")
+    one, busy = found["1 process"]
+    for name, (taken, used) in found.items():
+        print(f"  {name:22}  {taken:7.2f} s  {robots / taken:5.1f} tables/s  {one / taken:.2f} x; "
+              f"busiest process {used:6.2f} s of processor  {busy / used:.2f} x", flush=True)  # fmt: skip
 
 
 def closer(to: Path) -> str:

@@ -323,6 +323,30 @@ def test_one_row_that_cannot_be_read_is_said_by_its_line(tmp_path, rows, said):
         list(tables_in(part, ReadAs()))
 
 
+def test_two_tests_of_one_name_are_said_to_be_that(tmp_path, in_this_process):
+    (tmp_path / "s").mkdir()
+    rows = [f"R1,2026-01-05,{k},{k * 7 % 11 / 1000}" for k in range(1, 32)]
+    part = tmp_path / "s" / "a.csv"
+    part.write_text("# unit: mm\nrobot,test,cycle,X\n" + "\n".join(rows * 2), encoding="utf-8")
+    for found in (scara_iso.fleet(tmp_path / "s", tmp_path / "o"),
+                  scara_iso.fleet_figures(tmp_path / "s", tmp_path / "f")):  # fmt: skip
+        (failed,) = found.failed
+        assert failed.error.endswith("tell them apart by the column test")
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding", "said"),
+    [
+        ("# unit: mm\nrobot,X\nR1,1\n", "utf-16", "is in UTF-16"),
+        ("# unit: mm\n# resolution: fine\nrobot,X\nR1,1\n", "utf-8", "'fine', which is no number"),
+    ],
+)
+def test_a_part_whose_head_cannot_be_used_is_refused(tmp_path, text, encoding, said):
+    (tmp_path / "a.csv").write_text(text, encoding=encoding)
+    with pytest.raises(DataError, match=said):
+        list(tables_in(tmp_path / "a.csv", ReadAs()))
+
+
 def test_a_workbook_is_a_robot_and_a_note_beside_it_is_listed(tmp_path, in_this_process):
     book = openpyxl.Workbook()
     for row in [["# unit: mm"], ["cycle", "X"], *([k, k % 7 / 1000] for k in range(1, 32))]:
@@ -360,6 +384,7 @@ def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path)
     (source / "part0.csv").unlink()
     none = scara_iso.fleet(source, tmp_path / "none", workers=1)
     assert len(none.failed) == 4
+    assert none.twice == ()  # nothing of them counts
     assert "unit" in none.failed[0].error
     found = scara_iso.fleet(source, tmp_path / "out", unit="mm", resolution=0.001, workers=1)
     assert [(one.robot, one.parts) for one in found.twice] == [

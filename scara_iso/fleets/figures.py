@@ -21,7 +21,7 @@ from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.parts import FleetTable, ReadAs, columns_of, tables_in
 from scara_iso.fleets.runs import FleetRun, Track, run_parts
 from scara_iso.fleets.sums import Summed, sum_up
-from scara_iso.fleets.work import FIGURES, PartResult, date_of, in_one_line, result_of
+from scara_iso.fleets.work import FIGURES, PartResult, date_of, in_one_line, refused, result_of
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import AXES, Run
@@ -100,12 +100,12 @@ def _others(path: Path, task: FiguresTask, summed: Summed) -> Iterator[FigureRow
 
 
 def _figures_of(table: FleetTable, wanted: CyclesWanted) -> list[FigureRow]:
+    if isinstance(table.run, ScaraIsoError):
+        return [FigureRow(table.robot, table.test, error=in_one_line(table.run))]
     try:
-        if isinstance(table.run, ScaraIsoError):
-            raise table.run
         return list(_poses(table, table.run.unwrapped(), wanted))
     except ScaraIsoError as error:
-        return [FigureRow(table.robot, table.test, error=in_one_line(error))]
+        return [FigureRow(table.robot, table.test, error=refused(error, table.run))]
 
 
 def _poses(table: FleetTable, run: Run, wanted: CyclesWanted) -> Iterator[FigureRow]:

@@ -28,6 +28,7 @@ from scara_iso.tables import read_table
 
 _ENDINGS = (".csv", ".parquet", ".tsv", ".txt", ".xlsx")
 _DELIMITERS = (",", ";", "\t")
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _HEAD, _BLOCK = 64_000, 1 << 20
 _STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
 _NAMES = {name.lower(): name for name in AXES}
@@ -129,11 +130,13 @@ def _several(path: Path, only: Collection[TableName] | None) -> _Several | None:
         return _Several(_parquet_rows(path, only), {}, grouped=False)
     if path.suffix.lower() == ".xlsx":
         return None
-    statements, header = _head(path)
+    statements, header, encoding = _head(path)
     for delimiter in _DELIMITERS:
         names = [name.strip() for name in next(csv.reader([header], delimiter=delimiter), [])]
         if "robot" in map(str.lower, names):
             _refuse_twice(names, path)
+            if encoding != "utf-8-sig":
+                raise DataError("is in UTF-16", where=str(path), remedy="save it as UTF-8")
             frame = fetched_csv(path, delimiter, names)
             return _Several(frame, statements, grouped=delimiter == ";")
     return None
@@ -175,18 +178,20 @@ def _single(path: Path, reading: ReadAs) -> FleetTable:
     return FleetTable(robot, run.metadata.get("test", path.stem), run)
 
 
-def _head(path: Path) -> tuple[dict[str, str], str]:
-    """Return the ``# key: value`` lines in front of a table, and its header."""
+def _head(path: Path) -> tuple[dict[str, str], str, str]:
+    """Return the ``# key: value`` lines in front of a table, its header, and the encoding."""
     with open_file(path) as file:
-        text = file.read(_HEAD).decode("utf-8-sig", "replace")
+        data = file.read(_HEAD)
+    encoding = "utf-16" if data.startswith(_UTF_16) else "utf-8-sig"
+    text = data.decode(encoding, "replace")
     found: dict[str, str] = {}
     for line in text.splitlines():
         stated = _STATEMENT.match(line)
         if stated:
             found[stated[1].lower().replace(" ", "_")] = stated[2].strip()
         elif line.strip() and not line.startswith("#"):
-            return found, line
-    return found, ""
+            return found, line, encoding
+    return found, "", encoding
 
 
 def _settled(several: _Several, path: Path, reading: ReadAs) -> dict[str, Any]:

@@ -191,9 +191,10 @@ def tables_twice(query: Query, row: str = "robot, test") -> tuple[TwiceThere, ..
     """Return the tests that are there more than once, where each ``row`` should be of its own."""
     rows = query(
         "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "  # noqa: S608
-        f"GROUP BY {row} HAVING count(*) > 1)) "
+        f"WHERE error IS NULL GROUP BY {row} HAVING count(*) > 1)) "
         "SELECT robot, test, string_agg(DISTINCT part, ',' ORDER BY part) FROM fleet "
-        "SEMI JOIN twice USING (robot, test) GROUP BY robot, test ORDER BY robot, test"
+        "SEMI JOIN twice USING (robot, test) WHERE error IS NULL GROUP BY robot, test "
+        "ORDER BY robot, test"
     )
     return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
 

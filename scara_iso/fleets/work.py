@@ -137,7 +137,7 @@ def _row(table: FleetTable, task: Task) -> TableRow:
     try:
         found = screen(table.run, task.wanted, seed=task.seed)
     except ScaraIsoError as error:
-        return TableRow(table.robot, table.test, error=in_one_line(error))
+        return TableRow(table.robot, table.test, error=refused(error, table.run))
     return TableRow(
         robot=table.robot,
         test=table.test,
@@ -156,6 +156,14 @@ def date_of(run: Run) -> str | None:
     """Return when a table was made, as it states it."""
     moment = moment_of_test(run)
     return None if moment is None else moment.replace(tzinfo=None).isoformat()
+
+
+def refused(error: ScaraIsoError, run: Run) -> str:
+    """Return why there is nothing of a table, and where it may be two under one name."""
+    told_apart = [run.cycle, *(one for one in (run.pose, run.direction) if one is not None)]
+    if len(set(zip(*told_apart, strict=True))) == len(run):
+        return in_one_line(error)
+    return f"{in_one_line(error)}; if two tests have this name, tell them apart by the column test"
 
 
 def in_one_line(error: ScaraIsoError) -> str:

@@ -58,7 +58,8 @@ def _cells(one: RobotFigures, names: list[str]) -> Iterator[Cell]:
 
 
 def _counts(found: FleetFigures) -> Iterator[Block]:
-    yield Text(f"RP of {found.tables} tables of {found.robots} robots", "good")
+    said = f"RP of {found.tables} tables of {found.robots} robots"
+    yield Text(said, "good" if found.robots else "warn")
     yield Text(f"{_parts(found.run)}; the figures of every pose are in {found.files}")
     yield from _troubles(found)
 
@@ -80,7 +81,8 @@ def _of_both(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Sect
 
 def _answer(found: FleetSummary) -> Iterator[Block]:
     named = len(found.found)
-    yield Text(f"Found: {named} of {len(found.robots)} robots", "warn" if named else "good")
+    said = f"Found: {named} of {len(found.robots)} robots"
+    yield Text(said, "warn" if named or not found.robots else "good")
     false = found.level * named
     if named:
         yield Text(f"of them {false:.1f} by chance at most, on average: false discovery rate "
