@@ -177,8 +177,9 @@ def compare(folder: Path, robots: int, ill: int) -> None:
     print(f"  bare DuckDB, sums only  {bare(source):7.2f} s")
     one, busy = found["1 process"]
     for name, (taken, used) in found.items():
-        print(f"  {name:22}  {taken:7.2f} s  {robots / taken:5.1f} tables/s  {one / taken:.2f} x; "
-              f"busiest process {used:6.2f} s of processor  {busy / used:.2f} x", flush=True)  # fmt: skip
+        wall = f"{taken:7.2f} s  {robots / taken:5.1f} tables/s  {one / taken:.2f} x"
+        print(f"  {name:22}  {wall}; busiest process {used:6.2f} s of processor  "
+              f"{busy / used:.2f} x", flush=True)  # fmt: skip
 
 
 def closer(to: Path) -> str:
