@@ -82,6 +82,10 @@ def _subject(found: RobotHistory) -> str:
     first, last = found.tests[0].when, found.tests[-1].when
     name = found.robot or "a robot that is not named"
     serial = f", serial {found.serial}" if found.serial else ""
+    if len(found.tests) == 1:
+        return (
+            f"{name}{serial}: one test, {moment_said(first)}; there is no other to compare it with"
+        )
     return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
 
 
@@ -103,7 +107,7 @@ def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
             at = _alarms_at(mean.tests, mean.chart.alarms)
             yield Text(f"mean {_name(mean)} moved ({at}): robot, fixture or the dial's zero")
     silent = [f"{_code(one)} {_name(one)}" for one in found.spreads if not changed[id(one)]]
-    if silent:
+    if silent and len(found.tests) > 1:
         yield Text(f"no change beyond sampling: {', '.join(silent)}")
 
 
