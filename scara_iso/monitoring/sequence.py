@@ -65,7 +65,8 @@ def _refuse_limits(limits: Mapping[str, float], spreads: Sequence[SpreadHistory]
     if not spreads:
         raise DataError("no table has an RP to be followed: a drift test has none")
     names = dict.fromkeys(one.figure for one in spreads)
-    names |= {"RP": None for one in spreads if one.quantity == "RP"}
+    if any(one.quantity == "RP" for one in spreads):
+        names["RP"] = None
     other = [name for name in limits if name and name not in names]
     if other:
         raise UsageError(
