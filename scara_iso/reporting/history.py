@@ -84,6 +84,10 @@ def _subject(found: RobotHistory) -> str:
     first, last = found.tests[0].when, found.tests[-1].when
     name = found.robot or "a robot that is not named"
     serial = f", serial {found.serial}" if found.serial else ""
+    if len(found.tests) == 1:
+        return (
+            f"{name}{serial}: one test, {moment_said(first)}; there is no other to compare it with"
+        )
     return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
 
 
@@ -108,7 +112,8 @@ def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
         if mean.chart is not None and mean.chart.alarms:
             at = _alarms_at(mean.tests, mean.chart.alarms)
             yield Text(f"mean {_name(mean)} moved ({at}): robot, fixture or the dial's zero")
-    yield from _silent([one for one in found.spreads if not changed[id(one)]], found)
+    if len(found.tests) > 1:
+        yield from _silent([one for one in found.spreads if not changed[id(one)]], found)
 
 
 def _silent(spreads: Sequence[SpreadHistory], found: RobotHistory) -> Iterator[Text]:
