@@ -112,15 +112,14 @@ def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
         if mean.chart is not None and mean.chart.alarms:
             at = _alarms_at(mean.tests, mean.chart.alarms)
             yield Text(f"mean {_name(mean)} moved ({at}): robot, fixture or the dial's zero")
-    if len(found.tests) > 1:
-        yield from _silent([one for one in found.spreads if not changed[id(one)]], found)
+    yield from _silent([one for one in found.spreads if not changed[id(one)]], found)
 
 
 def _silent(spreads: Sequence[SpreadHistory], found: RobotHistory) -> Iterator[Text]:
     """Yield what can be said of the figures of which neither chart, trend nor service speaks."""
     moved = {(one.pose, one.figure) for _, every in _served(found) for one in every}
     by_said: dict[str, list[str]] = {}
-    for one in spreads:
+    for one in spreads if len(found.tests) > 1 else ():
         if not moved & {(one.pose, one.figure), (None, one.figure)}:
             by_said.setdefault(_unchanged(one), []).append(f"{_code(one)} {_name(one)}")
     for said, names in by_said.items():
