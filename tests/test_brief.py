@@ -69,7 +69,8 @@ def test_three_lines_say_what_was_asked_and_what_is_next(said, call):
     out = said(*call)
     lines = out.rstrip("\n").splitlines()
     assert len(lines) <= (20 if call in PLAIN else 22)
-    assert any(line.startswith("  Next: scara-iso ") for line in lines[:3])
+    at = next(k for k, line in enumerate(lines) if line.startswith("  Next: scara-iso "))
+    assert at < 3 or all(line.startswith("  RP ") for line in lines[1:at])
     if call[0] not in ("diagnose", "visits", "history"):
         assert any(INTERVAL.search(line) for line in lines[:2])
     elif call[0] == "diagnose" and len(lines) > 12:
@@ -116,6 +117,22 @@ def test_a_run_that_drifts_is_named_and_is_what_to_look_at_next(said):
     assert "X before, Y before: moves during the test" in drifting_before
     assert "Next: scara-iso diagnose warm_up.csv" in drifting_before
     assert "Next: scara-iso diagnose warm_up.csv" in said("compare", "scatter.csv", "warm_up.csv")
+
+
+def test_the_same_readings_twice_are_said_first(said):
+    out = said("compare", "before_repair.csv", "before_repair.csv")
+    assert out.startswith("  The same readings twice: nothing can differ")
+    assert "no change that" not in out
+
+
+def test_one_fact_of_two_tables_is_no_eight_warnings_and_has_its_remedy_beside_it(said, tmp_path):
+    tables = [tmp_path / name for name in ("before_repair.csv", "after_repair.csv")]
+    for table in tables:
+        text = (EXAMPLES / table.name).read_text("utf-8")
+        table.write_text(re.sub("# resolution.*\n", "", text), encoding="utf-8")
+    out = said("compare", *tables, columns=200)
+    assert "! resolution not stated (state it, as --resolution 0.001)\n" in out
+    assert "warnings" not in out
 
 
 def test_the_options_that_read_a_table_are_said_again(said, tmp_path):

@@ -160,6 +160,7 @@ def test_demo_opens_its_report_in_the_browser(call, monkeypatch):
     page = Path(url2pathname(urlsplit(opened[0]).path))
     assert out.endswith(f"{page} is written: open it in a browser\n")  # the browser took nothing
     assert "FUM SCARA" in page.read_text(encoding="utf-8")
+    assert "demo --open" not in out
 
 
 def test_demo_as_json(call):
@@ -198,7 +199,10 @@ def test_a_verdict_on_what_drifts_says_so_in_text_and_json(call):
         assert limits[name]["interval_void"] is ("Y" in name)
         assert limits[name]["verdict"] == "pass"
     out = " ".join(call("analyze", TABLE_1, "--limit", "0.1")[1].split())
-    assert "A drift voids the interval of Y, XY eq. 23, XYZ: what is decided by it holds only while" in out
+    assert (
+        "A drift voids the interval of Y, XY eq. 23, XYZ: what is decided by it holds only while"
+        in out
+    )
     assert call("analyze", TABLE_1, "--limit", "0.1", "--decision", "simple")[0] == 0
 
 

@@ -23,10 +23,12 @@ from scara_iso.reporting.characteristics import characteristics_table
 from scara_iso.reporting.comparison import (
     CHANGED,
     SAID,
+    SAME_TWICE,
     U_of_change,
     caution,
     ends_said,
     figure_name,
+    is_copy,
     is_live,
     ratio_said,
     strips_of,
@@ -96,6 +98,9 @@ def _of_runs(findings: Sequence[Finding]) -> list[Finding]:
 def _answer(pair: Pair) -> Iterator[Block]:
     """Yield a line on RP and one on the means, the largest changes first."""
     live = [one for one in (*pair.spreads, *pair.means) if is_live(one)]
+    if is_copy(pair):
+        yield Text(SAME_TWICE[0].upper() + SAME_TWICE[1:], "bad")
+        return
     if not live:
         yield Text("Nothing is compared: one of the dials stood still", "bad")
         return
@@ -138,6 +143,8 @@ def _values(one: Contrast, way: str = "") -> str:
 
 def _next(pair: Pair, tables: tuple[str, str]) -> NextStep:
     before, after = tables
+    if is_copy(pair):
+        return NextStep(f"scara-iso tables {after}", "is this the table you mean?")
     worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)
     if worse or _drifts(pair.after):
         return NextStep(f"scara-iso diagnose {after}", _WHAT_ELSE)
