@@ -423,6 +423,7 @@ def test_many_by_any_executor(tmp_path):
     assert found[1].exit_code == 66
     assert figures[0].poses[0].axes["X"].RP == scara_iso.analyze(table).poses[0].axes["X"].RP
     assert isinstance(figures[1], scara_iso.ScaraIsoError)
+    assert set(figures.to_frame()["source"]) == {str(table)}
 
 
 def started(*words):

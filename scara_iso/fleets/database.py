@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from scara_iso.disk import write_file
-from scara_iso.errors import DataError, UsageError, WriteError
+from scara_iso.errors import DataError, UsageError, WriteError, with_extra
 
 Query = Callable[..., list[Any]]
 """SQL and its parameters to rows."""
 
 _OF_A_ROW = re.compile(r"CSV Error on Line: (?P<line>\d+)\n.*\n+(?P<reason>\S.*)")
-_REMEDY = "pip install 'scara-iso[fleet]'"
 _ROOM = "make room, or name another folder by TMPDIR"
 _MEMORY = "1GB"
 
@@ -30,7 +29,7 @@ def connect(threads: int = 1, memory: str = _MEMORY) -> Any:
     try:
         import duckdb  # noqa: PLC0415 - an extra
     except ImportError as error:
-        raise UsageError("tables of a fleet need DuckDB", remedy=_REMEDY) from error
+        raise UsageError("tables of a fleet need DuckDB", remedy=with_extra("fleet")) from error
     connection = duckdb.connect()
     connection.execute(f"SET threads = {threads}")  # one where processes share the cores
     connection.execute(f"SET memory_limit = '{memory}'")  # what is more goes to the disk
