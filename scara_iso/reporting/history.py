@@ -119,7 +119,7 @@ def _silent(spreads: Sequence[SpreadHistory], found: RobotHistory) -> Iterator[T
     """Yield what can be said of the figures of which neither chart, trend nor service speaks."""
     moved = {(one.pose, one.figure) for _, every in _served(found) for one in every}
     by_said: dict[str, list[str]] = {}
-    for one in spreads:
+    for one in spreads if len(found.tests) > 1 else ():
         if not moved & {(one.pose, one.figure), (None, one.figure)}:
             by_said.setdefault(_unchanged(one), []).append(f"{_code(one)} {_name(one)}")
     for said, names in by_said.items():
