@@ -114,7 +114,8 @@ def choose(
     probability = {name: p for name, p in _posterior(total, SHARPNESS).items() if p > 0}
     if seen:
         best = max(probability, key=probability.__getitem__)
-        probability = beside_near_rivals(probability, seen.near(best))
+        if probability[best] > UNSURE:
+            probability = beside_near_rivals(probability, seen.near(best))
     forms = {name: weighed.form for name, weighed in strongest.items()}
     return Choice(probability, forms, changed)
 

@@ -15,10 +15,12 @@ import numpy as np
 
 from scara_iso.diagnosis.tuning import (
     CLEAR,
+    FEW_REACHED,
     FEWEST_ON_A_LEVEL,
     FIRST_SIMULATIONS,
     GAIN,
     GROSS_SHARE,
+    MANY_SIMULATIONS,
     MOST_SKEWED,
     NEIGHBOURS,
     SIMULATIONS,
@@ -242,7 +244,8 @@ def _p_value(
     """Return the largest share of simulations at least as extreme, of all families.
 
     1 as soon as one family's share is above CLEAR, after a first look at some simulations: up to
-    that level it changes no verdict's chance.
+    that level it changes no verdict's chance. A share of few simulations, uncertain by chance, is
+    found anew from many.
     """
     shares = [1.0]
     for count in (FIRST_SIMULATIONS, SIMULATIONS):
@@ -251,6 +254,10 @@ def _p_value(
             shares.append(_share(statistic, family, y, read, count))
             if shares[-1] > CLEAR:
                 return 1.0
+    least = 1 / (1 + SIMULATIONS)
+    for i, case in enumerate(cases):
+        if least < shares[i] <= FEW_REACHED * least:
+            shares[i] = max(least, _share(*case, y, read, MANY_SIMULATIONS))
     return max(shares)
 
 
