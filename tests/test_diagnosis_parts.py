@@ -15,6 +15,7 @@ from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.hypothesis_set import build, constant, extended
 from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
+from scara_iso.diagnosis.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
@@ -22,12 +23,7 @@ from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.tuning import KNOWN_FROM
-from scara_iso.diagnosis.two_state import (
-    Emissions,
-    _at_most_one_change,
-    emissions_of,
-    two_levels,
-)
+from scara_iso.diagnosis.two_state import _at_most_one_change, two_levels
 from scara_iso.dial import common_step
 from scara_iso.effects import (
     Chain,

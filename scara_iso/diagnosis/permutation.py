@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.persistence import Emissions
 from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE, WIDENING_SHARE
-from scara_iso.diagnosis.two_state import Emissions
 from scara_iso.diagnosis.widening import widening
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import quantiles

@@ -15,6 +15,7 @@ from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_test
+from scara_iso.diagnosis.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.tuning import (
@@ -29,7 +30,6 @@ from scara_iso.diagnosis.tuning import (
     TWO_LEVELS_SHARE,
     UNKNOWN,
 )
-from scara_iso.diagnosis.two_state import Emissions, emissions_of
 from scara_iso.effects import Chain, Form, Process, Shape, Spread
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
