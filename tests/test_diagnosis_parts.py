@@ -301,7 +301,7 @@ def test_the_test_weighs_effects_by_their_own_test_weights():
 def test_a_step_between_unseen_cycles_is_half_way_in_a_fold(rng):
     values = rng.normal(size=(N, 1)) + 9.0 * (np.arange(N) >= 9)[:, None]
     problem = SearchProblem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
-    (term,) = find_again(problem, np.delete(np.arange(N), 9), 1, with_chains=False)
+    (term,) = find_again(problem, np.delete(np.arange(N), 9), 1, hidden=0)
     assert term.effect == "step"
     np.testing.assert_array_equal(term.columns[:, 0], [0.0] * 9 + [0.5] + [1.0] * (N - 10))
 
@@ -382,7 +382,7 @@ def test_cross_validation_is_no_better_than_the_fit(rng):
     assert [term.effect for term in terms] == ["step"]
     assert stages[-1].choice is None
     fitted = fit(terms, values, problem.rows, N)
-    unseen = cross_validated(problem, fitted, rng, with_chains=False)
+    unseen = cross_validated(problem, fitted, rng, hidden=0)
     inside = np.sqrt(((values - fitted.predicted) ** 2).mean())
     assert inside < unseen.after[0] < unseen.before[0]
 

@@ -82,14 +82,14 @@ class _Grid:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class BetweenLevels:
-    """Likelihoods (n, cells) of readings in either level of many pairs, the larger of them 1.
+    """Log likelihoods (n, cells) of readings in either level of many pairs, the larger of them 0.
 
     A cell is a pair with a scatter; ``log_scale`` (cells,) is the log of the most that it can
     weigh, against scatter alone.
     """
 
-    lower: FloatArray
-    upper: FloatArray
+    log_lower: FloatArray
+    log_upper: FloatArray
     log_scale: FloatArray
 
     @property
@@ -100,8 +100,9 @@ class BetweenLevels:
     def under(self, chains: Sequence[Chain]) -> TwoLevels:
         """Return the evidence for each chain, and the likeliest course."""
         p, q = np.array([(c.leave_lower, c.leave_upper) for c in chains]).T
-        likely = log_likelihood(self.lower, self.upper, p, q)
-        settled, odds = _at_most_one_change(self.lower, self.upper, p, q)
+        lower, upper = np.exp(self.log_lower), np.exp(self.log_upper)
+        likely = log_likelihood(lower, upper, p, q)
+        settled, odds = _at_most_one_change(lower, upper, p, q)
         changing = np.maximum(-np.expm1(np.minimum(settled - likely, 0.0)), _TINY)
         log_weight = likely + np.log(changing) - np.log1p(-odds)[:, np.newaxis] + self.log_scale
         peak = log_weight.max()
@@ -110,8 +111,8 @@ class BetweenLevels:
         log_bf = peak + np.log(np.maximum(by_chain, _TINY))
         c, cell = np.unravel_index(np.argmax(weight), weight.shape)
         switching = float((2 * p * q / (p + q)) @ by_chain / by_chain.sum())
-        lower, upper = self.lower[:, cell], self.upper[:, cell]
-        return TwoLevels(log_bf, switching, lower, upper, np.array([p[c], q[c]]))
+        leave = np.array([p[c], q[c]])
+        return TwoLevels(log_bf, switching, lower[:, cell], upper[:, cell], leave)
 
 
 def two_levels(
@@ -136,11 +137,11 @@ def between_levels(y: FloatArray, division: float, *, known: float = 0.0) -> Bet
     of_shown = _log_density(shown[:, None, None], grid.levels, grid.scatters, division)
     density = of_shown.reshape(len(shown), -1)[at]
     density[unseen] = 0.0
-    log_lower, log_upper = density[:, grid.lower], density[:, grid.upper]
+    log_lower, log_upper = density.take(grid.lower, axis=1), density.take(grid.upper, axis=1)
     peak = np.maximum(log_lower, log_upper)
     most = peak.sum(axis=0) + grid.log_prior
     kept = np.flatnonzero(most > most.max() - len(y) * np.log(2) - _NEGLIGIBLE)
-    lower, upper = (np.exp((one - peak).take(kept, axis=1)) for one in (log_lower, log_upper))
+    lower, upper = ((one - peak).take(kept, axis=1) for one in (log_lower, log_upper))
     return BetweenLevels(lower, upper, most[kept] - _log_scatter_alone(seen, known, division))
 
 
