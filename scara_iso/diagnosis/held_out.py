@@ -42,9 +42,9 @@ def cross_validated(
     """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
 
     Each fold chooses anew how many effects there are, up to those that the whole run's tests
-    admitted, and which; ``hidden``, ``log_changes`` and ``limits`` as in `find_again`. That a fold's fit has
-    fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its excess over the
-    whole fit, on all cycles, is taken off.
+    admitted, and which; ``hidden``, ``log_changes`` and ``limits`` as in `find_again`. That a
+    fold's fit has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its
+    excess over the whole fit, on all cycles, is taken off.
     """
     values, n = problem.residual.values, len(problem.residual)
     before, after = [], []
