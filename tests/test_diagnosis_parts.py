@@ -23,7 +23,7 @@ from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.tuning import KNOWN_FROM
-from scara_iso.diagnosis.two_state import _at_most_one_change, two_levels
+from scara_iso.diagnosis.two_state import _at_most_one_change, between_levels, two_levels
 from scara_iso.dial import common_step
 from scara_iso.effects import (
     Chain,
@@ -216,6 +216,7 @@ def test_hidden_states_agree_with_the_sum_over_every_course(rng):
     posterior = prior * np.exp(fit_of - fit_of.max())
     expected = posterior @ sides / posterior.sum()
     found = two_levels(y, 0.0, [chain])
+    assert found.log_bf[0] <= between_levels(y, 0.0).log_most
     np.testing.assert_array_equal(found.share_upper > 0.5, expected > 0.5)
 
 
@@ -366,6 +367,8 @@ def test_neighbouring_divisions_never_prove_two_levels(rng):
     coarse = marginal_tests(readings, np.array([1.0]), rng)
     assert fine.two_levels < 0.01
     assert coarse.two_levels == 1.0
+    decided = marginal_tests(readings, np.array([0.1]), rng, levels_below=0.0005)
+    assert decided.two_levels == 1.0
 
 
 def test_a_dial_of_which_nothing_is_stated_is_known_by_its_steps(rng):

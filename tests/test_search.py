@@ -297,6 +297,11 @@ def test_states_are_sought_in_units_of_the_views_where_the_dial_can_show_them(
     find_again(given, ROWS, 1, hidden=0)
     find_again(given, ROWS, 1, hidden=1)
     assert weighed["chains"][1:] == [[], ["sides"]]
+    turns = Hypothesis("sides", Shape((ROWS % 2)[:, np.newaxis] * 1.0), 1.0)
+    both = problem(NOISE + 9.0 * (ROWS % 2) + 4.0 * (ROWS >= 9), [*given.members, turns])
+    first, _ = find_again(both, ROWS, 2, hidden=1)
+    assert first.effect == "sides"
+    assert weighed["chains"][3:] == [["sides"], []]
 
 
 def test_the_form_is_refined_among_those_near_it(rng, scripted):
