@@ -106,6 +106,14 @@ class ScaraIsoError(Exception):
         return self.headline
 
 
+def with_extra(name: str) -> str:
+    """Return how the program is installed with one of its extras."""
+    return (
+        f"install it with its extra {name}, in its folder: uv tool install '.[{name}]', or "
+        f"pip install '.[{name}]' (README, Install)"
+    )
+
+
 class UsageError(ScaraIsoError):
     """An option or argument that is not valid; exit code 2."""
 

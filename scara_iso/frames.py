@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +32,16 @@ def make_frame(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> pd.
 def frame_of(rows: Sequence[Mapping[str, Any]], attributes: Mapping[str, Any]) -> pd.DataFrame:
     """Return a pandas table of one row or more, all with the same names, with ``attrs``."""
     return make_frame({name: [row[name] for row in rows] for name in rows[0]}, attributes)
+
+
+def stacked(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Return tables one below the other, with a column ``source`` of what their ``attrs`` state."""
+    import pandas as pd  # noqa: PLC0415 - as above
+
+    return pd.concat(
+        [pd.DataFrame(), *(frame.assign(source=frame.attrs["source"]) for frame in frames)],
+        ignore_index=True,
+    )
 
 
 def or_nan(value: float | None) -> float:
@@ -66,11 +76,26 @@ def numbers_of(name: str, column: pd.Series) -> npt.NDArray[np.float64]:
     return values
 
 
-def refuse_without_unit(axes: Sequence[str], unit: str | None) -> None:
-    """Raise `DataError` where axes have no unit: none is taken in silence."""
-    if axes and unit is None:
+def check_axes(
+    frame: pd.DataFrame, axes: Sequence[str], with_unit: Container[str], unit: str | None
+) -> None:
+    """Raise `DataError` for no axis, for one in other letters, and for one without a unit."""
+    columns = [str(name) for name in frame.columns]
+    known = {axis.casefold(): axis for axis in axes}
+    other = {name: known.get(name.strip().casefold(), name) for name in columns}
+    wrong = {name: axis for name, axis in other.items() if name != axis}
+    found = [axis for axis in axes if axis in columns]
+    if wrong or not found:
+        renamed = wrong or {columns[0] if columns else "reading": axes[0]}
         raise DataError(
-            f"no unit stated for {', '.join(axes)}",
+            f"no axis is called {', '.join(wrong or columns) or 'anything'}",
+            where=FRAME,
+            remedy=f"axes are {', '.join(axes)}: frame.rename(columns={renamed})",
+        )
+    silent = [axis for axis in found if axis not in with_unit]
+    if silent and unit is None:
+        raise DataError(
+            f"no unit stated for {', '.join(silent)}",
             where=FRAME,
             remedy='state it, such as unit="mm"',
         )

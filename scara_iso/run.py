@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from scara_iso.display import Displayed
 from scara_iso.errors import DataError
-from scara_iso.frames import FRAME, axis_attributes, make_frame, numbers_of, refuse_without_unit
+from scara_iso.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
 from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin
 from scara_iso.pose_columns import (
@@ -247,12 +247,12 @@ class Run(Displayed):
         of `POSE_NAMES`, in any case), ``approach`` (+1/-1, or ``+x`` and the like) and
         ``command_X`` are what they say, any other numeric one is a covariate. ``unit`` (``mm``,
         ``deg``, ``0.01 mm`` ...) and ``resolution`` (in that unit) hold for every axis, unless
-        `to_frame` left others in ``attrs``. Raises `DataError` where an axis has no unit, for a
+        `to_frame` left others in ``attrs``. Raises `DataError` without an axis or its unit, for a
         value that is missing or not finite, naming column and row, and for a column that parts
         the readings as poses do.
         """
         kept = frame.attrs.get("axes", {})
-        refuse_without_unit([n for n in AXES if n in frame.columns and n not in kept], unit)
+        check_axes(frame, AXES, kept, unit)
         given = {"unit": unit, "resolution": resolution}
         values = {str(name): frame[name] for name in frame.columns}
         named = pose_column(values)

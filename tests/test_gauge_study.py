@@ -355,3 +355,24 @@ def test_pages_and_pictures(tmp_path):
     assert len(found.to_frame()) == len(found.criteria)
     assert main(["gauge-study", str(path), "--plot", str(tmp_path / "s.svg")]) == 0
     assert (tmp_path / "s.svg").stat().st_size > 3000
+
+
+@pytest.mark.parametrize(
+    ("command", "head", "rows"),
+    [
+        (["gauge-study"], "X;reference", [(f"5,00{k % 3}", "5,000") for k in range(20)]),
+        (["push"], "force_N;reading", [("1,000", f"2,00{k}") for k in range(9)]),
+        (["backlash", "--Im", "1", "--IL", "2", "--arcmin", "3", "--measured"],
+         "Im;IL;arcmin;deviation_rad", [("1,001", "2,002", "12,001", "1,001")]),
+    ],
+)  # fmt: skip
+def test_where_a_comma_can_be_read_two_ways_the_option_that_says_it_is_named_and_taken(
+    tmp_path, capsys, command, head, rows
+):
+    path = tmp_path / "german.csv"
+    body = "\n".join(";".join(row) for row in rows)
+    path.write_text(f"# unit: mm\n# resolution: 0,001\n{head}\n{body}\n")
+    main([*command, str(path)])
+    assert "--decimal ," in capsys.readouterr().err
+    main([*command, str(path), "--decimal", ","])
+    assert "decimal" not in capsys.readouterr().err

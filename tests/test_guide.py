@@ -135,6 +135,8 @@ def test_an_instrument_on_a_cable_is_named_and_a_wrong_answer_asked_again(tmp_pa
     terminal = Terminal(tmp_path, "record", "--cycles", "2")
     terminal.answer("Axis and port of each indicator", "Q=1")
     terminal.until("no axis 'Q'")
+    terminal.answer("Axis and port of each indicator", "1")
+    terminal.until("1 names no axis; write X=1")
     terminal.answer("Axis and port of each indicator", f"X={device}")
     terminal.until("speaks mitutoyo-mux")
     terminal.answer("Unit on the display of X", "furlong")

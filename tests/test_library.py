@@ -56,6 +56,34 @@ def test_analyze_takes_the_options_of_the_command(said):
     assert plain(analysis_json(found)) == said("analyze", BEFORE, *options)
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        scara_iso.analyze, scara_iso.report, scara_iso.history, scara_iso.compare, scara_iso.push,
+        lambda table, limits: scara_iso.gauge_study(table, tolerance=limits),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("wrong", ["0.02", {"XY": "0.02"}, [0.02], True])
+def test_a_size_of_another_kind_is_refused_in_words(call, wrong):
+    with pytest.raises(UsageError, match="is no size") as refused:
+        call(TABLE_1, limits=wrong)
+    assert "=0.02, or" in refused.value.remedy
+
+
+def test_one_number_limits_every_length():
+    found = scara_iso.analyze(TABLE_1, limits=0.02).limits
+    assert {check.figure for check in found} == {"X", "Y", "Z", "theta", "XY", "XYZ"}
+    assert {check.limit for check in found} == {0.02}
+
+
+@pytest.mark.parametrize(("name", "renamed"), [("x", "{'x': 'X'}"), ("Theta", "theta"), ("a", "X")])
+def test_a_frame_whose_axis_is_called_otherwise_says_what_to_rename(name, renamed):
+    frame = pd.DataFrame({name: scara_iso.read_table(BEFORE).axes["X"].readings})
+    with pytest.raises(DataError, match=f"no axis is called {name}") as refused:
+        scara_iso.analyze(frame, unit="mm")
+    assert renamed in refused.value.remedy
+
+
 def test_a_plain_frame_needs_its_unit():
     run = scara_iso.read_table(BEFORE)
     frame = pd.DataFrame({"cycle": run.cycle, "X": run.axes["X"].readings})

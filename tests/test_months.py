@@ -3,6 +3,7 @@
 import errno
 import json
 import math
+import re
 from datetime import datetime
 from pathlib import Path
 
@@ -221,6 +222,28 @@ def test_wear_is_seen_and_ten_per_cent_are_not(tmp_path):
     assert worse.trend.is_shown
 
 
+def test_a_service_that_made_it_worse_is_in_the_answer_and_nothing_beside_denies_it(
+    tmp_path, capsys
+):
+    for k, sigma in enumerate((0.005, 0.005, 0.015, 0.015), 1):
+        table(tmp_path, None, sigma=sigma, seed=k, name=f"2025-{k:02}-15")
+    (tmp_path / "events.csv").write_text("date,what\n2025-03-02,greased\n", encoding="utf-8")
+    assert main(["history", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"after the service of 2025-03-02, greased: RP X worse ×\d[.\d]* \[1", out)
+    assert "4 of 4 tables state no date: that in the file's name holds" in out
+    assert "no change" not in out
+    (tmp_path / "events.csv").unlink()
+    assert main(["history", str(tmp_path)]) == 0
+    assert "first and last test differ" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["2025-01-15_2025-02-15", "20250115", "12025-01-15"])
+def test_a_name_that_spells_no_single_day_is_no_date(tmp_path, name):
+    with pytest.raises(DataError, match="state no date"):
+        scara_iso.history([table(tmp_path, None, name=name)])
+
+
 def test_a_limit_that_is_crossed_before_a_service_is_crossed_no_more(tmp_path, capsys):
     months(tmp_path, [1, 1, 1, 4, 4, 1, 1, 1])
     argv = ["history", str(tmp_path), "--limit", "0.025", "--json"]
@@ -248,6 +271,7 @@ def test_the_last_test_above_the_limit_is_crossed_though_its_interval_is_not(tmp
     last = found.spreads[0].tests[-1]
     limit = (last.interval[0] + last.value) / 2
     held = scara_iso.history(paths, limits={"X": limit}).spreads[0]
+    assert scara_iso.history(paths, limits={"RP": limit}).spreads[0].limit == held.limit
     assert held.crossed
     assert held.tests[-1].verdict.value == "not-provable"
 

@@ -46,6 +46,22 @@ def test_help_may_be_a_word(words, capsys):
     assert capsys.readouterr().out == wanted
 
 
+@pytest.mark.parametrize(
+    ("command", "name", "code"),
+    [("report", "out.html", 66), ("history", "out.md", 66), ("simulate", "out.csv", 2)],
+)
+def test_a_file_to_be_written_that_stands_where_one_is_read(command, name, code, capsys):
+    assert main([command, "examples/fum_scara.toml", name]) == code
+    assert f"did you mean -o {name}?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["report", "out.html"], ["report", "a.csv", "out.csv"]])
+def test_a_table_that_is_not_there_is_no_file_to_be_written(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 66
+    assert "-o" not in capsys.readouterr().err
+
+
 def test_help_of_no_command(capsys):
     assert main(["help", "nosuch"]) == 2
     assert "No such command 'nosuch'" in capsys.readouterr().err
@@ -57,7 +73,7 @@ def test_help_has_no_words_of_programmers_and_groups_what_belongs_together(comma
     out = capsys.readouterr().out
     assert not re.search(r"<(str|float|int|path)\b(?! *\|)[^|]*>", out)
     if "--all-count" in out:
-        assert out.count("How a table is read:") == out.count("  --unit")
+        assert out.count("How a table is read:") == out.count("  --decimal")
         assert out.index("Which cycles count:") < out.index("--all-count")
 
 

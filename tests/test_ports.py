@@ -449,6 +449,12 @@ def test_gauge_options_reach_the_dialect():
     assert (spec.unit, spec.address) == ("mm", "COM3")
 
 
+def test_a_port_without_a_driver_may_have_it_found():
+    with pytest.raises(UsageError) as refused:
+        parse_gauge("y=/dev/ttyUSB0")
+    assert "write Y=auto@/dev/ttyUSB0" in refused.value.remedy
+
+
 def test_a_unit_for_all_gauges_stays_with_the_gauge():
     spec = parse_gauge("Y=mitutoyo-mux@socket://h:1", unit="inches")
     assert spec.unit == "inch"

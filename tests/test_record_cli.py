@@ -532,7 +532,9 @@ def test_a_raw_file_does_not_choose_a_port_unasked(run, tmp_path):
 
 
 @pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("n\n", 2), ("", 2)])
-def test_the_ports_of_a_raw_file_are_shown_and_confirmed(run, tmp_path, monkeypatch, answer, code):
+def test_the_ports_of_a_raw_file_are_shown_and_confirmed(
+    run, tmp_path, monkeypatch, capsys, answer, code
+):
     class Terminal(io.StringIO):
         def isatty(self):
             return True
@@ -544,5 +546,7 @@ def test_the_ports_of_a_raw_file_are_shown_and_confirmed(run, tmp_path, monkeypa
     monkeypatch.setattr(sys, "stdout", shown := Terminal())
     monkeypatch.setattr(recording, "_operator", lambda *_, **__: None)
     assert main(["record", "--resume", "a.csv", "--cycles", "5"]) == code
+    stopped = answer == "n\n"
+    assert ("scara-iso: stopped; nothing was changed\n" == capsys.readouterr().err) == stopped
     assert "X=opto-rs232@sim:?pace=0" in shown.getvalue()
     assert len(asked) == (code == 0)

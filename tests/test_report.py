@@ -380,7 +380,7 @@ def test_another_ending_names_the_known_ones(tmp_path, capsys):
 def test_without_its_library_a_pdf_is_refused_with_what_to_do(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "weasyprint", None)
     assert main(["report", str(WARM_UP), "-o", str(tmp_path / "out.pdf")]) == 2
-    assert "scara-iso[pdf]" in capsys.readouterr().err
+    assert "uv tool install '.[pdf]'" in capsys.readouterr().err
     assert not (tmp_path / "out.pdf").exists()
 
 

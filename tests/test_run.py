@@ -68,7 +68,7 @@ def test_a_frame_s_poses_go_by_the_names_that_a_table_s_go_by(name):
         ({"X": [1.0, np.nan]}, "row 2"),
         ({"X": ["a", "b"]}, "not numeric"),
         ({"X": [1.0, 2.0], "cycle": [1.0, 1.5]}, "not whole"),
-        ({"speed": [1.0, 2.0]}, "at least one axis"),
+        ({"speed": [1.0, 2.0]}, "no axis is called speed"),
         ({"X": []}, "at least one cycle"),
         ({"X": [1.0, 1e300]}, "beyond any dial"),
     ],

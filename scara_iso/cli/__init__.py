@@ -22,7 +22,7 @@ from scara_iso import __version__
 from scara_iso.cli.groups import COMMANDS, GROUPS
 from scara_iso.cli.help import Command, asks_for_help, in_plain_words
 from scara_iso.cli.output import as_options, settings
-from scara_iso.errors import ScaraIsoError, UsageError
+from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
 
@@ -253,12 +253,12 @@ def _broken(line: str, width: int) -> list[str]:
 def _explain(error: Exception) -> tuple[list[str], int]:
     if isinstance(error, ScaraIsoError):
         said = f"scara-iso: {error}".split("\n")
-        remedy = [f"  {error.remedy}"] if error.remedy else []
+        remedy = [f"  {meant}"] if (meant := _meant(error) or error.remedy) else []
         first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
         return [*said[:first], *remedy, *said[first:]], error.exit_code
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
         complaint = in_plain_words(error.format_message())
-        return [f"scara-iso: {complaint}", _help_hint(error)], int(error.exit_code)
+        return [f"scara-iso: {complaint}", *_hints(error, complaint)], int(error.exit_code)
     if isinstance(error, OSError):
         return [f"scara-iso: cannot write: {error}"], CANNOT_WRITE
     return [
@@ -267,6 +267,21 @@ def _explain(error: Exception) -> tuple[list[str], int]:
     ], BUG
 
 
-def _help_hint(error: Exception) -> str:
-    path = getattr(getattr(error, "ctx", None), "command_path", "scara-iso")
-    return f"  see '{path} --help'"
+def _meant(error: ScaraIsoError) -> str:
+    """Return what to do about a file that is not there, where it was to be written."""
+    if not isinstance(error, NoInputError):
+        return ""
+    from scara_iso.cli.meant import meant_to_write
+
+    called = _command(settings.arguments)
+    commands = getattr(typer.main.get_command(build_app(settings.arguments)), "commands", {})
+    return meant_to_write(error, settings.arguments, commands.get(called))
+
+
+def _hints(error: Exception, complaint: str) -> list[str]:
+    from scara_iso.cli.meant import meant_as_output
+
+    context = getattr(error, "ctx", None)
+    meant = meant_as_output(complaint, getattr(context, "command", None))
+    path = getattr(context, "command_path", "scara-iso")
+    return [f"  {meant}" if meant else f"  see '{path} --help'"]

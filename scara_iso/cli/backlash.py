@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from scara_iso import render, reporting
-from scara_iso.cli.options import AllCount, AllowGaps, AsJson, CyclesRun, FirstDiscarded
+from scara_iso.cli.options import (
+    AllCount,
+    AllowGaps,
+    AsJson,
+    CyclesRun,
+    DecimalMark,
+    FirstDiscarded,
+)
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
 
@@ -40,6 +47,7 @@ def backlash_command(
     ratio: Ratio = None,
     actual: Actual = None,
     measured: Measured = None,
+    decimal: DecimalMark = None,
     first_cycle_discarded: FirstDiscarded = False,
     cycles: CyclesRun = None,
     all_count: AllCount = False,
@@ -57,12 +65,13 @@ def backlash_command(
     if actual is not None:
         pose = _one_pose(
             actual,
+            decimal,
             first_cycle_discarded=first_cycle_discarded,
             cycles=cycles,
             all_count=all_count,
             allow_gaps=allow_gaps,
         )
-    closed = None if measured is None else _closed(measured)
+    closed = None if measured is None else _closed(measured, decimal)
     if json:
         write_json(render.backlash_json(result, pose, closed))
     else:
@@ -71,22 +80,22 @@ def backlash_command(
             write_report(reporting.sweep_report(closed))
 
 
-def _closed(sweep: str) -> GearDiagnosis:
+def _closed(sweep: str, decimal: str | None) -> GearDiagnosis:
     """Return what eq. 16 leaves of a measured sweep, and which effect on the gear it is."""
     from dataclasses import replace
 
     from scara_iso.diagnosis import diagnose_sweep, read_sweep
 
-    found = read_sweep(sweep)
+    found = read_sweep(sweep, decimal=decimal)
     closed = diagnose_sweep(found.sweep, found.deviation, uncertainty=found.uncertainty)
     return replace(closed, notes=(*found.notes, *closed.notes))
 
 
-def _one_pose(table: str, **counted: Any) -> PoseResult:
+def _one_pose(table: str, decimal: str | None, **counted: Any) -> PoseResult:
     """Return the figures of a table of one pose; ``counted`` as in `scara_iso.analyze`."""
     from scara_iso import analyze, read_table
 
-    poses = analyze(read_table(table), **counted).poses
+    poses = analyze(read_table(table, decimal=decimal), **counted).poses
     if len(poses) > 1 or poses[0].XY is None:
         raise DataError(
             "--actual takes a table of one pose with X and Y as lengths",

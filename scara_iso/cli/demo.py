@@ -54,7 +54,11 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
     if full:
         write_report((*analysis_report(analysis), *backlash_report(gear, pose)))
     else:
-        following = NextStep("scara-iso demo --open", "the report of it in the browser")
+        following = (
+            NextStep("scara-iso record", "read your own indicators; it asks what it needs")
+            if open_report
+            else NextStep("scara-iso demo --open", "the report of it in the browser")
+        )
         write_report((*analysis_brief(analysis, following), *backlash_brief(gear)))
     write_report((paper_section(pose, gear), _next_steps()))
     if open_report:

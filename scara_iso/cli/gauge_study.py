@@ -11,6 +11,7 @@ from scara_iso import render
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AsJson,
+    DecimalMark,
     Full,
     ResolutionOfTable,
     UnitOfTable,
@@ -73,6 +74,7 @@ def gauge_study_command(
     decision: Rule = DecisionRule.SIMPLE,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
     output: Output = None,
     plot: Plot = None,
     full: Full = False,
@@ -91,6 +93,7 @@ def gauge_study_command(
         reference=parse_sizes("--reference", reference or (), "write --reference 0.81"),
         unit=unit,
         resolution=resolution,
+        decimal=decimal,
         decision=decision.value,
         to=output,
     )
@@ -103,7 +106,7 @@ def gauge_study_command(
 
         proof = decision.value if decision is DecisionRule.INTERVAL else None
         given = {"tolerance": tolerance, "reference": reference, "decision": proof, "unit": unit,
-                 "resolution": resolution}  # fmt: skip
+                 "resolution": resolution, "decimal": decimal}  # fmt: skip
         again = command_line(table, given, full=True)
         following = NextStep(f"scara-iso gauge-study {again}", "every figure")
         write_report(gauge_study_report(found) if full else gauge_study_brief(found, following))

@@ -104,7 +104,9 @@ def _parted(devices: Sequence[Device]) -> tuple[list[Device], list[Device]]:
 def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
     texts = []
     for part in answer.replace(",", " ").split():
-        axis, _, port = part.partition("=")
+        axis, named, port = part.partition("=")
+        if not named:
+            raise UsageError(f"{part} names no axis", remedy=f"write X={part}, if it is on X")
         if port.isascii() and port.isdigit() and 0 < int(port[:4]) <= len(ports):
             port = ports[int(port) - 1]
         texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], AUTO)}@{port}")

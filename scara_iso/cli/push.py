@@ -10,6 +10,7 @@ import typer
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AsJson,
+    DecimalMark,
     Full,
     LimitRule,
     ResolutionOfTable,
@@ -46,6 +47,7 @@ def push_command(
     decision: LimitRule = DecisionRule.INTERVAL,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
     full: Full = False,
     json: AsJson = False,
 ) -> None:
@@ -61,6 +63,7 @@ def push_command(
         arm=arm,
         unit=unit,
         resolution=resolution,
+        decimal=decimal,
         limits=_limits(limit or ()),
         decision=decision.value,
     )
@@ -73,7 +76,8 @@ def push_command(
 
         simple = decision is DecisionRule.SIMPLE
         held = {"limit": limit, "decision": decision.value if simple else None}
-        read = {"axis": axis, "arm": arm, "unit": unit, "resolution": resolution}
+        read = {"axis": axis, "arm": arm, "unit": unit, "resolution": resolution,
+                "decimal": decimal}  # fmt: skip
         again = command_line([loop], held | read, full=True)
         following = NextStep(f"scara-iso push {again}", "every figure")
         write_report(push_report(found) if full else push_brief(found, following))

@@ -91,9 +91,14 @@ _Watch = Annotated[
         show_default=False,
     ),
 ]
-_Quiet = Annotated[bool, typer.Option("--quiet", help="No tone on stored and on refused.")]
+_Quiet = Annotated[
+    bool, typer.Option("--quiet", help="No tone on stored and on refused; the screen stays.")
+]
 _Json = Annotated[
-    bool, typer.Option("--json", help="JSON lines; so too where there is no terminal.")
+    bool,
+    typer.Option(
+        "--json", help="JSON lines; so too where there is no terminal (> FILE takes them)."
+    ),
 ]
 
 

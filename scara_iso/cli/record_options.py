@@ -121,4 +121,5 @@ def confirm(named: Sequence[str], said: str, *, remedy: str, on_terminal: bool) 
         with suppress(EOFError):
             if input("Go on with these? [y/N] ").strip().lower() in ("y", "yes"):
                 return
+            raise UsageError("stopped; nothing was changed")
     raise UsageError("a file names the ports, and they are to be confirmed", remedy=remedy)

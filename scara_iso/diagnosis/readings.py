@@ -250,13 +250,12 @@ def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
 
 
 def _coarse(shares: Mapping[str, Shares]) -> list[str]:
-    """Return a line for each axis whose scatter is largely the dial's rounding."""
-    return [
-        f"{axis}: {share.resolution:.0%} of the variance is rounding to the dial's division; "
-        "measure with a finer indicator"
-        for axis, share in shares.items()
-        if share.resolution > MUCH_ROUNDING
-    ]
+    """Return the axes whose scatter is largely the dial's rounding, in one line."""
+    coarse = {a: one.resolution for a, one in shares.items() if one.resolution > MUCH_ROUNDING}
+    if not coarse:
+        return []
+    said = ", ".join(f"{share:.0%}" for share in coarse.values())
+    return [f"{', '.join(coarse)}: {said} of the variance is the dial's rounding: use a finer one"]
 
 
 def _other_scatter(problem: SearchProblem, fitted: Fit) -> list[str]:

@@ -28,16 +28,21 @@ _SIZES = ("resolution", "indicator_uncertainty")
 
 
 def read_loop(
-    source: Source, *, unit: str | None = None, resolution: float | None = None
+    source: Source,
+    *,
+    unit: str | None = None,
+    resolution: float | None = None,
+    decimal: str | None = None,
 ) -> ForceLoop:
     """Return the loop of a table with the columns force_N [N] and reading, and its unit stated.
 
-    ``unit`` and ``resolution`` (in it) stand for the file's statements. Raises as `read_columns`,
-    and `DataError` where the unit is missing, no length, or stated in two ways.
+    ``unit`` and ``resolution`` (in it) stand for the file's statements, ``decimal`` as in
+    `read_columns`. Raises as that, and `DataError` where the unit is missing, no length, or
+    stated in two ways.
     """
     if resolution is not None and not 0 < resolution < math.inf:
         raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
-    table = read_columns(source, _COLUMNS)
+    table = read_columns(source, _COLUMNS, decimal=decimal)
     faults: list[Fault] = []
     found = _length(table, unit, faults)
     sizes = {key: stated_size(table, key, found, faults) for key in _SIZES}

@@ -14,11 +14,12 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
-    from scara_iso.iso9283.checks import in_brief as in_brief
+    from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
     from scara_iso.iso9283.checks.calibration_date import past_due as past_due
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
     from scara_iso.iso9283.conformity import (
+        EVERY_LENGTH as EVERY_LENGTH,
         Conformity as Conformity,
         DecisionRule as DecisionRule,
         Limit as Limit,
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES, check_limits as check_limits
     from scara_iso.iso9283.moments import (
+        moment_in_name as moment_in_name,
         moment_of_test as moment_of_test,
         parse_moment as parse_moment,
     )

@@ -33,4 +33,5 @@ class Poses(tuple[OfPose, ...]):
             if pose.label == at:
                 return pose
         there = ", ".join(pose.label for pose in self if pose.label is not None)
-        raise KeyError(f"no pose {at!r}: " + (f"there is {there}" if there else "none has a name"))
+        said = f"there is {there}" if there else "the table names none, take poses[0]"
+        raise KeyError(f"no pose {at!r}: {said}")

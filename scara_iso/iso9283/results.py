@@ -207,8 +207,9 @@ class Analysis(Displayed):
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table: a row for each pose and figure (X, .., XY, XYZ), NaN where none.
 
-        Columns: pose, figure, unit (of all that follow), n, mean, l_bar, S_l, RP, RP_low and
-        RP_high (95 %), RP_rss (eq. 23), three_sigma, accuracy (7.2.1), uncertainty (standard).
+        Columns: pose (None where the table names none), figure, unit (of all that follow), n, mean,
+        l_bar, S_l, RP, RP_low and RP_high (95 %), RP_rss (eq. 23), three_sigma, accuracy (7.2.1),
+        uncertainty (standard).
         """
         rows = [_row(pose, *found) for pose in self.poses for found in pose.figures.items()]
         return frame_of(rows, {"source": self.run.origin.source})

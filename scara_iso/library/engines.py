@@ -14,7 +14,7 @@ from threading import Thread
 from types import ModuleType
 from typing import Any, ParamSpec, TypeVar
 
-from scara_iso.errors import ServiceError, UsageError
+from scara_iso.errors import ServiceError, UsageError, with_extra
 from scara_iso.fleets import Engine
 
 Given = ParamSpec("Given")
@@ -98,8 +98,7 @@ def _cluster(address: str) -> Iterator[Engine]:
     try:
         from distributed import Client
     except ImportError as error:
-        remedy = "pip install 'scara-iso[dask]'"
-        raise UsageError("a cluster needs Dask distributed", remedy=remedy) from error
+        raise UsageError("a cluster needs Dask", remedy=with_extra("dask")) from error
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal():
         raise UsageError(f"`engine={DASK}{address}`", remedy=_REMEDY)

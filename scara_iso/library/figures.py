@@ -11,11 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 from scara_iso import iso9283
 from scara_iso.errors import ScaraIsoError
+from scara_iso.frames import stacked
 from scara_iso.iso9283 import Analysis, DecisionRule
 from scara_iso.library.inputs import TableOptions, Tables, paths_of
+from scara_iso.library.sizes import sizes_of
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
+
+    import pandas as pd
 
 
 def analyze(
@@ -31,7 +35,7 @@ def analyze(
     cycles: int | None = None,
     all_count: bool = False,
     allow_gaps: bool = False,
-    limits: Mapping[str, float] | None = None,
+    limits: float | Mapping[str, float] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
 ) -> Analysis:
@@ -45,7 +49,7 @@ def analyze(
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``,
     ``sheet`` and ``columns`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``,
     ``all_count`` and ``allow_gaps`` say which cycles count. ``limits`` are in mm (degrees for an
-    angle) by figure (``X``, ``XY``...), the empty name for every length; ``decision`` is
+    angle) for every length, or by figure (``{"XY": 0.02}``); ``decision`` is
     ``interval`` (a limit is kept or broken where the whole 95 % interval says so) or ``simple``
     (RP alone).
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
@@ -57,7 +61,7 @@ def analyze(
         "cycles": cycles,
         "all_count": all_count,
         "allow_gaps": allow_gaps,
-        "limits": limits,
+        "limits": sizes_of("limits", limits),
         "decision": decision,
         "other_definitions": other_definitions,
     }
@@ -68,10 +72,18 @@ def analyze(
     return compared_with_its_manifest(analysis, table)
 
 
+class Analyses(list[Analysis | ScaraIsoError]):
+    """The analysis of each table, or the error of one that cannot be analysed."""
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table: the rows of every analysis, its table in the column ``source``."""
+        return stacked([one.to_frame() for one in self if isinstance(one, Analysis)])
+
+
 def analyze_many(
     tables: Sequence[str | Path], *, executor: Executor | None = None, **options: Any
-) -> list[Analysis | ScaraIsoError]:
-    """Return the analysis of each of several unrelated tables, in their order.
+) -> Analyses:
+    """Return the analysis of each of several unrelated tables, in their order; `to_frame` of all.
 
     One that cannot be analysed gives its error. ``executor`` shares the work, as of
     `concurrent.futures`, else processes of this machine; ``options`` are those of `analyze`.
@@ -80,7 +92,7 @@ def analyze_many(
 
     work = partial(_analyze_one, options=options)
     with nullcontext(executor) if executor is not None else open_processes() as pool:
-        return list(pool.map(work, map(str, tables)))
+        return Analyses(pool.map(work, map(str, tables)))
 
 
 def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoError:

@@ -10,6 +10,7 @@ from scara_iso.disk import write_file
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.library.inputs import Tables, paths_of, tables_of
+from scara_iso.library.sizes import sizes_of
 from scara_iso.measurement_system import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.render import find_format
 from scara_iso.reporting import Document, gauge_study_report
@@ -24,6 +25,7 @@ def gauge_study(
     reference: float | Mapping[str, float] | None = None,
     unit: str | None = None,
     resolution: float | None = None,
+    decimal: str | None = None,
     decision: str = DecisionRule.SIMPLE.value,
     to: str | Path | None = None,
     seed: int = SEED,
@@ -33,11 +35,12 @@ def gauge_study(
     ``table`` is a path, ``-``, bytes or an open file, or several of one study; which study it is
     is told by what the readings name: ``part`` (a recording's ``pose``), ``operator``, ``session``,
     ``reference``. ``tolerance`` (its width) and ``reference`` (the true value) are in the unit of
-    the readings, one for all or by axis. ``unit`` and ``resolution`` (in it) as in `read_table`.
-    ``decision`` is ``simple`` (the figure against the guideline's limit, as the guidelines do) or
-    ``interval`` (all of its 95 % interval). ``to`` also writes it: .dfq (AQDEF) or a form of the
-    report. ``seed`` is of the draws for intervals of several variances. Raises `DataError` for a
-    table that cannot be read or makes no study, `UsageError` for options that make no sense.
+    the readings, one for all or by axis. ``unit``, ``resolution`` (in it) and ``decimal`` as in
+    `read_table`. ``decision`` is ``simple`` (the figure against the guideline's limit, as
+    the guidelines do) or ``interval`` (all of its 95 % interval). ``to`` also writes it: .dfq
+    (AQDEF) or a form of the report. ``seed`` is of the draws for intervals of several variances.
+    Raises `DataError` for a table that cannot be read or makes no study, `UsageError` for options
+    that make no sense.
     """
     words = [rule.value for rule in DecisionRule]
     if decision not in words:
@@ -47,20 +50,15 @@ def gauge_study(
         tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
         unit=unit,
         resolution=resolution,
-        references=_by_axis(reference),
-        tolerances=_positive(_by_axis(tolerance)),
+        decimal=decimal,
+        references=sizes_of("reference", reference),
+        tolerances=_positive(sizes_of("tolerance", tolerance)),
     )
     found = study_gauge(read, decision=DecisionRule(decision), seed=seed)
     found = replace(found, remarks=(*_changed(table), *found.remarks))
     if to is not None and write is not None:
         write_file(Path(to), write(Document("Gauge study", gauge_study_report(found), found)))
     return found
-
-
-def _by_axis(size: float | Mapping[str, float] | None) -> Mapping[str, float]:
-    if size is None:
-        return {}
-    return size if isinstance(size, Mapping) else {"": size}
 
 
 def _positive(sizes: Mapping[str, float]) -> Mapping[str, float]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
-from scara_iso.iso9283 import Analysis, analyze, moment_of_test
+from scara_iso.iso9283 import Analysis, analyze, moment_in_name, moment_of_test
 from scara_iso.library.inputs import Table, TableOptions, Tables, tables_of
+from scara_iso.library.sizes import sizes_of
 from scara_iso.monitoring import DatedAnalysis, RobotHistory, follow, is_plausible, read_events
 from scara_iso.reporting import printable
 
@@ -22,7 +23,7 @@ def history(
     *,
     events: str | Path | None = None,
     robot: str | None = None,
-    limits: Mapping[str, float] | None = None,
+    limits: float | Mapping[str, float] | None = None,
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
@@ -34,13 +35,15 @@ def history(
     """Return every test of one robot in time order: figures, control charts, trend, limit, service.
 
     ``tables`` are paths, runs or pandas tables, one a test, or the path of a folder; each states
-    its date (``# date: 2026-05-12``, or a column `timestamp`). ``events`` is a table with the
-    columns date and what; a folder's own ``events.csv`` is taken unless another is given. ``robot``
-    takes only the tests of that name or serial number. ``limits`` and the other options are those
-    of `analyze`, for each table. A table that cannot be used is listed in ``unreadable``. Raises
-    `DataError` where none can be used, one states no date, or the tests are of several robots or
-    in no order; `NoInputError` for what is not there; `UsageError` for a limit of no figure.
+    its date (``# date: 2026-05-12``, or a column `timestamp`), or else its file's name does.
+    ``events`` is a table with the columns date and what; a folder's own ``events.csv`` is taken
+    unless another is given. ``robot`` takes only the tests of that name or serial number.
+    ``limits`` and the other options are those of `analyze`, for each table. A table that cannot be
+    used is listed in ``unreadable``. Raises `DataError` where none can be used, one states no date,
+    or the tests are of several robots or in no order; `NoInputError` for what is not there;
+    `UsageError` for a limit of no figure.
     """
+    limits = sizes_of("limits", limits)
     found, beside = _tables(tables, events)
     reading = TableOptions(unit, resolution, decimal)
     options: dict[str, Any] = {
@@ -55,7 +58,9 @@ def history(
     if not analyses:
         _refuse_nothing(failed, robot)
     done = () if beside is None else read_events(beside)
-    return replace(follow(_dated(analyses), done, limits), unreadable=tuple(failed))
+    followed = follow(_dated(analyses), done, limits)
+    notes = (*followed.notes, *_by_name(analyses))
+    return replace(followed, notes=notes, unreadable=tuple(failed))
 
 
 def _tables(tables: Tables, events: str | Path | None) -> tuple[list[Table], Path | None]:
@@ -73,7 +78,8 @@ def _tables(tables: Tables, events: str | Path | None) -> tuple[list[Table], Pat
     aside = {path.resolve() for path in (*own, *([beside] if beside else []))}
     found = [t for t in tables_of(tables) if not _is_among(t, aside)]
     if not found:
-        raise NoInputError("no table is there", where=str(folders[0]) if folders else "")
+        where = str(folders[0]) if folders else ""
+        raise NoInputError("no table is there", where=where, remedy="put tables there, one a test")
     return found, beside
 
 
@@ -118,15 +124,21 @@ def _refuse_nothing(failed: Sequence[tuple[str, str]], robot: str | None) -> Non
     )
 
 
+def _by_name(analyses: Sequence[Analysis]) -> Iterator[str]:
+    named = [one.run.origin.source for one in analyses if moment_in_name(one.run)]
+    if named:
+        yield f"{len(named)} of {len(analyses)} tables state no date: that in the file's name holds"
+
+
 def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
-    moments = [(moment_of_test(one.run), one) for one in analyses]
+    moments = [(moment_of_test(one.run) or moment_in_name(one.run), one) for one in analyses]
     found = [DatedAnalysis(when, one) for when, one in moments if when and is_plausible(when)]
     if len(found) < len(analyses):
         used = {id(test.analysis) for test in found}
         missing = [one.run.origin.source for one in analyses if id(one) not in used]
         raise DataError(
             f"{len(missing)} of {len(analyses)} tables state no date that can be read",
-            remedy="write '# date: 2026-05-12' above the header of each",
+            remedy="write '# date: 2026-05-12' above the header of each, or name it 2026-05-12.csv",
             faults=[Fault(name) for name in missing],
         )
     return found

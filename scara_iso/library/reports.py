@@ -27,6 +27,7 @@ from scara_iso.library.inputs import (
     paths_of,
 )
 from scara_iso.library.loop import diagnose_analysis
+from scara_iso.library.sizes import sizes_of
 from scara_iso.library.statements import restate
 from scara_iso.pose_columns import no_such_pose
 from scara_iso.render import find_format
@@ -119,7 +120,7 @@ def report(
     own_effects: str | Path | None = None,
     to: str | Path | None = None,
     pose: str | None = None,
-    limits: Mapping[str, float] | None = None,
+    limits: float | Mapping[str, float] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     unit: str | None = None,
     resolution: float | None = None,
@@ -153,7 +154,7 @@ def report(
         "cycles": cycles,
         "all_count": all_count,
         "allow_gaps": allow_gaps,
-        "limits": limits,
+        "limits": sizes_of("limits", limits),
         "decision": decision,
     }
     reading = TableOptions(unit, resolution, decimal, sheet, columns)

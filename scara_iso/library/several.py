@@ -13,6 +13,7 @@ from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Analysis
 from scara_iso.library.conditions import ConditionRun
 from scara_iso.library.inputs import TableOptions, Tables, every
+from scara_iso.library.sizes import sizes_of
 
 _Set: TypeAlias = Tables | Analysis
 
@@ -30,7 +31,7 @@ def compare(
     all_count: bool = False,
     allow_gaps: bool = False,
     exchangeability: bool = False,
-    limits: Mapping[str, float] | None = None,
+    limits: float | Mapping[str, float] | None = None,
     seed: int = SEED,
 ) -> Comparison:
     """Return every table against the first: means, RP and +/- 3 s of angles, with intervals.
@@ -61,8 +62,9 @@ def compare(
             allow_gaps=allow_gaps,
         )
 
+    wanted = sizes_of("limits", limits)
     if not exchangeability:
-        comparison.refuse_limits(limits)
+        comparison.refuse_limits(wanted)
     sets = _sets(tables)
     if condition is not None and not any(map(_is_test, sets)):
         raise UsageError("`condition=` is for the folders of tests", remedy="leave it out")
@@ -70,7 +72,7 @@ def compare(
     found = comparison.compare(analyses, seed=seed)
     if not exchangeability:
         return found
-    return replace(found, characteristics=comparison.exchangeability(analyses, limits or {}))
+    return replace(found, characteristics=comparison.exchangeability(analyses, wanted))
 
 
 def _is_test(table: _Set) -> bool:

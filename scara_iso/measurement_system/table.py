@@ -95,12 +95,14 @@ def read_gauge_tables(
     *,
     unit: str | None = None,
     resolution: float | None = None,
+    decimal: str | None = None,
     references: Mapping[str, float] | None = None,
     tolerances: Mapping[str, float] | None = None,
 ) -> GaugeTables:
     """Return the readings of one study, of one table or several.
 
-    ``unit`` and ``resolution`` (in it) stand for the files' statements; ``references`` and
+    ``unit`` and ``resolution`` (in it) stand for the files' statements, ``decimal`` as in
+    `read_columns`; ``references`` and
     ``tolerances`` by axis, the empty name for the only one, in the unit of its readings. Several
     tables that differ in nothing are sessions. Raises as `read_columns`, `DataError` with every
     fault of a table, `UsageError` for options that contradict it.
@@ -108,7 +110,7 @@ def read_gauge_tables(
     options = _Options(
         unit, resolution, {"reference": references or {}, "tolerance": tolerances or {}}
     )
-    tables = [read_columns(source, _COLUMNS) for source in sources]
+    tables = [read_columns(source, _COLUMNS, decimal=decimal) for source in sources]
     read = [_dials(table, options) for table in tables]
     axes = list(read[0])
     for table, dials in zip(tables, read, strict=True):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import groupby
 from typing import TextIO
 
@@ -190,11 +191,11 @@ def _show_charted(charted: Charted, console: Console) -> None:
     widths = [max(map(cell_len, column)) for column in zip(heads, *texts, strict=False)]
     room = console.width - _INDENT - sum(widths) - 2 * len(widths)
     beside = room >= _LEAST_DRAWN
-    if beside:
-        _print_row(_aligned(heads, widths), heads[-1], console, "bold")
+    line = partial(_aligned, widths=widths) if room + widths[-1] >= 0 else _run_together
+    _print_row(line(heads[:-1]), heads[-1] if beside else "", console, "bold")
     for row, cells in zip(charted.rows, texts, strict=True):
         picture = _drawn(row.readings, console, room if beside else console.width - 2 * _INDENT)
-        _print_row(_aligned(cells, widths), picture if beside else "", console)
+        _print_row(line(cells), picture if beside else "", console)
         if picture and not beside:
             _print_row("", picture, console)
 
@@ -202,6 +203,10 @@ def _show_charted(charted: Charted, console: Console) -> None:
 def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:
     first, *others = zip(cells, widths, strict=False)
     return "  ".join([f"{first[0]:<{first[1]}}", *(f"{cell:>{width}}" for cell, width in others)])
+
+
+def _run_together(cells: Sequence[str]) -> str:
+    return "  ".join(filter(None, map(str.strip, cells)))
 
 
 def _print_row(line: str, picture: str, console: Console, style: str = "") -> None:

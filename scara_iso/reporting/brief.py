@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from scara_iso.iso9283 import Finding, in_brief
+from scara_iso.iso9283 import Finding, in_brief, option_in_brief
 from scara_iso.origin import SIMULATED
 from scara_iso.reporting.blocks import Block, Interval, NextStep, Number, Text
 from scara_iso.reporting.digits import places, places_that_decide
@@ -51,9 +51,12 @@ def figure_said(
     return f"{said} [{between.low}, {between.high}]" if isinstance(between, Interval) else said
 
 
-def first_three(lines: Sequence[Block], following: NextStep) -> tuple[Block, ...]:
-    """Return the lines with what to do next as the third."""
-    return (*lines[:2], following, *lines[2:])
+def first_three(
+    lines: Sequence[Block], following: NextStep, *, answer: int = 2
+) -> tuple[Block, ...]:
+    """Return the lines with what to do next behind the ``answer``: the third, or below its list."""
+    behind = max(answer, 2)
+    return (*lines[:behind], following, *lines[behind:])
 
 
 def simulated(run: Run) -> Iterator[Text]:
@@ -72,14 +75,19 @@ def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
         by_code.setdefault(finding.code, []).append(finding)
     said = "; ".join(_caution(code, found) for code, found in by_code.items())
     if len(said) > _LINE:
-        names = ", ".join(map(in_brief, by_code))
-        said = f"{len(grave)} warnings: {names}"
+        names = ", ".join(map(_with_option, by_code))
+        said = f"{len(by_code)} warnings: {names}" if len(by_code) > 1 else names
     yield Text(f"! {said}", "warn")
 
 
 def _caution(code: str, found: Sequence[Finding]) -> str:
     subjects = _subjects(found)
-    return f"{subjects}: {in_brief(code)}" if subjects else in_brief(code)
+    return f"{subjects}: {_with_option(code)}" if subjects else _with_option(code)
+
+
+def _with_option(code: str) -> str:
+    option = option_in_brief(code)
+    return f"{in_brief(code)} (state it, as {option})" if option else in_brief(code)
 
 
 def _subjects(found: Sequence[Finding]) -> str:

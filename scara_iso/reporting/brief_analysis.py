@@ -6,7 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from scara_iso.diagnosis import FEWEST_CYCLES, MOST_CYCLES
-from scara_iso.iso9283 import Analysis, AxisResult, Conformity, LimitCheck, PoseResult
+from scara_iso.iso9283 import (
+    Analysis,
+    AxisResult,
+    Conformity,
+    LimitCheck,
+    PoseResult,
+    RadialResult,
+)
 from scara_iso.reporting.analysis import FORCE_LOOP, cycles_said, definitions_table, is_force_loop
 from scara_iso.reporting.blocks import (
     Block,
@@ -33,7 +40,7 @@ from scara_iso.reporting.brief import (
 )
 from scara_iso.reporting.characteristics import characteristics
 from scara_iso.reporting.drift import drift_headlines, drift_sections
-from scara_iso.reporting.limits import VERDICTS, conformity
+from scara_iso.reporting.limits import VERDICTS, conformity, figure_held
 
 _MOST_OF_NO_AXIS = 6
 _MOST_POSES = 40
@@ -89,9 +96,13 @@ Figure = tuple[str, float, Ends, str]
 
 def headline_figures(pose: PoseResult) -> list[Figure]:
     """Return what a robot is bought by: the plane where there is one, then the other axes."""
-    plane = [("XY", pose.XY.RP, pose.XY.RP_interval, "mm")] if pose.XY is not None else []
+    plane = [_radial(pose.XY)] if pose.XY is not None else []
     others = [axis for axis in pose.axes.values() if not (plane and axis.name in "XY")]
     return [*plane, *map(_of_axis, others)]
+
+
+def _radial(XY: RadialResult) -> Figure:
+    return "XY", XY.RP, XY.RP_interval, "mm"
 
 
 def _of_axis(axis: AxisResult) -> Figure:
@@ -163,6 +174,8 @@ def _charted(analysis: Analysis, pose: PoseResult, *, at: str | None) -> Charted
         for axis in pose.axes.values()
     ]
     others = sorted(held.values(), key=lambda one: one.verdict is Conformity.PASS)
+    if pose.XY is not None and any(one.code == "RP_rss" for one in others):
+        rows.append(ChartedRow(_cells(_radial(pose.XY), None)))  # beside the one that decides
     rows += [ChartedRow(_checked(one)) for one in others[:_MOST_OF_NO_AXIS]]
     header = ["", "RP", "95 % interval", "", f"over the cycles{'' if at is None else f' at {at}'}"]
     if analysis.limits:
@@ -181,8 +194,7 @@ def _cells(figure: Figure, check: LimitCheck | None) -> tuple[Cell, ...]:
 def _checked(check: LimitCheck) -> tuple[Cell, ...]:
     mark = "± " if check.code == "RP_a" else ""
     figures = figure_cells(check.RP, check.interval, limit=check.limit, mark=mark)
-    name = f"{check.figure} eq. 23" if check.code == "RP_rss" else check.figure
-    return (name, *figures, check.unit, VERDICTS[check.verdict])
+    return (figure_held(check), *figures, check.unit, VERDICTS[check.verdict])
 
 
 def _table_of_poses(poses: Sequence[PoseResult]) -> Table:

@@ -23,10 +23,12 @@ from scara_iso.reporting.characteristics import characteristics_table
 from scara_iso.reporting.comparison import (
     CHANGED,
     SAID,
+    SAME_TWICE,
     U_of_change,
     caution,
     ends_said,
     figure_name,
+    is_copy,
     is_live,
     ratio_said,
     strips_of,
@@ -34,7 +36,7 @@ from scara_iso.reporting.comparison import (
 from scara_iso.reporting.digits import rounded
 from scara_iso.reporting.limits import VERDICTS
 
-_MOST_ROWS, _MOST_AXES = 8, 2
+_MOST_ROWS, _MOST_AXES = 8, 1
 _SIDES = ("before", "after")
 _WHAT_ELSE = "what else than scatter is in it"
 
@@ -96,12 +98,15 @@ def _of_runs(findings: Sequence[Finding]) -> list[Finding]:
 def _answer(pair: Pair) -> Iterator[Block]:
     """Yield a line on RP and one on the means, the largest changes first."""
     live = [one for one in (*pair.spreads, *pair.means) if is_live(one)]
+    if is_copy(pair):
+        yield Text(SAME_TWICE[0].upper() + SAME_TWICE[1:], "bad")
+        return
     if not live:
         yield Text("Nothing is compared: one of the dials stood still", "bad")
         return
     yield Headline(_changes("RP", pair.spreads, pair))
     if pair.means:
-        yield Headline(_changes("mean", pair.means, pair), "plain")
+        yield Text("   ".join(_changes("mean", pair.means, pair)))
 
 
 def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str, ...]:
@@ -138,6 +143,8 @@ def _values(one: Contrast, way: str = "") -> str:
 
 def _next(pair: Pair, tables: tuple[str, str]) -> NextStep:
     before, after = tables
+    if is_copy(pair):
+        return NextStep(f"scara-iso tables {after}", "is this the table you mean?")
     worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)
     if worse or _drifts(pair.after):
         return NextStep(f"scara-iso diagnose {after}", _WHAT_ELSE)
@@ -151,17 +158,16 @@ def _drifts(analysis: Analysis) -> bool:
 
 
 def _rows(pair: Pair) -> tuple[tuple[Cell, ...], ...]:
-    shown = [("RP", one) for one in pair.spreads]
-    shown += [("mean", one) for one in pair.means if one.verdict in CHANGED]
-    shown.sort(key=lambda found: found[1].verdict not in CHANGED)
-    kept = shown[:_MOST_ROWS]
-    return tuple(_row(what, one) for what, one in kept)
+    planar = any(one.figure == "XY" for one in pair.spreads)
+    shown = [one for one in pair.spreads if not (planar and one.figure == "XYZ")]
+    shown.sort(key=lambda one: one.verdict not in CHANGED)
+    return tuple(map(_row, shown[:_MOST_ROWS]))
 
 
-def _row(what: str, one: Contrast) -> tuple[Cell, ...]:
+def _row(one: Contrast) -> tuple[Cell, ...]:
     U = U_of_change(one)
     return (
-        f"{what} {figure_name(one)} [{one.unit}]",
+        f"RP {figure_name(one)} [{one.unit}]",
         rounded(one.before, U),
         rounded(one.after, U),
         rounded(one.difference, U, sign="+"),

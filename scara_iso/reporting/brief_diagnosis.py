@@ -19,6 +19,7 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.brief import digits_of, first_three
 from scara_iso.reporting.diagnosis import (
+    is_of_a_kind,
     parameters_said,
     rivals_said,
     sureness,
@@ -29,6 +30,8 @@ from scara_iso.reporting.words import words
 from scara_iso.run import FloatArray
 
 _MOST_NOTES = 3
+_GAP = "   "
+_RARE = 0.01
 _DUST = 1e-9
 Again = Callable[..., str]
 """Names the table in a command line, with the options that read it and further ones."""
@@ -36,7 +39,7 @@ Again = Callable[..., str]
 
 def diagnosis_brief(diagnosis: Diagnosis, again: Again) -> Report:
     """Return a diagnosis in ten to twenty lines; ``again`` names its table."""
-    lines = [_answer(diagnosis), *_sizes_said(diagnosis), _repeatability(diagnosis)]
+    lines: list[Block] = [_answer(diagnosis), *_sizes_said(diagnosis), _repeatability(diagnosis)]
     head = first_three([*lines, *_why(diagnosis), *doubts(diagnosis)], _next(diagnosis, again))
     return (
         Section("", head),
@@ -55,11 +58,10 @@ def _answer(diagnosis: Diagnosis) -> Headline:
     return Headline(("Nothing besides scatter and the dial's division",), "good")
 
 
-def _sizes_said(diagnosis: Diagnosis) -> Iterator[Headline]:
+def _sizes_said(diagnosis: Diagnosis) -> Iterator[Text]:
     for found in diagnosis.effects:
         of = f"{words(found.effect)}: " if len(diagnosis.effects) > 1 else ""
-        first, *others = _sizes(found) or ("of no size",)
-        yield Headline((f"{of}{first}", *others), "plain")
+        yield Text(f"{of}{_GAP.join(_sizes(found) or ['of no size'])}")
 
 
 def _sizes(found: Found) -> list[str]:
@@ -90,26 +92,21 @@ def _length(axis: str) -> str:
     return "" if axis == "theta" else "mm"
 
 
-def _repeatability(diagnosis: Diagnosis) -> Headline:
-    """Return RP as measured beside what the next test will show by the completed model."""
+def _repeatability(diagnosis: Diagnosis) -> Text:
+    """Return RP as measured, were the effects cured, and in a new test by the completed model."""
     RP = diagnosis.repeatability
-    completed = getattr(RP, "completed", {})
-    names = [name for name in ("XY", *RP.measured) if name in RP.measured and name != "XYZ"]
-    planar = "XY" in names
-    chosen = [n for n in dict.fromkeys(names) if not (planar and n in ("X", "Y"))]
+    named = [name for name in RP.measured if name != "XYZ"]
+    name = "XY" if "XY" in named else named[0]
     n = len(diagnosis.series.cycle)
-    parts = []
-    for name in chosen:
-        measured = rounded(RP.measured[name], U_of_scatter(RP.measured[name], n))
-        said = f"{name} {measured}"
-        if (told := completed.get(name)) is not None:
-            spec = f".{digits_of(told.value, (told.low, told.high))}f"
-            said += f", next test {told.value:{spec}} [{told.low:{spec}}, {told.high:{spec}}]"
-        removed = RP.with_effect_removed.get(name)
-        if diagnosis.effects and removed is not None and name not in completed:
-            said += f" ({rounded(removed, U_of_scatter(removed, n))} without the effect)"
-        parts.append(said)
-    return Headline((f"RP measured: {parts[0]}", *parts[1:]), "plain")
+    said = [f"RP  {name} {rounded(RP.measured[name], U_of_scatter(RP.measured[name], n))}"]
+    removed = RP.with_effect_removed.get(name)
+    if diagnosis.effects and removed is not None:
+        said.append(f"without the effect {rounded(removed, U_of_scatter(removed, n))}")
+    if (told := getattr(RP, "completed", {}).get(name)) is not None:
+        spec = f".{digits_of(told.value, (told.low, told.high))}f"
+        ends = f"[{told.low:{spec}}, {told.high:{spec}}]"
+        said.append(f"if repeated {told.value:{spec}} {ends}")
+    return Text("; ".join(said))
 
 
 def _next(diagnosis: Diagnosis, again: Again) -> NextStep:
@@ -128,8 +125,11 @@ def is_explained(found: Found) -> bool:
 
 def _why(diagnosis: Diagnosis) -> Iterator[Block]:
     for found in diagnosis.effects:
-        yield Text(f"Likely: {found.cause}")
-        yield Text(f"To be sure: {found.confirm_by}")
+        if is_of_a_kind(found):
+            yield Text(f"Likely: {found.cause}")
+            yield Text(f"To be sure: {found.confirm_by}")
+        else:
+            yield Text("To be sure: repeat the run; chance does not come back, a cause does")
     near = [rival for rival in diagnosis.candidates if rival.effect != UNKNOWN]
     yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
     if diagnosis.verdict is Verdict.UNEXPLAINED and near:
@@ -141,6 +141,9 @@ def _why(diagnosis: Diagnosis) -> Iterator[Block]:
 
 def doubts(diagnosis: Diagnosis, *, effects: bool = True) -> Iterator[Text]:
     """Yield what speaks against the effects, and the readings to look at."""
+    if effects and diagnosis.effects and diagnosis.p_value > _RARE:
+        often = f"{100 * diagnosis.p_value:.0f} of 100 tests"
+        yield Text(f"! scatter alone shows as much in {often}", "warn")
     for found in diagnosis.effects if effects else ():
         yield from (Text(f"! {line}", "warn") for line in found.unidentified)
     for flag in diagnosis.flags:
@@ -175,7 +178,7 @@ def _behind(diagnosis: Diagnosis) -> Iterator[Text]:
     n = len(diagnosis.series.cycle)
     changed = [axis for axis in before if any(axis in one.axes for one in diagnosis.effects)]
     if changed:
-        said = ", ".join(f"{axis} {_rms(before[axis], n)} to {_rms(after[axis], n)}"
+        said = "; ".join(f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}"
                          for axis in changed)  # fmt: skip
         yield Text(f"Error on cycles that the model has not seen: {said}")
     yield from (Text(f"- {note}", "quiet") for note in diagnosis.notes[:_MOST_NOTES])

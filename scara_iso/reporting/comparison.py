@@ -31,6 +31,7 @@ from scara_iso.reporting.characteristics import characteristics_table
 from scara_iso.reporting.digits import p_value, rounded
 from scara_iso.reporting.limits import table_of_limits
 
+SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
 CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
 SAID = {
     ContrastVerdict.LESS: "less",
@@ -60,6 +61,8 @@ def comparison_report(comparison: Comparison) -> Report:
 def headline(pair: Pair) -> str:
     """Return what a pair shows, in a sentence or three; a dial that stood still shows nothing."""
     every = (*pair.spreads, *pair.means)
+    if is_copy(pair):
+        return SAME_TWICE
     if not any(map(is_live, every)):
         return "nothing is compared: one of the dials stood still"
     said = []
@@ -69,6 +72,12 @@ def headline(pair: Pair) -> str:
     if any(one.verdict not in CHANGED for one in every if is_live(one)):
         said += [f"{'else ' if said else ''}no difference that {_cycles(pair)} can show"]
     return "; ".join(said)
+
+
+def is_copy(pair: Pair) -> bool:
+    """Say whether every reading of the axes in common is the same in both runs."""
+    same = [finding.axis or "" for finding in pair.findings if finding.code == "same-readings"]
+    return {name for names in same for name in names.split(", ")} >= {m.figure for m in pair.means}
 
 
 def is_live(one: Contrast) -> bool:
@@ -110,7 +119,7 @@ def caution(pair: Pair) -> Iterator[Block]:
         )
         yield Text(f"{said} dial touch, or is it too coarse?", "warn")
     if any(one.verdict is ContrastVerdict.DIAL for one in every):
-        said = "'the dial': rounding alone can make this difference; measure with a finer indicator"
+        said = "'the dial': rounding alone can make this difference: use a finer one"
         yield Text(said, "warn")
 
 

@@ -30,6 +30,7 @@ from scara_iso.reporting.unexplained import courses_said
 from scara_iso.reporting.words import words
 
 _SURE, _LIKELY = 0.9, 0.6
+_MOST_KINDS = 3
 _UNSEEN = "cycles that the fit did not see, the choice of effect repeated"
 _SECONDS = "_s"
 """Ends the name of a time that is given in seconds beside that in cycles."""
@@ -142,8 +143,16 @@ def sureness(found: Found, *, on_axes: bool = True) -> str:
     if found.probability >= _SURE or not found.rivals:
         return f"{words(found.effect)}{where} ({found.probability:.0%})"
     others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals
-    names = " or ".join([words(found.effect), *(words(rival.effect) for rival in others)])
-    return f"{names}{where}"
+    names = [words(found.effect), *(words(rival.effect) for rival in others)]
+    if is_of_a_kind(found):
+        return f"{' or '.join(names)}{where}"
+    likeliest = f"{', '.join(names[:_MOST_KINDS])} or {len(names) - _MOST_KINDS} others"
+    return f"more than scatter{where}, its kind not clear: {likeliest}"
+
+
+def is_of_a_kind(found: Found) -> bool:
+    """Return whether so few effects are left that a cause can be looked for."""
+    return found.probability >= _LIKELY or len(found.rivals) <= _MOST_KINDS
 
 
 def rivals_said(rivals: Sequence[Rival]) -> str:

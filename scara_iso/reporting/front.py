@@ -10,7 +10,7 @@ from scara_iso.iso9283 import Analysis, Finding
 from scara_iso.reporting.analysis import cycles_said, force_loop, is_force_loop
 from scara_iso.reporting.blocks import Block, Signature, Text
 from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words
-from scara_iso.reporting.limits import RULES, conformity
+from scara_iso.reporting.limits import GRAVER, RULES, conformity
 from scara_iso.reporting.result_table import ResultPart, result_tables
 from scara_iso.reporting.stated import method, not_stated, parties, stated_field
 from scara_iso.reporting.words import words
@@ -84,7 +84,8 @@ def _subject(analysis: Analysis) -> str:
 def _rule(analysis: Analysis) -> str:
     if not analysis.limits:
         return "No limit was given: nothing is decided."
-    return RULES[analysis.limits[0].decision]
+    planar = any(check.figure == "XY" for check in analysis.limits)
+    return RULES[analysis.limits[0].decision] + (f" {GRAVER}" if planar else "")
 
 
 def _deviations(analysis: Analysis) -> Iterator[Text]:

@@ -77,11 +77,12 @@ def gauge_study_report(found: GaugeStudy) -> Report:
 def gauge_study_brief(found: GaugeStudy, following: NextStep) -> Report:
     """Return a gauge study in short: the verdict, what decides it, every warning."""
     lines: list[Block] = list(_verdict(found))
+    answer = len(lines) - len(found.axes)  # behind it what kind of study each dial has
     warnings = [said for said in _remarks(found) if said.tone == "warn"]
     tables = [_criteria(found)] if found.criteria else []
     behind = Text("figures, ANOVA, uncertainty, picture: `full=`", "quiet")
     return (
-        Section("", (*first_three(lines, following), *warnings)),
+        Section("", (*first_three(lines, following, answer=answer), *warnings)),
         Section("", (*tables, behind)),
     )
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import PurePath
 
+from scara_iso.comparison import Contrast, ContrastVerdict
 from scara_iso.monitoring import (
     MeanHistory,
     RobotHistory,
+    ServiceEvent,
     SpreadHistory,
     TestFigure,
     date_on,
@@ -27,7 +29,7 @@ from scara_iso.reporting.blocks import (
     Text,
 )
 from scara_iso.reporting.brief import first_three
-from scara_iso.reporting.comparison import headline
+from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_said
 from scara_iso.reporting.digits import interval, rounded
 from scara_iso.reporting.dossier import Document
 from scara_iso.reporting.month_figures import control_pictures, month_picture
@@ -53,9 +55,9 @@ def history_document(found: RobotHistory) -> Document:
 
 def history_brief(found: RobotHistory, following: NextStep) -> Report:
     """Return the answer: a line for each figure that changed or has a limit."""
-    verdicts = _verdicts(found, brief=True)
-    lines: list[Block] = [Headline((_subject(found),)), *verdicts, *_left_out(found)]
-    return (Section("", first_three(lines, following)), Section("", (_now(found),)))
+    answer: list[Block] = [Headline((_subject(found),)), *_verdicts(found, brief=True)]
+    lines = first_three([*answer, *_left_out(found)], following, answer=len(answer))
+    return (Section("", lines), Section("", (_now(found),)))
 
 
 def history_report(found: RobotHistory) -> Report:
@@ -82,17 +84,25 @@ def _subject(found: RobotHistory) -> str:
     first, last = found.tests[0].when, found.tests[-1].when
     name = found.robot or "a robot that is not named"
     serial = f", serial {found.serial}" if found.serial else ""
+    if len(found.tests) == 1:
+        return (
+            f"{name}{serial}: one test, {moment_said(first)}; there is no other to compare it with"
+        )
     return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
 
 
 def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
-    """Yield what limits, charts and trends amount to, the limits first.
+    """Yield what limits, services, charts and trends amount to, the limits first.
 
     In ``brief`` the alarms of the charts are left out where a trend says as much.
     """
     for one in found.spreads:
         if limited := _limit_said(one):
             yield Text(f"{_code(one)} {_name(one)}: {limited}", "bad" if one.crossed else "good")
+    for event, moved in _served(found):
+        worse = any(one.verdict is ContrastVerdict.MORE for one in moved)
+        said = ", ".join(map(_moved, moved))
+        yield Text(f"after the service of {_event(event)}: {said}", "bad" if worse else "good")
     most = 1 if brief else None
     changed = {id(one): "; ".join(islice(_change_said(one), most)) for one in found.spreads}
     for one in found.spreads:
@@ -102,9 +112,49 @@ def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
         if mean.chart is not None and mean.chart.alarms:
             at = _alarms_at(mean.tests, mean.chart.alarms)
             yield Text(f"mean {_name(mean)} moved ({at}): robot, fixture or the dial's zero")
-    silent = [f"{_code(one)} {_name(one)}" for one in found.spreads if not changed[id(one)]]
-    if silent:
-        yield Text(f"no change beyond sampling: {', '.join(silent)}")
+    yield from _silent([one for one in found.spreads if not changed[id(one)]], found)
+
+
+def _silent(spreads: Sequence[SpreadHistory], found: RobotHistory) -> Iterator[Text]:
+    """Yield what can be said of the figures of which neither chart, trend nor service speaks."""
+    moved = {(one.pose, one.figure) for _, every in _served(found) for one in every}
+    by_said: dict[str, list[str]] = {}
+    for one in spreads if len(found.tests) > 1 else ():
+        if not moved & {(one.pose, one.figure), (None, one.figure)}:
+            by_said.setdefault(_unchanged(one), []).append(f"{_code(one)} {_name(one)}")
+    for said, names in by_said.items():
+        yield Text(f"{said}: {', '.join(names)}")
+
+
+def _unchanged(one: SpreadHistory) -> str:
+    """Return what holds where no chart speaks, which few tests do not have."""
+    first, last = one.tests[0].interval, one.tests[-1].interval
+    if first and last and (first[1] < last[0] or last[1] < first[0]):
+        return "first and last test differ by more than their intervals"
+    if one.ewma is None:
+        return "no chart, for which five tests above 0 are needed"
+    return "no change beyond sampling"
+
+
+def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[Contrast]]]:
+    """Yield each service behind which a figure of scatter is another, with these figures."""
+    for event in found.events:
+        pairs = [pair for one in found.changes if one.event is event
+                 for pair in one.comparison.pairs]  # fmt: skip
+        moved = [one for pair in pairs for one in pair.spreads
+                 if one.verdict in CHANGED and is_live(one)]  # fmt: skip
+        if moved:
+            yield event, moved
+
+
+def _moved(one: Contrast) -> str:
+    name = f"{_code(one)} {_name(one)}"
+    ratio, ends = ratio_said(one)
+    return f"{name} {'worse' if one.verdict is ContrastVerdict.MORE else 'better'} {ratio} [{ends}]"
+
+
+def _event(event: ServiceEvent) -> str:
+    return f"{moment_said(event.when)}, {event.what}"
 
 
 def _change_said(one: SpreadHistory) -> Iterator[str]:
@@ -190,21 +240,17 @@ def _services(found: RobotHistory) -> Iterator[Block]:
     for change in found.changes:
         (pair,) = change.comparison.pairs
         names = [PurePath(one.run.origin.source).name for one in (pair.before, pair.after)]
-        text = f"{moment_said(change.event.when)}, {change.event.what}: {headline(pair)}"
+        text = f"{_event(change.event)}: {headline(pair)}"
         yield Text(f"{text} ({names[0]} against {names[1]})")
     compared = {id(change.event) for change in found.changes}
     for event in found.events:
         if id(event) not in compared:
-            yield Text(
-                f"{moment_said(event.when)}, {event.what}: no test on both sides of it", "quiet"
-            )
+            yield Text(f"{_event(event)}: no test on both sides of it", "quiet")
 
 
 def _spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Block]:
-    said = list(_change_said(one))
-    yield Text(
-        "; ".join(said) if said else "no change beyond sampling", "strong" if said else "plain"
-    )
+    said = "; ".join(_change_said(one))
+    yield Text(said or _unchanged(one), "strong" if said else "plain")
     if limited := _limit_said(one):
         yield Text(limited, "bad" if one.crossed else "good")
     yield month_picture(found, one)
@@ -241,9 +287,9 @@ def _U(test: TestFigure) -> float:  # noqa: N802 - GUM's symbol
     return 0.0 if test.interval is None else (test.interval[1] - test.interval[0]) / 2
 
 
-def _code(one: SpreadHistory) -> str:
+def _code(one: SpreadHistory | Contrast) -> str:
     return "RP" if one.quantity == "RP" else "3 S"
 
 
-def _name(one: SpreadHistory | MeanHistory) -> str:
+def _name(one: SpreadHistory | MeanHistory | Contrast) -> str:
     return one.figure if one.pose is None else f"{one.pose} {one.figure}"

@@ -10,7 +10,8 @@ from scara_iso.reporting.blocks import Interval, Number, Section, Table, Text
 from scara_iso.reporting.digits import decimals, places_that_decide
 
 _USUAL = ("mm", "deg")
-_FIGURES = "In mm; XY by the graver verdict of its two figures; an angle in degrees, by ± 3 s. "
+GRAVER = "Of XY's two figures, radial (7.2.2) and eq. 23 of the paper, the graver verdict counts."
+_FIGURES = f"In mm; an angle in degrees, by ± 3 s. {GRAVER} "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
@@ -142,16 +143,22 @@ def _would_prove(checks: Sequence[LimitCheck]) -> str:
     """Return what would: so many cycles, to two digits, or a finer dial where none would."""
     wanted = [check.cycles_wanted for check in checks]
     if None in wanted:
-        return "; no more cycles would, a finer or better calibrated dial may"
+        return "; no more would, a finer or better calibrated dial may"
     most = max(cycles for cycles in wanted if cycles is not None)
     if most >= MOST_CYCLES:
-        return f"; more than {MOST_CYCLES} cycles would"
+        return f"; more than {MOST_CYCLES} would"
     magnitude = 10 ** max(len(str(most)) - 2, 0)
-    return f"; about {math.ceil(most / magnitude) * magnitude} cycles would"
+    return f"; about {math.ceil(most / magnitude) * magnitude} would"
+
+
+def figure_held(check: LimitCheck) -> str:
+    """Return the figure that a limit is held against, where it has two: which of them."""
+    return f"{check.figure} eq. 23" if check.code == "RP_rss" else check.figure
 
 
 def _name(check: LimitCheck) -> str:
-    figure = check.figure if check.unit in _USUAL else f"{check.figure} in {check.unit}"
+    held = figure_held(check)
+    figure = held if check.unit in _USUAL else f"{held} in {check.unit}"
     return figure if check.pose is None else f"{figure} at {check.pose}"
 
 
@@ -159,7 +166,7 @@ def _names(checks: Sequence[LimitCheck]) -> str:
     """Return each figure with the poses at which it is meant."""
     poses: dict[str, list[str]] = {}
     for check in checks:
-        poses.setdefault(check.figure, []).append(check.pose or "")
+        poses.setdefault(figure_held(check), []).append(check.pose or "")
     if not any(check.pose for check in checks):
         return ", ".join(poses)
     return "; ".join(f"{figure} at {', '.join(labels)}" for figure, labels in poses.items())

@@ -62,10 +62,11 @@ def push_brief(found: PushResult, following: NextStep) -> Report:
     title, *verdicts = _verdict(found)
     figure = _largest(rows, found)
     lines = [*verdicts, figure, title] if found.limits else [figure, title, *verdicts]
+    answer = len(lines) - 1 if found.limits else 2
     table = (replace(_limits(found.limits), note=""),) if found.limits else ()
     behind = Text(f"figures of the {of}; how they are found, and the others: `full=`", "quiet")
     return (
-        Section("", (*first_three(lines, following), *doubts)),
+        Section("", (*first_three(lines, following, answer=answer), *doubts)),
         Section("", (_figures(rows), *table, behind)),
     )
 

@@ -6,6 +6,7 @@ from collections.abc import Container
 
 import numpy as np
 
+from scara_iso.errors import UsageError
 from scara_iso.run import FloatArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
@@ -13,6 +14,12 @@ from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark
 
 WHICH_MARK = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
+
+
+def refuse_other_marks(decimal: str | None) -> None:
+    """Raise `UsageError` for what is given as the decimal mark and is none."""
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
 
 
 def check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:

@@ -14,9 +14,11 @@ from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, listed, quoted, refuse
-from scara_iso.tables.layout import is_comment, read_statement
+from scara_iso.tables.layout import is_comment
+from scara_iso.tables.marks import WHICH_MARK, are_mixed, are_undecided, refuse_other_marks
 from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
+from scara_iso.tables.preamble import read_statement
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     Delimiter,
@@ -83,14 +85,17 @@ class NamedColumns:
     left_out: tuple[str, ...]
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """The columns of names, as text."""
+    decimal: str | None = None
+    """The decimal mark that was named, if one was."""
 
 
-def read_columns(source: Source, names: ColumnNames) -> NamedColumns:
+def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = None) -> NamedColumns:
     """Return the columns of a table, text or .xlsx, in the spellings that `read_table` takes.
 
-    ``#`` begins a comment line. Raises `NoInputError` where it cannot be read, and `DataError` with
-    every fault and its line.
+    ``decimal`` as there; ``#`` begins a comment line. Raises `NoInputError` where it cannot be
+    read, `DataError` with every fault and its line, `UsageError` for another mark.
     """
+    refuse_other_marks(decimal)
     data, where = read_bytes(source)
     statements: dict[str, str] = {}
     if data.startswith(WORKBOOK):
@@ -104,7 +109,7 @@ def read_columns(source: Source, names: ColumnNames) -> NamedColumns:
     (header_line, header), *body = rows
     found_names = _named(rows[0], names, faults)
     whole = [row for row in body if _is_whole(row, len(header), faults)]
-    values = _columns(whole, found_names, names, faults)
+    values = _columns(whole, found_names, names, faults, decimal)
     labels = _labels(whole, found_names, names, faults)
     faults.check()
     stated = dict(names.find(cell) for cell in header)
@@ -116,6 +121,7 @@ def read_columns(source: Source, names: ColumnNames) -> NamedColumns:
         header_line=header_line,
         left_out=tuple(clean(str(c)) for c in header if names.find(c)[0] is None),
         labels=labels,
+        decimal=decimal,
     )
 
 
@@ -189,16 +195,21 @@ def _named(
 
 
 def _columns(
-    whole: _Rows, found: Sequence[str | None], names: ColumnNames, faults: Faults
+    whole: _Rows,
+    found: Sequence[str | None],
+    names: ColumnNames,
+    faults: Faults,
+    decimal: str | None,
 ) -> dict[str, FloatArray]:
     marks: _Marks = {}
     values = {
-        name: np.array([_value(name, cells[k], (line, k + 1), names, marks, faults)
+        name: np.array([_value(name, cells[k], (line, k + 1), names, marks, faults, decimal)
                         for line, cells in whole])
         for k, name in enumerate(found)
         if name and name not in names.labels
     }  # fmt: skip
-    _check_marks(marks, faults)
+    if decimal is None:
+        _check_marks(marks, faults)
     return values
 
 
@@ -235,10 +246,11 @@ def _value(
     names: ColumnNames,
     marks: _Marks,
     faults: Faults,
+    decimal: str | None,
 ) -> float:
     value = cell if isinstance(cell, float) else math.nan
     if isinstance(cell, str):
-        number = parse_cell(cell)
+        number = parse_cell(cell, decimal)
         if number is not None and not number.unit:
             value = number.value
             marks.setdefault(number.mark, (*place, cell.strip(BLANKS)))
@@ -253,15 +265,12 @@ def _value(
 
 def _check_marks(marks: _Marks, faults: Faults) -> None:
     """Refuse a comma that could be a decimal or a thousands mark."""
-    comma = Mark.COMMA in marks or Mark.EITHER in marks
-    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
+    if are_mixed(marks):
         said = "commas and points both occur"
-    elif Mark.EITHER in marks and Mark.COMMA not in marks:
+    elif are_undecided(marks):
         said = "could have a decimal comma or group thousands"
     else:
         return
     for mark in marks.keys() - {Mark.NONE}:
         line, column, text = marks[mark]
-        faults.add(
-            f"{quoted(text)}: {said}", line, column, remedy="write decimal points, no groups"
-        )
+        faults.add(f"{quoted(text)}: {said}", line, column, remedy=WHICH_MARK)

@@ -18,8 +18,8 @@ from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.labelled import find_labelled
-from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble, runs_across
-from scara_iso.tables.marks import check_groups
+from scara_iso.tables.layout import HEAD, Layout, find_layout, runs_across
+from scara_iso.tables.marks import check_groups, refuse_other_marks
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark, count_decimals
 from scara_iso.tables.positions import (
@@ -30,6 +30,7 @@ from scara_iso.tables.positions import (
     place_columns,
     suggest_columns,
 )
+from scara_iso.tables.preamble import read_preamble
 from scara_iso.tables.sheets import NO_HEADER, read_blocks, read_rows, read_workbook
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
@@ -74,8 +75,7 @@ def read_table(
     thousand kept) for one that is not a table or could be read two ways, `UsageError` for an option
     that is not valid.
     """
-    if decimal not in (None, ",", "."):
-        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
+    refuse_other_marks(decimal)
     if resolution is not None and not 0 < resolution < math.inf:
         raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
     named = None if columns is None else column_names(columns)

@@ -58,9 +58,10 @@ def stated_size(
     text = table.statements.get(key)
     if text is None or unit is None:
         return None
-    number = parse_cell(text)
+    number = parse_cell(text, table.decimal)
     own = read_unit(number.unit) if number and number.unit else unit
-    doubtful = number is not None and number.mark in (Mark.EITHER, Mark.BOTH)
+    sure = table.decimal is not None
+    doubtful = not sure and number is not None and number.mark in (Mark.EITHER, Mark.BOTH)
     if number is None or own is None or own.dimension is not unit.dimension or doubtful:
         faults.append(Fault(f"{key}: {quoted(text)} is not a size in {unit.name}"))
         return None

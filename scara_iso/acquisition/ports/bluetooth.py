@@ -17,7 +17,7 @@ from typing import Any, Protocol, TypeVar
 from scara_iso.acquisition.indicators import LinePulse
 from scara_iso.acquisition.ports.address import bluetooth_address
 from scara_iso.acquisition.ports.transfers import Transfers
-from scara_iso.errors import InstrumentError, UsageError
+from scara_iso.errors import InstrumentError, UsageError, with_extra
 from scara_iso.frozen import dataclass
 
 CONNECT_S = 30.0
@@ -81,7 +81,7 @@ def bleak_client(address: str, lost: Callable[[object], None]) -> Client:
         raise UsageError(
             "Bluetooth needs the package bleak",
             where=f"ble:{address}",
-            remedy="pip install bleak, or install scara-iso with its extra: '.[ble]'",
+            remedy=with_extra("ble"),
         ) from error
     client: Client = BleakClient(address, disconnected_callback=lost, timeout=CONNECT_S)
     return client

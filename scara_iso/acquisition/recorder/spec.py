@@ -64,7 +64,8 @@ def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
     if not (equals and at and address.strip()) or axis is None:
         raise UsageError(
             f"`gauge={text}`: not AXIS=DRIVER@PORT" if axis else f"no axis {name.strip()!r}",
-            remedy=f"write {_EXAMPLE}; axes: {', '.join(AXES)}",
+            remedy=f"write {axis or 'X'}=auto@{rest if axis and rest and not at else 'PORT'} to "
+            f"have the driver found, or {_EXAMPLE}; axes: {', '.join(AXES)}",
         )
     key, options = split_options(driver, OPTIONS)
     _check_keyboard(key.strip(), address.strip())

@@ -31,14 +31,14 @@ class MeasuredSweep:
     notes: tuple[str, ...] = ()
 
 
-def read_sweep(source: Source) -> MeasuredSweep:
+def read_sweep(source: Source, *, decimal: str | None = None) -> MeasuredSweep:
     """Return the sweep of a table with the columns Im, IL, arcmin and deviation_rad.
 
     Optional columns are ratio, torque_Nm and u_rad; others are left out. Text or .xlsx, in the
-    spellings that `tables.read_table` takes; ``#`` begins a comment line. Raises `NoInputError`
-    where it cannot be read, and `DataError` with every fault and its line.
+    spellings that `tables.read_table` takes, ``decimal`` as there; ``#`` begins a comment line.
+    Raises `NoInputError` where it cannot be read, and `DataError` with every fault and its line.
     """
-    columns = read_columns(source, _COLUMNS).values
+    columns = read_columns(source, _COLUMNS, decimal=decimal).values
     deviation = columns["deviation_rad"]
     sizes = bool(np.all(deviation >= 0))
     return MeasuredSweep(

@@ -32,6 +32,12 @@ def in_brief(code: str) -> str:
     return said.get(code) or code.replace("-", " ")
 
 
+def option_in_brief(code: str) -> str:
+    """Return the option by which a finding is met: its file's ``OPTION``, else nothing."""
+    modules = find_modules(sys.modules[__name__], "scara_iso.checks")
+    return next((getattr(one, "OPTION", "") for one in modules if one.CODE == code), "")
+
+
 def check_shape(module: ModuleType) -> None:
     """Raise `AttributeError` or `TypeError` unless a module has ``check`` and ``CODE``."""
     if not (callable(module.check) and isinstance(module.CODE, str)):

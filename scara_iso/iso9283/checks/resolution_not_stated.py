@@ -14,6 +14,7 @@ from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "resolution-not-stated"
 BRIEF = "resolution not stated"
+OPTION = "`resolution=0.001`"
 
 
 def check(measured: Measured) -> Iterator[Finding]:

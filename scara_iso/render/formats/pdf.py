@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from scara_iso.errors import UsageError
+from scara_iso.errors import UsageError, with_extra
 from scara_iso.render.formats import html
 from scara_iso.render.pictures import font_file
 from scara_iso.reporting import Document
 
 _REMEDY = (
-    "pip install 'scara-iso[pdf]', and the system's Pango library (Debian: apt-get install "
+    f"{with_extra('pdf')}, and the system's Pango library (Debian: apt-get install "
     "libpango-1.0-0 libpangoft2-1.0-0; Windows: MSYS2, docs/report.md); or print the .html from a "
     "browser"
 )

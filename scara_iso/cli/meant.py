@@ -1,0 +1,35 @@
+"""What was meant by the name of a file that is to be written, and stands where one is read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from scara_iso.errors import NoInputError
+from scara_iso.render import endings
+
+_READ_TOO = (".csv", ".json", ".xlsx")
+_EXTRA = re.compile(r"unexpected extra argument\S* \((\S+)\)")
+
+
+def meant_to_write(error: NoInputError, arguments: Sequence[str], command: Any) -> str:
+    """Return what to do where a word behind command and table is no file but ends as a report."""
+    name = error.where
+    words = [word for word in arguments if not word.startswith("-")]
+    if name not in words[2:] or Path(name).exists() or Path(name).suffix in _READ_TOO:
+        return ""
+    return _with_option(name, command)
+
+
+def meant_as_output(complaint: str, command: Any) -> str:
+    """Return likewise what to do where the parser has no place for an argument."""
+    found = _EXTRA.search(complaint)
+    return _with_option(found[1], command) if found else ""
+
+
+def _with_option(name: str, command: Any) -> str:
+    writes = any("-o" in param.opts for param in getattr(command, "params", ()))
+    known = Path(name).suffix.lower() in (*endings(), ".dfq")
+    return f"did you mean -o {name}?" if writes and known else ""
