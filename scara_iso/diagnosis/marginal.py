@@ -60,16 +60,22 @@ class MarginalTests:
 
 
 def marginal_tests(
-    values: FloatArray, division: FloatArray, rng: np.random.Generator
+    values: FloatArray, division: FloatArray, rng: np.random.Generator, *, levels_below: float = 1.0
 ) -> MarginalTests:
-    """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
+    """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known.
+
+    Two levels are of interest with a p-value ``levels_below`` that only; where the simulations can
+    give none it is 1.
+    """
     axes, seed = values.shape[1], int(rng.integers(2**63))
     levels, outliers, gaussian = np.ones(axes), np.ones(axes), np.ones(axes)
+    floor = axes / (1 + SIMULATIONS)
     for a in range(axes):
         if not np.ptp(values[:, a]):
             continue
         y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
-        levels[a] = _levels(y, on_dial, seed)
+        if floor < levels_below:
+            levels[a] = _levels(y, on_dial, seed)
         outliers[a], gaussian[a] = _outlier(y, on_dial, seed)
     worst = int(np.argmin(gaussian))
     return MarginalTests(
@@ -79,7 +85,7 @@ def marginal_tests(
         gaussian_outlier=min(1.0, axes * float(gaussian.min())),
         outlier_axis=worst,
         outlier_row=_farthest(values[:, worst]),
-        floor=axes / (1 + SIMULATIONS),
+        floor=floor,
     )
 
 

@@ -35,6 +35,8 @@ from scara_iso.run import FloatArray
 _LARGEST = GAIN * AMPLITUDES[-1][0]
 _SCATTERS = 6
 _NEWTON = 5
+_SETTLED = 1e-9
+"""Step, in scatters, from which no further one is taken."""
 _TINY = 1e-300
 _SAME = 1e-9
 _FEW = 2
@@ -231,6 +233,8 @@ class _Group:
             information = self._information(np.maximum(curvature, least), prior)
             step = np.linalg.solve(information, (slope @ self.design - prior * at)[..., np.newaxis])
             at = at + step[..., 0]
+            if np.all(np.abs(step[..., 0]) < _SETTLED * s[..., np.newaxis]):
+                break
         log_p, _, curvature = _reading(self.y, self.half, at @ turned, wide, distribution)
         information = self._information(np.maximum(curvature, self._floor(least, wide)), prior)
         likelihood = log_p.sum(axis=2)

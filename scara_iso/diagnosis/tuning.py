@@ -189,7 +189,8 @@ FOLDS, REPEATS = 10, 2
 """Those of which docs/appendix/diagnosis-appendix.md gives the bias."""
 
 WORTH_CHAINS = 0.02
-"""Effects with hidden states less likely than this on the whole run are not tried in the folds."""
+"""A fold seeks hidden states as often as their effects were likelier than this in a round of the
+whole run's search."""
 
 # a planned test
 
