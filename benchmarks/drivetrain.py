@@ -1,4 +1,4 @@
-"""Compute the tables and the picture of docs/model.md; print them, or write them with --write.
+"""Compute tables and picture of docs/appendix/model.md; print them, or write them with --write.
 
 ``python -m benchmarks.drivetrain [--write]``. Every number in the document comes from here.
 """
@@ -261,7 +261,7 @@ def picture() -> Iterator[str]:
     path = DOCS / "figures" / "gap_angle.svg"
     path.parent.mkdir(parents=True, exist_ok=True)
     plot_gap(three_states(), GEARED, path)
-    yield "![Gap angle through time](figures/gap_angle.svg)"
+    yield "![Gap angle through time](../figures/gap_angle.svg)"
 
 
 PARTS: dict[str, Callable[[], Iterator[str]]] = {
@@ -274,4 +274,4 @@ PARTS: dict[str, Callable[[], Iterator[str]]] = {
 
 
 if __name__ == "__main__":
-    run(PARTS, DOCS / "model.md", __doc__)
+    run(PARTS, DOCS / "appendix" / "model.md", __doc__)

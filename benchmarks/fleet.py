@@ -3,14 +3,19 @@
     python benchmarks/fleet.py [--robots 1000] [--ill 30] [--compared 100]
     python benchmarks/fleet.py --robots 0          only what each engine takes
     python benchmarks/fleet.py --sums 1e6 1e7 1e8  only RP of so many readings
+    python benchmarks/fleet.py --drift 20          only whose RP grows, in so many fleets
 
 One table of 31 cycles and three axes for each robot; the ill have a step of four standard
-deviations in one axis. Times are of one run; the ratios are to one process of this machine, and
-say little where it has other work. Memory is the largest of any process (Linux).
+deviations in one axis. Times are of one run. Beside them stand seconds of processor of the busiest
+process, whose ratio is what the work can be shared where the cores have no other. Memory is the
+largest of any process (Linux).
 
 Sums: tables of 31 cycles and three axes in Parquet files of 3.3 million rows, their figures by
 `fleet_figures` (with manifest and summary) beside one bare DuckDB query for the same figures, and
 one for means and standard deviations only; each in a process of its own, two threads.
+
+Drift: 1,000 robots tested monthly; tests of a robot differ by 5 % beside their sampling, and of 30
+robots the scatter grows evenly by a share of the first a month.
 """
 
 from __future__ import annotations
@@ -86,20 +91,28 @@ def seconds(source: Path, to: Path, **options: object) -> tuple[float, scara_iso
 @contextmanager
 def watched() -> Iterator[list[float]]:
     """Yield a list that ends with the most memory [MB] that a process of this group took."""
-    most, done = [0.0], threading.Event()
+    with looking(peak) as found:
+        most: list[float] = []
+        yield most
+    most.append(max(found.values()))
+
+
+@contextmanager
+def looking(at: Callable[[Path], float]) -> Iterator[dict[str, float]]:
+    """Yield what is last seen of each process."""
+    seen, done = dict[str, float](), threading.Event()
 
     def look() -> None:
-        while not done.wait(0.5):
-            most.append(max(map(peak, Path("/proc").glob("[0-9]*")), default=0.0))
+        while not done.wait(0.1):
+            seen.update({path.name: at(path) for path in Path("/proc").glob("[0-9]*")})
 
     thread = threading.Thread(target=look)
     thread.start()
     try:
-        yield most
+        yield seen
     finally:
         done.set()
         thread.join()
-        most.append(max(most))
 
 
 def peak(process: Path) -> float:
@@ -114,32 +127,58 @@ def peak(process: Path) -> float:
     return float(found[0]) / 1e3 if found else 0.0
 
 
+def processor(process: Path) -> float:
+    """Return the seconds of processor that another process of this group has taken."""
+    try:
+        pid = int(process.name)
+        if pid == os.getpid() or os.getpgid(pid) != os.getpgid(0):
+            return 0.0
+        fields = (process / "stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
+
+
 def digest(to: Path) -> int:
     """Return a number that two runs share where their results are the same."""
     return hash(tuple(sorted(map(repr, duckdb.sql(f"FROM '{to}/parts/*.parquet'").fetchall()))))
 
 
-def dask(source: Path, to: Path) -> float:
-    """Return the seconds with a scheduler and two workers as processes of their own."""
+def dask(source: Path, to: Path) -> tuple[float, float]:
+    """Return what is `shared` with a scheduler and two workers as processes of their own."""
     from distributed import LocalCluster  # noqa: PLC0415 - an extra
 
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         address = cluster.scheduler_address.removeprefix("tcp://")
-        return seconds(source, to, engine=f"dask://{address}")[0]
+        return shared(source, to, engine=f"dask://{address}")
+
+
+def shared(source: Path, to: Path, **options: object) -> tuple[float, float]:
+    """Return the seconds of a run, and those of processor of the busiest process."""
+    before = {path.name: processor(path) for path in Path("/proc").glob("[0-9]*")}
+    with looking(processor) as seen:
+        taken, _ = seconds(source, to, **options)
+    return taken, max(used - before.get(name, 0.0) for name, used in seen.items())
 
 
 def compare(folder: Path, robots: int, ill: int) -> None:
     """Print what each engine takes for the same robots."""
     source = folder / "few"
     write(source, robots, ill)
-    one, _ = seconds(source, folder / "one", workers=1)
-    two, _ = seconds(source, folder / "two", workers=2)
-    cluster = dask(source, folder / "dask")
+    found = {
+        "1 process": shared(source, folder / "one", workers=1),
+        "2 processes": shared(source, folder / "two", workers=2),
+        "Dask, 2 workers": dask(source, folder / "dask"),
+    }
     same = len({digest(folder / name) for name in ("one", "two", "dask")}) == 1
-    print(f"{robots} robots, {ill} of them with a step; equal results: {same}")
+    print(f"{robots} robots in {-(-robots // PART)} parts, {ill} of them with a step; "
+          f"equal results: {same}")  # fmt: skip
     print(f"  bare DuckDB, sums only  {bare(source):7.2f} s")
-    for name, taken in (("1 process", one), ("2 processes", two), ("Dask, 2 workers", cluster)):
-        print(f"  {name:22}  {taken:7.2f} s  {robots / taken:5.1f} tables/s  {one / taken:.2f} x")
+    one, busy = found["1 process"]
+    for name, (taken, used) in found.items():
+        wall = f"{taken:7.2f} s  {robots / taken:5.1f} tables/s  {one / taken:.2f} x"
+        print(f"  {name:22}  {wall}; busiest process {used:6.2f} s of processor  "
+              f"{busy / used:.2f} x", flush=True)  # fmt: skip
 
 
 def closer(to: Path) -> str:
@@ -214,6 +253,32 @@ def sums(folder: Path, readings: int) -> None:
         print(f"  {name:20} {taken}; {ratios}", flush=True)
 
 
+def drifting(folder: Path, fleets: int, dates: int, growth: float, robots: int, ill: int) -> None:
+    """Print how many of the growing robots are named, and how many others."""
+    import pandas as pd  # noqa: PLC0415 - it would count as memory of the sums
+
+    named, false, covered = 0, 0.0, 0
+    for k in range(fleets):
+        rng, source = np.random.default_rng(k), folder / str(k)
+        source.mkdir()
+        grown = 1 + growth * np.arange(dates) * (np.arange(robots) < ill)[:, None]
+        size = SIGMA * grown * np.exp(rng.normal(0, 0.05, (robots, dates)))
+        X, Y = (rng.normal(0, 1, (2, robots, dates, 31)) * size[..., None]).round(3).reshape(2, -1)
+        frame = pd.DataFrame({"robot": np.repeat(np.arange(robots), dates * 31)})
+        months = [f"{2024 + m // 12}-{m % 12 + 1:02}-05" for m in range(dates)]
+        frame["test"] = np.tile(np.repeat(months, 31), robots)
+        frame["cycle"] = np.tile(np.arange(1, 32), robots * dates)
+        duckdb.from_df(frame.assign(X=X, Y=Y)).write_parquet(str(source / "a.parquet"))
+        drift = scara_iso.fleet_figures(source, folder / f"o{k}", unit="mm").drift
+        ill_ones = [one for one in drift.growing if int(one.robot) < ill]
+        named += len(ill_ones)
+        false += (len(drift.growing) - len(ill_ones)) / max(len(drift.growing), 1)
+        covered += drift.interval[0] <= 0 <= drift.interval[1]
+    print(f"{dates} dates, {growth:.0%} a month: {named / fleets:.1f} of {ill} named; of the named "
+          f"{false / fleets:.3f} healthy; no drift of the fleet in the interval of {covered} of "
+          f"{fleets}", flush=True)  # fmt: skip
+
+
 def differing(source: Path, to: Path, sample: int = 50) -> str:
     """Return how far the figures of some tables are from those of `analyze`."""
     part = min(source.glob("*.parquet"))
@@ -235,12 +300,17 @@ def main() -> None:
     parser.add_argument("--robots", type=int, default=1000)
     parser.add_argument("--ill", type=int, default=30)
     parser.add_argument("--compared", type=int, default=100)
+    parser.add_argument("--drift", type=int, default=0, metavar="FLEETS")
     parser.add_argument("--sums", type=float, nargs="*", metavar="READINGS")
     given = parser.parse_args()
+    for dates, growth in ((4, 0.1), (12, 0.0), (12, 0.02), (12, 0.05), (24, 0.02)):
+        if given.drift:
+            with tempfile.TemporaryDirectory() as name:
+                drifting(Path(name), given.drift, dates, growth, 1000, 30 if growth else 0)
     for readings in given.sums or ():
         with tempfile.TemporaryDirectory() as name:
             sums(Path(name), int(readings))
-    if given.sums is not None:
+    if given.sums is not None or given.drift:
         return
     asked = [(given.robots, given.ill), (given.robots // 10, 1)] if given.robots else []
     for robots, ill in asked:

@@ -3,7 +3,7 @@
     python benchmarks/history.py [--histories 300] [--write]
 
 A test is the RP of 30 Gaussian cycles of one axis. Histories go through the program's own charts
-and trend. Prints the tables of docs/how-to/months.md.
+and trend. Prints the tables of docs/appendix/held-tables.md.
 """
 
 from __future__ import annotations
@@ -139,4 +139,4 @@ def forecasts() -> Iterator[str]:
 if __name__ == "__main__":
     sys.argv = [word for word in sys.argv if word != "--histories" and not word.isdecimal()]
     parts = {"run lengths": run_lengths, "detection": detection, "forecasts": forecasts}
-    run(parts, DOCS / "how-to" / "months.md", __doc__)
+    run(parts, DOCS / "appendix" / "held-tables.md", __doc__)

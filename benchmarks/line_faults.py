@@ -1,6 +1,7 @@
 """Right cycle, right unit: sessions on instruments that answer late, twice, damaged or not at all.
 
-Prints the table of docs/durability.md. ``python benchmarks/line_faults.py --sessions 30`` runs 30
+Prints the table of docs/appendix/durability.md.
+``python benchmarks/line_faults.py --sessions 30`` runs 30
 sessions of each test, on two to four simulated gauges and a clock of their own, the same each time.
 
 Each measurement has a value of its own. A reading is wrong where it was measured before the cycle

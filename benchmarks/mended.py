@@ -96,7 +96,7 @@ def long_warm_up(rng: np.random.Generator) -> dict[str, np.ndarray]:
 def strong(rng: np.random.Generator) -> dict[str, np.ndarray]:
     """Return a smooth course of 200 scatters that no exponential follows quite."""
     k = np.arange(N)
-    return {"Z": 90 * (1 - np.exp(-((k / 6) ** 0.85))) + noise(rng, sigma=0.4)}
+    return {"Z": 90 * (1 - np.exp(-((k / 5) ** 0.9))) + noise(rng, sigma=0.4)}
 
 
 def lagging(rng: np.random.Generator) -> dict[str, np.ndarray]:

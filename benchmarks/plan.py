@@ -1,4 +1,4 @@
-"""Plan tests for several arms: how long it takes, and what docs/model.md shows of it.
+"""Plan tests for several arms: how long it takes, and what docs/appendix/model.md shows of it.
 
 ``python -m benchmarks.plan [--write]``.
 """
@@ -55,7 +55,7 @@ def picture() -> Iterator[str]:
     path = DOCS / "figures" / "plan_fum.svg"
     path.parent.mkdir(parents=True, exist_ok=True)
     save_figure(make_plan(FUM).plot(), path)
-    yield "![Workspace, cube, plane and poses](figures/plan_fum.svg)"
+    yield "![Workspace, cube, plane and poses](../figures/plan_fum.svg)"
 
 
 PARTS: dict[str, Callable[[], Iterator[str]]] = {
@@ -65,4 +65,4 @@ PARTS: dict[str, Callable[[], Iterator[str]]] = {
 }
 
 if __name__ == "__main__":
-    run(PARTS, DOCS / "model.md", __doc__)
+    run(PARTS, DOCS / "appendix" / "model.md", __doc__)

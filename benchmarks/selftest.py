@@ -4,7 +4,8 @@
 
 Each change is one literal of the computing modules, 1 % larger (a whole one by 1), in a copy of the
 package. Numbers of messages, of indices and of refusals are left as they are. The references of the
-diagnosis and of the recorder, which take longest, are left out. Prints the table of docs/tests.md.
+diagnosis and of the recorder, which take longest, are left out.
+Prints the table of docs/appendix/tests.md.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--changes", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--write", action="store_true", help="write the table into docs/tests.md")
+    parser.add_argument("--write", action="store_true", help="write the table into the page")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         copied(folder)
@@ -114,7 +115,7 @@ def main() -> None:
     ]  # fmt: skip
     print("\n".join(rows))
     if options.write:
-        page = DOCS / "tests.md"
+        page = DOCS / "appendix" / "tests.md"
         page.write_text(put(page.read_text("utf-8"), "selftest", "\n".join(rows)), "utf-8")
 
 

@@ -1,6 +1,6 @@
 """Undeclared effects made by other equations: what the diagnosis says of them, over many seeds.
 
-``python -m benchmarks.undeclared`` prints the tables of docs/diagnosis-undeclared.md, with
+``python -m benchmarks.undeclared`` prints the tables of docs/appendix/diagnosis-undeclared.md, with
 ``--write`` it puts them there. OPENBLAS_NUM_THREADS=1 in the environment saves most of its time.
 """
 
@@ -24,7 +24,7 @@ from undeclared import FAMILIES, OUTCOMES, Family, outcome
 from undeclared.probe import DIVISION, Window, windows
 
 SEEDS = 40
-PAGE = page.DOCS / "diagnosis-undeclared.md"
+PAGE = page.DOCS / "appendix" / "diagnosis-undeclared.md"
 
 
 def families() -> Iterator[str]:

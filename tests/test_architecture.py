@@ -49,11 +49,12 @@ def behind_faces(path):
 
 
 def names_of(face):
-    """Return what the page of a face says it shows."""
+    """Return what the page of a face says it shows; what its functions import is their own."""
     tree = ast.parse((ROOT / face / "__init__.py").read_text(encoding="utf-8"))
     return [
         alias.asname or alias.name
-        for node in ast.walk(tree)
+        for block in tree.body
+        for node in (block.body if isinstance(block, ast.If) else [block])
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"scara_iso.{face}.")
         for alias in node.names
     ]

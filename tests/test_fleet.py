@@ -15,6 +15,7 @@ import duckdb
 import numpy as np
 import openpyxl
 import pytest
+from hypothesis import given, strategies as st
 
 import scara_iso
 from scara_iso.cli import main
@@ -24,6 +25,7 @@ from scara_iso.fleets import Engine, ReadAs
 from scara_iso.fleets.database import as_parquet, results_in
 from scara_iso.fleets.dispatch import done_by
 from scara_iso.fleets.parts import tables_in
+from scara_iso.fleets.work import PartResult, joined
 from scara_iso.library import engines
 from scara_iso.library.engines import open_processes
 
@@ -208,6 +210,38 @@ def test_a_part_that_is_a_link_is_known_by_its_own_name(tmp_path, in_this_proces
         assert found.tables == 0  # none of them was diagnosed
 
 
+def test_the_tables_of_one_part_are_shared_and_its_result_is_one_file(
+    tmp_path, done, in_this_process, monkeypatch
+):
+    source, out, _ = done
+    (tmp_path / "parts").mkdir()
+    shutil.copy(source / "part1.csv", tmp_path / "parts")
+    whole, examined = scara_iso.fleets.runs.examine, []
+    monkeypatch.setattr(
+        "scara_iso.fleets.runs.examine",
+        lambda *a, **k: examined.append(whole(*a, **k)) or examined[-1],
+    )
+    found = scara_iso.fleet(tmp_path / "parts", tmp_path / "o", workers=2)
+    assert (found.run.before, found.tables) == (0, 4)
+    assert [one.tables for one in examined if one.tables] == [1, 1, 1, 1]
+    of_part = duckdb.sql(f"FROM '{out}/parts/part1.csv.parquet'").fetchall()
+    assert duckdb.sql(f"FROM '{tmp_path}/o/parts/part1.csv.parquet'").fetchall() == of_part
+
+
+def test_a_part_that_changed_between_its_pieces_is_left_to_the_next_run():
+    pieces = [PartResult("a.csv", digest, "1", 4, 0, b"", None) for digest in ("one", "other")]
+    found = joined(pieces)
+    assert (found.sha256, found.error) == ("", "has changed while it was read: run it again")
+
+
+@given(count=st.integers(0, 50), pieces=st.integers(1, 30))
+def test_shares_hold_everything_once_in_its_order(count, pieces):
+    shares = Engine(open_processes, pieces).shares_of_each(2)
+    own = [share.take(range(count)) for share in shares]
+    assert [one for several in own for one in several] == list(range(count))
+    assert max(map(len, own)) - min(map(len, own)) <= 1
+
+
 @pytest.mark.parametrize("header", ["robot,cycle,X,X", "robot;cycle;x;X"])
 def test_columns_of_one_name_are_refused(tmp_path, header):
     part = tmp_path / "a.csv"
@@ -289,6 +323,30 @@ def test_one_row_that_cannot_be_read_is_said_by_its_line(tmp_path, rows, said):
         list(tables_in(part, ReadAs()))
 
 
+def test_two_tests_of_one_name_are_said_to_be_that(tmp_path, in_this_process):
+    (tmp_path / "s").mkdir()
+    rows = [f"R1,2026-01-05,{k},{k * 7 % 11 / 1000}" for k in range(1, 32)]
+    part = tmp_path / "s" / "a.csv"
+    part.write_text("# unit: mm\nrobot,test,cycle,X\n" + "\n".join(rows * 2), encoding="utf-8")
+    for found in (scara_iso.fleet(tmp_path / "s", tmp_path / "o"),
+                  scara_iso.fleet_figures(tmp_path / "s", tmp_path / "f")):  # fmt: skip
+        (failed,) = found.failed
+        assert failed.error.endswith("tell them apart by the column test")
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding", "said"),
+    [
+        ("# unit: mm\nrobot,X\nR1,1\n", "utf-16", "is in UTF-16"),
+        ("# unit: mm\n# resolution: fine\nrobot,X\nR1,1\n", "utf-8", "'fine', which is no number"),
+    ],
+)
+def test_a_part_whose_head_cannot_be_used_is_refused(tmp_path, text, encoding, said):
+    (tmp_path / "a.csv").write_text(text, encoding=encoding)
+    with pytest.raises(DataError, match=said):
+        list(tables_in(tmp_path / "a.csv", ReadAs()))
+
+
 def test_a_workbook_is_a_robot_and_a_note_beside_it_is_listed(tmp_path, in_this_process):
     book = openpyxl.Workbook()
     for row in [["# unit: mm"], ["cycle", "X"], *([k, k % 7 / 1000] for k in range(1, 32))]:
@@ -326,6 +384,7 @@ def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path)
     (source / "part0.csv").unlink()
     none = scara_iso.fleet(source, tmp_path / "none", workers=1)
     assert len(none.failed) == 4
+    assert none.twice == ()  # nothing of them counts
     assert "unit" in none.failed[0].error
     found = scara_iso.fleet(source, tmp_path / "out", unit="mm", resolution=0.001, workers=1)
     assert [(one.robot, one.parts) for one in found.twice] == [

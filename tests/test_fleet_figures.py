@@ -150,6 +150,14 @@ def test_other_cycles_by_option(tmp_path):
         assert found.worst[0].RP["X"] == pytest.approx(max(o["X"][0] for o in wanted.values()))
 
 
+def test_of_a_part_that_can_no_longer_be_read_nothing_is_left(tmp_path):
+    path = parquet(tmp_path / "s" / "a.parquet", table("R", np.random.default_rng(2)))
+    assert scara_iso.fleet_figures(tmp_path / "s", tmp_path / "o", unit="mm").tables == 1
+    path.write_bytes(b"PAR1 and no more")
+    found = scara_iso.fleet_figures(tmp_path / "s", tmp_path / "o", unit="mm")
+    assert (list(found.run.failed), found.tables, found.worst) == (["a.parquet"], 0, ())
+
+
 def test_the_page_and_its_object(done, tmp_path, capsys):
     frames, found, rows = done
     source, out = found.run.folder.parent / "source", found.run.folder

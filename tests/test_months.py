@@ -271,6 +271,7 @@ def test_the_last_test_above_the_limit_is_crossed_though_its_interval_is_not(tmp
     last = found.spreads[0].tests[-1]
     limit = (last.interval[0] + last.value) / 2
     held = scara_iso.history(paths, limits={"X": limit}).spreads[0]
+    assert scara_iso.history(paths, limits={"RP": limit}).spreads[0].limit == held.limit
     assert held.crossed
     assert held.tests[-1].verdict.value == "not-provable"
 

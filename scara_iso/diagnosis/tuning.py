@@ -1,8 +1,9 @@
 """Every level, prior and threshold of the diagnosis, and what chose it.
 
 One table of ``benchmarks/diagnosis.py`` is meant where only a table is named; its figures stand in
-docs/diagnosis-appendix.md, section 8, those of ``benchmarks/gear.py`` in section 5. The weights of
-single effects, chosen on the tables *naming* (prior) and *power* (test), stand in their files.
+docs/appendix/diagnosis-appendix.md, section 8, those of ``benchmarks/gear.py`` in section 5. The
+weights of single effects, chosen on the tables *naming* (prior) and *power* (test), stand in their
+files.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ KNOWN_FROM = 30
 """A scatter that the user states counts as seen in so many cycles on which nothing acted."""
 
 PAIR_WEIGHT = 0.25
-"""How much rarer two effects are than one (docs/diagnosis-appendix.md, section 3)."""
+"""How much rarer two effects are than one (docs/appendix/diagnosis-appendix.md, section 3)."""
 
 PAIR_EFFECTS, PAIR_FORMS = 6, 2
 """How many of the likeliest effects, and forms of each, are tried as the stronger of two."""
@@ -170,7 +171,7 @@ FEWEST_CYCLES, MOST_CYCLES = 8, 500
 # error on unseen cycles (table *held*)
 
 FOLDS, REPEATS = 10, 2
-"""Those of which docs/diagnosis-appendix.md gives the bias."""
+"""Those of which docs/appendix/diagnosis-appendix.md gives the bias."""
 
 WORTH_CHAINS = 0.02
 """Effects with hidden states less likely than this on the whole run are not tried in the folds."""

@@ -10,6 +10,11 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.fleets.dispatch import Engine as Engine
+    from scara_iso.fleets.drift import (
+        DriftPeriod as DriftPeriod,
+        FleetDrift as FleetDrift,
+        RobotGrowth as RobotGrowth,
+    )
     from scara_iso.fleets.figure_summary import (
         FleetFigures as FleetFigures,
         RobotFigures as RobotFigures,

@@ -39,6 +39,15 @@ class CloserLook:
 
 
 @dataclass(frozen=True, slots=True)
+class _Some:
+    """Some tables of a part."""
+
+    part: str
+    path: str
+    tables: tuple[TableName, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class _AtFloor:
     """The tables that none of so many orders came as far as, by part."""
 
@@ -74,12 +83,17 @@ def look_closer(
         if needed <= orders or orders == MOST_ORDERS:
             return failed
         orders = min(needed, MOST_ORDERS)
-        by_path = {str(paths[part].absolute()): part for part in found.behind if part not in failed}
-        work = partial(_looked, task=task, tables={
-            path: found.behind[part] for path, part in by_path.items()
-        }, orders=orders)  # fmt: skip
-        for path, look in track(done_by(engine, work, list(by_path)), len(by_path)):
-            part = by_path[path]
+        behind = {part: tables for part, tables in found.behind.items() if part not in failed}
+        shares = engine.shares_of_each(len(behind))
+        tasks = [
+            _Some(part, str(paths[part].absolute()), tuple(own))
+            for part, tables in behind.items()
+            for own in (share.take(sorted(tables)) for share in shares)
+            if own
+        ]
+        work = partial(_looked, task=task, orders=orders)
+        for some, look in track(done_by(engine, work, tasks), len(tasks)):
+            part = some.part
             if isinstance(look, Exception):
                 failed[part] = f"its p-values stay coarse: {type(look).__name__}: {look}"
             elif look.sha256 != read_before.get(part):
@@ -114,12 +128,10 @@ def _at_floor(results: Path, orders: int) -> _AtFloor:
     return _AtFloor(rows[0][5] if rows else 0, named, max((r[4] for r in rows), default=1), behind)
 
 
-def _looked(
-    part: str, task: Task, tables: Mapping[str, frozenset[TableName]], orders: int
-) -> CloserLook:
+def _looked(some: _Some, task: Task, orders: int) -> CloserLook:
     """Return the finer p-values of some tables of a part."""
-    found = {}
-    for table in tables_in(Path(part), task.reading, tables[part]):
+    path, found = Path(some.path), {}
+    for table in tables_in(path, task.reading, some.tables):
         if isinstance(table.run, Run):
             found[table.robot, table.test] = finer(table.run, task.wanted, orders, seed=task.seed)
-    return CloserLook(digest(Path(part)), found)
+    return CloserLook(digest(path), found)

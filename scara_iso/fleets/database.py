@@ -24,7 +24,7 @@ Columns = Mapping[str, tuple[str, Sequence[object]]]
 """By name, each with its SQL type."""
 
 
-def connect(threads: int = 1) -> Any:
+def connect(threads: int = 1, memory: str = _MEMORY) -> Any:
     """Return a connection in memory, of one thread; `UsageError` without the package for it."""
     try:
         import duckdb  # noqa: PLC0415 - an extra
@@ -32,7 +32,7 @@ def connect(threads: int = 1) -> Any:
         raise UsageError("tables of a fleet need DuckDB", remedy=with_extra("fleet")) from error
     connection = duckdb.connect()
     connection.execute(f"SET threads = {threads}")  # one where processes share the cores
-    connection.execute(f"SET memory_limit = '{_MEMORY}'")  # what is more goes to the disk
+    connection.execute(f"SET memory_limit = '{memory}'")  # what is more goes to the disk
     own = f"scara-iso-{os.getpid()}-{id(connection)}"  # a folder of two would be lost
     connection.execute("SET temp_directory = ?", [str(Path(tempfile.gettempdir(), own))])
     return connection
@@ -64,28 +64,20 @@ def fetched_csv(path: Path, delimiter: str, names: Sequence[str]) -> Any:
 
 
 @contextmanager
-def results_in(folder: Path) -> Iterator[Query]:
+def results_in(folder: Path, memory: str = _MEMORY) -> Iterator[Query]:
     """Yield how ``fleet`` is queried, which is all Parquet files of a folder: the SQL to its rows.
 
-    Every query has no rows where there are no files.
+    What takes more ``memory`` goes to the disk. Every query has no rows where there are no files.
     """
-    connection = connect()
-    import duckdb  # noqa: PLC0415 - it is there
-
-    try:
+    said = "the results cannot be read"
+    remedy = "remove the damaged file; the same command makes it anew"
+    with _session(connect(memory=memory), said, folder, remedy) as query:
         if any(folder.glob("*.parquet")):
             quoted = str(folder / "*.parquet").replace("'", "''")
-            connection.execute(f"CREATE VIEW fleet AS FROM read_parquet('{quoted}')")
-            yield lambda sql, *parameters: connection.execute(sql, list(parameters)).fetchall()
+            query(f"CREATE VIEW fleet AS FROM read_parquet('{quoted}')")
+            yield query
         else:
             yield lambda *_: []
-    except duckdb.Error as error:
-        raise DataError(
-            f"the results cannot be read: {_brief(error)}", where=str(folder),
-            remedy="remove the damaged file; the same command makes it anew",
-        ) from error  # fmt: skip
-    finally:
-        connection.close()
 
 
 def _brief(error: Exception) -> str:
@@ -99,20 +91,24 @@ def _brief(error: Exception) -> str:
 @contextmanager
 def workspace(where: Path, threads: int = 1) -> Iterator[Query]:
     """Yield how tables are made and queried that end with it; `DataError` naming ``where``."""
-    connection = connect(threads)
+    with _session(connect(threads), "cannot be read", where, "mend the file") as query:
+        query("SET preserve_insertion_order = false")
+        yield query
+
+
+@contextmanager
+def _session(connection: Any, said: str, where: Path, remedy: str) -> Iterator[Query]:
+    """Yield how a connection is queried, and close it; `DataError` or `WriteError` if it fails."""
     import duckdb  # noqa: PLC0415 - it is there
 
     try:
-        connection.execute("SET preserve_insertion_order = false")
         yield lambda sql, *parameters: connection.execute(sql, list(parameters)).fetchall()
     except duckdb.OutOfMemoryException as error:
         raise WriteError(
             "no room for temporary files", where=tempfile.gettempdir(), remedy=_ROOM
         ) from error
     except duckdb.Error as error:
-        raise DataError(
-            f"cannot be read: {_brief(error)}", where=str(where), remedy="mend the file"
-        ) from error
+        raise DataError(f"{said}: {_brief(error)}", where=str(where), remedy=remedy) from error
     finally:
         connection.close()
 
@@ -133,6 +129,15 @@ def as_parquet(sql: str, parameters: Sequence[object] = (), query: Query | None 
         else:
             query(f"COPY ({sql}) TO '{made}' (FORMAT parquet)", *parameters)
         return made.read_bytes()
+
+
+def joined_parquet(files: Sequence[bytes]) -> bytes:
+    """Return the rows of several Parquet files of the same columns as one, in their order."""
+    with _written_beside() as beside:
+        paths = [beside.with_name(f"{k}.parquet") for k in range(len(files))]
+        for path, content in zip(paths, files, strict=True):
+            path.write_bytes(content)
+        return as_parquet("FROM read_parquet(?)", [list(map(str, paths))])
 
 
 @contextmanager

@@ -1,20 +1,25 @@
 """The one seam to where the work is done: an `Executor`, opened anew where it broke.
 
-A process that dies breaks its pool and takes down what was under way in it. Those parts are then
-done alone, each in a pool of its own: only the part that kills its process again is given up.
+A process that dies breaks its pool and takes down what was under way in it. Those items are then
+done alone, each in a pool of its own: only the one that kills its process again is given up.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from typing import TypeVar
 
+from scara_iso.fleets.pieces import Share
 from scara_iso.frozen import dataclass
 
+Item = TypeVar("Item")
 Result = TypeVar("Result")
 _TRIES = 2
+_ROUNDS = 2
+"""At least so often all that can be under way is: more evens the load, and reads a part oftener."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,24 +29,29 @@ class Engine:
     open: Callable[[], Executor]
     under_way: int
 
+    def shares_of_each(self, several: int) -> list[Share]:
+        """Return the shares in which each of several is given out, so that nobody waits long."""
+        count = math.ceil(_ROUNDS * self.under_way / max(several, 1))
+        return [Share(number, count) for number in range(count)]
+
 
 def done_by(
-    engine: Engine, work: Callable[[str], Result], parts: Sequence[str]
-) -> Iterator[tuple[str, Result | Exception]]:
-    """Yield each part once, as it is done, with its result or what became of it."""
-    waiting = deque(parts)
+    engine: Engine, work: Callable[[Item], Result], items: Sequence[Item]
+) -> Iterator[tuple[Item, Result | Exception]]:
+    """Yield each item once, as it is done, with its result or what became of it."""
+    waiting = deque(items)
     while waiting:
         with engine.open() as executor:
             suspects = yield from _until_broken(executor, engine.under_way, work, waiting)
-        for part in suspects:
-            yield part, _alone(engine, work, part)
+        for item in suspects:
+            yield item, _alone(engine, work, item)
 
 
 def _until_broken(
-    executor: Executor, under_way: int, work: Callable[[str], Result], waiting: deque[str]
-) -> Generator[tuple[str, Result | Exception], None, list[str]]:
+    executor: Executor, under_way: int, work: Callable[[Item], Result], waiting: deque[Item]
+) -> Generator[tuple[Item, Result | Exception], None, list[Item]]:
     """Yield what is done; return what was under way where the executor broke, else nothing."""
-    running: dict[Future[Result], str] = {}
+    running: dict[Future[Result], Item] = {}
     broken = False
     while running or (waiting and not broken):
         while waiting and len(running) < under_way and not broken:
@@ -70,14 +80,14 @@ def _outcome(future: Future[Result]) -> Result | Exception:
     raise error
 
 
-def _alone(engine: Engine, work: Callable[[str], Result], part: str) -> Result | Exception:
+def _alone(engine: Engine, work: Callable[[Item], Result], item: Item) -> Result | Exception:
     failed: Exception = RuntimeError("not tried")
     for _ in range(_TRIES):
         with engine.open() as executor:
             try:
-                return executor.submit(work, part).result()
+                return executor.submit(work, item).result()
             except BrokenExecutor as error:
                 failed = error
-            except Exception as error:  # noqa: BLE001 - of the part, and reported with it
+            except Exception as error:  # noqa: BLE001 - of the item, and reported with it
                 return error
     return failed

@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING
 
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
+from scara_iso.fleets.drift import FleetDrift, drift_of
 from scara_iso.fleets.runs import RESULTS, FleetRun
-from scara_iso.fleets.summary import FailedTable, TwiceThere, failed_tables, quantiles_of_RP
+from scara_iso.fleets.summary import (
+    LEVEL,
+    FailedTable,
+    TwiceThere,
+    failed_tables,
+    quantiles_of_RP,
+    tables_twice,
+)
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
 from scara_iso.frozen import dataclass
@@ -18,6 +26,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _WORST = 100
+_MEMORY = "100MB"
+"""Less than a part takes: the more tables, the more is on the disk (benchmarks/fleet.py)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +60,8 @@ class FleetFigures(Displayed):
     """Tables of which there is nothing."""
     twice: tuple[TwiceThere, ...]
     """Tests that are there more than once: each counts."""
+    drift: FleetDrift | None
+    """How RP moves over the dates of the tests; None where no robot has several."""
 
     def __repr__(self) -> str:
         return f"<FleetFigures of {self.robots} robots: {self.tables} tables>"
@@ -71,40 +83,33 @@ class FleetFigures(Displayed):
 
 def summarise_figures(run: FleetRun) -> FleetFigures:
     """Return the summary of the figures that a run has left in its folder."""
-    with results_in(run.folder / RESULTS) as query:
-        counts = query("SELECT count(DISTINCT (robot, test, part)), count(DISTINCT robot) "
-                       "FROM fleet WHERE error IS NULL")  # fmt: skip
-        tables, robots = counts[0] if counts else (0, 0)
+    with results_in(run.folder / RESULTS, _MEMORY) as query:
+        robots = query(
+            "SELECT count(*) FROM (SELECT DISTINCT robot FROM fleet WHERE error IS NULL)"
+        )
         return FleetFigures(
             run=run,
-            tables=tables,
-            robots=robots,
+            tables=run.tables,
+            robots=robots[0][0] if robots else 0,
             worst=_worst(query),
             RP_quantiles=quantiles_of_RP(query),
             failed=failed_tables(query),
-            twice=_twice(query),
+            twice=tables_twice(query, "robot, test, pose"),
+            drift=drift_of(query, LEVEL),
         )
 
 
 def _worst(query: Query) -> tuple[RobotFigures, ...]:
-    largest = ", ".join(f'max("RP_{name}")' for name in FIGURES)
-    rows = query(
-        f"SELECT robot, count(DISTINCT (test, part)), {largest} FROM fleet "  # noqa: S608
-        "WHERE error IS NULL GROUP BY robot "
-        "ORDER BY coalesce(max(RP_XY), max(RP_X), max(RP_Y), max(RP_Z), max(RP_theta)) DESC, robot "
-        f"LIMIT {_WORST}"
+    largest = ", ".join(f'max("RP_{name}") AS "RP_{name}"' for name in FIGURES)
+    order = "ORDER BY coalesce(RP_XY, RP_X, RP_Y, RP_Z, RP_theta) DESC, robot"
+    rows = query(  # a robot's tables are counted of these alone: there may be millions
+        f"WITH largest AS (SELECT robot, {largest} FROM fleet WHERE error IS NULL GROUP BY robot), "  # noqa: S608
+        f"worst AS (FROM largest {order} LIMIT {_WORST}), "
+        "counts AS (SELECT robot, count(DISTINCT (test, part)) AS tables FROM fleet "
+        "SEMI JOIN worst USING (robot) WHERE error IS NULL GROUP BY robot) "
+        f"SELECT robot, tables, worst.* EXCLUDE robot FROM worst JOIN counts USING (robot) {order}"
     )
     return tuple(
         RobotFigures(robot, tables, dict(zip(FIGURES, RP, strict=True)))
         for robot, tables, *RP in rows
     )
-
-
-def _twice(query: Query) -> tuple[TwiceThere, ...]:
-    rows = query(
-        "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "
-        "GROUP BY robot, test, pose HAVING count(*) > 1)) "
-        "SELECT robot, test, string_agg(DISTINCT part, ',' ORDER BY part) FROM fleet "
-        "SEMI JOIN twice USING (robot, test) GROUP BY robot, test ORDER BY robot, test"
-    )
-    return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)

@@ -17,11 +17,11 @@ import numpy as np
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.fleets.database import Columns, as_parquet, unnested, workspace
-from scara_iso.fleets.dispatch import Engine
+from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.parts import FleetTable, ReadAs, columns_of, tables_in
 from scara_iso.fleets.runs import FleetRun, Track, run_parts
 from scara_iso.fleets.sums import Summed, sum_up
-from scara_iso.fleets.work import FIGURES, PartResult, in_one_line, result_of
+from scara_iso.fleets.work import FIGURES, PartResult, date_of, in_one_line, refused, result_of
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import AXES, Run
@@ -49,6 +49,7 @@ class FigureRow:
     cycles: int = 0
     mean: Mapping[str, float] = field(default_factory=dict)
     RP: Mapping[str, float] = field(default_factory=dict)
+    date: str | None = None
     error: str | None = None
 
 
@@ -65,7 +66,10 @@ def run_figures(
     Raises as `run_parts`.
     """
     options = {"figures": True, **asdict(task.reading), **asdict(task.wanted)}
-    return run_parts(source, to, options, partial(figures_of_part, task=task), engine, track=track)
+    work = partial(figures_of_part, task=task)
+    return run_parts(
+        source, to, options, lambda parts: track(done_by(engine, work, parts), len(parts))
+    )
 
 
 def figures_of_part(part: str, task: FiguresTask) -> PartResult:
@@ -96,12 +100,12 @@ def _others(path: Path, task: FiguresTask, summed: Summed) -> Iterator[FigureRow
 
 
 def _figures_of(table: FleetTable, wanted: CyclesWanted) -> list[FigureRow]:
+    if isinstance(table.run, ScaraIsoError):
+        return [FigureRow(table.robot, table.test, error=in_one_line(table.run))]
     try:
-        if isinstance(table.run, ScaraIsoError):
-            raise table.run
         return list(_poses(table, table.run.unwrapped(), wanted))
     except ScaraIsoError as error:
-        return [FigureRow(table.robot, table.test, error=in_one_line(error))]
+        return [FigureRow(table.robot, table.test, error=refused(error, table.run))]
 
 
 def _poses(table: FleetTable, run: Run, wanted: CyclesWanted) -> Iterator[FigureRow]:
@@ -124,6 +128,7 @@ def _poses(table: FleetTable, run: Run, wanted: CyclesWanted) -> Iterator[Figure
             cycles=len(rows),
             mean={name: float(found[name].mean[0]) for name in readings},
             RP={name: float(one.RP) for name, one in found.items()},
+            date=date_of(run),
         )
 
 
@@ -132,6 +137,7 @@ _KINDS = {
     "cycles": "INTEGER",
     **{f"mean_{name}": "DOUBLE" for name in AXES},
     **{f"RP_{name}": "DOUBLE" for name in FIGURES},
+    "date": "VARCHAR",
     "error": "VARCHAR",
 }
 

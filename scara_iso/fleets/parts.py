@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import open_file
 from scara_iso.fleets.database import Query, fetched, fetched_csv, workspace
 from scara_iso.fleets.decimal_marks import refuse_groups, settle_marks
+from scara_iso.fleets.pieces import WHOLE, Share
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import parse_number
@@ -27,6 +28,7 @@ from scara_iso.tables import read_table
 
 _ENDINGS = (".csv", ".parquet", ".tsv", ".txt", ".xlsx")
 _DELIMITERS = (",", ";", "\t")
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _HEAD, _BLOCK = 64_000, 1 << 20
 _STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
 _NAMES = {name.lower(): name for name in AXES}
@@ -80,15 +82,29 @@ def digest(path: Path) -> str:
 
 
 def tables_in(
-    path: Path, reading: ReadAs, only: Collection[TableName] | None = None
+    path: Path,
+    reading: ReadAs,
+    only: Collection[TableName] | None = None,
+    share: Share = WHOLE,
 ) -> Iterator[FleetTable]:
-    """Yield the tables of a part, or ``only`` some; one that cannot be read with its error.
+    """Yield the tables of a part, ``only`` some or a ``share``; one not readable with its error.
 
     Raises `DataError` where the part itself cannot be read.
     """
-    for table in _tables_in(path, reading, only):
-        if only is None or (table.robot, table.test) in only:
-            yield table
+    several = _several(path, only)
+    if several is None:
+        for table in (_single(path, reading) for path in share.take([path])):
+            if only is None or (table.robot, table.test) in only:
+                yield table
+        return
+    attributes = _settled(several, path, reading)
+    tables = several.frame.groupby(_keys(several.frame), sort=False, dropna=False)
+    mine = share.take(range(tables.ngroups))
+    for number, (key, rows) in enumerate(tables):
+        robot, test = (*("" if one != one else str(one) for one in key), "")[:2]  # noqa: PLR0124
+        if number in mine and (only is None or (robot, test) in only):
+            where = f"{path.name}: {robot} {test}".rstrip()
+            yield FleetTable(robot, test, _run(rows, attributes, where))
 
 
 def columns_of(query: Query, path: Path) -> dict[str, str]:
@@ -98,24 +114,32 @@ def columns_of(query: Query, path: Path) -> dict[str, str]:
     return {row[0]: row[1] for row in query("DESCRIBE SELECT * FROM read_parquet(?)", str(path))}
 
 
-def _tables_in(
-    path: Path, reading: ReadAs, only: Collection[TableName] | None
-) -> Iterator[FleetTable]:
+@dataclass(frozen=True, eq=False, slots=True)
+class _Several:
+    """The rows of several robots, and what is stated above them."""
+
+    frame: Any
+    statements: Mapping[str, str]
+    grouped: bool
+    """The numbers may have been grouped, between semicolons."""
+
+
+def _several(path: Path, only: Collection[TableName] | None) -> _Several | None:
+    """Return the rows of several robots, of ``only`` some if that is easy; None if of one robot."""
     if path.suffix.lower() == ".parquet":
-        yield from _several(_parquet_rows(path, only), path, {}, reading)
-        return
+        return _Several(_parquet_rows(path, only), {}, grouped=False)
     if path.suffix.lower() == ".xlsx":
-        yield _single(path, reading)
-        return
-    statements, header = _head(path)
+        return None
+    statements, header, encoding = _head(path)
     for delimiter in _DELIMITERS:
         names = [name.strip() for name in next(csv.reader([header], delimiter=delimiter), [])]
         if "robot" in map(str.lower, names):
             _refuse_twice(names, path)
+            if encoding != "utf-8-sig":
+                raise DataError("is in UTF-16", where=str(path), remedy="save it as UTF-8")
             frame = fetched_csv(path, delimiter, names)
-            yield from _several(frame, path, statements, reading, grouped=delimiter == ";")
-            return
-    yield _single(path, reading)
+            return _Several(frame, statements, grouped=delimiter == ";")
+    return None
 
 
 def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
@@ -154,24 +178,25 @@ def _single(path: Path, reading: ReadAs) -> FleetTable:
     return FleetTable(robot, run.metadata.get("test", path.stem), run)
 
 
-def _head(path: Path) -> tuple[dict[str, str], str]:
-    """Return the ``# key: value`` lines in front of a table, and its header."""
+def _head(path: Path) -> tuple[dict[str, str], str, str]:
+    """Return the ``# key: value`` lines in front of a table, its header, and the encoding."""
     with open_file(path) as file:
-        text = file.read(_HEAD).decode("utf-8-sig", "replace")
+        data = file.read(_HEAD)
+    encoding = "utf-16" if data.startswith(_UTF_16) else "utf-8-sig"
+    text = data.decode(encoding, "replace")
     found: dict[str, str] = {}
     for line in text.splitlines():
         stated = _STATEMENT.match(line)
         if stated:
             found[stated[1].lower().replace(" ", "_")] = stated[2].strip()
         elif line.strip() and not line.startswith("#"):
-            return found, line
-    return found, ""
+            return found, line, encoding
+    return found, "", encoding
 
 
-def _several(
-    frame: Any, path: Path, statements: dict[str, str], reading: ReadAs, *, grouped: bool = False
-) -> Iterator[FleetTable]:
-    """Yield the tables of a part; numbers between semicolons may have been ``grouped``."""
+def _settled(several: _Several, path: Path, reading: ReadAs) -> dict[str, Any]:
+    """Put names and decimal marks of the rows right; return the attributes of every table."""
+    frame = several.frame
     if frame.empty:
         raise DataError("holds no rows", where=str(path), remedy="put readings below its header")
     frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
@@ -182,21 +207,21 @@ def _several(
         raise DataError(
             f"{nameless} rows name no robot", where=str(path), remedy="name the robot of each row"
         )
-    axes = _axes(frame, statements, reading)
+    axes = _axes(frame, several.statements, reading, path)
     settle_marks(frame, _text_columns(frame), reading.decimal, str(path))
-    if grouped and reading.decimal is None:
+    if several.grouped and reading.decimal is None:
         refuse_groups(frame, axes, str(path))
-    attributes = {"axes": axes, "metadata": statements}
-    keys = ["robot", "test"] if "test" in frame.columns else ["robot"]
-    for key, rows in frame.groupby(keys, sort=False, dropna=False):
-        robot, test = (*("" if one != one else str(one) for one in key), "")[:2]  # noqa: PLR0124
-        where = f"{path.name}: {robot} {test}".rstrip()
-        yield FleetTable(robot, test, _run(rows.drop(columns=keys), attributes, where))
+    return {"axes": axes, "metadata": dict(several.statements)}
+
+
+def _keys(frame: Any) -> list[str]:
+    """Return the columns that tell tables apart."""
+    return [name for name in ("robot", "test") if name in frame.columns]
 
 
 def _text_columns(frame: Any) -> list[str]:
     """Return the columns of text that should hold numbers."""
-    names = {"robot", "test", "approach", *POSE_NAMES}
+    names = {"robot", "test", "date", "approach", *POSE_NAMES}
     return [
         name
         for name in frame.columns
@@ -204,7 +229,9 @@ def _text_columns(frame: Any) -> list[str]:
     ]
 
 
-def _axes(frame: Any, statements: dict[str, str], reading: ReadAs) -> dict[str, dict[str, Any]]:
+def _axes(
+    frame: Any, statements: Mapping[str, str], reading: ReadAs, path: Path
+) -> dict[str, dict[str, Any]]:
     """Return unit and resolution of each axis, where they are stated."""
     found: dict[str, dict[str, Any]] = {}
     for name in (name for name in AXES if name in frame.columns):
@@ -212,12 +239,26 @@ def _axes(frame: Any, statements: dict[str, str], reading: ReadAs) -> dict[str, 
         unit = statements.get(f"unit_{low}", statements.get("unit", reading.unit))
         if unit is not None:
             own = statements.get(f"resolution_{low}", statements.get("resolution"))
-            found[name] = {"unit": unit, "resolution": float(own) if own else reading.resolution}
+            resolution = _resolution(own, path) if own else reading.resolution
+            found[name] = {"unit": unit, "resolution": resolution}
+    return found
+
+
+def _resolution(stated: str, path: Path) -> float:
+    found = parse_number(stated)
+    if found is None:
+        raise DataError(
+            f"states a resolution {stated[:30]!r}, which is no number",
+            where=str(path),
+            remedy="write '# resolution: 0.001', in the unit of its readings",
+        )
     return found
 
 
 def _run(rows: Any, attributes: dict[str, Any], where: str) -> Run | ScaraIsoError:
-    rows = rows.dropna(axis=1, how="all").reset_index(drop=True)
+    if "date" in rows.columns:
+        attributes = _dated(rows.pop("date"), attributes)
+    rows = rows.drop(columns=_keys(rows)).dropna(axis=1, how="all").reset_index(drop=True)
     for name in rows.columns:
         if rows[name].dtype.kind not in "iuf" and str(name).lower() not in POSE_NAMES:
             rows[name] = _numbers(rows[name])
@@ -228,6 +269,14 @@ def _run(rows: Any, attributes: dict[str, Any], where: str) -> Run | ScaraIsoErr
         error.where = where
         return error
     return replace(run, origin=replace(run.origin, source=where))
+
+
+def _dated(dates: Any, attributes: dict[str, Any]) -> dict[str, Any]:
+    """Return the attributes of a table with the first of its dates."""
+    stated = dates.dropna()
+    if stated.empty:
+        return attributes
+    return {**attributes, "metadata": {**attributes["metadata"], "date": str(stated.iloc[0])}}
 
 
 def _numbers(column: Any) -> Any:

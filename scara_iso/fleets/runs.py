@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
@@ -16,13 +16,18 @@ from scara_iso.fleets.database import connect
 from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.ledger import PartDone, PartLedger
 from scara_iso.fleets.parts import digest, parts_of
-from scara_iso.fleets.work import PartResult, Task, examine
+from scara_iso.fleets.pieces import Piece, Share
+from scara_iso.fleets.work import PartResult, Task, examine, joined
 from scara_iso.frozen import dataclass
 
 RESULTS = "parts"
 
 Track = Callable[[Iterator[Any], int], Iterator[Any]]
 """Passes results on as they come, of so many."""
+
+
+Results = Iterator[tuple[str, PartResult | Exception]]
+"""What is found of each part, or what became of it, by its path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +40,8 @@ class FleetRun:
     """How many the source has."""
     before: int
     """Parts that an earlier run had done."""
+    tables: int
+    """How many tables were examined, without those of which there is nothing."""
     failed: Mapping[str, str]
     """Parts that could not be read or were given up, with why."""
 
@@ -58,25 +65,45 @@ def run_fleet(
         return look_closer(to / RESULTS, paths, read, task, engine, level, track=track)
 
     options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
+
+    def results(parts: Sequence[str]) -> Results:
+        return _examined(parts, task, engine, track)
+
+    return run_parts(source, to, options, results, after=closer)
+
+
+def _examined(parts: Sequence[str], task: Task, engine: Engine, track: Track) -> Results:
+    """Yield the result of each part once all of its pieces are examined."""
+    own = engine.shares_of_each(len(parts))
+    pieces = [Piece(part, share) for part in parts for share in own]
+    found: dict[str, dict[Share, PartResult]] = {part: {} for part in parts}
+    given_up = set[str]()
     work = partial(examine, task=task)
-    return run_parts(source, to, options, work, engine, track=track, after=closer)
+    for piece, result in track(done_by(engine, work, pieces), len(pieces)):
+        done = found[piece.path]
+        if isinstance(result, PartResult):
+            done[piece.share] = result
+        elif piece.path not in given_up:
+            given_up.add(piece.path)
+            yield piece.path, result
+        if len(done) == len(own):
+            del found[piece.path]
+            yield piece.path, joined([done[share] for share in own])
 
 
 def run_parts(
     source: Path,
     to: Path,
     options: Mapping[str, Any],
-    work: Callable[[str], PartResult],
-    engine: Engine,
+    results: Callable[[Sequence[str]], Results],
     *,
-    track: Track,
     after: Callable[[Mapping[str, Path], Mapping[str, str]], Mapping[str, str]] = lambda *_: {},
 ) -> FleetRun:
-    """Have ``work`` done on every part of ``source``, and leave its result for each in ``to``.
+    """Leave in ``to`` what is found of every part of ``source``.
 
-    ``after`` gets the parts and the SHA-256 of what was read of each, and returns what failed.
-    Raises `NoInputError` where no part is there, as `PartLedger`, `WriteError` for a full disk,
-    `DataError` where a worker is of another version.
+    ``results`` yields that of each path that it is given. ``after`` gets the parts and the SHA-256
+    of what was read of each, and returns what failed. Raises `NoInputError` where no part is there,
+    as `PartLedger`, `WriteError` for a full disk, `DataError` where a worker is of another version.
     """
     from scara_iso import __version__  # noqa: PLC0415 - the face of all
 
@@ -85,9 +112,9 @@ def run_parts(
     with closing(PartLedger(to, __version__, options)) as ledger:
         (to / RESULTS).mkdir(exist_ok=True)
         missing = [name for name, path in paths.items() if not _is_done(ledger, to, name, path)]
-        _forget(to, paths)
+        _forget(to, paths.keys() - missing)
         given_up: dict[str, str] = {}
-        for result in track(_results(missing, paths, work, engine), len(missing)):
+        for result in _by_name(missing, paths, results):
             if result.version != __version__:
                 raise DataError(
                     f"a worker has scara-iso {result.version}, and this is {__version__}",
@@ -97,9 +124,16 @@ def run_parts(
                 given_up[result.part] = result.error or "given up"
                 continue
             _keep(ledger, to, result)
-        failed = {d.part: d.error for d in ledger.done.values() if d.error and d.part in paths}
-        later = after(paths, {name: done.sha256 for name, done in ledger.done.items()})
-    return FleetRun(to, len(paths), len(paths) - len(missing), {**failed, **later, **given_up})
+        done = [one for one in ledger.done.values() if one.part in paths.keys() - given_up]
+        failed = {one.part: one.error for one in done if one.error}
+        later = after(paths, {one.part: one.sha256 for one in done})
+    return FleetRun(
+        folder=to,
+        parts=len(paths),
+        before=len(paths) - len(missing),
+        tables=sum(one.tables - one.failed for one in done),
+        failed={**failed, **later, **given_up},
+    )
 
 
 def result_path(to: Path, part: str) -> Path:
@@ -117,21 +151,20 @@ def _is_done(ledger: PartLedger, to: Path, name: str, path: Path) -> bool:
         return False
 
 
-def _forget(to: Path, paths: Mapping[str, Path]) -> None:
-    """Remove the results of parts that are gone from the source: they are no part of the fleet."""
+def _forget(to: Path, done: Collection[str]) -> None:
+    """Remove all results but those of parts as they are today: no other is of the fleet."""
     for path in (to / RESULTS).glob("*.parquet"):
-        if path.name.removesuffix(".parquet") not in paths:
+        if path.name.removesuffix(".parquet") not in done:
             path.unlink()
 
 
-def _results(
+def _by_name(
     names: list[str],
     paths: Mapping[str, Path],
-    work: Callable[[str], PartResult],
-    engine: Engine,
+    results: Callable[[Sequence[str]], Results],
 ) -> Iterator[PartResult]:
     by_path = {str(paths[name].absolute()): name for name in names}
-    for path, found in done_by(engine, work, list(by_path)):
+    for path, found in results(list(by_path)):
         if isinstance(found, PartResult):
             yield found
         elif isinstance(found, ScaraIsoError):

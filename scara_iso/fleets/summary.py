@@ -7,6 +7,7 @@ discovery rate, the share of false ones among those that are named, is held (Ben
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,9 @@ import numpy as np
 
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
+from scara_iso.fleets.drift import QUANTILES, FleetDrift, drift_of
 from scara_iso.fleets.runs import RESULTS, FleetRun
+from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
 from scara_iso.frozen import dataclass
 
@@ -92,6 +95,8 @@ class FleetSummary(Displayed):
     """Tables of which there is nothing."""
     twice: tuple[TwiceThere, ...] = ()
     """Tests that are there more than once: each counts."""
+    drift: FleetDrift | None = None
+    """How RP moves over the dates of the tests; None where no robot has several."""
 
     @property
     def found(self) -> tuple[RobotResult, ...]:
@@ -138,7 +143,8 @@ def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
             effects=_effects(robots),
             RP_quantiles=quantiles_of_RP(query),
             failed=failed_tables(query),
-            twice=_twice(query),
+            twice=tables_twice(query),
+            drift=drift_of(query, level),
         )
 
 
@@ -161,14 +167,6 @@ def _robots(query: Query, level: float) -> tuple[RobotResult, ...]:
     return tuple(sorted(found, key=lambda one: (one.q_value, -(one.RP_XY or 0.0), one.robot)))
 
 
-def _twice(query: Query) -> tuple[TwiceThere, ...]:
-    rows = query(
-        "SELECT robot, test, string_agg(part, ',' ORDER BY part) FROM fleet "
-        "GROUP BY robot, test HAVING count(*) > 1 ORDER BY robot, test"
-    )
-    return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
-
-
 def _names(effects: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name in effects.split(",") if name))
 
@@ -189,12 +187,32 @@ def failed_tables(query: Query) -> tuple[FailedTable, ...]:
     return tuple(FailedTable(*row) for row in rows)
 
 
+def tables_twice(query: Query, row: str = "robot, test") -> tuple[TwiceThere, ...]:
+    """Return the tests that are there more than once, where each ``row`` should be of its own."""
+    rows = query(
+        "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "  # noqa: S608
+        f"WHERE error IS NULL GROUP BY {row} HAVING count(*) > 1)) "
+        "SELECT robot, test, string_agg(DISTINCT part, ',' ORDER BY part) FROM fleet "
+        "SEMI JOIN twice USING (robot, test) WHERE error IS NULL GROUP BY robot, test "
+        "ORDER BY robot, test"
+    )
+    return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
+
+
 def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802 - the symbol
-    """Return 5, 25, 50, 75 and 95 % of each RP that is there."""
+    """Return 5, 25, 50, 75 and 95 % of each RP that is there; the values are sorted on the disk."""
     found: dict[str, tuple[float, ...]] = {}
-    for name in ("X", "Y", "Z", "theta", "XY", "XYZ"):
-        sql = f'SELECT quantile_cont("RP_{name}", [0.05, 0.25, 0.5, 0.75, 0.95]) FROM fleet'  # noqa: S608
-        ends = next((row[0] for row in query(sql)), None)
-        if ends is not None and np.isfinite(ends[0]):
-            found[name] = tuple(map(float, ends))
+    for name in FIGURES:
+        query(
+            f'CREATE OR REPLACE TEMP TABLE sorted AS SELECT "RP_{name}" AS RP FROM fleet '  # noqa: S608
+            "WHERE isfinite(RP) ORDER BY RP"
+        )
+        last = sum(row[0] for row in query("SELECT count(*) FROM sorted")) - 1
+        if last >= 0:
+            places = [share * last for share in QUANTILES]
+            ranks = sorted({end for at in places for end in (math.floor(at), math.ceil(at))})
+            rows = query(
+                "SELECT RP FROM sorted WHERE rowid IN (SELECT unnest(?)) ORDER BY rowid", ranks
+            )
+            found[name] = tuple(np.interp(places, ranks, [RP for (RP,) in rows]).tolist())
     return found

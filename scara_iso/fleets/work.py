@@ -1,17 +1,20 @@
-"""What is done with one part, by whichever process or machine: every table of it is diagnosed."""
+"""What is done with a piece of a part, by whichever process or machine: each table is diagnosed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 
 from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, screen
 from scara_iso.errors import ScaraIsoError, WriteError
-from scara_iso.fleets.database import Columns, as_parquet, unnested
+from scara_iso.fleets.database import Columns, as_parquet, joined_parquet, unnested
 from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
+from scara_iso.fleets.pieces import Piece, Share
 from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import moment_of_test
+from scara_iso.run import Run
 
 _LINES = 4
 FIGURES = ("X", "Y", "Z", "theta", "XY", "XYZ")
@@ -45,6 +48,8 @@ class TableRow:
     """Each once."""
     RP: dict[str, float] = field(default_factory=dict)
     """By figure [mm, deg]."""
+    date: str | None = None
+    """When it was made, as the table states it."""
     error: str | None = None
     """Why there is nothing of it."""
 
@@ -66,9 +71,9 @@ class PartResult:
     """Why the part could not be read."""
 
 
-def examine(part: str, task: Task) -> PartResult:
-    """Return what is found of a part; what cannot be read is said in it, and raises nothing."""
-    return result_of(Path(part), partial(_diagnosed, task=task))
+def examine(piece: Piece, task: Task) -> PartResult:
+    """Return what is found of a piece; what cannot be read is said in it, and raises nothing."""
+    return result_of(Path(piece.path), partial(_diagnosed, task=task, share=piece.share))
 
 
 def result_of(path: Path, made: Callable[[Path], tuple[int, int, bytes]]) -> PartResult:
@@ -85,8 +90,28 @@ def result_of(path: Path, made: Callable[[Path], tuple[int, int, bytes]]) -> Par
         return PartResult(path.name, sha256, __version__, 0, 0, b"", str(error))
 
 
-def _diagnosed(path: Path, task: Task) -> tuple[int, int, bytes]:
-    rows = [_row(table, task) for table in tables_in(path, task.reading)]
+def joined(pieces: Sequence[PartResult]) -> PartResult:
+    """Return the result of a part that several pieces are, in their order.
+
+    One of another version stands for all, and there is nothing of a part that cannot be read, or
+    that has changed between two of them.
+    """
+    first = pieces[0]
+    odd = [one for one in pieces if one.version != first.version or one.error]
+    if len(pieces) == 1 or odd:
+        return odd[0] if odd else first
+    if len({one.sha256 for one in pieces}) > 1:
+        return replace(first, sha256="", error="has changed while it was read: run it again")
+    return replace(
+        first,
+        tables=sum(one.tables for one in pieces),
+        failed=sum(one.failed for one in pieces),
+        parquet=joined_parquet([one.parquet for one in pieces]),
+    )
+
+
+def _diagnosed(path: Path, task: Task, share: Share) -> tuple[int, int, bytes]:
+    rows = [_row(table, task) for table in tables_in(path, task.reading, share=share)]
     failed = sum(row.error is not None for row in rows)
     return len(rows), failed, as_parquet(*unnested(_columns(rows, path.name)))
 
@@ -94,7 +119,7 @@ def _diagnosed(path: Path, task: Task) -> tuple[int, int, bytes]:
 def _columns(rows: Sequence[TableRow], part: str) -> Columns:
     kinds = {"robot": "VARCHAR", "test": "VARCHAR", "cycles": "INTEGER", "poses": "INTEGER",
              "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN",
-             "orders": "INTEGER"}  # fmt: skip
+             "orders": "INTEGER", "date": "VARCHAR"}  # fmt: skip
     columns: dict[str, tuple[str, Sequence[object]]] = {
         name: (kind, [getattr(row, name) for row in rows]) for name, kind in kinds.items()
     }
@@ -112,7 +137,7 @@ def _row(table: FleetTable, task: Task) -> TableRow:
     try:
         found = screen(table.run, task.wanted, seed=task.seed)
     except ScaraIsoError as error:
-        return TableRow(table.robot, table.test, error=in_one_line(error))
+        return TableRow(table.robot, table.test, error=refused(error, table.run))
     return TableRow(
         robot=table.robot,
         test=table.test,
@@ -123,7 +148,22 @@ def _row(table: FleetTable, task: Task) -> TableRow:
         at_floor=found.at_floor,
         effects=found.effects,
         RP=dict(found.RP),
+        date=date_of(table.run),
     )
+
+
+def date_of(run: Run) -> str | None:
+    """Return when a table was made, as it states it."""
+    moment = moment_of_test(run)
+    return None if moment is None else moment.replace(tzinfo=None).isoformat()
+
+
+def refused(error: ScaraIsoError, run: Run) -> str:
+    """Return why there is nothing of a table, and where it may be two under one name."""
+    told_apart = [run.cycle, *(one for one in (run.pose, run.direction) if one is not None)]
+    if len(set(zip(*told_apart, strict=True))) == len(run):
+        return in_one_line(error)
+    return f"{in_one_line(error)}; if two tests have this name, tell them apart by the column test"
 
 
 def in_one_line(error: ScaraIsoError) -> str:

@@ -20,7 +20,7 @@ _GAUGE = "X=opto-rs232@sim:?pace=1"
 _TRIGGER = "timer:0.1"
 _CYCLES = 31
 _KILLED_AFTER = 7
-_SOURCE = "docs/durability.md: no announced reading is lost"
+_SOURCE = "docs/appendix/durability.md: no announced reading is lost"
 
 
 def recorder_checks() -> Iterator[ReferenceCheck]:

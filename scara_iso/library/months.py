@@ -78,7 +78,8 @@ def _tables(tables: Tables, events: str | Path | None) -> tuple[list[Table], Pat
     aside = {path.resolve() for path in (*own, *([beside] if beside else []))}
     found = [t for t in tables_of(tables) if not _is_among(t, aside)]
     if not found:
-        raise NoInputError("no table is there", where=str(folders[0]) if folders else "")
+        where = str(folders[0]) if folders else ""
+        raise NoInputError("no table is there", where=where, remedy="put tables there, one a test")
     return found, beside
 
 

@@ -65,6 +65,8 @@ def _refuse_limits(limits: Mapping[str, float], spreads: Sequence[SpreadHistory]
     if not spreads:
         raise DataError("no table has an RP to be followed: a drift test has none")
     names = dict.fromkeys(one.figure for one in spreads)
+    if any(one.quantity == "RP" for one in spreads):
+        names["RP"] = None
     other = [name for name in limits if name and name not in names]
     if other:
         raise UsageError(
@@ -138,7 +140,8 @@ def _spreads(
                 found.setdefault(key, []).append(figure)
     for (pose, of, quantity), figures in found.items():
         unit = "deg" if quantity == "three_sigma" else "mm"
-        limit = limits.get(of, limits.get("") if unit == "mm" else None)
+        names = (of, "RP", "") if unit == "mm" else (of,)
+        limit = next((limits[name] for name in names if name in limits), None)
         yield _spread_history(pose, of, quantity, unit, figures, events, limit)
 
 

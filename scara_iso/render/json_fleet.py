@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from scara_iso.render.json import Json, each, picked
 
 if TYPE_CHECKING:
-    from scara_iso.fleets import FleetFigures, FleetSummary
+    from scara_iso.fleets import FleetDrift, FleetFigures, FleetSummary
 
 _ROBOT = "robot tables p_value q_value found effects RP_XY"
 
@@ -24,6 +24,7 @@ def fleet_json(found: FleetSummary) -> Json:
         "robots": each(found.robots, _ROBOT),
         "twice": each(found.twice, "robot test parts"),
         "failed": each(found.failed, "part robot test error"),
+        "drift": _drift(found.drift),
     }
 
 
@@ -40,6 +41,18 @@ def fleet_figures_json(found: FleetFigures) -> Json:
         "worst": each(found.worst, "robot tables RP"),
         "twice": each(found.twice, "robot test parts"),
         "failed": each(found.failed, "part robot test error"),
+        "drift": _drift(found.drift),
+    }
+
+
+def _drift(found: FleetDrift | None) -> Json | None:
+    if found is None:
+        return None
+    return {
+        **picked(found, "figure robots per_month interval"),
+        "periods": each(found.periods, "period robots RP_quantiles compared worse"),
+        "asked": found.asked,
+        "growing": each(found.growing, "robot dates per_month p_value q_value"),
     }
 
 

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.fleets import FleetFigures, FleetRun, FleetSummary, RobotFigures, RobotResult
+from scara_iso.fleets import (
+    FleetDrift,
+    FleetFigures,
+    FleetRun,
+    FleetSummary,
+    RobotFigures,
+    RobotResult,
+)
 from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
 from scara_iso.reporting.digits import four_digits
 from scara_iso.reporting.words import words
@@ -51,7 +58,8 @@ def _cells(one: RobotFigures, names: list[str]) -> Iterator[Cell]:
 
 
 def _counts(found: FleetFigures) -> Iterator[Block]:
-    yield Text(f"RP of {found.tables} tables of {found.robots} robots", "good")
+    said = f"RP of {found.tables} tables of {found.robots} robots"
+    yield Text(said, "good" if found.robots else "warn")
     yield Text(f"{_parts(found.run)}; the figures of every pose are in {found.files}")
     yield from _troubles(found)
 
@@ -59,6 +67,8 @@ def _counts(found: FleetFigures) -> Iterator[Block]:
 def _of_both(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Section]:
     if found.RP_quantiles:
         yield Section("RP of the tables", (_RP(found),))
+    if found.drift is not None:
+        yield Section(f"RP {found.drift.figure} over time", tuple(_drift(found.drift, full=full)))
     failures = list(_failures(found))
     if failures:
         most = len(failures) if full else _FAILURES
@@ -71,7 +81,8 @@ def _of_both(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Sect
 
 def _answer(found: FleetSummary) -> Iterator[Block]:
     named = len(found.found)
-    yield Text(f"Found: {named} of {len(found.robots)} robots", "warn" if named else "good")
+    said = f"Found: {named} of {len(found.robots)} robots"
+    yield Text(said, "warn" if named or not found.robots else "good")
     false = found.level * named
     if named:
         yield Text(f"of them {false:.1f} by chance at most, on average: false discovery rate "
@@ -126,6 +137,34 @@ def _RP(found: FleetSummary | FleetFigures) -> Table:  # noqa: N802 - the field'
     return Table(
         ("RP", "5 %", "25 %", "50 %", "75 %", "95 %"), tuple(rows), "mm; an angle in degrees"
     )
+
+
+def _drift(found: FleetDrift, *, full: bool) -> Iterator[Block]:
+    ends = found.interval
+    apart = "" if ends is None else f" (95 %: {_percent(ends[0])} to {_percent(ends[1])})"
+    yield Text(f"the median of {found.robots} robots: {_percent(found.per_month)} a month{apart}")
+    rows: list[tuple[Cell, ...]] = [
+        (one.period, Number(one.robots), *(Number(end, ".4f") for end in one.RP_quantiles[::2]),
+         f"{one.worse} of {one.compared}" if one.compared else "")
+        for one in found.periods
+    ]  # fmt: skip
+    yield Table(("tested", "robots", "5 %", "50 %", "95 %", "worse than before"), tuple(rows))
+    count = len(found.growing)
+    yield Text(f"grows in {count} of the {found.asked} robots with three dates or more",
+               "warn" if count else "quiet")  # fmt: skip
+    if count:
+        shown = found.growing if full else found.growing[:_WORST]
+        note = f"and {count - len(shown)} more: `full=`" if len(shown) < count else ""
+        yield Table(
+            ("robot", "dates", "a month", "p", "q"),
+            tuple((one.robot, Number(one.dates), _percent(one.per_month),
+                   four_digits(one.p_value), four_digits(one.q_value)) for one in shown),
+            note,
+        )  # fmt: skip
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:+.1f} %"
 
 
 def _failures(found: FleetSummary | FleetFigures) -> Iterator[tuple[Cell, ...]]:

@@ -84,6 +84,10 @@ def _subject(found: RobotHistory) -> str:
     first, last = found.tests[0].when, found.tests[-1].when
     name = found.robot or "a robot that is not named"
     serial = f", serial {found.serial}" if found.serial else ""
+    if len(found.tests) == 1:
+        return (
+            f"{name}{serial}: one test, {moment_said(first)}; there is no other to compare it with"
+        )
     return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
 
 
@@ -115,7 +119,7 @@ def _silent(spreads: Sequence[SpreadHistory], found: RobotHistory) -> Iterator[T
     """Yield what can be said of the figures of which neither chart, trend nor service speaks."""
     moved = {(one.pose, one.figure) for _, every in _served(found) for one in every}
     by_said: dict[str, list[str]] = {}
-    for one in spreads:
+    for one in spreads if len(found.tests) > 1 else ():
         if not moved & {(one.pose, one.figure), (None, one.figure)}:
             by_said.setdefault(_unchanged(one), []).append(f"{_code(one)} {_name(one)}")
     for said, names in by_said.items():

@@ -15,10 +15,11 @@ from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.layout import COLUMNS, Layout, Statement, read_preamble
+from scara_iso.tables.layout import COLUMNS, Layout
 from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.poses import find_commands, find_pose
+from scara_iso.tables.preamble import Statement, read_preamble
 from scara_iso.tables.statements import Scale, is_of_axes, read_scales
 from scara_iso.tables.text import Row
 
@@ -114,7 +115,8 @@ def _check_layout(layout: Layout, faults: Faults) -> None:
                 what,
                 layout.header_line,
                 field,
-                remedy="leave one column for each axis and quantity",
+                remedy="leave one column for each axis and quantity; a block beside the first goes "
+                "below it",
             )
 
 

@@ -6,16 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from scara_iso.tables.columns import Cell, is_words
 from scara_iso.tables.faults import KEPT, Faults, quoted
-from scara_iso.tables.layout import (
-    Layout,
-    header_cells,
-    is_comment,
-    is_rule,
-    names_an_axis,
-    read_statement,
-)
+from scara_iso.tables.layout import Layout, header_cells, is_comment, is_rule, names_an_axis
 from scara_iso.tables.names import Kind, names_a_footer
 from scara_iso.tables.numbers import BLANKS, parse_cell
+from scara_iso.tables.preamble import read_statement, read_statements
 from scara_iso.tables.statements import is_of_axes
 from scara_iso.tables.text import Row
 
@@ -23,6 +17,7 @@ _NOTES = 50
 _STRANGE = 30_000
 """Cells in rows that are not readings, beyond which a file is not read on: a few seconds' work."""
 _ONE_HEADER = "name each column in one header row, right above the first row of readings"
+_ABOVE = "write this line above the header"
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
 
 
@@ -98,7 +93,7 @@ class Body:
             self.note(f"{self.faults.row} {line}: footer {quoted(text)} not averaged")
         elif names_an_axis(texts):
             self.faults.add("a second table begins", line, remedy=_ONE_TABLE)
-        elif self._is_remark(texts):
+        elif self._is_remark(line, texts):
             self.note(f"{self.faults.row} {line}: {quoted(text)} not used")
         elif is_rule(text) and (self._cycle is not None or not any(self._blocks)):
             self.note(f"{self.faults.row} {line}: ruled line")
@@ -135,19 +130,18 @@ class Body:
         self._labels.add(label)
         return True
 
-    def _is_remark(self, texts: list[str]) -> bool:
+    def _is_remark(self, line: int, texts: list[str]) -> bool:
         """Return whether a row is a line of text such as ``Inspector: A. Smith``."""
         found = [text for text in texts if text.strip(BLANKS)]
         if self._is_sentence(found):
             return True
-        statement = read_statement(Row(0, texts, found[0].strip(BLANKS), 0))
-        return (
-            statement is not None
-            and not is_of_axes(statement[0])
-            and len(found) <= 2
-            and ":" in found[0]
-            and not any(parse_cell(text) for text in found)
-        )
+        text = ", ".join(found)
+        stated = read_statements(Row(line, texts, text, line)) if ":" in found[0] else []
+        if any(is_of_axes(key) for key, _ in stated):
+            self.faults.add(f"{quoted(text)} under the header", line, remedy=_ABOVE)
+            return True
+        numbers = any(parse_cell(text) for text in found)
+        return bool(stated) and not numbers and (len(found) <= 2 or len(stated) > 1)
 
     def _is_sentence(self, found: list[str]) -> bool:
         """Return whether a row of several columns holds nothing but words, and no digit."""

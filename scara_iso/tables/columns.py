@@ -198,7 +198,8 @@ class Columns:
         label = f"{cell:.15g}" if isinstance(cell, float) else cell.strip(BLANKS)
         fault = _label_fault(label)
         if fault:
-            self._fault(column, f"{_text(cell)} {fault}", line)
+            remedy = "" if label else "write the pose's name in each row, also for merged cells"
+            self._fault(column, f"{_text(cell)} {fault}", line, remedy=remedy)
             return ""
         return label[1:] if label[:1] == "'" and label[1:2] in _ESCAPED else label
 
@@ -223,8 +224,8 @@ class Columns:
             remedy = "name the column in the header, or remove what is in it"
             self.faults.add(what, line, column.position + 1, remedy=remedy)
 
-    def _fault(self, column: Column, message: str, line: int) -> None:
-        self.faults.add(message, line, column.position + 1)
+    def _fault(self, column: Column, message: str, line: int, *, remedy: str = "") -> None:
+        self.faults.add(message, line, column.position + 1, remedy=remedy)
 
     def numbers(self, column: Column) -> FloatArray:
         """Return a numeric column, shape (rows,), in the units of the file."""

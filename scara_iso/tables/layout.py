@@ -1,4 +1,4 @@
-"""Where the header is, what stands before it, and what the columns are."""
+"""Where the header is, and what the columns are."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from scara_iso.frozen import dataclass
-from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import (
     COVARIATES,
     LONGEST_NAME,
     Column,
     Kind,
     clean,
-    names_a_footer,
     read_name,
     read_names,
     read_unit,
@@ -29,19 +27,8 @@ COLUMNS = 1000
 """Columns that a table may have."""
 _ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
 _BETWEEN = str.maketrans(",|", "  ")
-_ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
 _BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
 _STROKES = "-=_+*|:"
-_KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
-_LONGEST_KEY = 61
-
-
-@dataclass(frozen=True, slots=True)
-class Statement:
-    """The value of a ``key: value`` line, and the line."""
-
-    value: str
-    line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,12 +93,16 @@ def header_cells(cells: Sequence[str]) -> list[str]:
 
 
 _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
+_TRIAL = re.compile(r"(x|y|z|theta)[ _]?[0-9]{1,2}")
 
 
 def runs_across(rows: Sequence[Row]) -> Row | None:
-    """Return the first row that names runs side by side, as ISO 230-2 has them: ``Run 1 Run 2``."""
+    """Return the first row that names runs side by side: ``Run 1 Run 2``, or ``X1 X2``."""
     for row in rows:
-        short = (clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME)
+        short = [clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME]
+        axes = [trial[1] for text in short if (trial := _TRIAL.fullmatch(text))]
+        if len(axes) > len(set(axes)):
+            return row
         named = [text for text in short if _RUN.fullmatch(text)]
         if len(named) > 1 and not all(map(parse_cell, named)):
             return row
@@ -211,68 +202,3 @@ def _is_unit_row(names: list[str], cells: list[str]) -> bool:
     axes = [k for k, n in enumerate(names[: len(found)]) if read_name(n).kind is Kind.AXIS]
     units = [found[k] for k in axes if found[k]]
     return bool(units) and any(read_unit(unit) for unit in units)
-
-
-def read_preamble(
-    rows: Sequence[Row], header_line: int, faults: Faults
-) -> tuple[dict[str, Statement], list[str]]:
-    """Return the statements before the header by key, and a note for each line of free text.
-
-    Keys are in lower case with underscores for blanks; values are kept as written.
-    """
-    statements: dict[str, Statement] = {}
-    notes: list[str] = []
-    for row in rows:
-        if row.line >= header_line:
-            break
-        statement = read_statement(row)
-        if statement is not None:
-            _add(statements, *statement, row.line, faults)
-        elif not row.text or row.text.startswith("#") or is_rule(row.text):
-            continue
-        elif not _is_labelled(row) and sum(parse_cell(c) is not None for c in row.cells) > 1:
-            faults.add(
-                "numbers before the header: two tables in one file?",
-                row.line,
-                remedy="leave one table in the file, with one header",
-            )
-        else:
-            notes.append(f"{faults.row} {row.line}: {quoted(row.text)} not used")
-    return statements, notes
-
-
-def _is_labelled(row: Row) -> bool:
-    """Say whether a row is a label's, as ``USL, 0.1, 0.1`` or LabVIEW's ``Samples`` above a table.
-
-    Such a row says something of the columns and is no reading.
-    """
-    first = clean(row.cells[0])
-    return names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
-
-
-def read_statement(row: Row) -> tuple[str, str] | None:
-    """Return key and value of a ``# key: value`` line, or of a row of two such cells."""
-    cells = [clean(cell) for cell in row.cells[: _trimmed(row.cells)]]
-    if len(cells) == 2 and _KEY.fullmatch(cells[0]):
-        return normal_key(cells[0].strip("#:= ")), cells[1]
-    mark = re.search("[:=]", text := row.text.lstrip("# "))
-    key = text[: mark.start()].rstrip() if mark else ""
-    if not mark or len(key) > _LONGEST_KEY or not key[:1].isalpha():
-        return None
-    return normal_key(key), text[mark.end() :].strip()
-
-
-def normal_key(key: str) -> str:
-    """Return a metadata key in lower case, with underscores for blanks."""
-    key = re.sub(r"\s+", "_", key.strip().lower())
-    return _KEYS.get(key, key)
-
-
-_KEYS = {"units": "unit", "einheit": "unit", "auflösung": "resolution"}
-
-
-def _add(statements: dict[str, Statement], key: str, value: str, line: int, faults: Faults) -> None:
-    before = statements.setdefault(key, Statement(value, line))
-    if before.value != value:
-        said = f"{quoted(before.value)} in {faults.row} {before.line}"
-        faults.add(f"{key} is {quoted(value)} here and {said}", line)

@@ -14,10 +14,11 @@ from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, listed, quoted, refuse
-from scara_iso.tables.layout import is_comment, read_statement
+from scara_iso.tables.layout import is_comment
 from scara_iso.tables.marks import WHICH_MARK, are_mixed, are_undecided, refuse_other_marks
 from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
+from scara_iso.tables.preamble import read_statement
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     Delimiter,

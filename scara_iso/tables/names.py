@@ -46,10 +46,11 @@ class Column:
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
 _AXIS_WORD = re.compile(
-    r"(?:axis|achse|messwert|messung|istwert|wert|anzeige|ablesung|reading|measured|measurement|"
-    r"value|dial|gauge|indicator|messuhr|taster|delta|abweichung|deviation)[ _-]+"
+    r"(?:axis|achse|messwert|messung|istwert|ist|wert|anzeige|ablesung|reading|measured|"
+    r"measurement|actual|lectura|medida|lecture|mesure|value|"
+    r"dial|gauge|indicator|messuhr|taster|delta|abweichung|deviation)[ _-]+"
     r"|(?:axis|achse)[ _-]*|[dδ∆](?=(?:[xyz]|theta)$)"
-    r"|[ _-]*(?:axis|achse)$|[ _-]+(?:reading|messwert|wert)$"
+    r"|[ _-]*(?:axis|achse)$|[ _-]+(?:reading|messwert|wert|istwert|ist|actual)$"
 )
 """Words that stand with an axis. ``X_Value`` is the abscissa of LabVIEW's files, no reading."""
 _INSTRUMENT = re.compile(
@@ -63,7 +64,8 @@ _CYCLE = _CYCLE_PROPER | {
     "number of cycles", "no of cycle", "no of cycles", "zyklen", "zyklus nr", "zyklusnr",
     "zyklusnummer", "n", "nr", "no", "num", "number", "nummer", "#", "№", "lfd nr", "lfdnr",
     "takt", "trial", "sample", "messung", "messung nr", "index", "obs", "obs #", "observation",
-    "lauf", "lauf nr", "wiederholung", "repetition",
+    "lauf", "lauf nr", "wiederholung", "repetition", "run", "run no", "run nr", "run #", "trial no",
+    "trial nr", "trial #", "ciclo", "nº", "n°", "essai", "序号", "编号", "次数",
 }  # fmt: skip
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),
@@ -71,10 +73,12 @@ _KINDS = {
     "approach": Kind.APPROACH,
     **dict.fromkeys(("timestamp", "time stamp", "zeitstempel", "datetime", "date time"),
                     Kind.TIMESTAMP),
-    **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit"), Kind.OPEN),
+    **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit", "fecha", "hora", "日期", "时间"),
+                    Kind.OPEN),
     **dict.fromkeys(
         ("comment", "comments", "remark", "remarks", "note", "notes", "bemerkung", "bemerkungen",
-         "anmerkung", "kommentar", "notiz", "operator", "bediener", "prüfer", "inspector"),
+         "anmerkung", "kommentar", "notiz", "operator", "bediener", "prüfer", "inspector",
+         "observaciones", "observación", "remarques", "备注"),
         Kind.COMMENT,
     ),
 }  # fmt: skip
@@ -93,11 +97,13 @@ _SPLITS = (
 
 
 def clean(text: str) -> str:
-    """Return ``text`` on one line, its blanks plain and single."""
-    return " ".join(text.translate(_PLAIN_BLANKS).split())
+    """Return ``text`` on one line, its blanks plain and single, full-width marks as ASCII."""
+    return " ".join(text.translate(_PLAIN).split())
 
 
-_PLAIN_BLANKS = str.maketrans(dict.fromkeys(BLANKS, " "))
+_PLAIN = str.maketrans(
+    {**dict.fromkeys(BLANKS, " "), **dict(zip("（）［］：", "()[]:", strict=True))}
+)
 
 
 @lru_cache(maxsize=256)

@@ -22,6 +22,7 @@ from scara_iso.run import Axis, FloatArray, Run
 from scara_iso.tables.faults import listed, quoted
 from scara_iso.tables.other_units import converted
 
+_BRACKETS = re.compile(r"\s*[(\[][^()\[\]]*[)\]]\s*$")
 _POSE = re.compile(r"(?<![a-z0-9])(?:p|pose|point|punkt)[ _.-]?0*([1-9][0-9]{0,2})(?![a-z0-9])")
 _LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)
 _OF_THE_ROBOT = (
@@ -59,8 +60,11 @@ def pose_in(title: str) -> str | None:
 
 
 def pose_alone(text: str) -> str | None:
-    """Return the pose of a line or cell that says nothing else: ``P3``, ``Pose 3``, ``pose: A``."""
-    text = text.strip(" \t*=-_")
+    """Return the pose of a line or cell that says nothing else: ``P3``, ``Pose 3``, ``pose: A``.
+
+    What stands in brackets behind it, such as its coordinates, is not read.
+    """
+    text = _BRACKETS.sub("", text).strip(" \t*=-_")
     stated = _LINE.fullmatch(text)
     whole = _POSE.fullmatch(text.lower())
     return stated[1].strip() if stated else f"P{whole[1]}" if whole else None

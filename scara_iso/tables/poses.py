@@ -12,9 +12,9 @@ from scara_iso.pose_columns import Commanded, by_pose
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.layout import normal_key
 from scara_iso.tables.names import Kind, read_unit
 from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.preamble import normal_key
 from scara_iso.tables.statements import Scale
 
 Labels = npt.NDArray[np.str_]

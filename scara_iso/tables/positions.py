@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from scara_iso.errors import UsageError
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.layout import COLUMNS, Layout, header_cells, names_an_axis
+from scara_iso.tables.layout import COLUMNS, Layout, header_cells, names_an_axis, runs_across
 from scara_iso.tables.names import (
     LONGEST_NAME,
     Column,
@@ -139,6 +139,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
 
     Most rows of the same number of fields, most of them numbers, are taken for the table.
     """
+    if any(map(runs_across, tables)):
+        return ONE_A_ROW
     if any(map(_targets_across, tables)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
     if any(map(_axes_in_rows, tables)):

@@ -19,7 +19,7 @@ from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.kinds import called_text
 from scara_iso.tables.labelled import find_labelled
-from scara_iso.tables.layout import HEAD, Layout, find_layout, read_preamble, runs_across
+from scara_iso.tables.layout import HEAD, Layout, find_layout, runs_across
 from scara_iso.tables.marks import check_groups, refuse_other_marks
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import Mark, count_decimals
@@ -31,6 +31,7 @@ from scara_iso.tables.positions import (
     place_columns,
     suggest_columns,
 )
+from scara_iso.tables.preamble import read_preamble
 from scara_iso.tables.sheets import NO_HEADER, read_blocks, read_rows, read_workbook
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (

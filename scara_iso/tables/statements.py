@@ -11,9 +11,9 @@ from scara_iso.pose_columns import Commanded
 from scara_iso.quantities import Dimension, Unit, parse_unit
 from scara_iso.run import AXES
 from scara_iso.tables.faults import Faults, listed, quoted
-from scara_iso.tables.layout import Statement
 from scara_iso.tables.names import Column, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
+from scara_iso.tables.preamble import Statement
 
 OF_AXES = ("unit", "resolution", "indicator_uncertainty")
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
@@ -251,7 +251,11 @@ class _Sizes:
             or not above < number.value < math.inf
         ):
             kind = "a number" if above < 0 else "a number above zero"
-            self.faults.add(f"{key}: {quoted(statement.value)} is not {kind}", statement.line)
+            self.faults.add(
+                f"{key}: {quoted(statement.value)} is not {kind}",
+                statement.line,
+                remedy=f"write one number, and its unit where it has another: '# {key}: 0.001'",
+            )
             return None
         if not number.unit:
             return number.value, None

@@ -11,7 +11,6 @@ import numpy as np
 from scara_iso.errors import DataError
 from scara_iso.quantities import Dimension
 from scara_iso.run import AXES, Axis, FloatArray, Run
-from scara_iso.tables.layout import normal_key
 from scara_iso.tables.locale import (
     FORMULA,
     PLAIN,
@@ -22,6 +21,7 @@ from scara_iso.tables.locale import (
     write_rows,
 )
 from scara_iso.tables.names import Kind, read_name
+from scara_iso.tables.preamble import normal_key
 from scara_iso.tables.statements import COMMAND, is_of_axes
 
 _CUT = re.compile(rf"[,;]\s*[\"']?[{re.escape(FORMULA)}]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?[,;]")

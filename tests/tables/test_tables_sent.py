@@ -117,9 +117,17 @@ def test_what_a_refusal_says_to_do_is_enough(name, tmp_path):
     assert len(read_table(edit(text).encode(), unit="mm")) > 0
 
 
+@pytest.mark.parametrize("title", ["Pose {} (500/200/100)", "P{} [A]"])
+def test_coordinates_behind_a_pose_s_name_are_not_read(title):
+    table = "".join(f"{title.format(k)}\nNr;X（mm）\n1;0,{k}\n\n" for k in (1, 2))
+    run = read_table(table.encode())
+    assert run.pose.tolist() == ["P1", "P2"]
+    assert run.axes["X"].readings.tolist() == [0.1, 0.2]
+
+
 HEADINGS = [
     "X", "Messwert X", "Wert X", "dX", "Dial 1 (X)", "dial X", "Messuhr X", "X Messwert",
-    "Dial 2 (X) [mm]", "X-Achse",
+    "Dial 2 (X) [mm]", "X-Achse", "X Ist", "Lectura X",
 ]  # fmt: skip
 
 
@@ -232,3 +240,58 @@ def test_a_unit_in_the_files_own_heading_is_not_overruled_in_silence():
             read_table(rows, unit="mm", columns=columns)
     with pytest.raises(DataError, match="'um' heads X"):
         read_table(rows, columns="-,X_mm")
+
+
+FORM = "Nr;X;Y\n1;0,112;0,811\n2;0,113;0,812\n"
+
+
+@pytest.mark.parametrize(
+    ("above", "resolution", "kept"),
+    [
+        ("Datum:;2026-03-01;;Prüfer:;Meier\n", None, {"datum": "2026-03-01", "prüfer": "Meier"}),
+        ("Datum: 2026-03-01;;Prüfer: Meier\n", None, {"datum": "2026-03-01", "prüfer": "Meier"}),
+        ("Start:;10:30;Datei:;C:\\p;;Prüfer:;\n", None,
+         {"start": "10:30", "datei": "C:\\p", "prüfer": ""}),
+        ("Roboter: A    Auflösung: 0,001 mm\n", 0.001, {"roboter": "A"}),
+        ("Auflösung 0,001 mm\n", 0.001, {}),
+        ("Protokoll;Messuhr: M;Auflösung 1 µm\n", 0.001, {"messuhr": "M"}),
+        ("Messuhr M;Auflösung 1 µm\n", 0.001, {}),
+        ("Auflösung:;0,01;mm;Ort:;Halle 3;Nord\n", 0.01, {"ort": "Halle 3, Nord"}),
+        ("Resolution [µm]:;5\n", 0.005, {}),
+        ("日期：;2026-03-01;;分辨率：;0.001 mm\n", 0.001, {"日期": "2026-03-01"}),
+        ("Skalenteilung der Messuhr: 0,01 mm\n", 0.01, {}),
+        ("Encoder resolution: 0.001 mm\n", None, {"encoder_resolution": "0.001 mm"}),
+        ("Messuhr M, Auflösung 0,001 mm\n", None, {}),
+        ("Datum;2026-03-01 10:30;Prüfer;Meier\n", None, {}),
+    ],
+)  # fmt: skip
+def test_the_head_of_a_form_is_read_statement_by_statement(above, resolution, kept):
+    run = read_table((above + FORM).encode(), unit="mm")
+    assert [axis.resolution for axis in run.axes.values()] == [resolution] * 2
+    assert run.metadata == kept
+    said = any("if it is the dial's" in note for note in run.origin.notes)
+    assert said == (resolution is None and "0.001" in above.replace(",", "."))
+
+
+@pytest.mark.parametrize(
+    ("table", "remedy", "mended"),
+    [
+        (FORM + "Auflösung:;0,001 mm\n", "above the header", "Auflösung:;0,001 mm\n" + FORM),
+        ("Auflösung: 0,01 / 0,001 mm\n" + FORM, "one number", "Auflösung: 0,01\n" + FORM),
+        ("Auflösung: 1 µm;Skalenteilung: 1 mm\n" + FORM, "one of them", "Auflösung: 1 µm\n" + FORM),
+        ("Nr;X;;Nr;X\n1;0,1;;2;0,2\n", "goes below it", "Nr;X\n1;0,1\n2;0,2\n"),
+        ("Nr;X1;X2\n1;0,1;0,2\n", "row for each reading", "Nr;X\n1;0,1\n2;0,2\n"),
+        ("Pose;X\nP1;0,1\n;0,2\n", "in each row", "Pose;X\nP1;0,1\nP1;0,2\n"),
+    ],
+)
+def test_what_a_form_s_refusal_says_to_do_is_enough(table, remedy, mended):
+    with pytest.raises(DataError) as refused:
+        read_table(table.encode(), unit="mm")
+    assert remedy in refused.value.remedy
+    assert len(read_table(mended.encode(), unit="mm")) == 2
+
+
+def test_the_line_to_sign_on_below_a_form_is_no_reading():
+    run = read_table((FORM + "Datum:;01.03.2026;Unterschrift:;\n").encode(), unit="mm")
+    assert len(run) == 2
+    assert "'Datum:, 01.03.2026, Unterschri…' not used" in run.origin.notes[-1]

@@ -1,0 +1,189 @@
+"""What stands above the header: statements, as ``# key: value`` or in cells, and free text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from scara_iso.frozen import dataclass
+from scara_iso.run import AXES
+from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.layout import is_comment, is_rule
+from scara_iso.tables.names import clean, names_a_footer, read_unit
+from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.text import Row
+
+_ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
+_KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
+_FIRST = r"(?:[0-9]{1,2}\. ?)?[^\W\d_][^:=]{0,40}"
+_BARE_KEY = re.compile(rf"{_FIRST}[:=]")
+_IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?!(?<=\d):\d)[:=](?![\\/]) ?(.*)")
+"""A key and its value in one cell: no time of day, no path and no address."""
+_LONGEST_KEY = 61
+_WIDE = re.compile(r"\s{2,}|\t")
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """The value of a ``key: value`` line, and the line."""
+
+    value: str
+    line: int
+
+
+def read_preamble(
+    rows: Sequence[Row], header_line: int, faults: Faults
+) -> tuple[dict[str, Statement], list[str]]:
+    """Return the statements before the header by key, and a note for each line of free text.
+
+    Keys are in lower case with underscores for blanks; values are kept as written.
+    """
+    statements: dict[str, Statement] = {}
+    notes: list[str] = []
+    for row in rows:
+        if row.line >= header_line:
+            break
+        found = read_statements(row)
+        for key, value in found:
+            _add(statements, key, value, row.line, faults)
+        if not found and _is_free(row):
+            if not _is_labelled(row) and sum(parse_cell(c) is not None for c in row.cells) > 1:
+                faults.add(
+                    "numbers before the header: two tables in one file?",
+                    row.line,
+                    remedy="leave one table in the file, with one header",
+                )
+            else:
+                notes.append(f"{faults.row} {row.line}: {quoted(row.text)} not used")
+        if _IN_WORDS.search(row.text) and not any(key.startswith(RESOLUTION) for key, _ in found):
+            notes.append(
+                f"{faults.row} {row.line}: the resolution in {quoted(row.text)} not used; if it is "
+                "the dial's, write it above the header as 'resolution: 0.001 mm'"
+            )
+    return statements, notes
+
+
+def _is_free(row: Row) -> bool:
+    return bool(row.text) and not row.text.startswith("#") and not is_rule(row.text)
+
+
+def _is_labelled(row: Row) -> bool:
+    """Say whether a row is a label's, as ``USL, 0.1, 0.1`` or LabVIEW's ``Samples`` above a table.
+
+    Such a row says something of the columns and is no reading.
+    """
+    first = clean(row.cells[0])
+    return names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
+
+
+def read_statement(row: Row) -> tuple[str, str] | None:
+    """Return key and value of the first statement of a row, or None."""
+    return next(iter(read_statements(row)), None)
+
+
+def read_statements(row: Row) -> list[tuple[str, str]]:
+    """Return key and value of each statement of a row.
+
+    That is a ``# key: value`` line, a row of two such cells, or several statements beside each
+    other: ``Date: | 2026-03-01 | | Tested by: | Smith``.
+    """
+    cells = [text for text in map(clean, row.cells) if text]
+    if len(cells) == 2 and _KEY.fullmatch(cells[0]) and not _begins_another(cells[1]):
+        return [_normal(cells[0].strip("#:= "), cells[1])]
+    words = " ".join(cells) == clean(row.text)
+    pieces = _WIDE.split(row.text) if words else cells
+    found = [] if is_comment(row.text) else _beside_each_other(pieces)
+    if len(found) > 1 or (len(cells) > 1 and not words and not is_comment(row.text)):
+        return found
+    mark = re.search("[:=：]", text := row.text.lstrip("# "))
+    key = text[: mark.start()].rstrip() if mark else ""
+    if mark and len(key) <= _LONGEST_KEY and key[:1].isalpha():
+        return [_normal(key, text[mark.end() :].strip())]
+    return [_normal(*size)] if (size := _own_size(clean(text))) else []
+
+
+def _begins_another(cell: str) -> bool:
+    return _BARE_KEY.fullmatch(cell) is not None or _own_size(cell) is not None
+
+
+def _beside_each_other(cells: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the statements of cells; what follows a key up to the next is its value.
+
+    Words in front of the first are a title; numbers there make it no row of statements.
+    """
+    found: list[tuple[str, list[str]]] = []
+    for cell in cells:
+        stated = _IN_A_CELL.fullmatch(cell)
+        if size := _own_size(cell):
+            found.append((size[0], [size[1]]))
+        elif stated:
+            found.append((stated[1], [stated[2]] if stated[2] else []))
+        elif found:
+            found[-1][1].append(cell)
+        elif parse_cell(cell):
+            return []
+    return [_normal(key, _as_one(values)) for key, values in found]
+
+
+def _as_one(values: Sequence[str]) -> str:
+    """Return cells as one value: words with commas, a number and its unit with a blank."""
+    number_and_unit = len(values) == 2 and parse_cell(values[0]) and read_unit(values[1])
+    return (" " if number_and_unit else ", ").join(values)
+
+
+def _own_size(text: str) -> tuple[str, str] | None:
+    """Return key and value of a resolution with its unit that is all of a text, without a colon."""
+    size = _SIZE.fullmatch(text)
+    return (size[1], size[3]) if size and _unit_of(size[3]) else None
+
+
+def _unit_of(value: str) -> str:
+    number = parse_cell(value)
+    return number.unit if number and read_unit(number.unit) else ""
+
+
+def _normal(key: str, value: str) -> tuple[str, str]:
+    """Return a statement with its key as `normal_key`, a size's unit behind its value.
+
+    ``Resolution [mm]: 0.001`` is ``resolution: 0.001 mm``.
+    """
+    split = _UNIT_IN_KEY.fullmatch(key)
+    stem = normal_key(split[1]) if split else ""
+    number = parse_cell(value)
+    if split and stem.startswith(RESOLUTION) and read_unit(split[2]) and number and not number.unit:
+        return stem, f"{value} {split[2]}"
+    return normal_key(key), value
+
+
+RESOLUTION = "resolution"
+_DIALS = "messuhr(?:en)?|dial|gauge|indicator"
+_NAMES = {
+    RESOLUTION: rf"(?:(?:{_DIALS})[ _])?(?:resolution|auflösung|skalenteilung(?:swert)?"
+    r"|teilungswert|ziffernschritt(?:wert)?|scale[ _]division|graduation|resolución"
+    rf"|résolution|risoluzione|分辨率|分辨力|分度值)(?:[ _](?:der|of|of[ _]the)[ _](?:{_DIALS}))?",
+    "unit": r"units?|unit[ _]of[ _]measurement|(?:maß|mess)?einheit|unidad(?:es)?|unités?|单位",
+}
+"""What people call a statement that the axes hold, in lower case; an axis may follow."""
+_OF_AXIS = rf"(?:[ _]({'|'.join(AXES).lower()}))?"
+_KEYS = {key: re.compile(f"(?:{names}){_OF_AXIS}") for key, names in _NAMES.items()}
+_NAMED = f"((?:{_NAMES[RESOLUTION]}){_OF_AXIS})"
+_VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
+_SIZE = re.compile(f"{_NAMED} {_VALUE}", re.IGNORECASE)
+_IN_WORDS = re.compile(f"{_NAMED}[ ,;:=]*{_VALUE}", re.IGNORECASE)
+_UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")
+
+
+def normal_key(key: str) -> str:
+    """Return a metadata key in lower case, with underscores for blanks, its name the known one."""
+    key = re.sub(r"\s+", "_", key.strip().lower())
+    for name, known in _KEYS.items():
+        if found := known.fullmatch(key):
+            return f"{name}_{found[1]}" if found[1] else name
+    return key
+
+
+def _add(statements: dict[str, Statement], key: str, value: str, line: int, faults: Faults) -> None:
+    before = statements.setdefault(key, Statement(value, line))
+    if before.value != value:
+        said = f"{quoted(before.value)} in {faults.row} {before.line}"
+        faults.add(f"{key} is {quoted(value)} here and {said}", line, remedy="leave one of them")
