@@ -324,7 +324,7 @@ def held(task):
     rows = np.arange(N)
     fitted = fit(terms, problem.residual.values, rows, N)
     limits = [stage.limit for stage in stages]
-    unseen = cross_validated(problem, fitted, rng, with_chains=True, limits=limits)
+    unseen = cross_validated(problem, fitted, rng, hidden=len(fitted.terms), limits=limits)
     fresh = read(course + rng.normal(size=(400, N)))
     before = np.sqrt(((fresh - y.mean()) ** 2).mean())
     after = np.sqrt(((fresh - fitted.predicted[:, 0]) ** 2).mean())

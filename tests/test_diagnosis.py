@@ -156,8 +156,7 @@ def test_a_digit_slip_is_an_outlier_and_a_smaller_one_a_flag(rng):
 def test_two_gross_readings_to_either_side_are_two_outliers_for_sure(rng):
     slips = rng.normal(size=N)
     slips[7], slips[20] = 40, -40
-    # p of the second is about 0.0009 and 0.001 is asked for: of ten seeds, seven or eight name it
-    found = named(make_run({"X": slips}), seed=1)
+    found = named(make_run({"X": slips}))  # p of the second is 0.0008, and 0.001 is asked for
     assert [one.effect for one in found.effects] == ["outlier", "outlier"]
     assert {one.parameters["at_cycle"] for one in found.effects} == {CYCLE[7], CYCLE[20]}
     assert min(one.probability for one in found.effects) > 0.95
@@ -221,7 +220,7 @@ def test_three_levels_are_more_than_any_named_effect(rng):
 
 
 def test_a_known_scatter_sharpens_the_naming_and_is_checked(rng):
-    run = make_run({"X": 5.0 * (J >= 12) + rng.normal(size=N)})
+    run = make_run({"X": 3.0 * (J >= 12) + rng.normal(size=N)})
     without, known = named(run), named(run, sigma={"X": 0.005})
     assert known.p_value == without.p_value
     assert known.effects[0].effect == "step"

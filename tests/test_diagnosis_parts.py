@@ -15,6 +15,7 @@ from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.hypothesis_set import build, constant, extended
 from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
 from scara_iso.diagnosis.permutation import log_statistic, order_test
+from scara_iso.diagnosis.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
@@ -22,12 +23,7 @@ from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.tuning import KNOWN_FROM
-from scara_iso.diagnosis.two_state import (
-    Emissions,
-    _at_most_one_change,
-    emissions_of,
-    two_levels,
-)
+from scara_iso.diagnosis.two_state import _at_most_one_change, between_levels, two_levels
 from scara_iso.dial import common_step
 from scara_iso.effects import (
     Chain,
@@ -220,6 +216,7 @@ def test_hidden_states_agree_with_the_sum_over_every_course(rng):
     posterior = prior * np.exp(fit_of - fit_of.max())
     expected = posterior @ sides / posterior.sum()
     found = two_levels(y, 0.0, [chain])
+    assert found.log_bf[0] <= between_levels(y, 0.0).log_most
     np.testing.assert_array_equal(found.share_upper > 0.5, expected > 0.5)
 
 
@@ -305,7 +302,7 @@ def test_the_test_weighs_effects_by_their_own_test_weights():
 def test_a_step_between_unseen_cycles_is_half_way_in_a_fold(rng):
     values = rng.normal(size=(N, 1)) + 9.0 * (np.arange(N) >= 9)[:, None]
     problem = SearchProblem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
-    (term,) = find_again(problem, np.delete(np.arange(N), 9), 1, with_chains=False)
+    (term,) = find_again(problem, np.delete(np.arange(N), 9), 1, hidden=0)
     assert term.effect == "step"
     np.testing.assert_array_equal(term.columns[:, 0], [0.0] * 9 + [0.5] + [1.0] * (N - 10))
 
@@ -370,6 +367,8 @@ def test_neighbouring_divisions_never_prove_two_levels(rng):
     coarse = marginal_tests(readings, np.array([1.0]), rng)
     assert fine.two_levels < 0.01
     assert coarse.two_levels == 1.0
+    decided = marginal_tests(readings, np.array([0.1]), rng, levels_below=0.0005)
+    assert decided.two_levels == 1.0
 
 
 def test_a_dial_of_which_nothing_is_stated_is_known_by_its_steps(rng):
@@ -386,7 +385,7 @@ def test_cross_validation_is_no_better_than_the_fit(rng):
     assert [term.effect for term in terms] == ["step"]
     assert stages[-1].choice is None
     fitted = fit(terms, values, problem.rows, N)
-    unseen = cross_validated(problem, fitted, rng, with_chains=False)
+    unseen = cross_validated(problem, fitted, rng, hidden=0)
     inside = np.sqrt(((values - fitted.predicted) ** 2).mean())
     assert inside < unseen.after[0] < unseen.before[0]
 

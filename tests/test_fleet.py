@@ -25,7 +25,7 @@ from scara_iso.fleets import Engine, ReadAs
 from scara_iso.fleets.database import as_parquet, results_in
 from scara_iso.fleets.dispatch import done_by
 from scara_iso.fleets.parts import tables_in
-from scara_iso.fleets.work import PartResult, joined
+from scara_iso.fleets.work import PartResult, whole_part
 from scara_iso.library import engines
 from scara_iso.library.engines import open_processes
 
@@ -230,7 +230,7 @@ def test_the_tables_of_one_part_are_shared_and_its_result_is_one_file(
 
 def test_a_part_that_changed_between_its_pieces_is_left_to_the_next_run():
     pieces = [PartResult("a.csv", digest, "1", 4, 0, b"", None) for digest in ("one", "other")]
-    found = joined(pieces)
+    found = whole_part(pieces)
     assert (found.sha256, found.error) == ("", "has changed while it was read: run it again")
 
 

@@ -11,7 +11,7 @@ from scipy.stats import kstest, linregress, t
 
 import scara_iso
 from scara_iso.cli import main
-from scara_iso.fleets.drift import shrunk
+from scara_iso.fleets.drift import moderated
 
 DATES = ("2026-01", "2026-02-05", "2026-03-05", "2026-04-05 10:30", "2026-06-01", "2026-07-01")
 DAYS = [0, 35, 63, 94 + 10.5 / 24, 151, 181]
@@ -78,14 +78,14 @@ def test_the_scatter_of_others_is_taken_as_far_as_robots_are_alike(prior):
     rng, n = np.random.default_rng(2), 4000
     freedom = rng.integers(1, 9, n).astype(float)
     true = np.ones(n) if prior == math.inf else prior / rng.chisquare(prior, n)
-    found, total = shrunk(true * rng.chisquare(freedom) / freedom, freedom)
+    found, total = moderated(true * rng.chisquare(freedom) / freedom, freedom)
     assert kstest(t.sf(rng.normal(0, np.sqrt(true / found)), total), "uniform").pvalue > 0.01
     if prior < 10:  # else it hardly matters
         assert np.median(total - freedom) == pytest.approx(prior, rel=0.25)
 
 
 def test_a_robot_alone_is_judged_by_its_own_scatter():
-    variance, freedom = shrunk(np.array([2.0]), np.array([4.0]))
+    variance, freedom = moderated(np.array([2.0]), np.array([4.0]))
     assert (variance.tolist(), freedom.tolist()) == ([2.0], [4.0])
 
 

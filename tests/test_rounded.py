@@ -56,32 +56,81 @@ def test_the_bayes_factor_is_that_of_numerical_integration(family, F, scatter):
     assert found[0, family] - found[1, family] == pytest.approx(expected, abs=0.35)
 
 
+def walk_by_filter(y, s, step):
+    """Return the log likelihood of a rounded walk with scatter, its start anywhere, on a grid."""
+    x = np.arange(y.min() - 3, y.max() + 3, 0.05)
+    seen = ndtr((y[:, None] + 0.5 - x) / s) - ndtr((y[:, None] - 0.5 - x) / s)
+    moves = np.exp(-0.5 * (np.subtract.outer(x, x) / step) ** 2) * 0.05 / np.sqrt(2 * np.pi) / step
+    ahead = np.ones(len(x))
+    for one in seen[:0:-1]:
+        ahead = moves @ (one * ahead)
+    return np.log((seen[0] * ahead).sum() * 0.05)
+
+
+@pytest.mark.parametrize("variance", [1.0, 10.0])
+def test_a_walk_along_the_stairs_of_the_dial_weighs_what_a_filter_gives(variance):
+    y = np.repeat([0.0, 1.0, 2.0, 3.0], 10)
+    n = len(y)
+    apart = np.eye(n) - 1 / n
+    values, vectors = np.linalg.eigh(apart @ np.minimum.outer(np.arange(n), np.arange(n)) @ apart)
+    kept = variance * values > 0.05
+    walk = DialCourse(vectors[:, kept], variance * values[kept], np.ones(n), 1)
+    found = fitted_courses(y - y.mean(), np.full(n, 0.5), constant(n), [walk]).at_best[0, 0]
+    expected = max(walk_by_filter(y, s, variance**0.5 * s) for s in np.geomspace(0.15, 0.6, 5))
+    assert found + 0.5 * np.log(2 * np.pi / n) == pytest.approx(expected, abs=2.5)
+
+
 def run_of(y, **recorded):
     axis = Axis("X", np.asarray(y, dtype=float), resolution=1.0)
     return Run(np.arange(1, len(y) + 1), {"X": axis}, covariates=recorded)
 
 
-def test_a_perfect_step_of_one_division_is_not_surely_a_step():
-    (found,) = diagnose(run_of([0] * 14 + [1] * 16)).effects
+def effects_of(run):
+    """Return the effects without the folds of cross-validation, which change no name."""
+    return diagnose(run, held_out=run).effects
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "rival"), [(14, 16, "linear_drift"), (29, 16, "onset")]
+)
+def test_a_perfect_step_of_one_division_is_not_surely_a_step(before, after, rival):
+    (found,) = effects_of(run_of([0] * before + [1] * after))
     assert found.effect == "step"
     assert found.probability < 0.9
-    assert "linear_drift" in {rival.effect for rival in found.rivals}
+    assert rival in {rival.effect for rival in found.rivals}
+
+
+LEVELS = [2, 1, 3, 3, 3, 4, *[-2] * 7, -1, -1, -2, -2, -1, -2, -1, 0, -1, 3, 4, 2, 2, 3, 3, 3, 3]
+"""Readings with three changes of level, simulated."""
+
+
+def test_no_name_is_sure_beside_several_levels_that_fit_better():
+    found = effects_of(run_of(LEVELS))[0]
+    assert found.probability < 0.9
+    assert "unknown" in {rival.effect for rival in found.rivals}
+
+
+def test_a_machine_that_heats_up_for_longer_than_its_test():
+    rng, j = np.random.default_rng(3), np.arange(30)
+    (found,) = effects_of(run_of(np.round(60 * (1 - np.exp(-j / 39)) + 0.4 * rng.normal(size=30))))
+    assert found.effect == "warm_up"
+    assert found.parameters["tau"] == pytest.approx(39, rel=0.15)
 
 
 PROBE = [0, 0, 0, 1, 1, 2, 2, 2, 3, 3, *[5] * 9, *[6] * 11]
 """Touches of a probe while its machine heats and soaks, in divisions."""
 
 
-def test_a_course_that_wanders_is_no_surer_than_the_smooth_one_beside_it():
-    found = diagnose(run_of(PROBE)).effects[0]
-    assert found.probability < 0.9
-    assert "warm_up" in {found.effect, *(rival.effect for rival in found.rivals)}
+def test_a_smooth_course_along_the_stairs_of_the_dial_is_no_walk():
+    found = effects_of(run_of(PROBE))[0]
+    assert found.effect == "warm_up"
+    assert "random_walk" not in {rival.effect for rival in found.rivals}
 
 
 def test_two_levels_in_no_order_may_be_sure():
     rng = np.random.default_rng(3)
     y = np.round(0.7 * (rng.normal(size=30) + 7 * (rng.random(30) < 0.5)))
-    (found,) = diagnose(run_of(y)).effects
+    (found,) = effects_of(run_of(y))
     assert found.effect == "contact_side"
     assert found.probability > 0.9
 
@@ -90,15 +139,15 @@ def test_an_odd_reading_does_not_hide_what_else_moves():
     rng = np.random.default_rng(5)
     y = np.round(rng.normal(size=30) + 4 * (np.arange(30) >= 15))
     y[5] = 14
-    assert "step" in {found.effect for found in diagnose(run_of(y)).effects}
+    assert "step" in {found.effect for found in effects_of(run_of(y))}
     y[5] = 25
-    assert diagnose(run_of(y)).effects
+    assert effects_of(run_of(y))
 
 
 def test_a_recorded_approach_takes_the_place_of_alternation():
     rng = np.random.default_rng(6)
     side = np.where(np.arange(30) % 2, 1.0, -1.0)
-    (found,) = diagnose(run_of(np.round(rng.normal(size=30) + 3 * side), approach=side)).effects
+    (found,) = effects_of(run_of(np.round(rng.normal(size=30) + 3 * side), approach=side))
     assert found.effect == "lost_motion"
     assert found.probability >= 0.8
     assert "contact_side" not in {rival.effect for rival in found.rivals}
@@ -108,13 +157,13 @@ def test_a_gap_that_grows_is_seen():
     rng = np.random.default_rng(7)
     side = np.where(np.arange(30) % 2, 1.0, -1.0)
     y = np.round(rng.normal(size=30) + (2 + 0.3 * np.arange(30)) * side)
-    assert diagnose(run_of(y, approach=side)).effects[0].effect == "gap_growth"
+    assert effects_of(run_of(y, approach=side))[0].effect == "gap_growth"
 
 
 def test_a_strong_smooth_course_with_a_small_misfit_is_one_effect():
     y = [0, 22, 38, 50, 58, 64, 69, 73, 76, 78, 80, 81, 82, 83, 84, 84, 85, 85, 86, 86, 86, 87, 87,
          87, 87, 88, 88, 88, 88, 88]  # fmt: skip
-    assert [found.effect for found in diagnose(run_of(y)).effects] == ["warm_up"]
+    assert [found.effect for found in effects_of(run_of(y))] == ["warm_up"]
 
 
 def test_a_machine_that_lags_behind_the_thermometer():
@@ -124,7 +173,7 @@ def test_a_machine_that_lags_behind_the_thermometer():
     for j in range(1, 40):
         body[j] = body[j - 1] + (heat[j] - body[j - 1]) / 8
     y = np.round(rng.normal(size=40) + 6 * (body - 20))
-    assert diagnose(run_of(y, temperature_C=heat)).effects[0].effect == "temperature_lagged"
+    assert effects_of(run_of(y, temperature_C=heat))[0].effect == "temperature_lagged"
 
 
 def test_something_comes_and_goes():
@@ -132,12 +181,12 @@ def test_something_comes_and_goes():
     y = np.round(
         np.random.default_rng(9).normal(size=30) + 6 * np.exp(-0.5 * ((j - 14) / 2.5) ** 2)
     )
-    assert diagnose(run_of(y)).effects[0].effect == "transient"
+    assert effects_of(run_of(y))[0].effect == "transient"
 
 
 def test_eight_readings_are_answered():
     y = np.round(np.random.default_rng(10).normal(size=8) + 4 * np.arange(8))
-    assert diagnose(run_of(y)).effects
+    assert effects_of(run_of(y))
 
 
 @pytest.mark.parametrize("scatter", [0.4, 2.0])

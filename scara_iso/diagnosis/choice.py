@@ -20,7 +20,7 @@ from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.on_dial import DialReadings, on_dial
 from scara_iso.diagnosis.rounded import DialCourse, course_beside
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNSURE
-from scara_iso.diagnosis.two_state import TwoLevels, can_show_two, two_levels
+from scara_iso.diagnosis.two_state import TwoLevels, between_levels, can_show_two
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.frozen import dataclass
@@ -114,7 +114,8 @@ def choose(
     probability = {name: p for name, p in _posterior(total, SHARPNESS).items() if p > 0}
     if seen:
         best = max(probability, key=probability.__getitem__)
-        probability = beside_near_rivals(probability, seen.near(best))
+        if probability[best] > UNSURE:
+            probability = beside_near_rivals(probability, seen.near(best))
     forms = {name: weighed.form for name, weighed in strongest.items()}
     return Choice(probability, forms, changed)
 
@@ -239,16 +240,26 @@ def _states(
     n: int,
 ) -> tuple[int, float, TwoLevels]:
     """Return the column that shows the states best, their evidence there, and their course."""
-    prior = np.array([weight for _, weight in chained])
-    found = []
+    chains = [chain for chain, _ in chained]
+    prior = np.array([weight for _, weight in chained]) / len(columns)
+    between = []
     for column, division in columns:
         whole = np.full(n, np.nan)
         whole[rows] = views.columns[:, column]
         known = 0.0 if views.known is None else float(views.known[column])
-        levels = two_levels(whole, division, [chain for chain, _ in chained], known=known)
-        evidence = float(prior @ np.exp(np.minimum(levels.log_bf, LARGEST_LOG)))
-        found.append((column, evidence / len(columns), levels))
-    return max(found, key=lambda item: item[1])
+        between.append((column, between_levels(whole, division, known=known)))
+    between.sort(key=lambda one: -one[1].log_most)
+    found: list[tuple[int, float, TwoLevels]] = []
+    for column, readings in between:  # until none can have more evidence
+        if found and prior.sum() * _bayes_factor(readings.log_most) < max(e for _, e, _ in found):
+            break
+        levels = readings.under(chains)
+        found.append((column, float(prior @ _bayes_factor(levels.log_bf)), levels))
+    return max(found, key=lambda one: (one[1], -one[0]))
+
+
+def _bayes_factor(log_bf: FloatArray | float) -> FloatArray:
+    return np.asarray(np.exp(np.minimum(log_bf, LARGEST_LOG)))
 
 
 def _over_axes(

@@ -142,18 +142,18 @@ def _log_bayes(
     beside = np.zeros(columns.shape[1]) if known is None else known
     nu = len(columns) - first.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
     power = np.maximum((columns**2).sum(axis=0), _TINY) + beside
-    squared = first.vectors.T @ columns
+    unit = columns / np.sqrt(power)
+    squared = first.vectors.T @ unit
     squared *= squared
-    squared /= -power
     found = np.empty((len(amplified), len(first.members), columns.shape[1]))
-    courses = found[:, : len(first.first)]
-    for hypotheses, shaped in zip(amplified, courses, strict=True):
-        hypotheses.explained(squared, out=shaped)
-    courses += 1
-    np.log(np.maximum(courses, _SMALLEST_SHARE, out=courses), out=courses)
-    courses *= -nu / 2
-    courses -= np.stack([one.penalty for one in amplified])[:, :, np.newaxis] / 2
-    found[:, len(first.first) :] = _log_bayes_of_spreads(first.scales, columns, nu, beside)
+    courses, spreads = np.split(found, [len(first.first)], axis=1)
+    for hypotheses, own in zip(amplified, courses, strict=True):
+        hypotheses.explained(squared, out=own)
+    np.subtract(1, courses, out=courses)
+    spreads[:], penalty = _left_by_spreads(first.scales, unit, beside / power)
+    np.log(np.maximum(found, _SMALLEST_SHARE, out=found), out=found)
+    found *= -nu / 2
+    found -= np.stack([np.append(one.penalty, penalty) for one in amplified])[..., np.newaxis] / 2
     return found
 
 
@@ -167,21 +167,24 @@ def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArr
     return np.asarray(-nu / 2 * np.log(left) - k / 2 * np.log1p(GAIN))
 
 
-def _log_bayes_of_spreads(
-    scales: FloatArray, columns: FloatArray, nu: IntArray, known: FloatArray
-) -> FloatArray:
-    """Return log Bayes factors (m, columns) of scatter that is ``scales`` r (m, n) times as wide.
+def _left_by_spreads(
+    scales: FloatArray, unit: FloatArray, known: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what is left of the squares where scatter is ``scales`` r (m, n) times as wide.
 
-    The mean is integrated out under either width: S = sum y^2 / r^2 - (sum y / r^2)^2 / sum 1/r^2.
+    Shares of columns ``unit`` (n, columns), whose squares and the ``known`` ones add up to 1, and
+    the log determinants (m,). The mean is integrated out under either width:
+    S = sum y^2 / r^2 - (sum y / r^2)^2 / sum 1/r^2.
     """
-    n, weight = len(columns), 1 / scales**2
-    squared = columns**2
+    weight = 1 / scales**2
     total = weight.sum(axis=1, keepdims=True)
-    S = weight @ squared - (weight @ columns) ** 2 / total + known
-    alone = np.maximum(squared.sum(axis=0) - columns.sum(axis=0) ** 2 / n + known, _TINY)
-    share = np.maximum(S / alone, _SMALLEST_SHARE)
-    determinant = np.log(scales).sum(axis=1, keepdims=True)
-    return np.asarray(-determinant - 0.5 * np.log(total / n) - nu / 2 * np.log(share))
+    mean = weight @ unit
+    mean *= mean
+    mean /= total
+    left = weight @ unit**2
+    left -= mean
+    left += known
+    return left, 2 * np.log(scales).sum(axis=1) + np.log(total[:, 0] / scales.shape[1])
 
 
 def evidence_of_runs(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatArray:
@@ -200,25 +203,46 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     direction does; one axis freed of the others does. Of several poses: each axis takes part or
     not; the axes of one pose do or not. Named directions count as much as these.
     """
-    q = views.axes
-    bf = np.exp(np.minimum(log_bf, LARGEST_LOG / q))
+    bf, q = _bayes_factors(log_bf, views), views.axes
     if q == 1:
         return np.asarray(bf[:, 0])
+    together = _taking_part(bf[:, :q], views)
+    together += np.einsum("v,ivm->im", _shares(views), bf[:, q:])
+    return together
+
+
+def mean_evidence(weights: FloatArray, log_bf: FloatArray, views: Views) -> FloatArray:
+    """Return the mean (m,) of the `joint_evidence` of members with ``weights`` (members,)."""
+    bf, q = _bayes_factors(log_bf, views), views.axes
+    if q == 1:
+        return np.asarray(weights @ bf[:, 0])
+    members, v, m = bf.shape
+    single = weights @ bf.reshape(members, -1)[:, q * m :]
+    together = weights @ _taking_part(bf[:, :q], views)
+    return np.asarray(together + _shares(views) @ single.reshape(v - q, m))
+
+
+def _bayes_factors(log_bf: FloatArray, views: Views) -> FloatArray:
+    bf = np.minimum(log_bf, LARGEST_LOG / views.axes)
+    return np.asarray(np.exp(bf, out=bf))
+
+
+def _shares(views: Views) -> FloatArray:
+    """Return the share of each column beside the axes; what physics names weighs half."""
+    q, named = views.axes, len(views.named)
     if views.poses is not None:
-        return _of_poses(bf, q, views.poses)
-    parts = [
-        np.prod((1 + bf[:, :q]) / 2, axis=1),
-        bf[:, q : 2 * q].mean(axis=1),
-        bf[:, 2 * q : 3 * q].mean(axis=1),
-    ]
-    if views.named:  # what physics expects weighs as much as all that it does not
-        parts += [bf[:, 3 * q :].mean(axis=1)] * len(parts)
-    return np.asarray(sum(parts) / len(parts))
+        return views.poses.shares / 2
+    each, half = np.full(2 * q, 1 / (3 * q)), np.full(named, 1 / (2 * max(named, 1)))
+    return np.concatenate([each / 2 if named else each, half])
 
 
-def _of_poses(bf: FloatArray, q: int, poses: ManyPoses) -> FloatArray:
-    takes_part = (1 + bf[:, :q]) / 2
+def _taking_part(bf: FloatArray, views: Views) -> FloatArray:
+    """Return the mixture over which of the axes (members, q, m) take part, times its share."""
+    takes_part = bf / 2
+    takes_part += 0.5
     every = np.prod(takes_part, axis=1)
-    alone = [np.prod(takes_part[:, poses.of == p], axis=1) for p in np.unique(poses.of)]
-    named = np.tensordot(bf[:, q:], poses.shares, axes=(1, 0))
-    return np.asarray((every + np.mean(alone, axis=0) + 2 * named) / 4)
+    if views.poses is None:
+        return np.asarray(every / (6 if views.named else 3))
+    of = views.poses.of
+    alone = [np.prod(takes_part[:, of == p], axis=1) for p in np.unique(of)]
+    return np.asarray((every + np.mean(alone, axis=0)) / 4)

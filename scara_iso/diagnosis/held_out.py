@@ -34,7 +34,7 @@ def cross_validated(
     fitted: Fit,
     rng: np.random.Generator,
     *,
-    with_chains: bool,
+    hidden: int,
     log_changes: Sequence[Mapping[str, float]] = (),
     limits: Sequence[float] = (),
     repeats: int = REPEATS,
@@ -42,9 +42,9 @@ def cross_validated(
     """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
 
     Each fold chooses anew how many effects there are, up to those that the whole run's tests
-    admitted, and which; ``log_changes`` and ``limits`` as in `find_again`. That a fold's fit has
-    fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its excess over the
-    whole fit, on all cycles, is taken off.
+    admitted, and which; ``hidden``, ``log_changes`` and ``limits`` as in `find_again`. That a
+    fold's fit has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its
+    excess over the whole fit, on all cycles, is taken off.
     """
     values, n = problem.residual.values, len(problem.residual)
     before, after = [], []
@@ -53,7 +53,7 @@ def cross_validated(
             rows = np.delete(np.arange(n), unseen)
             pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
             terms = find_again(
-                problem, rows, len(fitted.terms), with_chains=with_chains,
+                problem, rows, len(fitted.terms), hidden=hidden,
                 log_changes=log_changes, limits=limits,
             )  # fmt: skip
             predicted = fit(terms, values[rows], rows, n).predicted if terms else pose

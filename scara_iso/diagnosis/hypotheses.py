@@ -16,6 +16,7 @@ from scara_iso.diagnosis.tuning import (
     ROUGH_LENGTHS,
     ROUGH_VARIANCES,
     ROUGH_WEIGHT,
+    SMOOTH_CYCLES,
     SMOOTH_LENGTHS,
     SMOOTH_VARIANCES,
     SMOOTH_WEIGHT,
@@ -155,7 +156,8 @@ def _still(form: Form) -> bool:
 def _unknown(conditions: Conditions) -> list[Hypothesis]:
     """Return smooth (squared-exponential) and rough (exponential) processes over the cycles."""
     lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
-    smooth = [np.exp(-0.5 * (lag / length) ** 2) for length in SMOOTH_LENGTHS]
+    unit = len(conditions) / SMOOTH_CYCLES
+    smooth = [np.exp(-0.5 * (lag / (unit * length)) ** 2) for length in SMOOTH_LENGTHS]
     rough = [np.exp(-lag / length) for length in ROUGH_LENGTHS]
     return [
         *_processes(smooth, SMOOTH_VARIANCES, SMOOTH_WEIGHT),
@@ -192,6 +194,11 @@ def _levels(conditions: Conditions) -> list[Hypothesis]:
     for levels, weight in LEVELS_WEIGHT.items():
         stride = max(levels - 1, (levels - 1) * n // 30)
         changes = list(combinations(range(levels - 1, n - levels + 2, stride), levels - 1))
-        shapes = [Shape(np.where(row >= at, 1.0, 0.0)) for at in changes]
+        shapes = [Shape(np.where(row >= at, 1.0, 0.0), _numbered(at)) for at in changes]
         members += [Hypothesis(UNKNOWN, s, weight / len(shapes), ordered=False) for s in shapes]
     return members
+
+
+def _numbered(changes: Sequence[int]) -> dict[str, float]:
+    """Return the rows at which a course changes, as numbers that choose it."""
+    return {f"change_{i}": float(row) for i, row in enumerate(changes, start=1)}

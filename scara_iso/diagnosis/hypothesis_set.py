@@ -7,9 +7,9 @@ least the constant pose) is projected out of U.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import compress, pairwise
 from typing import Any
 
@@ -25,7 +25,7 @@ _TINY = 1e-9
 _LEAST_EIGENVALUE = 1e-4
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class HypothesisSet:
     """Hypotheses over n cycles, orthogonal to ``basis`` (n, f), which holds what is fitted.
 
@@ -44,12 +44,12 @@ class HypothesisSet:
     penalty: FloatArray
     scales: FloatArray
 
-    @property
+    @cached_property
     def weights(self) -> FloatArray:
         """Prior weight of each member, as given."""
         return np.array([member.weight for member in self.members])
 
-    @property
+    @cached_property
     def test_weights(self) -> FloatArray:
         """Weight of each member in the test, together 1."""
         tested = self.weights * [member.test_weight for member in self.members]
@@ -61,7 +61,7 @@ class HypothesisSet:
         That has the shape (members, m).
         """
         begin = 0
-        for own, at, k, shared in self._runs():
+        for own, at, k, shared in self._runs:
             count = own.stop - own.start
             shrink = self.shrink[begin : begin + count * k].reshape(count, k)
             begin += count * k
@@ -72,16 +72,19 @@ class HypothesisSet:
             for i in range(1, k):
                 out[own] += shrink[:, i : i + 1] * squared[at + i : at + count * k : k]
 
-    def _runs(self) -> Iterator[tuple[slice, int, int, bool]]:
-        """Yield members in a row that share columns of one width, or have them side by side.
+    @cached_property
+    def _runs(self) -> tuple[tuple[slice, int, int, bool], ...]:
+        """Members in a row that share columns of one width, or have them side by side.
 
         With the first column, the width, and whether they share.
         """
         shared = np.diff(self.first, prepend=-1, append=-1) == 0
         columns = np.where(shared[1:] | shared[:-1], self.first, -1)
         new = (np.diff(self.widths, prepend=-1) != 0) | (np.diff(columns, prepend=-2) != 0)
-        for a, b in pairwise([*np.flatnonzero(new).tolist(), len(new)]):
-            yield slice(a, b), int(self.first[a]), int(self.widths[a]), bool(columns[a] >= 0)
+        return tuple(
+            (slice(a, b), int(self.first[a]), int(self.widths[a]), bool(columns[a] >= 0))
+            for a, b in pairwise([*np.flatnonzero(new).tolist(), len(new)])
+        )
 
     def of_member(self, i: int) -> tuple[FloatArray, FloatArray]:
         """Return shrink (k,) and columns (n, k) of one member that has columns."""
@@ -122,7 +125,7 @@ def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> H
     chains, which are searched in the readings themselves.
     """
     kinds = _kinds(tuple(members))
-    groups = [_shape_group(own, columns[:, rows], basis) for own, columns in kinds.shapes]
+    groups = [_shape_group(own, columns[rows], basis) for own, columns in kinds.shapes]
     groups += [_process_group(kinds.processes, rows, basis)] if kinds.processes else []
     behind = np.cumsum([0, *(group.vectors.shape[1] for group in groups)])
     return HypothesisSet(
@@ -143,7 +146,7 @@ def _joined(parts: Sequence[npt.NDArray[Any]], kind: type = np.float64) -> npt.N
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Kinds:
-    """Members by kind: shapes of one width with their columns (members, n, k), and the others."""
+    """Members by kind: shapes of one width with their columns (n, members, k), and the others."""
 
     shapes: tuple[tuple[tuple[Hypothesis, ...], FloatArray], ...]
     processes: tuple[tuple[Hypothesis, Process], ...]
@@ -161,7 +164,10 @@ def _kinds(members: tuple[Hypothesis, ...]) -> _Kinds:
     spreads = [(m, m.form.scale) for m in members if isinstance(m.form, Spread)]
     return _Kinds(
         tuple(
-            (tuple(m for m, _ in by_width[k]), np.stack([columns for _, columns in by_width[k]]))
+            (
+                tuple(m for m, _ in by_width[k]),
+                np.stack([columns for _, columns in by_width[k]], axis=1),
+            )
             for k in sorted(by_width)
         ),
         tuple((m, m.form) for m in members if isinstance(m.form, Process)),
@@ -194,7 +200,7 @@ def _shape_group(shaped: Sequence[Hypothesis], columns: FloatArray, basis: Float
     widths = np.full(len(members), k)
     return _Group(
         members=members,
-        vectors=np.moveaxis(vectors, 0, 1).reshape(len(basis), -1),
+        vectors=vectors.reshape(len(basis), -1),
         first=k * np.arange(len(members)),
         widths=widths,
         shrink=np.repeat(gain / (1 + gain), k),
@@ -203,18 +209,20 @@ def _shape_group(shaped: Sequence[Hypothesis], columns: FloatArray, basis: Float
 
 
 def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, list[bool]]:
-    """Return Gram-Schmidt bases of columns (s, n, k) beside ``basis``, and which were usable."""
-    scale = np.linalg.norm(columns, axis=1)
-    free = columns - basis @ (basis.T @ columns)
-    free -= basis @ (basis.T @ free)
-    usable = np.ones(len(columns), dtype=bool)
+    """Return Gram-Schmidt bases of columns (n, s, k) beside ``basis``, and which were usable."""
+    scale = np.linalg.norm(columns, axis=0)
+    flat = columns.reshape(len(columns), -1)
+    flat = flat - basis @ (basis.T @ flat)
+    flat -= basis @ (basis.T @ flat)
+    free = flat.reshape(columns.shape)
+    usable = np.ones(columns.shape[1], dtype=bool)
     for i in range(columns.shape[2]):
         for j in range(i):
-            free[:, :, i] -= (free[:, :, j] * free[:, :, i]).sum(1)[:, None] * free[:, :, j]
-        length = np.linalg.norm(free[:, :, i], axis=1)
+            free[:, :, i] -= (free[:, :, j] * free[:, :, i]).sum(axis=0) * free[:, :, j]
+        length = np.linalg.norm(free[:, :, i], axis=0)
         usable &= length > 1e-6 * np.maximum(scale[:, i], _TINY)
-        free[:, :, i] /= np.maximum(length, _TINY)[:, np.newaxis]
-    return free[usable], [bool(u) for u in usable]
+        free[:, :, i] /= np.maximum(length, _TINY)
+    return free[:, usable], [bool(u) for u in usable]
 
 
 def _process_group(
@@ -277,8 +285,8 @@ def constant(n: int) -> FloatArray:
 
 def extended(basis: FloatArray, columns: FloatArray) -> FloatArray:
     """Return an orthonormal basis of ``basis`` (n, f) and ``columns`` (n, k) together."""
-    vectors, usable = _orthonormal(columns.T[:, :, np.newaxis], basis)
+    vectors, usable = _orthonormal(columns[:, :, np.newaxis], basis)
     if not any(usable):
         return basis
-    q, r = np.linalg.qr(vectors[:, :, 0].T)
+    q, r = np.linalg.qr(vectors[:, :, 0])
     return np.concatenate([basis, q[:, np.abs(np.diag(r)) > 1e-6]], axis=1)

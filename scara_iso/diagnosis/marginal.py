@@ -15,10 +15,12 @@ import numpy as np
 
 from scara_iso.diagnosis.tuning import (
     CLEAR,
+    FEW_REACHED,
     FEWEST_ON_A_LEVEL,
     FIRST_SIMULATIONS,
     GAIN,
     GROSS_SHARE,
+    MANY_SIMULATIONS,
     MOST_SKEWED,
     NEIGHBOURS,
     SIMULATIONS,
@@ -58,16 +60,22 @@ class MarginalTests:
 
 
 def marginal_tests(
-    values: FloatArray, division: FloatArray, rng: np.random.Generator
+    values: FloatArray, division: FloatArray, rng: np.random.Generator, *, levels_below: float = 1.0
 ) -> MarginalTests:
-    """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known."""
+    """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known.
+
+    Two levels are of interest with a p-value ``levels_below`` that only; where the simulations can
+    give none it is 1.
+    """
     axes, seed = values.shape[1], int(rng.integers(2**63))
     levels, outliers, gaussian = np.ones(axes), np.ones(axes), np.ones(axes)
+    floor = axes / (1 + SIMULATIONS)
     for a in range(axes):
         if not np.ptp(values[:, a]):
             continue
         y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
-        levels[a] = _levels(y, on_dial, seed)
+        if floor < levels_below:
+            levels[a] = _levels(y, on_dial, seed)
         outliers[a], gaussian[a] = _outlier(y, on_dial, seed)
     worst = int(np.argmin(gaussian))
     return MarginalTests(
@@ -77,7 +85,7 @@ def marginal_tests(
         gaussian_outlier=min(1.0, axes * float(gaussian.min())),
         outlier_axis=worst,
         outlier_row=_farthest(values[:, worst]),
-        floor=axes / (1 + SIMULATIONS),
+        floor=floor,
     )
 
 
@@ -242,7 +250,8 @@ def _p_value(
     """Return the largest share of simulations at least as extreme, of all families.
 
     1 as soon as one family's share is above CLEAR, after a first look at some simulations: up to
-    that level it changes no verdict's chance.
+    that level it changes no verdict's chance. A share of few simulations, uncertain by chance, is
+    found anew from many.
     """
     shares = [1.0]
     for count in (FIRST_SIMULATIONS, SIMULATIONS):
@@ -251,6 +260,10 @@ def _p_value(
             shares.append(_share(statistic, family, y, read, count))
             if shares[-1] > CLEAR:
                 return 1.0
+    least = 1 / (1 + SIMULATIONS)
+    for i, case in enumerate(cases):
+        if least < shares[i] <= FEW_REACHED * least:
+            shares[i] = max(least, _share(*case, y, read, MANY_SIMULATIONS))
     return max(shares)
 
 

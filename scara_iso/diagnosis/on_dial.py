@@ -8,6 +8,7 @@ largest likelihoods of the same forms say which effects are within RIVAL_BIC of 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,9 +27,14 @@ from scara_iso.diagnosis.tuning import (
     DIAL_FORMS,
     FEWEST_MOVED,
     HEAVY_SHARE,
+    LEAST_OF_RIVALS,
+    LEAST_ON_DIAL,
+    NEIGHBOURS,
     RIVAL_BIC,
+    RIVAL_BIC_OF_NEIGHBOURS,
     UNKNOWN,
 )
+from scara_iso.effects import Shape
 from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
@@ -44,11 +50,15 @@ class DialReadings:
     half: FloatArray
     known: FloatArray
 
-    def fitted(self, basis: FloatArray, courses: Sequence[DialCourse]) -> list[DialLikelihoods]:
+    def fitted(
+        self, basis: FloatArray, courses: Sequence[DialCourse], least: float = LEAST_ON_DIAL
+    ) -> list[DialLikelihoods]:
         """Return the likelihoods of courses, then of scatter alone, for each axis."""
         every = [*courses, scatter_alone(len(self.values))]
         return [
-            fitted_courses(self.values[:, a], self.half[:, a], basis, every, float(self.known[a]))
+            fitted_courses(
+                self.values[:, a], self.half[:, a], basis, every, float(self.known[a]), least
+            )
             for a in range(self.values.shape[1])
         ]
 
@@ -68,6 +78,10 @@ class Seen:
         if np.linalg.norm(self.course.columns.T @ other.course.columns, 2) < ALIKE:
             return 0
         return max(0.0, self.course.numbers - other.course.numbers)
+
+    def passes_for_any(self, other: Seen) -> bool:
+        """Return whether it is a random course of no name, and ``other`` no random one."""
+        return self.effect == UNKNOWN and self.course.random and not other.course.random
 
     def of_gross_ones(self, other: Seen) -> bool:
         """Return whether it moves a few readings as one, and ``other`` fewer of the same."""
@@ -89,31 +103,50 @@ class OnDial:
     compared: Mapping[tuple[int, int], float]
     seen: Sequence[Seen]
     log_gaussian: FloatArray
-    log_cycles: float
+    readings: DialReadings
+    basis: FloatArray
 
     def near(self, best: str) -> dict[str, float]:
-        """Return other effects within RIVAL_BIC of the best one, and by how much they are behind.
+        """Return other effects near the best one in BIC, and by how much they are behind.
 
         Under either family. A course that resembles the best and fits more numbers comes near
-        whatever is true, and must be so much nearer. A course of no name is a rival of random ones
-        only. Where the best moves fewer readings than FEWEST_MOVED, what moves one of them is near:
-        they may be gross, one by one.
+        whatever is true, and must be so much nearer. A random course of no name is a rival of
+        random ones only, one of several levels of all. Where the best moves fewer readings than
+        FEWEST_MOVED, what moves one of them is near: they may be gross, one by one.
         """
-        own = [one for one in self.seen if one.effect == best]
+        seen = self._freely_fitted()
+        own = [one for one in seen if one.effect == best]
         if not own:
             return {}
+        number = float(np.log(len(self.basis)))
         mine = min(own, key=lambda one: float(one.bic.min()))
         least = np.min([one.bic for one in own], axis=0)
         likely = [one for one in own if (one.bic - least).min() <= RIVAL_BIC]
         apart: dict[str, float] = {}
-        for one in self.seen:
-            if one.effect == best or (one.effect == UNKNOWN and not mine.course.random):
+        for one in seen:
+            if one.effect == best or one.passes_for_any(mine):
                 continue
-            d = float((one.bic - least).min()) + self.log_cycles * one.numbers_beyond(mine)
+            d = float((one.bic - least).min()) + number * one.numbers_beyond(mine)
             if any(form.of_gross_ones(one) for form in likely):
                 d = min(d, RIVAL_BIC)
             apart[one.effect] = min(d, apart.get(one.effect, np.inf))
-        return {name: d for name, d in apart.items() if d <= RIVAL_BIC}
+        return {name: d for name, d in apart.items() if d <= self._within()}
+
+    def _within(self) -> float:
+        """Return the distance of near rivals: farther where all readings are neighbours."""
+        across, division = np.ptp(self.readings.values, axis=0), 2 * self.readings.half.max(axis=0)
+        neighbours = bool(np.all(across < NEIGHBOURS * division))
+        return RIVAL_BIC_OF_NEIGHBOURS if neighbours else RIVAL_BIC
+
+    def _freely_fitted(self) -> list[Seen]:
+        """Return what was seen, the shapes as large, and their scatter as small, as may be."""
+        shapes = [one for one in self.seen if one.course.coefficients]
+        if not shapes:
+            return list(self.seen)
+        free = [one.course.as_large_as_may_be for one in shapes]
+        bic = _bic(free, self.readings.fitted(self.basis, free, LEAST_OF_RIVALS))
+        others = [one for one in self.seen if not one.course.coefficients]
+        return others + [replace(one, bic=b) for one, b in zip(shapes, bic, strict=True)]
 
 
 def on_dial(
@@ -147,20 +180,28 @@ def on_dial(
         compared,
         [Seen(*one) for one in zip(effects, courses, _bic(courses, by_axis), strict=True)],
         np.array([f.marginal[-1, 0] + np.log(1 - HEAVY_SHARE) - f.mixed[-1] for f in by_axis]),
-        float(np.log(len(readings.values))),
+        readings,
+        hypotheses.basis,
     )
 
 
 def _likeliest(
     hypotheses: HypothesisSet, log_evidence: FloatArray
 ) -> dict[str, list[tuple[int, int]]]:
-    """Return amplitude and member of each effect's likeliest forms, each member once."""
+    """Return amplitude and member of each effect's likeliest forms, each member once.
+
+    Of no name, the likeliest shape is among them.
+    """
     best = log_evidence.argmax(axis=0)
     top: dict[str, list[tuple[int, int]]] = {}
+    shaped = False
     for i in np.argsort(-log_evidence.max(axis=0), kind="stable").tolist():
-        own = top.setdefault(hypotheses.members[i].effect, [])
-        if len(own) < DIAL_FORMS:
+        member = hypotheses.members[i]
+        first = not shaped and member.effect == UNKNOWN and isinstance(member.form, Shape)
+        own = top.setdefault(member.effect, [])
+        if first or len(own) < DIAL_FORMS:
             own.append((int(best[i]), i))
+        shaped = shaped or first
     return top
 
 

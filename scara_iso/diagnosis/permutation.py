@@ -16,18 +16,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
+from scara_iso.diagnosis.evidence import Views, log_bayes, mean_evidence
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.persistence import Emissions
 from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE, WIDENING_SHARE
-from scara_iso.diagnosis.two_state import Emissions
 from scara_iso.diagnosis.widening import widening
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import quantiles
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-9
-_AT_ONCE = 128
-"""Orders drawn at once: most tables are decided after as many."""
+_AT_FIRST = 128
+"""Most tables are decided after as many orders; what comes next is as many as all before."""
 _BLOCK = 32
 """Orders compared at once: as many as leave the work in the processor's cache."""
 
@@ -84,11 +84,12 @@ def order_test(
 
 
 def _drawn(rng: np.random.Generator, n: int, count: int) -> Iterator[IntArray]:
-    """Yield ``count`` orders of n cycles, shape (orders, n), at most _AT_ONCE of them."""
+    """Yield ``count`` orders of n cycles, shape (orders, n), some of them at once."""
     for first in range(0, count, PERMUTATIONS):
         state = json.dumps(rng.bit_generator.state)
         orders, rng.bit_generator.state = _orders(state, n, min(PERMUTATIONS, count - first))
-        yield from (orders[k : k + _AT_ONCE] for k in range(0, len(orders), _AT_ONCE))
+        parts = np.split(orders, [_AT_FIRST, 2 * _AT_FIRST, 4 * _AT_FIRST])
+        yield from (part for part in parts if len(part))
 
 
 @lru_cache(maxsize=2)
@@ -151,4 +152,4 @@ def log_statistic(
     if hypotheses.basis.shape[1] > 1:
         permuted = permuted - hypotheses.basis @ (hypotheses.basis.T @ permuted)
     log_bf = log_bayes(hypotheses, permuted).reshape(-1, v, len(orders))
-    return np.asarray(np.log(hypotheses.test_weights @ joint_evidence(log_bf, views) + beside))
+    return np.asarray(np.log(mean_evidence(hypotheses.test_weights, log_bf, views) + beside))

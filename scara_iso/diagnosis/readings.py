@@ -205,14 +205,11 @@ def _cross_validated(
     problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
 ) -> HeldOut:
     chained = {m.effect for m in problem.members if m.hidden}
-    likely = max(
-        (stage.choice.probability.get(name, 0.0) for stage in stages if stage.choice
-         for name in chained),
-        default=0.0,
-    )  # fmt: skip
-    changes = [stage.choice.log_change for stage in stages if stage.choice]
+    choices = [stage.choice for stage in stages if stage.choice]
+    likely = [sum(c.probability.get(name, 0.0) for name in chained) for c in choices]
     return cross_validated(
-        problem, fitted, rng, with_chains=likely > WORTH_CHAINS, log_changes=changes,
+        problem, fitted, rng, hidden=sum(p > WORTH_CHAINS for p in likely),
+        log_changes=[choice.log_change for choice in choices],
         limits=[stage.limit for stage in stages],
     )  # fmt: skip
 

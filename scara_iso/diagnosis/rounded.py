@@ -12,6 +12,7 @@ the readings' own: a course that meets every reading would else be as likely as 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -31,8 +32,11 @@ from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 
+_LARGEST = GAIN * AMPLITUDES[-1][0]
 _SCATTERS = 6
 _NEWTON = 5
+_SETTLED = 1e-9
+"""Step, in scatters, from which no further one is taken."""
 _TINY = 1e-300
 _SAME = 1e-9
 _FEW = 2
@@ -71,6 +75,11 @@ class DialCourse:
         """Which readings it takes from where most of them are, shape (n,)."""
         away = np.abs(self.columns - median(self.columns)) > _SAME
         return np.asarray(away.any(axis=1))
+
+    @property
+    def as_large_as_may_be(self) -> DialCourse:
+        """It, its coefficients hardly held by a prior."""
+        return replace(self, variances=np.full(len(self.variances), _LARGEST))
 
     @property
     def random(self) -> bool:
@@ -118,7 +127,7 @@ def course_beside(basis: FloatArray, columns: FloatArray, parameters: float) -> 
     """Return the course of ``columns`` (n, k) beside ``basis``, as large as it may be."""
     own = extended(basis, columns)[:, basis.shape[1] :]
     k = own.shape[1]
-    return DialCourse(own, np.full(k, GAIN * AMPLITUDES[-1][0]), np.ones(len(own)), parameters, k)
+    return DialCourse(own, np.full(k, _LARGEST), np.ones(len(own)), parameters, k)
 
 
 def scatter_alone(n: int) -> DialCourse:
@@ -132,11 +141,12 @@ def fitted_courses(
     basis: FloatArray,
     courses: Sequence[DialCourse],
     known: float = 0.0,
+    least: float = LEAST_ON_DIAL,
 ) -> DialLikelihoods:
     """Return likelihoods of residuals y (n,) about courses beside ``basis`` (n, f).
 
     ``half`` (n,) is half a division in each cycle, 0 where there is no dial; ``known`` the scatter
-    where it was stated (`KNOWN_FROM`), else 0.
+    where it was stated (`KNOWN_FROM`), else 0; ``least`` the least scatter in divisions.
     """
     unit = float(2 * half.max()) or _NO_DIAL * float(y.std())
     half = np.where(half > 0, half, unit / 2) / unit
@@ -147,7 +157,7 @@ def fitted_courses(
             continue
         group = _Group.of([courses[i] for i in own], y / unit, half, basis)
         for family, (distribution, weight) in enumerate(_FAMILIES):
-            s = group.scatters(heavy=family > 0)
+            s = group.scatters(least, heavy=family > 0)
             evidence, likelihood = group.at(s, distribution, weight)
             m = KNOWN_FROM - 1 if known else 0
             stated = -m * (np.log(s) + (known / unit / s) ** 2 / 2)
@@ -190,13 +200,13 @@ class _Group:
             np.stack([course.scale for course in courses]),
         )
 
-    def scatters(self, *, heavy: bool) -> FloatArray:
+    def scatters(self, least: float, *, heavy: bool) -> FloatArray:
         """Return scatters to try, (courses, SCATTERS), about that of the Gaussian fit."""
         left = self.y - np.einsum("cnp,cp->cn", self.design, self.start())
         left = left / self.scale
         squares = (left**2).sum(axis=1) / (len(self.y) - self.fixed)
         size = median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
-        least = max(LEAST_ON_DIAL, MISFIT * float(self.y.std()))
+        least = max(least, MISFIT * float(self.y.std()))
         low = np.maximum(0.45 * size, least)
         high = np.maximum(2.2 * size, 4 * least)
         return np.asarray(np.geomspace(low, high, _SCATTERS, axis=1))
@@ -223,13 +233,25 @@ class _Group:
             information = self._information(np.maximum(curvature, least), prior)
             step = np.linalg.solve(information, (slope @ self.design - prior * at)[..., np.newaxis])
             at = at + step[..., 0]
+            if np.all(np.abs(step[..., 0]) < _SETTLED * s[..., np.newaxis]):
+                break
         log_p, _, curvature = _reading(self.y, self.half, at @ turned, wide, distribution)
-        information = self._information(np.maximum(curvature, 0.03 * least), prior)
+        information = self._information(np.maximum(curvature, self._floor(least, wide)), prior)
         likelihood = log_p.sum(axis=2)
         evidence = likelihood - (prior * at**2).sum(axis=2) / 2
         evidence += np.log(prior[..., self.fixed :]).sum(axis=2) / 2
         evidence -= np.linalg.slogdet(information)[1] / 2
         return evidence, likelihood
+
+    def _floor(self, least: FloatArray, wide: FloatArray) -> FloatArray:
+        """Return the curvature of a reading that is taken at least, ``least`` the one on the way.
+
+        A random course moves each reading by itself, and within its division d it is as likely
+        anywhere: a box of the width and height that a Gaussian of variance d^2 / (2 pi) has too.
+        """
+        if self.variances.shape[1] <= _FEW:
+            return 0.03 * least
+        return least / 0.3 / (1 + (2 * self.half / wide) ** 2 / (2 * np.pi))
 
     def _information(self, curvature: FloatArray, prior: FloatArray) -> FloatArray:
         turned = np.swapaxes(self.design, 1, 2)[:, np.newaxis]

@@ -15,6 +15,7 @@ from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_test
+from scara_iso.diagnosis.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.tuning import (
@@ -29,7 +30,6 @@ from scara_iso.diagnosis.tuning import (
     TWO_LEVELS_SHARE,
     UNKNOWN,
 )
-from scara_iso.diagnosis.two_state import Emissions, emissions_of
 from scara_iso.effects import Chain, Form, Process, Shape, Spread
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
@@ -94,7 +94,7 @@ def find_again(
     rows: IntArray,
     count: int,
     *,
-    with_chains: bool,
+    hidden: int,
     log_changes: Sequence[Mapping[str, float]] = (),
     limits: Sequence[float] = (),
 ) -> tuple[Term, ...]:
@@ -104,7 +104,7 @@ def find_again(
     orders set for each round: a fold that would not have found the effect has none.
     What dial and tails change in each effect's evidence is taken over from its choices, as
     ``log_changes``. The unknown cannot be added to a model, so the likeliest effect is taken beside
-    it.
+    it. Hidden states are sought until ``hidden`` effects that have them are found.
     """
     terms: tuple[Term, ...] = ()
     for i in range(count):
@@ -113,7 +113,9 @@ def find_again(
             return terms
         named = [m for m in left.members if m.named and not _unknown_shape(m)]
         changed = log_changes[i] if i < len(log_changes) else {}
-        choice = _choice(problem, left, named, changed, with_chains=with_chains)
+        chained = {member.effect for member in left.members if member.hidden}
+        wanted = sum(term.effect in chained for term in terms) < hidden
+        choice = _choice(problem, left, named, changed, with_chains=wanted)
         likely = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
         if not likely:
             return terms
@@ -154,7 +156,9 @@ def _tests(
 ) -> Stage:
     hypotheses, views, emissions, spreading = in_order(problem, terms, left)
     order = order_test(hypotheses, views, rng, emissions=emissions, spreading=spreading)
-    return Stage(order, marginal_tests(left.values, problem.residual.division, rng), None)
+    decided = order.p_value / ORDER_SHARE * TWO_LEVELS_SHARE
+    marginal = marginal_tests(left.values, problem.residual.division, rng, levels_below=decided)
+    return Stage(order, marginal, None)
 
 
 def in_order(

@@ -54,6 +54,10 @@ SIMULATIONS = 1999
 FIRST_SIMULATIONS, CLEAR = 199, 0.1
 """Where so many simulations give every p-value above CLEAR the rest are not made."""
 
+FEW_REACHED, MANY_SIMULATIONS = 10, 19999
+"""Where so few of the simulations come as far, or fewer but not none, so many settle it: a second
+gross reading of 40 sigma has p = 0.0008, and needs 0.001."""
+
 FEWEST_MOVED = 3
 """A course that moves fewer readings than this is hardly rarer than any other order, and cannot be
 told from as many gross readings."""
@@ -84,6 +88,10 @@ RIVAL_BIC, UNSURE = 4.0, 0.89
 Gaussian or heavy-tailed scatter read on the dial (real_data.py): not 90 %, from which a name stands
 alone."""
 
+RIVAL_BIC_OF_NEIGHBOURS = 8.0
+"""The same where all readings lie on two or three neighbouring divisions: one edge that is crossed
+says little of how (real_data.py)."""
+
 DIAL_FORMS = 3
 """So many of the likeliest forms of each effect are compared as read on the dial."""
 
@@ -112,6 +120,10 @@ SPLIT_SCALE = 4.0
 LEAST_ON_DIAL = 0.15
 """Scatter below which no prior reaches, in divisions: what a finer one rounds to says no more
 (real_data.py)."""
+
+LEAST_OF_RIVALS = 0.1
+"""The same where a rival is sought: with little scatter a slow course crosses the edge of a
+division nearly as sharply as a step (real_data.py)."""
 
 MISFIT = 0.05
 """Share of an effect's size by which its course may differ from the catalogue's equation: no
@@ -147,6 +159,9 @@ one pose, anything else."""
 # the unknown (table *outside*)
 
 SMOOTH_WEIGHT, SMOOTH_LENGTHS, SMOOTH_VARIANCES = 0.4, (1.5, 3.0, 6.0, 12.0), (0.5, 2.0, 8.0)
+SMOOTH_CYCLES = 30
+"""The run of which SMOOTH_LENGTHS are lengths in cycles; longer runs have longer ones."""
+
 ROUGH_WEIGHT, ROUGH_LENGTHS, ROUGH_VARIANCES = 0.1, (2.0, 5.0), (1.0, 4.0)
 PASSAGE_WEIGHT = 0.4
 LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
@@ -174,7 +189,8 @@ FOLDS, REPEATS = 10, 2
 """Those of which docs/appendix/diagnosis-appendix.md gives the bias."""
 
 WORTH_CHAINS = 0.02
-"""Effects with hidden states less likely than this on the whole run are not tried in the folds."""
+"""A fold seeks hidden states as often as their effects were likelier than this in a round of the
+whole run's search."""
 
 # a planned test
 

@@ -20,12 +20,7 @@ from math import lgamma
 import numpy as np
 
 from scara_iso.diagnosis.normal import normal_cdf
-from scara_iso.diagnosis.tuning import (
-    FEWEST_ON_A_LEVEL,
-    KNOWN_FROM,
-    LEAST_SCATTER,
-    SPLIT_SCALE,
-)
+from scara_iso.diagnosis.tuning import KNOWN_FROM, SPLIT_SCALE
 from scara_iso.effects import Chain
 from scara_iso.frozen import dataclass
 from scara_iso.quantities import rounding_uncertainty
@@ -38,6 +33,7 @@ _SCATTERS = np.geomspace(0.12, 1.05, 10)
 
 _BEFORE_UNDERFLOW = 8
 _TINY = 1e-300
+_NO_MEMORY = 1e-9
 _NEGLIGIBLE = 40.0
 """Log of how much less likely than the likeliest a cell is that cannot change a digit."""
 
@@ -64,48 +60,6 @@ class TwoLevels:
         return _smoothed(self.lower, self.upper, self.leave)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Emissions:
-    """Likelihood (n,) of each reading in the lower and the upper state, the larger of them 1.
-
-    Levels and scatter are those of the best split of the sorted readings, which no order changes.
-    """
-
-    lower: FloatArray
-    upper: FloatArray
-    chains: Sequence[Chain]
-
-    def persistence(self, orders: IntArray) -> FloatArray:
-        """Return how much likelier states under the chains make each order (m, n), shape (m,).
-
-        Against states drawn anew in each cycle: the mean likelihood ratio over the chains.
-        """
-        weight = np.array([chain.weight for chain in self.chains])
-        p = np.array([[chain.leave_lower] for chain in self.chains])
-        q = np.array([[chain.leave_upper] for chain in self.chains])
-        log_order = _forward(self.lower[orders.T], self.upper[orders.T], p, q)
-        start = q / (p + q)
-        none = np.log(start * self.lower + (1 - start) * self.upper).sum(axis=1, keepdims=True)
-        return np.asarray(weight / weight.sum() @ np.exp(log_order - none))
-
-
-def emissions_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Emissions:
-    """Return how likely each of the readings y (n,) is in either state.
-
-    The scatter is at least 0.6 divisions: that of a finer one would be the dial's alone.
-    """
-    ranked = np.sort(y - y.mean())
-    n, below = len(y), np.arange(FEWEST_ON_A_LEVEL, len(y) - FEWEST_ON_A_LEVEL + 1)
-    between = np.cumsum(ranked)[below - 1] ** 2 * n / (below * (n - below))
-    k = below[np.argmax(between)]
-    within = max(float((ranked**2).sum() - between.max()), 1e-12 * float(ranked @ ranked))
-    scatter = max(np.sqrt(within / (n - 2)), LEAST_SCATTER * division)
-    levels = np.array([ranked[:k].mean(), ranked[k:].mean()])[:, np.newaxis]
-    density = -0.5 * ((y - y.mean() - levels) / scatter) ** 2
-    lower, upper = np.exp(density - density.max(axis=0))
-    return Emissions(lower, upper, chains)
-
-
 def can_show_two(y: FloatArray, division: float) -> bool:
     """Whether readings y (n,) spread as far as the scatter that rounding alone leaves.
 
@@ -126,32 +80,69 @@ class _Grid:
     log_prior: FloatArray
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class BetweenLevels:
+    """Log likelihoods (n, cells) of readings in either level of many pairs, the larger of them 0.
+
+    A cell is a pair with a scatter; ``log_scale`` (cells,) is the log of the most that it can
+    weigh, against scatter alone.
+    """
+
+    log_lower: FloatArray
+    log_upper: FloatArray
+    log_scale: FloatArray
+
+    @property
+    def log_most(self) -> float:
+        """What no chain's log Bayes factor exceeds."""
+        return float(np.logaddexp.reduce(self.log_scale))
+
+    def under(self, chains: Sequence[Chain]) -> TwoLevels:
+        """Return the evidence for each chain, and the likeliest course."""
+        p, q = np.array([(c.leave_lower, c.leave_upper) for c in chains]).T
+        lower, upper = np.exp(self.log_lower), np.exp(self.log_upper)
+        likely = log_likelihood(lower, upper, p, q)
+        settled, odds = _at_most_one_change(lower, upper, p, q)
+        changing = np.maximum(-np.expm1(np.minimum(settled - likely, 0.0)), _TINY)
+        log_weight = likely + np.log(changing) - np.log1p(-odds)[:, np.newaxis] + self.log_scale
+        peak = log_weight.max()
+        weight = np.exp(log_weight - peak)
+        by_chain = weight.sum(axis=1)
+        log_bf = peak + np.log(np.maximum(by_chain, _TINY))
+        c, cell = np.unravel_index(np.argmax(weight), weight.shape)
+        switching = float((2 * p * q / (p + q)) @ by_chain / by_chain.sum())
+        leave = np.array([p[c], q[c]])
+        return TwoLevels(log_bf, switching, lower[:, cell], upper[:, cell], leave)
+
+
 def two_levels(
     y: FloatArray, division: float, chains: Sequence[Chain], *, known: float = 0.0
 ) -> TwoLevels:
-    """Return the evidence for two levels in readings y (n,); nan marks a cycle that is not seen.
+    """Return the evidence for two levels in readings y (n,); the rest as in `between_levels`."""
+    return between_levels(y, division, known=known).under(chains)
+
+
+def between_levels(y: FloatArray, division: float, *, known: float = 0.0) -> BetweenLevels:
+    """Return readings y (n,) between two levels; nan marks a cycle that is not seen.
 
     ``division`` is the dial's, 0 where there is none: rounding keeps the scatter from being smaller
     than division / sqrt(12), and y `can_show_two` beside it. ``known`` are squares as in
-    `evidence.Views`, 0 for a scatter that is not known.
+    `evidence.Views`, 0 for a scatter that is not known. Even states drawn by lot reach 2^-n of the
+    most that a cell can weigh, so cells far below the largest are left out.
     """
-    seen = y[np.isfinite(y)]
+    unseen = ~np.isfinite(y)
+    seen = y[~unseen]
     grid = _grid(seen, division, known)
-    lower, upper, most = _emissions(y, grid, division)
-    leave = np.array([(c.leave_lower, c.leave_upper) for c in chains])
-    log_scale = _forward(lower, upper, *leave.T[:, :, np.newaxis])
-    settled, odds = _at_most_one_change(lower, upper, *leave.T)
-    changing = np.maximum(-np.expm1(np.minimum(settled - log_scale, 0.0)), _TINY)
-    restless = log_scale + np.log(changing) - np.log1p(-odds)[:, np.newaxis]
-    log_weight = restless + most
-    peak = log_weight.max()
-    weight = np.exp(log_weight - peak)
-    by_chain = weight.sum(axis=1)
-    log_bf = peak + np.log(np.maximum(by_chain, _TINY)) - _log_scatter_alone(seen, known, division)
-    c, cell = np.unravel_index(np.argmax(weight), weight.shape)
-    switching = 2 * leave.prod(axis=1) / leave.sum(axis=1)
-    mean_switching = float(switching @ by_chain / by_chain.sum())
-    return TwoLevels(log_bf, mean_switching, lower[:, cell], upper[:, cell], leave[c])
+    shown, at = np.unique(np.where(unseen, 0.0, y), return_inverse=True)
+    of_shown = _log_density(shown[:, None, None], grid.levels, grid.scatters, division)
+    density = of_shown.reshape(len(shown), -1)[at]
+    density[unseen] = 0.0
+    log_lower, log_upper = density.take(grid.lower, axis=1), density.take(grid.upper, axis=1)
+    peak = np.maximum(log_lower, log_upper)
+    most = peak.sum(axis=0) + grid.log_prior
+    kept = np.flatnonzero(most > most.max() - len(y) * np.log(2) - _NEGLIGIBLE)
+    lower, upper = ((one - peak).take(kept, axis=1) for one in (log_lower, log_upper))
+    return BetweenLevels(lower, upper, most[kept] - _log_scatter_alone(seen, known, division))
 
 
 def _grid(seen: FloatArray, division: float, known: float) -> _Grid:
@@ -184,25 +175,23 @@ def _log_density(
     return np.where(p > _TINY, np.log(np.maximum(p, _TINY) / division), exact)
 
 
-def _emissions(
-    y: FloatArray, grid: _Grid, division: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return likelihoods of either level, (n, cells), the larger 1, and the log of their scale.
+def log_likelihood(
+    lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray
+) -> FloatArray:
+    """Return the log likelihood (chains, cells) of readings for the chains p, q (chains,).
 
-    The scale, the prior included, is the log of the most that a cell can weigh. Even states drawn
-    by lot reach that times 2^-n, so cells far below it are left out.
+    ``lower`` and ``upper`` are (n, cells). Where p + q = 1 the next state does not depend on the
+    last one, and the likelihood is a product.
     """
-    unseen = ~np.isfinite(y)
-    shown, at = np.unique(np.where(unseen, 0.0, y), return_inverse=True)
-    of_shown = _log_density(shown[:, None, None], grid.levels, grid.scatters, division)
-    density = of_shown.reshape(len(shown), -1)[at]
-    density[unseen] = 0.0
-    log_lower, log_upper = density[:, grid.lower], density[:, grid.upper]
-    peak = np.maximum(log_lower, log_upper)
-    most = peak.sum(axis=0) + grid.log_prior
-    kept = most > most.max() - len(y) * np.log(2) - _NEGLIGIBLE
-    lower, upper = (log_lower - peak)[:, kept], (log_upper - peak)[:, kept]
-    return np.exp(lower), np.exp(upper), most[kept]
+    remembers = np.abs(p + q - 1) > _NO_MEMORY
+    found = np.empty((len(p), lower.shape[1]))
+    above = (p / (p + q))[:, np.newaxis]
+    for c in np.flatnonzero(~remembers):
+        found[c] = np.log(lower + above[c] * (upper - lower)).sum(axis=0)
+    if remembers.any():
+        p, q = p[remembers, np.newaxis], q[remembers, np.newaxis]
+        found[remembers] = _forward(lower, upper, p, q)
+    return found
 
 
 def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
@@ -254,11 +243,9 @@ def _changed_once(first: FloatArray, then: FloatArray) -> FloatArray:
 
     One that vanishes is no loss: some course has at every cycle the larger likelihood, which is 1.
     """
-    before, after = np.array(first), np.ones_like(then)
-    for j in range(1, len(first)):
-        before[j] *= before[j - 1]
-        after[-1 - j] = after[-j] * then[-j]
-    return np.asarray(before * after)
+    after = np.ones_like(then)
+    after[:-1] = np.multiply.accumulate(then[:0:-1], axis=0)[::-1]
+    return np.asarray(np.multiply.accumulate(first, axis=0) * after)
 
 
 def _smoothed(lower: FloatArray, upper: FloatArray, leave: FloatArray) -> FloatArray:
@@ -293,6 +280,8 @@ def _rounding_of_one_level(seen: FloatArray, division: float) -> float:
 
     Their scatter is that beside rounding (Sheppard's correction), at least a fifth of a division.
     """
+    if not division:
+        return 0.0
     variance = float(seen.var(ddof=1))
     left = max(variance - division**2 / 12, division**2 / 25)
     level = np.array([seen.mean()])

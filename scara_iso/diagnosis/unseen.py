@@ -58,7 +58,7 @@ def of_other_half(
     chosen = [stage for stage in stages if stage.choice]
     changes = [stage.choice.log_change for stage in chosen if stage.choice]
     limits = [stage.limit for stage in chosen]
-    terms = find_again(problem, seen, count, with_chains=True, log_changes=changes, limits=limits)
+    terms = find_again(problem, seen, count, hidden=count, log_changes=changes, limits=limits)
     known = fit(terms, problem.residual.values[seen], seen, n)
     drawn = scatter_draws(problem.residual, known, rng, seen)
     told = foretold(

@@ -15,16 +15,22 @@ def _columns(conditions: Conditions, *, tau: float) -> FloatArray:
 
 _SHORTEST, _LONGEST = 1.5, 0.4
 """Time constants tried, in cycles and in the run's length: shorter ones are an outlying first
-cycle, longer ones a drift."""
+cycle, longer ones hardly told from a drift."""
 
 _RATIO = 1.414
 """Between one that is tried and the next."""
+
+_BEYOND, _RARE = 3, 0.1
+"""So many longer ones are tried too, and weighed so: the course of a machine that heats up for
+longer than its test is no straight line where it is large (real_data.py)."""
 
 
 def _tau(conditions: Conditions) -> Grid:
     longest = max(_LONGEST * len(conditions), 2 * _SHORTEST)
     count = 1 + round(np.log(longest / _SHORTEST) / np.log(_RATIO))
-    return Grid.geometric(_SHORTEST, longest, count, finer=9)
+    grid = Grid.geometric(_SHORTEST, longest, count, finer=9)
+    beyond = [longest * _RATIO**k for k in range(1, _BEYOND + 1)]
+    return Grid([*grid.values, *beyond], [1.0] * count + [_RARE] * _BEYOND, grid.near)
 
 
 EFFECT = KnownCourse(

@@ -3,8 +3,8 @@
 Each robot is compared with itself, so robots that were tested later or oftener bend nothing: its
 growth is the slope of ln RP over the days. The fleet's is that of its median robot, with the
 interval of a sign test, which no few wild robots can move. Whether one robot grows is asked by a
-t-test of its slope, whose scatter is learnt from the other robots too (`shrunk`), and of all that
-are named the false discovery rate is held.
+t-test of its slope, whose scatter is learnt from the other robots too (`moderated`), and of all
+that are named the false discovery rate is held.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class FleetDrift:
     """Robots that are named, the surest first."""
 
 
-def drift_of(query: Query, level: float) -> FleetDrift | None:
+def fleet_drift(query: Query, level: float) -> FleetDrift | None:
     """Return how RP moves over the dates; None where no robot was tested on several."""
     figure = _figure(query)
     if figure is None:
@@ -159,7 +159,7 @@ def _growing(
     if not asked:
         return
     robots, dates, slopes, spans, misfits = map(np.array, zip(*asked, strict=True))
-    variances, freedom = shrunk(misfits / (dates - 2), dates - 2.0)
+    variances, freedom = moderated(misfits / (dates - 2), dates - 2.0)
     p_values = np.asarray(t.sf(slopes * np.sqrt(spans / variances), freedom))
     q_values = np.asarray(false_discovery_control(p_values, method="bh"))
     for k in np.lexsort((robots, p_values)):
@@ -170,7 +170,7 @@ def _growing(
             )
 
 
-def shrunk(variances: FloatArray, freedom: FloatArray) -> tuple[FloatArray, FloatArray]:
+def moderated(variances: FloatArray, freedom: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return variances of shape (robots,) drawn to those of the others, and their freedom.
 
     Of ``freedom`` degrees before. How far follows from how much more they differ than by chance

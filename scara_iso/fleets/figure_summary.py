@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
-from scara_iso.fleets.drift import FleetDrift, drift_of
+from scara_iso.fleets.drift import FleetDrift, fleet_drift
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.summary import (
     LEVEL,
@@ -95,7 +95,7 @@ def summarise_figures(run: FleetRun) -> FleetFigures:
             RP_quantiles=quantiles_of_RP(query),
             failed=failed_tables(query),
             twice=tables_twice(query, "robot, test, pose"),
-            drift=drift_of(query, LEVEL),
+            drift=fleet_drift(query, LEVEL),
         )
 
 

@@ -17,7 +17,7 @@ from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.ledger import PartDone, PartLedger
 from scara_iso.fleets.parts import digest, parts_of
 from scara_iso.fleets.pieces import Piece, Share
-from scara_iso.fleets.work import PartResult, Task, examine, joined
+from scara_iso.fleets.work import PartResult, Task, examine, whole_part
 from scara_iso.frozen import dataclass
 
 RESULTS = "parts"
@@ -88,7 +88,7 @@ def _examined(parts: Sequence[str], task: Task, engine: Engine, track: Track) ->
             yield piece.path, result
         if len(done) == len(own):
             del found[piece.path]
-            yield piece.path, joined([done[share] for share in own])
+            yield piece.path, whole_part([done[share] for share in own])
 
 
 def run_parts(

@@ -15,7 +15,7 @@ import numpy as np
 
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
-from scara_iso.fleets.drift import QUANTILES, FleetDrift, drift_of
+from scara_iso.fleets.drift import QUANTILES, FleetDrift, fleet_drift
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
@@ -144,7 +144,7 @@ def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
             RP_quantiles=quantiles_of_RP(query),
             failed=failed_tables(query),
             twice=tables_twice(query),
-            drift=drift_of(query, level),
+            drift=fleet_drift(query, level),
         )
 
 

@@ -90,7 +90,7 @@ def result_of(path: Path, made: Callable[[Path], tuple[int, int, bytes]]) -> Par
         return PartResult(path.name, sha256, __version__, 0, 0, b"", str(error))
 
 
-def joined(pieces: Sequence[PartResult]) -> PartResult:
+def whole_part(pieces: Sequence[PartResult]) -> PartResult:
     """Return the result of a part that several pieces are, in their order.
 
     One of another version stands for all, and there is nothing of a part that cannot be read, or
