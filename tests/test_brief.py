@@ -110,6 +110,7 @@ def test_simulated_readings_are_marked(said, tmp_path, command):
 def test_full_says_more(said, command):
     short, full = said(command, EXAMPLES / "scatter.csv"), said(command, "scatter.csv", "--full")
     assert full.count("\n") > 1.5 * short.count("\n")
+    assert "model before" not in full  # without a model, which would foretell scatter
 
 
 def test_a_run_that_drifts_is_named_and_is_what_to_look_at_next(said):

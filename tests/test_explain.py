@@ -8,7 +8,8 @@ import pytest
 
 from scara_iso.cli import main
 from scara_iso.effects import find_effects, find_gear_effects
-from scara_iso.reporting.explain import pages
+from scara_iso.reporting.explain import find_pages, pages
+from scara_iso.reporting.glossary import SAME, WORDS
 from tests.hostile import TEXTS
 
 ROOT = Path(__file__).parents[1]
@@ -43,6 +44,26 @@ def test_the_words_on_the_screen_lead_to_the_page(capsys):
     assert capsys.readouterr().out.lstrip().startswith("coarse-resolution:")
 
 
+@pytest.mark.parametrize(
+    ("word", "page"),
+    [
+        ("XY", "XY"), ("eq. 23", "RP_rss"), ("interval", "interval"), ("FAIL", "not provable"),
+        ("not-provable", "not provable"), ("tau", "temperature_lagged"), ("p", "p"),
+    ],
+)  # fmt: skip
+def test_a_word_of_the_screens_is_explained(word, page, capsys):
+    assert main(["explain", word]) == 0
+    assert capsys.readouterr().out.lstrip().startswith(f"{page}:")
+
+
+def test_every_other_name_leads_to_a_page_and_none_to_two():
+    names = [*SAME, *(name for names in WORDS for name in names)]
+    assert all(find_pages(name) for name in names)
+    assert len({*names, *(page.code for page in pages())}) == len(names) + len(
+        {page.code for page in pages()}
+    )
+
+
 def test_without_a_code_all_are_listed(capsys):
     assert main(["explain"]) == 0
     out = capsys.readouterr().out
@@ -60,6 +81,8 @@ def test_a_code_of_a_characteristic_and_an_effect_has_both_pages(capsys):
 
 def test_an_unknown_code_names_the_nearest(capsys):
     assert main(["explain", "course-resolution"]) == 2
+    assert "did you mean coarse-resolution" in capsys.readouterr().err
+    assert main(["explain", "coarse"]) == 2
     assert "did you mean coarse-resolution" in capsys.readouterr().err
 
 

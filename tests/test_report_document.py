@@ -4,6 +4,7 @@ import base64
 import io
 import json
 import re
+import sys
 import zipfile
 from hashlib import sha256
 
@@ -114,6 +115,26 @@ def test_what_is_not_stated_is_named_in_one_line(key):
     page = document(Dossier(analyze(run), MADE)).sections[0]
     (line,) = [b.text for b in page.blocks if getattr(b, "text", "").startswith("Not stated:")]
     assert WORDS.get(key, key.replace("_", " ")) in line
+
+
+def test_a_person_at_a_terminal_is_told_how_to_state_what_is_missing(tmp_path, monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setattr(sys, "stderr", shown := Terminal())
+    assert main(["report", str(WARM_UP), "-o", str(tmp_path / "r.md")]) == 0
+    assert "--meta operator=NAME, or --meta-file FILE.toml" in shown.getvalue()
+
+
+def test_where_much_is_not_stated_page_1_names_the_first_of_it_and_the_conditions_all():
+    run = read_table(WARM_UP)
+    run = type(run)(run.cycle, run.axes, origin=run.origin)
+    page, *others = document(Dossier(analyze(run), MADE)).sections
+    (line,) = [b.text for b in page.blocks if getattr(b, "text", "").startswith("Not stated:")]
+    assert len(line) < 150
+    held = next(one for one in others if one.heading == "Conditions and instruments")
+    assert any("calibration certificate" in getattr(b, "text", "") for b in held.blocks)
 
 
 def test_the_result_is_pose_by_characteristic_on_one_page(tmp_path):

@@ -97,6 +97,10 @@ def test_an_incomplete_folder_says_what_is_missing(folder, capsys, tmp_path):
 def test_a_new_folder_has_nothing_to_analyse(folder, capsys):
     code, found = said(capsys, "analyze", folder)
     assert (code, found["poses"], len(found["missing"])) == (0, [], 5)
+    page = folder.parent / "out.md"
+    assert main(["report", str(folder), "-o", str(page)]) == 0
+    assert f"{page} is not written: nothing is recorded" in capsys.readouterr().err
+    assert not page.exists()
 
 
 def test_conditions_are_analyses_of_their_own(tmp_path, capsys):
@@ -401,6 +405,8 @@ def test_the_limits_of_the_test_decide(folder, capsys):
     code, found = said(capsys, "analyze", folder)
     assert (code, found["conformity"]) == (1, "fail")
     assert said(capsys, "analyze", folder, "--limit", "X=9")[0] == 0
+    assert main(["report", str(folder), "-o", str(folder.parent / "why.md")]) == 1
+    assert "scara-iso: FAIL: OUTSIDE the limit" in capsys.readouterr().err
 
 
 def test_the_pace_says_how_long_is_left(folder, capsys):

@@ -271,17 +271,17 @@ def _meant(error: ScaraIsoError) -> str:
     """Return what to do about a file that is not there, where it was to be written."""
     if not isinstance(error, NoInputError):
         return ""
-    from scara_iso.cli.meant import meant_to_write
+    from scara_iso.cli import meant
 
     called = _command(settings.arguments)
     commands = getattr(typer.main.get_command(build_app(settings.arguments)), "commands", {})
-    return meant_to_write(error, settings.arguments, commands.get(called))
+    return meant.to_write(error, settings.arguments, commands.get(called))
 
 
 def _hints(error: Exception, complaint: str) -> list[str]:
-    from scara_iso.cli.meant import meant_as_output
+    from scara_iso.cli import meant
 
     context = getattr(error, "ctx", None)
-    meant = meant_as_output(complaint, getattr(context, "command", None))
+    found = meant.as_output(complaint, getattr(context, "command", None))
     path = getattr(context, "command_path", "scara-iso")
-    return [f"  {meant}" if meant else f"  see '{path} --help'"]
+    return [f"  {found}" if found else f"  see '{path} --help'"]

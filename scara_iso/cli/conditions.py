@@ -15,6 +15,7 @@ from scara_iso.cli.options import NOT_WITHIN_LIMITS
 from scara_iso.cli.output import (
     check_outputs,
     command_line,
+    say_limits,
     write_json,
     write_picture,
     write_report,
@@ -143,9 +144,7 @@ def report_folder(
     check_outputs([place, archive], [])
     reports = [None if one.run is None else report(one, **given) for one in found]
     made = [one for one in reports if one is not None]
-    for one in found:
-        if one.run is None:
-            _say_missing(one)
+    _say_not_reported(found, [place, archive])
     if made:
         written = _write_report(join_reports(found, reports), place, archive, excel_locale)
         missing = [f"missing: {', '.join(one.missing)}" for one in found
@@ -153,9 +152,23 @@ def report_folder(
         for line in (*written, *(missing if place else ())):
             typer.echo(reporting.printable(line), err=as_json)
     beside = read_beside(found[0].folder) if condition is None else Beside()
+    for one, of_it in zip(found, reports, strict=True):
+        if of_it is not None:
+            say_limits(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
     if as_json:
         _write_dossiers(found, [one.dossier for one in made], beside)
     _exit_by([*(one.analysis.conformity for one in made), beside.conformity])
+
+
+def _say_not_reported(found: Sequence[ConditionRun], files: Sequence[Path | None]) -> None:
+    """Say which conditions have no readings and, where none has, which files are not written."""
+    silent = [one for one in found if one.run is None]
+    for one in silent:
+        _say_missing(one)
+    for path in files if len(silent) == len(found) else ():
+        if path is not None:
+            said = f"{path} is not written: nothing is recorded"
+            typer.echo(reporting.printable(said), err=True)
 
 
 def compare_folders(

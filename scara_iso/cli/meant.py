@@ -14,7 +14,7 @@ _READ_TOO = (".csv", ".json", ".xlsx")
 _EXTRA = re.compile(r"unexpected extra argument\S* \((\S+)\)")
 
 
-def meant_to_write(error: NoInputError, arguments: Sequence[str], command: Any) -> str:
+def to_write(error: NoInputError, arguments: Sequence[str], command: Any) -> str:
     """Return what to do where a word behind command and table is no file but ends as a report."""
     name = error.where
     words = [word for word in arguments if not word.startswith("-")]
@@ -23,7 +23,7 @@ def meant_to_write(error: NoInputError, arguments: Sequence[str], command: Any) 
     return _with_option(name, command)
 
 
-def meant_as_output(complaint: str, command: Any) -> str:
+def as_output(complaint: str, command: Any) -> str:
     """Return likewise what to do where the parser has no place for an argument."""
     found = _EXTRA.search(complaint)
     return _with_option(found[1], command) if found else ""

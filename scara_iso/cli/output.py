@@ -15,6 +15,7 @@ from scara_iso.errors import CannotCreateError, UsageError
 
 if TYPE_CHECKING:
     from scara_iso.display import Plotted
+    from scara_iso.iso9283 import Analysis
     from scara_iso.reporting import Block, Report
 
 
@@ -115,10 +116,28 @@ def say_written(path: Path | None, *, aside: bool = False) -> None:
         (sys.stderr if aside else sys.stdout).write(f"{printable(str(path))} is written\n")
 
 
+def say_limits(analysis: Analysis, of: str = "") -> None:
+    """Say on standard error where limits are not kept, and what would prove it."""
+    from scara_iso.iso9283 import Conformity
+    from scara_iso.reporting import conformity, printable
+
+    if analysis.conformity not in (None, Conformity.PASS):
+        said = "; ".join(block.text for block in conformity(analysis))
+        sys.stderr.write(f"scara-iso: {printable(f'{of}{said}')}\n")
+
+
 def tell_written(path: Path | None) -> None:
-    """Say so to a person at a terminal; a script reads nothing but the answer."""
+    """Say so to a person at a terminal."""
+    from scara_iso.reporting import printable
+
+    if path is not None:
+        tell(f"{printable(str(path))} is written")
+
+
+def tell(text: str) -> None:
+    """Say something to a person at a terminal; a script reads nothing but the answer."""
     if sys.stderr is not None and sys.stderr.isatty():
-        say_written(path, aside=True)
+        sys.stderr.write(f"{text}\n")
 
 
 def command_line(words: Sequence[str], options: Mapping[str, Any], **more: object) -> str:

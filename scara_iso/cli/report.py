@@ -32,7 +32,15 @@ from scara_iso.cli.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.cli.output import check_outputs, named, say_written, settings, write_json
+from scara_iso.cli.output import (
+    check_outputs,
+    named,
+    say_limits,
+    say_written,
+    settings,
+    tell,
+    write_json,
+)
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Analysis, Conformity, DecisionRule
 
@@ -146,13 +154,15 @@ def _say_written(found: TestReport, files: Sequence[Path | None], *, as_json: bo
             typer.echo(reporting.printable(f"scara-iso: overridden, {one}"), err=True)
     for path in files:
         say_written(path, aside=as_json)
+    if missing := len(reporting.not_stated(found.analysis.run)):
+        said = f"{missing} statements about the test are missing on its first page"
+        tell(f"{said}: --meta operator=NAME, or --meta-file FILE.toml")
 
 
 def _exit_by(analysis: Analysis) -> None:
     """Say where limits are not kept, and exit accordingly."""
+    say_limits(analysis)
     if analysis.conformity not in (None, Conformity.PASS):
-        said = "; ".join(block.text for block in reporting.conformity(analysis))
-        typer.echo(reporting.printable(f"scara-iso: {said}"), err=True)
         raise typer.Exit(NOT_WITHIN_LIMITS)
 
 

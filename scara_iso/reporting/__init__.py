@@ -123,6 +123,7 @@ if TYPE_CHECKING:
     from scara_iso.reporting.stated import (
         NOT_STATED as NOT_STATED,
         head as head,
+        not_stated as not_stated,
         stated_field as stated_field,
     )
     from scara_iso.reporting.streams import (

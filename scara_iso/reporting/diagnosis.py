@@ -24,7 +24,7 @@ from scara_iso.reporting.blocks import (
     Text,
 )
 from scara_iso.reporting.digits import p_equals, p_value, rounded
-from scara_iso.reporting.foretold import next_test, of_scatter, unseen_cycles
+from scara_iso.reporting.foretold import before_model, next_test, of_scatter, unseen_cycles
 from scara_iso.reporting.reversals import reversals_section
 from scara_iso.reporting.unexplained import courses_said
 from scara_iso.reporting.words import words
@@ -230,13 +230,16 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
         f"held out: on {said}",
     )
     RP = diagnosis.repeatability
-    columns = (RP.measured, RP.model_before, RP.model_after, RP.with_effect_removed)
+    columns = {
+        "measured": RP.measured, **before_model(RP), "model after": RP.model_after,
+        "effect removed": RP.with_effect_removed,
+    }  # fmt: skip
     yield Table(
-        ("RP", "measured", "model before", "model after", "effect removed"),
+        ("RP", *columns),
         tuple(
             (
                 name,
-                *(of_scatter(column[name], n) if name in column else "" for column in columns),
+                *(of_scatter(of[name], n) if name in of else "" for of in columns.values()),
             )
             for name in RP.measured
         ),

@@ -21,7 +21,7 @@ from scara_iso.reporting.front import Amendment, front_page
 from scara_iso.reporting.interpretation import interpretation
 from scara_iso.reporting.provenance import InputFile, Provenance, provenance
 from scara_iso.reporting.result_table import ResultPart
-from scara_iso.reporting.stated import conditions, remarks, stated_field
+from scara_iso.reporting.stated import conditions, not_stated, remarks, stated_field
 from scara_iso.reporting.uncertainty import budget_blocks
 from scara_iso.robot import Gearbox
 
@@ -109,7 +109,9 @@ def _sections(dossier: Dossier) -> Iterator[Section]:
         said = (*interpretation(found), *pictures)
         yield Section("Diagnosis: opinions and interpretations", said)
     held = tuple(facts for facts in conditions(analysis.run, analysis.cycles) if facts.rows)
-    yield Section("Conditions and instruments", (*held, *_struck(analysis)))
+    lacking = [Text(f"Not stated: {', '.join(names)}", "quiet")
+               for names in (not_stated(analysis.run),) if names]  # fmt: skip
+    yield Section("Conditions and instruments", (*held, *lacking, *_struck(analysis)))
     yield Section("Uncertainty budget", tuple(budget_blocks(analysis)))
     every = [
         *(_capital(section) for section in findings(analysis, advice=False)),

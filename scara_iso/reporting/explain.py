@@ -16,8 +16,10 @@ from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks, in_brief
 from scara_iso.plugins import find_modules
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+from scara_iso.reporting.glossary import KIND, SAME, WORDS
 
 _CODE = re.compile(r"`+([^`]+)`+")
+_MOST_NEAR = 3
 _PARAMETER = re.compile(r"[A-Za-z]\w*=\S*")
 
 
@@ -56,18 +58,35 @@ def pages(own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
 
 
 def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
-    """Return the pages of a code, or of the words that stand for a finding on the screen.
+    """Return the pages of a code, of words that stand on the screen, or of a parameter's name.
 
     ``-``, ``_`` and a blank are the same. Raises `UsageError` with the nearest codes.
     """
-    every = pages(own)
-    words = {_plain(in_brief(page.code)): page.code for page in every}
-    known = words | {_plain(page.code): page.code for page in every}
-    if found := tuple(page for page in every if page.code == known.get(_plain(code))):
+    every = (*pages(own), *_words())
+    known = {_plain(name): of for name, of in SAME.items()}
+    known |= {_plain(name): names[0] for names in WORDS for name in names}
+    known |= {_plain(in_brief(page.code)): page.code for page in every}
+    known |= {_plain(page.code): page.code for page in every}
+    wanted = _plain(code)
+    if found := tuple(page for page in every if page.code == known.get(wanted)):
         return found
-    near = [known[name] for name in get_close_matches(_plain(code), known)]
+    if found := tuple(page for page in every if wanted in (name for name, *_ in page.parameters)):
+        return found
+    near = _holding(wanted, every) or [known[name] for name in get_close_matches(wanted, known)]
     remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all codes"
-    raise UsageError(f"no finding, characteristic or effect is called {code[:80]!r}", remedy=remedy)
+    raise UsageError(f"nothing on the screens is called {code[:80]!r}", remedy=remedy)
+
+
+def _words() -> Iterator[Page]:
+    for names, (title, text) in WORDS.items():
+        yield Page(names[0], KIND, title, (text,))
+
+
+def _holding(wanted: str, every: Iterable[Page]) -> list[str]:
+    """Return the codes of the pages whose code holds the word, then of those whose title does."""
+    by_code = [page.code for page in every if wanted and wanted in _plain(page.code)]
+    by_title = [page.code for page in every if wanted and wanted in _plain(page.title)]
+    return list(dict.fromkeys([*by_code, *by_title]))[:_MOST_NEAR]
 
 
 def pages_report(found: Iterable[Page]) -> Report:
@@ -84,9 +103,12 @@ def _sections(page: Page) -> Iterator[Section]:
 
 def list_report(found: Iterable[Page]) -> Report:
     """Return all codes with their titles, by kind."""
-    return tuple(
-        Section(_heading(kind), tuple(Text(f"{page.code}: {page.title}") for page in same))
-        for kind, same in groupby(found, key=lambda page: page.kind)
+    return (
+        *(
+            Section(_heading(kind), tuple(Text(f"{page.code}: {page.title}") for page in same))
+            for kind, same in groupby(found, key=lambda page: page.kind)
+        ),
+        Section("words of the screens", (Text(", ".join(names[0] for names in WORDS)),)),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from scara_iso.diagnosis import ByAxis, Foretold, Repeatabilities, UnseenRP
 from scara_iso.reporting.blocks import Cell, Number, Table
 from scara_iso.reporting.digits import U_of_scatter, rounded
@@ -19,12 +21,18 @@ def next_test(RP: Repeatabilities, n: int) -> Table:
 
 def unseen_cycles(RP: UnseenRP) -> Table:
     """Return RP of cycles that no fit saw beside what the model said of it before and after."""
-    columns = (RP.measured, RP.model_before)
+    columns = {"measured": RP.measured, **before_model(RP)}
+    beside = tuple(columns.values())
     return Table(
-        ("RP of unseen cycles", "measured", "model before", "completed model", "95 % from", "to"),
-        tuple(_row(name, told, columns, RP.cycles) for name, told in RP.completed.items()),
+        ("RP of unseen cycles", *columns, "completed model", "95 % from", "to"),
+        tuple(_row(name, told, beside, RP.cycles) for name, told in RP.completed.items()),
         f"of {RP.of}: {RP.cycles} cycles that the completed model has not seen",
     )
+
+
+def before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
+    """Return the column of the model before; without a model, which foretells no scatter, none."""
+    return {"model before": RP.model_before} if any(RP.model_before.values()) else {}
 
 
 def _row(name: str, told: Foretold, beside: tuple[ByAxis, ...], n: int) -> tuple[Cell, ...]:

@@ -20,6 +20,7 @@ SCOPE = (
     "copied in full only, unless the laboratory agrees."
 )
 _MOST_LINES = 8
+_MOST_MISSING = 4
 _MOST_NAMED = 4
 
 
@@ -64,13 +65,21 @@ def front_page(
     yield from _deviations(analysis)
     yield from _remarks(analysis)
     yield from _found(diagnoses)
-    missing = not_stated(run)
-    if missing:
-        yield Text(f"Not stated: {', '.join(missing)}.", "quiet")
+    yield from _missing(not_stated(run))
     yield Text(SCOPE, "quiet")
     authorized = stated_field(run, "authorized by")
     name = f"name, signature: {authorized}" if authorized else "name, signature"
     yield Signature(("place, date", name))
+
+
+def _missing(names: Sequence[str]) -> Iterator[Text]:
+    """Yield what nobody stated, of many the first."""
+    if not names:
+        return
+    more = len(names) - _MOST_MISSING
+    rest = f" and {more} more, under Conditions and instruments" if more > 1 else ""
+    named = ", ".join(names[: _MOST_MISSING if rest else None])
+    yield Text(f"Not stated: {named}{rest}.", "quiet")
 
 
 def _subject(analysis: Analysis) -> str:

@@ -17,6 +17,7 @@ from scara_iso.tables.blocks import Line, find_blocks, has_blocks
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
+from scara_iso.tables.kinds import called_text
 from scara_iso.tables.labelled import find_labelled
 from scara_iso.tables.layout import HEAD, Layout, find_layout, runs_across
 from scara_iso.tables.marks import check_groups, refuse_other_marks
@@ -89,7 +90,8 @@ def read_table(
         raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
     if sheet is not None:
         raise refuse(name, "`sheet=` is for workbooks, this is text", remedy="leave `sheet=` out")
-    return _read_text(data, name, options)
+    with called_text(data, name):
+        return _read_text(data, name, options)
 
 
 def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:

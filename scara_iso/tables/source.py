@@ -8,6 +8,7 @@ from typing import BinaryIO
 
 from scara_iso.files import not_read, open_file
 from scara_iso.tables.faults import refuse
+from scara_iso.tables.kinds import refuse_other_kind
 
 LIMIT = 256 * 2**20
 """Largest file that is read, in bytes; a million rows take about 50 MB."""
@@ -23,7 +24,7 @@ def read_bytes(source: Source) -> tuple[bytes, str]:
     """Return a source's bytes and its name: the path, or what else it is.
 
     Raises `NoInputError` where there is no such file or it cannot be read, `DataError` where it
-    is larger than `LIMIT`.
+    is larger than `LIMIT`, or a picture or the like.
     """
     name = _name(source)
     try:
@@ -32,6 +33,7 @@ def read_bytes(source: Source) -> tuple[bytes, str]:
         raise not_read(name, error) from error
     if len(data) > LIMIT:
         raise refuse(name, f"larger than {LIMIT // 2**20} MB", remedy="split the file")
+    refuse_other_kind(data, name)
     return data, name
 
 

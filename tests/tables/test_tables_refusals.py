@@ -209,6 +209,22 @@ def test_what_is_no_table_is_refused(data):
     assert faults(data).faults
 
 
+NOTE = "the clamp of the dial was loose again and then it was set"
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"\x89PNG\r\n\x1a\n" + bytes(99), "this is a picture, no table"),
+        (b"%PDF-1.7\n1 0 obj", "this is a PDF, no table"),
+        (f"# About 1 robot\n{NOTE}\n".encode() * 20, "this is a text, no table"),
+        (b"# unit: mm\nX,note\n" + f"0.81x,{NOTE}\n".encode() * 31, "31 faults"),
+    ],
+)
+def test_a_file_of_another_kind_is_called_that_and_a_table_with_long_notes_is_none(data, said):
+    assert said in faults(data).what
+
+
 def test_no_such_file_a_folder_and_a_bad_name_are_no_input(tmp_path):
     for source in (tmp_path / "none.csv", tmp_path, "a\0b"):
         with pytest.raises(NoInputError):
