@@ -8,6 +8,7 @@ from scara_iso.diagnosis import (
     SECOND,
     Diagnosis,
     Found,
+    Repeatabilities,
     Rival,
     Verdict,
 )
@@ -230,11 +231,25 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
         f"held out: on {said}",
     )
     RP = diagnosis.repeatability
+    yield _repeatability(RP, n)
+    grown = [n for n, value in RP.with_effect_removed.items() if value > RP.measured[n] * 1.001]
+    if diagnosis.effects and grown:
+        yield Text(
+            f"{', '.join(grown)}: RP grows though the readings scatter less, because distances to "
+            "a mean between two levels are nearly equal and hide in S_l",
+            "quiet",
+        )
+    yield next_test(RP, n)
+    if RP.unseen is not None:
+        yield unseen_cycles(RP.unseen)
+
+
+def _repeatability(RP: Repeatabilities, n: int) -> Table:
     columns = {
         "measured": RP.measured, **before_model(RP), "model after": RP.model_after,
         "effect removed": RP.with_effect_removed,
     }  # fmt: skip
-    yield Table(
+    return Table(
         ("RP", *columns),
         tuple(
             (
@@ -246,16 +261,6 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
         "effect removed: what the robot would reach if the cause were cured; the ISO figure itself "
         "is the measured one",
     )
-    grown = [n for n, value in RP.with_effect_removed.items() if value > RP.measured[n] * 1.001]
-    if diagnosis.effects and grown:
-        yield Text(
-            f"{', '.join(grown)}: RP grows though the readings scatter less, because distances to "
-            "a mean between two levels are nearly equal and hide in S_l",
-            "quiet",
-        )
-    yield next_test(RP, n)
-    if RP.unseen is not None:
-        yield unseen_cycles(RP.unseen)
 
 
 def _shares(diagnosis: Diagnosis) -> Table:
