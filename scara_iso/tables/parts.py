@@ -22,7 +22,7 @@ from scara_iso.run import Axis, FloatArray, Run
 from scara_iso.tables.faults import listed, quoted
 from scara_iso.tables.other_units import converted
 
-_BRACKETS = re.compile(r"\s*[(\[][^()\[\]]*[)\]]\s*$")
+_BRACKETS = re.compile(r"[(\[][^()\[\]]*[)\]]\s*$")
 _POSE = re.compile(r"(?<![a-z0-9])(?:p|pose|point|punkt)[ _.-]?0*([1-9][0-9]{0,2})(?![a-z0-9])")
 _LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)
 _OF_THE_ROBOT = (
