@@ -244,5 +244,5 @@ def _taking_part(bf: FloatArray, views: Views) -> FloatArray:
     if views.poses is None:
         return np.asarray(every / (6 if views.named else 3))
     of = views.poses.of
-    alone = [np.prod(takes_part[:, of == p], axis=1) for p in np.unique(of)]
+    alone = [np.prod(takes_part[:, of == p], axis=1) for p in sorted(set(of.tolist()))]
     return np.asarray((every + np.mean(alone, axis=0)) / 4)

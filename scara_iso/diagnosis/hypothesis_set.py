@@ -237,7 +237,7 @@ def _process_group(
     said = np.asarray(s.any(axis=1))
     s, unit = s[said], unit[said]
     columns, first, widths = [np.empty((len(rows), 0))], np.zeros_like(unit), np.zeros_like(unit)
-    for u in np.unique(unit).tolist():
+    for u in sorted(set(unit.tolist())):
         kept = s[unit == u].any(axis=0)
         first[unit == u] = sum(part.shape[1] for part in columns)
         widths[unit == u] = kept.sum()
