@@ -104,7 +104,7 @@ def choose(
     if seen:
         beside = [one.in_gaussian(seen.log_gaussian) for one in beside]
         for place, change in seen.compared.items():
-            log_evidence[place] += change
+            log_evidence[place] = round(log_evidence[place] + change, _DIGITS)
     strongest = {name: _strongest(hypotheses, log_evidence, own) for name, own in of.items()}
     for weighed in beside:
         name = weighed.effect

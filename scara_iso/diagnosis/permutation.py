@@ -56,6 +56,7 @@ def order_test(
     emissions: Sequence[Emissions] = (),
     spreading: FloatArray | None = None,
     permutations: int = PERMUTATIONS,
+    enough: int = ENOUGH,
 ) -> OrderTest:
     """Return the test of the views' cycles against ``permutations`` of them.
 
@@ -63,9 +64,10 @@ def order_test(
     residuals whose scatter may change.
 
     Axes stay together: one order serves all. Exact at any level when the set's basis is the
-    constant pose; p is at least 1 / (permutations + 1). It ends with the ENOUGHth order whose
-    statistic is as large, the l-th say: p = ENOUGH / l, no less valid for that (Besag and
-    Clifford 1991), and below 0.05 just where all the orders would put it there.
+    constant pose; p is at least 1 / (permutations + 1). After ``enough`` orders whose
+    statistic is as large, the l-th the last of them, it ends: p = enough / l, no less valid for
+    that (Besag and Clifford 1991), and below 0.05 (ENOUGH) just where all the orders would put it
+    there.
     """
     observed = order_statistic(hypotheses, views, emissions, spreading)
     found: list[FloatArray] = []
@@ -73,14 +75,14 @@ def order_test(
     for orders in _drawn(rng, len(views.columns), permutations):
         beside = _beside(emissions, spreading, orders)
         for block in (slice(k, k + _BLOCK) for k in range(0, len(orders), _BLOCK)):
-            if reached < ENOUGH:
+            if reached < enough:
                 found.append(log_statistic(hypotheses, views, orders[block], beside[block]))
                 reached += int((found[-1] >= observed - _EQUAL).sum())
-        if reached >= ENOUGH:
+        if reached >= enough:
             break
     of_orders = np.concatenate(found)
     as_large = of_orders >= observed - _EQUAL
-    return OrderTest(observed, _p_value(as_large), not reached, of_orders)
+    return OrderTest(observed, _p_value(as_large, enough), not reached, of_orders)
 
 
 def _drawn(rng: np.random.Generator, n: int, count: int) -> Iterator[IntArray]:
@@ -130,10 +132,10 @@ def _beside(
     return evidence
 
 
-def _p_value(as_large: npt.NDArray[np.bool_]) -> float:
+def _p_value(as_large: npt.NDArray[np.bool_], enough: int) -> float:
     reached = np.flatnonzero(as_large)
-    if len(reached) >= ENOUGH:
-        return ENOUGH / float(reached[ENOUGH - 1] + 1)
+    if len(reached) >= enough:
+        return enough / float(reached[enough - 1] + 1)
     return (1 + len(reached)) / (1 + len(as_large))
 
 

@@ -30,17 +30,19 @@ from scara_iso.diagnosis.tuning import (
 from scara_iso.effects import Chain, Shape
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 _LARGEST = GAIN * AMPLITUDES[-1][0]
 _SCATTERS = 6
 _NEWTON = 5
-_SETTLED = 1e-9
+_SETTLED = 1e-6
 """Step, in scatters, from which no further one is taken."""
 _TINY = 1e-300
 _SAME = 1e-9
 _FEW = 2
-"""Columns of a shape; a random course has more, and is compared apart."""
+"""Columns of a shape; a random course has more."""
+_SOME = 8
+"""Columns of a smooth course; a rough one has one in nearly every cycle. Each is compared apart."""
 _NO_DIAL = 1e-4
 """Division, over the standard deviation, of readings that are not rounded."""
 _NEGLIGIBLE = 0.05 - 1e-9
@@ -151,10 +153,9 @@ def fitted_courses(
     unit = float(2 * half.max()) or _NO_DIAL * float(y.std())
     half = np.where(half > 0, half, unit / 2) / unit
     found = DialLikelihoods(*np.empty((3, len(courses), 2)))
-    for few in (True, False):
-        own = [i for i, course in enumerate(courses) if (len(course.variances) <= _FEW) == few]
-        if not own:
-            continue
+    sizes = np.searchsorted((_FEW, _SOME), [len(course.variances) for course in courses])
+    for size in np.unique(sizes):
+        own = np.flatnonzero(sizes == size)
         group = _Group.of([courses[i] for i in own], y / unit, half, basis)
         for family, (distribution, weight) in enumerate(_FAMILIES):
             s = group.scatters(least, heavy=family > 0)
@@ -171,7 +172,7 @@ def fitted_courses(
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Group:
-    """Courses of one width: design (c, n, p), prior variance of the last k columns (c, k)."""
+    """Courses of like width: design (c, n, p), prior variance of the last k columns (c, k)."""
 
     y: FloatArray
     half: FloatArray
@@ -225,23 +226,50 @@ class _Group:
         prior = np.zeros((*s.shape, self.design.shape[2]))
         prior[..., self.fixed :] = 1 / (self.variances[:, np.newaxis] * s[..., np.newaxis] ** 2)
         at = np.repeat(self.start()[:, np.newaxis], s.shape[1], axis=1)
-        turned = np.swapaxes(self.design, 1, 2)
+        least = np.empty_like(wide)
+        moving = np.arange(len(s))
         for _ in range(_NEWTON):
-            mean = at @ turned
-            _, slope, curvature = _reading(self.y, self.half, mean, wide, distribution)
-            least = 0.3 * weight((self.y - mean) / wide) / wide**2
-            information = self._information(np.maximum(curvature, least), prior)
-            step = np.linalg.solve(information, (slope @ self.design - prior * at)[..., np.newaxis])
-            at = at + step[..., 0]
-            if np.all(np.abs(step[..., 0]) < _SETTLED * s[..., np.newaxis]):
+            own = self._of(moving)
+            step, least[moving] = own.step(
+                at[moving], wide[moving], prior[moving], distribution, weight
+            )
+            at[moving] += step
+            settled = np.abs(step) < _SETTLED * s[moving, :, np.newaxis]
+            moving = moving[~settled.all(axis=(1, 2))]
+            if not len(moving):
                 break
-        log_p, _, curvature = _reading(self.y, self.half, at @ turned, wide, distribution)
+        log_p, _, curvature = _reading(self.y, self.half, self.mean(at), wide, distribution)
         information = self._information(np.maximum(curvature, self._floor(least, wide)), prior)
         likelihood = log_p.sum(axis=2)
         evidence = likelihood - (prior * at**2).sum(axis=2) / 2
         evidence += np.log(prior[..., self.fixed :]).sum(axis=2) / 2
         evidence -= np.linalg.slogdet(information)[1] / 2
         return evidence, likelihood
+
+    def _of(self, courses: IntArray) -> _Group:
+        """Return the group of some of its courses, by number."""
+        return replace(self, design=self.design[courses], variances=self.variances[courses],
+                       scale=self.scale[courses])  # fmt: skip
+
+    def mean(self, at: FloatArray) -> FloatArray:
+        """Return what coefficients (c, S, p) make of each reading, (c, S, n)."""
+        return np.asarray(at @ np.swapaxes(self.design, 1, 2))
+
+    def step(
+        self,
+        at: FloatArray,
+        wide: FloatArray,
+        prior: FloatArray,
+        distribution: Distribution,
+        weight: Callable[[FloatArray], FloatArray],
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return Newton's step (c, S, p) and the curvature that each reading is taken at least."""
+        mean = self.mean(at)
+        _, slope, curvature = _reading(self.y, self.half, mean, wide, distribution)
+        least = 0.3 * weight((self.y - mean) / wide) / wide**2
+        information = self._information(np.maximum(curvature, least), prior)
+        uphill = slope @ self.design - prior * at
+        return np.linalg.solve(information, uphill[..., np.newaxis])[..., 0], least
 
     def _floor(self, least: FloatArray, wide: FloatArray) -> FloatArray:
         """Return the curvature of a reading that is taken at least, ``least`` the one on the way.
@@ -254,22 +282,32 @@ class _Group:
         return least / 0.3 / (1 + (2 * self.half / wide) ** 2 / (2 * np.pi))
 
     def _information(self, curvature: FloatArray, prior: FloatArray) -> FloatArray:
+        c, n, p = self.design.shape
+        diagonal = prior[..., np.newaxis] * np.eye(p)
+        if self.variances.shape[1] <= _SOME:
+            products = self.design[:, :, :, np.newaxis] * self.design[:, :, np.newaxis]
+            return np.asarray(
+                (curvature @ products.reshape(c, n, p * p)).reshape(diagonal.shape) + diagonal
+            )
         turned = np.swapaxes(self.design, 1, 2)[:, np.newaxis]
-        information = (turned * curvature[:, :, np.newaxis]) @ self.design[:, np.newaxis]
-        return np.asarray(information + prior[..., np.newaxis] * np.eye(prior.shape[-1]))
+        return np.asarray(
+            (turned * curvature[:, :, np.newaxis]) @ self.design[:, np.newaxis] + diagonal
+        )
 
 
 def _reading(
     y: FloatArray, half: FloatArray, mean: FloatArray, wide: FloatArray, distribution: Distribution
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return log likelihood of each reading, its slope in the mean, and minus its curvature."""
-    a, b = (y - half - mean) / wide, (y + half - mean) / wide
+    centred = y - mean
+    a, b = (centred - half) / wide, (centred + half) / wide
     tail_a, fa, slope_a = distribution(a)
     tail_b, fb, slope_b = distribution(b)
     across = (a < 0) & (b > 0)
     p = np.maximum(np.where(across, 1 - tail_a - tail_b, np.abs(tail_a - tail_b)), _TINY)
-    slope = (fa - fb) / (p * wide)
-    return np.log(p), slope, slope**2 - (slope_b - slope_a) / (p * wide**2)
+    scale = p * wide
+    slope = (fa - fb) / scale
+    return np.log(p), slope, slope**2 - (slope_b - slope_a) / (scale * wide)
 
 
 def _gaussian(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -279,10 +317,11 @@ def _gaussian(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _student(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return Student's t with 4 degrees of freedom in closed form."""
-    u = 1 + x**2 / 4
-    root = np.abs(x) / np.sqrt(u)
-    density = 0.375 * u**-2.5
-    return 0.5 - 0.375 * root * (1 - root**2 / 12), density, -1.25 * x / u * density
+    u = 1 / (1 + x**2 / 4)
+    root = np.sqrt(u)
+    at = np.abs(x) * root
+    density = 0.375 * u**2 * root
+    return 0.5 - 0.375 * at * (1 - at**2 / 12), density, -1.25 * x * u * density
 
 
 def _even(x: FloatArray) -> FloatArray:

@@ -19,6 +19,8 @@ from scara_iso.diagnosis.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.tuning import (
+    ENOUGH,
+    ENOUGH_FURTHER,
     FEWEST_ON_A_LEVEL,
     FURTHER_LEVEL,
     GROSS,
@@ -155,7 +157,10 @@ def _tests(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
 ) -> Stage:
     hypotheses, views, emissions, spreading = in_order(problem, terms, left)
-    order = order_test(hypotheses, views, rng, emissions=emissions, spreading=spreading)
+    enough = ENOUGH_FURTHER if terms else ENOUGH
+    order = order_test(
+        hypotheses, views, rng, emissions=emissions, spreading=spreading, enough=enough
+    )
     decided = order.p_value / ORDER_SHARE * TWO_LEVELS_SHARE
     marginal = marginal_tests(left.values, problem.residual.division, rng, levels_below=decided)
     return Stage(order, marginal, None)

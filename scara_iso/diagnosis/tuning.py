@@ -41,6 +41,8 @@ is found in 5.1 % on average (one standard error 0.6)."""
 PERMUTATIONS = 999
 ENOUGH = 50
 """So many orders with as large a statistic settle that p is above 0.05, whatever follows."""
+ENOUGH_FURTHER = 10
+"""The same of FURTHER_LEVEL."""
 
 PERSISTENCE_SHARE = 0.08
 """Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
