@@ -28,8 +28,8 @@ from scara_iso.run import FloatArray, IntArray
 _EQUAL = 1e-9
 _AT_FIRST = 128
 """Most tables are decided after as many orders; what comes next is as many as all before."""
-_BLOCK = 32
-"""Orders compared at once: as many as leave the work in the processor's cache."""
+_COLUMNS = 288
+"""Views of orders compared at once: as many as leave the work in the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -71,10 +71,10 @@ def order_test(
     """
     observed = order_statistic(hypotheses, views, emissions, spreading)
     found: list[FloatArray] = []
-    reached = 0
+    reached, at_once = 0, max(1, _COLUMNS // views.columns.shape[1])
     for orders in _drawn(rng, len(views.columns), permutations):
         beside = _beside(emissions, spreading, orders)
-        for block in (slice(k, k + _BLOCK) for k in range(0, len(orders), _BLOCK)):
+        for block in (slice(k, k + at_once) for k in range(0, len(orders), at_once)):
             if reached < enough:
                 found.append(log_statistic(hypotheses, views, orders[block], beside[block]))
                 reached += int((found[-1] >= observed - _EQUAL).sum())

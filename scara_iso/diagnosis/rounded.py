@@ -35,8 +35,8 @@ from scara_iso.run import FloatArray, IntArray
 _LARGEST = GAIN * AMPLITUDES[-1][0]
 _SCATTERS = 6
 _NEWTON = 5
-_SETTLED = 1e-6
-"""Step, in scatters, from which no further one is taken."""
+_SETTLED = 1e-7
+"""Step, in scatters, from which the readings' likelihood is taken for that at the mode."""
 _TINY = 1e-300
 _SAME = 1e-9
 _FEW = 2
@@ -155,11 +155,12 @@ def fitted_courses(
     found = DialLikelihoods(*np.empty((3, len(courses), 2)))
     sizes = np.searchsorted((_FEW, _SOME), [len(course.variances) for course in courses])
     for size in np.unique(sizes):
-        own = np.flatnonzero(sizes == size)
+        own = np.flatnonzero(sizes == size).tolist()
         group = _Group.of([courses[i] for i in own], y / unit, half, basis)
+        start = group.start()
         for family, (distribution, weight) in enumerate(_FAMILIES):
-            s = group.scatters(least, heavy=family > 0)
-            evidence, likelihood = group.at(s, distribution, weight)
+            s = group.scatters(start, least, heavy=family > 0)
+            evidence, likelihood = group.at(start, s, distribution, weight)
             m = KNOWN_FROM - 1 if known else 0
             stated = -m * (np.log(s) + (known / unit / s) ** 2 / 2)
             apart = np.log(s[:, 1] / s[:, 0])
@@ -172,11 +173,15 @@ def fitted_courses(
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Group:
-    """Courses of like width: design (c, n, p), prior variance of the last k columns (c, k)."""
+    """Courses of like width: design (c, n, p), prior variance of the last k columns (c, k).
+
+    ``products`` (c, n, p p) are those of any two columns, none where these are many.
+    """
 
     y: FloatArray
     half: FloatArray
     design: FloatArray
+    products: FloatArray
     fixed: int
     variances: FloatArray
     scale: FloatArray
@@ -192,53 +197,70 @@ class _Group:
             columns[i, :, : len(course.variances)] = course.columns
             variances[i, : len(course.variances)] = course.variances
         shared = np.broadcast_to(basis, (len(courses), *basis.shape))
+        design = np.concatenate([shared, columns], axis=2)
+        few = design if width <= _SOME else design[:, :, :0]
         return cls(
             y,
             half,
-            np.concatenate([shared, columns], axis=2),
+            design,
+            (few[..., np.newaxis] * few[:, :, np.newaxis]).reshape(*columns.shape[:2], -1),
             basis.shape[1],
             variances,
             np.stack([course.scale for course in courses]),
         )
 
-    def scatters(self, least: float, *, heavy: bool) -> FloatArray:
+    def scatters(self, start: FloatArray, least: float, *, heavy: bool) -> FloatArray:
         """Return scatters to try, (courses, SCATTERS), about that of the Gaussian fit."""
-        left = self.y - np.einsum("cnp,cp->cn", self.design, self.start())
-        left = left / self.scale
+        left = (self.y - (self.design @ start[..., np.newaxis])[..., 0]) / self.scale
         squares = (left**2).sum(axis=1) / (len(self.y) - self.fixed)
         size = median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
         least = max(least, MISFIT * float(self.y.std()))
         low = np.maximum(0.45 * size, least)
         high = np.maximum(2.2 * size, 4 * least)
-        return np.asarray(np.geomspace(low, high, _SCATTERS, axis=1))
+        part = np.linspace(0, 1, _SCATTERS)
+        return np.asarray(low[:, np.newaxis] * (high / low)[:, np.newaxis] ** part)
 
     def start(self) -> FloatArray:
         """Return coefficients (c, p) for light tails and no dial."""
-        at = np.einsum("cnp,n->cp", self.design, self.y)
+        at = self.y @ self.design
         at[:, self.fixed :] *= self.variances / (1 + self.variances)
         return np.asarray(at)
 
     def at(
-        self, s: FloatArray, distribution: Distribution, weight: Callable[[FloatArray], FloatArray]
+        self,
+        start: FloatArray,
+        s: FloatArray,
+        distribution: Distribution,
+        weight: Callable[[FloatArray], FloatArray],
     ) -> tuple[FloatArray, FloatArray]:
-        """Return log evidence and log likelihood (c, S) for scatters s (c, S)."""
+        """Return log evidence and log likelihood (c, S) for scatters s (c, S).
+
+        Newton's steps begin at ``start`` (c, p); a course that has settled takes none further.
+        """
         wide = s[:, :, np.newaxis] * self.scale[:, np.newaxis]
         prior = np.zeros((*s.shape, self.design.shape[2]))
         prior[..., self.fixed :] = 1 / (self.variances[:, np.newaxis] * s[..., np.newaxis] ** 2)
-        at = np.repeat(self.start()[:, np.newaxis], s.shape[1], axis=1)
-        least = np.empty_like(wide)
-        moving = np.arange(len(s))
-        for _ in range(_NEWTON):
-            own = self._of(moving)
-            step, least[moving] = own.step(
-                at[moving], wide[moving], prior[moving], distribution, weight
+        at = np.repeat(start[:, np.newaxis], s.shape[1], axis=1)
+        log_p, curvature, least = np.empty((3, *wide.shape))
+        moving: slice | IntArray = slice(None)
+        for steps in range(_NEWTON + 1):
+            own, scatter = self._of(moving), wide[moving]
+            left = self.y - at[moving] @ np.swapaxes(own.design, 1, 2)
+            log_p[moving], slope, curvature[moving] = _reading(
+                left, self.half, scatter, distribution
             )
+            if steps == _NEWTON:
+                break
+            least[moving] = 0.3 * weight(left / scatter) / scatter**2
+            weighed = np.maximum(curvature[moving], least[moving])
+            step = own.step(at[moving], slope, weighed, prior[moving])
             at[moving] += step
             settled = np.abs(step) < _SETTLED * s[moving, :, np.newaxis]
-            moving = moving[~settled.all(axis=(1, 2))]
-            if not len(moving):
+            still = ~settled.all(axis=(1, 2))
+            if not still.any():
                 break
-        log_p, _, curvature = _reading(self.y, self.half, self.mean(at), wide, distribution)
+            if not still.all():
+                moving = np.arange(len(s))[moving][still]
         information = self._information(np.maximum(curvature, self._floor(least, wide)), prior)
         likelihood = log_p.sum(axis=2)
         evidence = likelihood - (prior * at**2).sum(axis=2) / 2
@@ -246,30 +268,23 @@ class _Group:
         evidence -= np.linalg.slogdet(information)[1] / 2
         return evidence, likelihood
 
-    def _of(self, courses: IntArray) -> _Group:
+    def _of(self, courses: slice | IntArray) -> _Group:
         """Return the group of some of its courses, by number."""
-        return replace(self, design=self.design[courses], variances=self.variances[courses],
-                       scale=self.scale[courses])  # fmt: skip
-
-    def mean(self, at: FloatArray) -> FloatArray:
-        """Return what coefficients (c, S, p) make of each reading, (c, S, n)."""
-        return np.asarray(at @ np.swapaxes(self.design, 1, 2))
+        return replace(
+            self,
+            design=self.design[courses],
+            products=self.products[courses],
+            variances=self.variances[courses],
+            scale=self.scale[courses],
+        )
 
     def step(
-        self,
-        at: FloatArray,
-        wide: FloatArray,
-        prior: FloatArray,
-        distribution: Distribution,
-        weight: Callable[[FloatArray], FloatArray],
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return Newton's step (c, S, p) and the curvature that each reading is taken at least."""
-        mean = self.mean(at)
-        _, slope, curvature = _reading(self.y, self.half, mean, wide, distribution)
-        least = 0.3 * weight((self.y - mean) / wide) / wide**2
-        information = self._information(np.maximum(curvature, least), prior)
+        self, at: FloatArray, slope: FloatArray, curvature: FloatArray, prior: FloatArray
+    ) -> FloatArray:
+        """Return Newton's step (c, S, p) by the readings' slope and curvature (c, S, n)."""
+        information = self._information(curvature, prior)
         uphill = slope @ self.design - prior * at
-        return np.linalg.solve(information, uphill[..., np.newaxis])[..., 0], least
+        return np.asarray(np.linalg.solve(information, uphill[..., np.newaxis])[..., 0])
 
     def _floor(self, least: FloatArray, wide: FloatArray) -> FloatArray:
         """Return the curvature of a reading that is taken at least, ``least`` the one on the way.
@@ -282,25 +297,22 @@ class _Group:
         return least / 0.3 / (1 + (2 * self.half / wide) ** 2 / (2 * np.pi))
 
     def _information(self, curvature: FloatArray, prior: FloatArray) -> FloatArray:
-        c, n, p = self.design.shape
-        diagonal = prior[..., np.newaxis] * np.eye(p)
-        if self.variances.shape[1] <= _SOME:
-            products = self.design[:, :, :, np.newaxis] * self.design[:, :, np.newaxis]
-            return np.asarray(
-                (curvature @ products.reshape(c, n, p * p)).reshape(diagonal.shape) + diagonal
-            )
-        turned = np.swapaxes(self.design, 1, 2)[:, np.newaxis]
-        return np.asarray(
-            (turned * curvature[:, :, np.newaxis]) @ self.design[:, np.newaxis] + diagonal
-        )
+        if self.products.size:
+            information = (curvature @ self.products).reshape(*prior.shape, -1)
+        else:
+            turned = np.swapaxes(self.design, 1, 2)[:, np.newaxis]
+            information = (turned * curvature[:, :, np.newaxis]) @ self.design[:, np.newaxis]
+        return np.asarray(information + prior[..., np.newaxis] * np.eye(prior.shape[-1]))
 
 
 def _reading(
-    y: FloatArray, half: FloatArray, mean: FloatArray, wide: FloatArray, distribution: Distribution
+    left: FloatArray, half: FloatArray, wide: FloatArray, distribution: Distribution
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return log likelihood of each reading, its slope in the mean, and minus its curvature."""
-    centred = y - mean
-    a, b = (centred - half) / wide, (centred + half) / wide
+    """Return log likelihood of each reading, its slope in the mean, and minus its curvature.
+
+    ``left`` is how far it is from the mean, ``wide`` its scatter.
+    """
+    a, b = (left - half) / wide, (left + half) / wide
     tail_a, fa, slope_a = distribution(a)
     tail_b, fb, slope_b = distribution(b)
     across = (a < 0) & (b > 0)
