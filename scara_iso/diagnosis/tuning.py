@@ -167,6 +167,9 @@ PASSAGE_WEIGHT = 0.4
 LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
 """Weight of courses of three and of four levels."""
 
+BEST_LEVELS_SHARE = 0.25
+"""Share of that weight for the best of all such courses (undeclared.py: doors and loads)."""
+
 # what a dial shows
 
 NEIGHBOURS = 2.5
