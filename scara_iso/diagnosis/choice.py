@@ -19,7 +19,7 @@ from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.on_dial import DialReadings, on_dial
 from scara_iso.diagnosis.rounded import DialCourse, course_beside
-from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNSURE
+from scara_iso.diagnosis.tuning import AMPLITUDES, RIGHT_OF_STATED, RIVAL, SHARPNESS, UNSURE
 from scara_iso.diagnosis.two_state import TwoLevels, between_levels, can_show_two
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
@@ -116,6 +116,7 @@ def choose(
         best = max(probability, key=probability.__getitem__)
         if probability[best] > UNSURE:
             probability = beside_near_rivals(probability, seen.near(best))
+    probability = as_often_right(probability)
     forms = {name: weighed.form for name, weighed in strongest.items()}
     return Choice(probability, forms, changed)
 
@@ -141,6 +142,18 @@ def beside_near_rivals(
     whole = sum(others.values())
     sure = min(UNSURE, probability[best] / (probability[best] + whole))
     return {best: sure, **{name: p * (1 - sure) / whole for name, p in others.items()}}
+
+
+def as_often_right(probability: Mapping[str, float]) -> dict[str, float]:
+    """Return probabilities of which the largest is as large as it has been right: RIGHT_OF_STATED.
+
+    The others share what is left as before.
+    """
+    best = max(probability, key=probability.__getitem__)
+    p = probability[best]
+    right = float(np.interp(p, *np.transpose(RIGHT_OF_STATED)))
+    left = (1 - right) / (1 - p) if p < 1 else 1.0
+    return {name: right if name == best else left * q for name, q in probability.items()}
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:
