@@ -116,7 +116,7 @@ def choose(
         best = max(probability, key=probability.__getitem__)
         if probability[best] > UNSURE:
             probability = beside_near_rivals(probability, seen.near(best))
-    probability = as_often_right(probability)
+        probability = as_often_right(probability)
     forms = {name: weighed.form for name, weighed in strongest.items()}
     return Choice(probability, forms, changed)
 
