@@ -33,6 +33,7 @@ from scara_iso.diagnosis.tuning import (
     MUCH_ROUNDING,
     SAME_SCATTER,
     SEED,
+    UNKNOWN,
 )
 from scara_iso.diagnosis.unseen import of_other_half, of_second_run
 from scara_iso.diagnosis.verdict import Rival, Verdict
@@ -133,7 +134,9 @@ def diagnose_problem(
         _named(problem.residual, median(drawn)),
     )
     if diagnosis.verdict is Verdict.UNEXPLAINED:
-        courses_left = tuple(courses_of(problem.residual, fitted, rng))
+        last = stages[-1].choice
+        form = last.forms.get(UNKNOWN) if last and last.best == UNKNOWN else None
+        courses_left = tuple(courses_of(problem.residual, fitted, form, rng))
         diagnosis = replace(diagnosis, courses=courses_left)
     return Solved(diagnosis, fitted)
 
