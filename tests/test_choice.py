@@ -8,8 +8,6 @@ from scara_iso.diagnosis import choice as module
 from scara_iso.diagnosis.choice import (
     Choice,
     Weighed,
-    as_often_right,
-    beside_near_rivals,
     choose,
     posterior,
     two_states,
@@ -17,6 +15,7 @@ from scara_iso.diagnosis.choice import (
 from scara_iso.diagnosis.evidence import Views, joint_evidence, views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import build, constant
+from scara_iso.diagnosis.stated import as_often_right, beside_near_rivals
 from scara_iso.diagnosis.tuning import AMPLITUDES, SHARPNESS, UNSURE
 from scara_iso.diagnosis.two_state import two_levels
 from scara_iso.effects import Chain, Process, Shape

@@ -43,7 +43,7 @@ def test_levels_in_words():
     said = levels_in_words(y - y.mean(), behind, CYCLE)
     assert (
         said
-        == "has 4 levels: +0.02 from cycle 8 on, -0.049 from cycle 16 on, +0.036 from cycle 26 on"
+        == "has 4 levels: +0.02 from cycle 8 on, -0.05 from cycle 16 on, +0.034 from cycle 26 on"
     )
     scatter = np.random.default_rng(2).normal(size=30)
     assert levels_in_words(scatter, behind, CYCLE) == ""
