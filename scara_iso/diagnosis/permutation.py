@@ -19,7 +19,13 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import Views, log_bayes, mean_evidence
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.persistence import Emissions
-from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE, WIDENING_SHARE
+from scara_iso.diagnosis.tuning import (
+    ENOUGH,
+    ENOUGH_FURTHER,
+    PERMUTATIONS,
+    PERSISTENCE_SHARE,
+    WIDENING_SHARE,
+)
 from scara_iso.diagnosis.widening import widening
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import quantiles
@@ -56,7 +62,7 @@ def order_test(
     emissions: Sequence[Emissions] = (),
     spreading: FloatArray | None = None,
     permutations: int = PERMUTATIONS,
-    enough: int = ENOUGH,
+    further: bool = False,
 ) -> OrderTest:
     """Return the test of the views' cycles against ``permutations`` of them.
 
@@ -64,12 +70,13 @@ def order_test(
     residuals whose scatter may change.
 
     Axes stay together: one order serves all. Exact at any level when the set's basis is the
-    constant pose; p is at least 1 / (permutations + 1). After ``enough`` orders whose
-    statistic is as large, the l-th the last of them, it ends: p = enough / l, no less valid for
-    that (Besag and Clifford 1991), and below 0.05 (ENOUGH) just where all the orders would put it
-    there.
+    constant pose; p is at least 1 / (permutations + 1). It ends with the ENOUGHth order whose
+    statistic is as large, the l-th say: p = ENOUGH / l, no less valid for that (Besag and
+    Clifford 1991), and below 0.05 just where all the orders would put it there. Of a ``further``
+    effect ENOUGH_FURTHER are enough.
     """
     observed = order_statistic(hypotheses, views, emissions, spreading)
+    enough = ENOUGH_FURTHER if further else ENOUGH
     found: list[FloatArray] = []
     reached, at_once = 0, max(1, _COLUMNS // views.columns.shape[1])
     for orders in _drawn(rng, len(views.columns), permutations):

@@ -20,8 +20,6 @@ from scara_iso.diagnosis.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.tuning import (
-    ENOUGH,
-    ENOUGH_FURTHER,
     FEWEST_ON_A_LEVEL,
     FURTHER_LEVEL,
     GROSS,
@@ -158,9 +156,8 @@ def _tests(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
 ) -> Stage:
     hypotheses, views, emissions, spreading = in_order(problem, terms, left)
-    enough = ENOUGH_FURTHER if terms else ENOUGH
     order = order_test(
-        hypotheses, views, rng, emissions=emissions, spreading=spreading, enough=enough
+        hypotheses, views, rng, emissions=emissions, spreading=spreading, further=bool(terms)
     )
     decided = order.p_value / ORDER_SHARE * TWO_LEVELS_SHARE
     marginal = marginal_tests(left.values, problem.residual.division, rng, levels_below=decided)
@@ -222,16 +219,12 @@ def _only_misfit(problem: SearchProblem, terms: Sequence[Term], left: Remainder)
 
     Such a remainder is no effect of its own, though it has an order.
     """
-    if not terms or not all(_is_rough(problem, term) for term in terms):
+    effects = [problem.effects.get(term.effect) for term in terms]
+    if not terms or not all(effect is not None and effect.smooth for effect in effects):
         return False
     values = problem.residual.values[left.rows]
     whole = np.linalg.norm(values - values.mean(axis=0), axis=0)
     return bool(np.all(np.linalg.norm(left.values, axis=0) < MISFIT * whole))
-
-
-def _is_rough(problem: SearchProblem, term: Term) -> bool:
-    effect = problem.effects.get(term.effect)
-    return effect is not None and effect.smooth
 
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissions]:
