@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
+from functools import cached_property
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -19,8 +20,8 @@ from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.on_dial import DialReadings, on_dial
 from scara_iso.diagnosis.rounded import DialCourse, course_beside
-from scara_iso.diagnosis.stated import as_often_right, beside_near_rivals
-from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNSURE
+from scara_iso.diagnosis.stated import Near, stated
+from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS
 from scara_iso.diagnosis.two_state import TwoLevels, between_levels, can_show_two
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
@@ -33,7 +34,7 @@ _TINY = 1e-300
 _DIGITS = 9
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Choice(Generic[AnyForm]):
     """Posterior probability of every effect, given that there is one; the unknown is one of them.
 
@@ -41,15 +42,22 @@ class Choice(Generic[AnyForm]):
     states as the course that they took.
     """
 
-    probability: Mapping[str, float]
+    posterior: Mapping[str, float]
     forms: Mapping[str, AnyForm]
     log_change: Mapping[str, float] = field(default_factory=dict)
     """What dial and tails changed in each effect's evidence."""
+    near: Near | None = None
+    """As in `stated`; None where the posterior is stated as it is."""
 
     @property
     def best(self) -> str:
         """Name of the likeliest effect, or UNKNOWN."""
-        return max(self.probability, key=self.probability.__getitem__)
+        return max(self.posterior, key=self.posterior.__getitem__)
+
+    @cached_property
+    def probability(self) -> Mapping[str, float]:
+        """What is stated of the posterior, sought when it is asked for: the name is the same."""
+        return self.posterior if self.near is None else stated(self.posterior, self.near)
 
     @property
     def ranked(self) -> tuple[Rival, ...]:
@@ -111,13 +119,8 @@ def choose(
         if name not in strongest or weighed.evidence > strongest[name].evidence:
             strongest[name] = weighed
     probability = {name: p for name, p in _posterior(total, SHARPNESS).items() if p > 0}
-    if seen:
-        best = max(probability, key=probability.__getitem__)
-        if probability[best] > UNSURE:
-            probability = beside_near_rivals(probability, seen.near(best))
-        probability = as_often_right(probability)
     forms = {name: weighed.form for name, weighed in strongest.items()}
-    return Choice(probability, forms, changed)
+    return Choice(probability, forms, changed, seen.near if seen else None)
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -10,6 +10,18 @@ from scara_iso.diagnosis.tuning import RIGHT_OF_STATED, RIVAL, UNSURE
 
 _SAID = 1.001 * RIVAL
 """Share that no rounding of numbers takes below RIVAL."""
+
+
+Near = Callable[[str], Mapping[str, float]]
+"""Effects near the named one in BIC, and by how much they are behind."""
+
+
+def stated(posterior: Mapping[str, float], near: Near) -> dict[str, float]:
+    """Return what is stated of a posterior: the likeliest effect stays that."""
+    best = max(posterior, key=posterior.__getitem__)
+    if posterior[best] > UNSURE:
+        posterior = beside_near_rivals(posterior, near(best))
+    return as_often_right(posterior)
 
 
 def beside_near_rivals(
