@@ -20,7 +20,7 @@ from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.on_dial import DialReadings, on_dial
 from scara_iso.diagnosis.rounded import DialCourse, course_beside
-from scara_iso.diagnosis.stated import Near, stated
+from scara_iso.diagnosis.stated import Near, as_stated
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS
 from scara_iso.diagnosis.two_state import TwoLevels, between_levels, can_show_two
 from scara_iso.diagnosis.verdict import Rival
@@ -47,7 +47,7 @@ class Choice(Generic[AnyForm]):
     log_change: Mapping[str, float] = field(default_factory=dict)
     """What dial and tails changed in each effect's evidence."""
     near: Near | None = None
-    """As in `stated`; None where the posterior is stated as it is."""
+    """As in `as_stated`; None where the posterior is stated as it is."""
 
     @property
     def best(self) -> str:
@@ -57,7 +57,7 @@ class Choice(Generic[AnyForm]):
     @cached_property
     def probability(self) -> Mapping[str, float]:
         """What is stated of the posterior, sought when it is asked for: the name is the same."""
-        return self.posterior if self.near is None else stated(self.posterior, self.near)
+        return self.posterior if self.near is None else as_stated(self.posterior, self.near)
 
     @property
     def ranked(self) -> tuple[Rival, ...]:

@@ -16,7 +16,7 @@ Near = Callable[[str], Mapping[str, float]]
 """Effects near the named one in BIC, and by how much they are behind."""
 
 
-def stated(posterior: Mapping[str, float], near: Near) -> dict[str, float]:
+def as_stated(posterior: Mapping[str, float], near: Near) -> dict[str, float]:
     """Return what is stated of a posterior: the likeliest effect stays that."""
     best = max(posterior, key=posterior.__getitem__)
     if posterior[best] > UNSURE:
