@@ -97,14 +97,16 @@ def _field(column: Column, layout: Layout, units: Mapping[str, str]) -> TableFie
 
 def _check_layout(layout: Layout, faults: Faults) -> None:
     if layout.width > COLUMNS:
-        faults.add(f"{layout.width} columns, more than {COLUMNS}", layout.header_line)
+        what = f"{layout.width} columns, more than {COLUMNS}"
+        faults.add(what, layout.header_line, remedy="leave the columns of the readings only")
     first: dict[tuple[Kind, str], Column] = {}
     for column in layout.columns:
         field = column.position + 1
         if column.kind in (Kind.NAMELESS, Kind.COMMENT):
             continue
         if layout.header[column.position].startswith(("=", "@")):
-            faults.add("a formula for a column's name", layout.header_line, field)
+            what = "a formula for a column's name"
+            faults.add(what, layout.header_line, field, remedy="write the name itself")
         covariate = column.kind in (Kind.TIMESTAMP, Kind.DIRECTION)
         kind = Kind.COVARIATE if covariate else column.kind
         name = "time_s" if column.kind is Kind.TIMESTAMP else column.name
@@ -138,6 +140,7 @@ def _check_covariates(columns: Columns, faults: Faults) -> None:
                 f"{column.name}: {quoted(unit)} behind a value, another unit above",
                 line,
                 column.position + 1,
+                remedy="write the unit once, in the column's name, and plain numbers below it",
             )
 
 
@@ -218,7 +221,12 @@ def _axis(
     with np.errstate(over="ignore"):
         readings = scale.unit.to_base(columns.numbers(column))
     for k in np.flatnonzero(~(np.abs(readings) <= FARTHEST)).tolist():
-        faults.add("a reading beyond any dial", int(lines[k]), column.position + 1)
+        faults.add(
+            f"a reading beyond any dial, in {scale.unit.name}",
+            int(lines[k]),
+            column.position + 1,
+            remedy="look for a slip of the decimal mark there, and whether the unit is true",
+        )
     stated = scale.resolution, scale.uncertainty, command
     return Axis(column.name, readings, scale.unit.dimension, *stated)
 
@@ -236,7 +244,10 @@ def _seconds(
     for line, stamp in zip(lines.tolist(), stamps, strict=True):
         if (stamp.tzinfo is None) != (start.tzinfo is None):
             faults.add(
-                "some times state their offset from UTC and some do not", line, column.position + 1
+                "some times state their offset from UTC and some do not",
+                line,
+                column.position + 1,
+                remedy="write all times with their offset, as +01:00, or all without",
             )
             return np.zeros(len(lines))
     metadata.setdefault("timestamp_start", start.isoformat())

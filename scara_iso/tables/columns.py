@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
 
@@ -33,6 +34,14 @@ _NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
 _LABEL = 64
 _REMARK = 24  # enough to tell the remarks of two poses apart
 _LARGEST = 2**53
+_POSE = "write the pose's name, such as P1, in each row, also for merged cells"
+_WHOLE = "write the cycle's number, 1 and up, in each row"
+_TIME = "write date and time as 2026-05-12T08:30:00 in each row, or call the column comment"
+_READING = (
+    "write the reading as one number; where none was taken, remove the row and say `allow_gaps=`"
+)
+_FORMULA = f"{_READING}; a formula has its result once a spreadsheet has saved the workbook"
+_DATE = "the spreadsheet took the reading for a date: set the cell's format to Text and retype it"
 
 
 class Columns:
@@ -164,13 +173,19 @@ class Columns:
         number = parse_cell(cell, self.decimal)
         strange = _is_sized(column) and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
-            besides = column.kind is Kind.COVARIATE
-            remedy = "remove the column, or call it comment" if besides else ""
-            self.faults.add(_not_a_number(cell), line, column.position + 1, remedy=remedy)
+            self._fault(column, _not_a_number(cell), line, remedy=self._remedy(column, cell))
             return 0.0
         self._note_mark(column, number, cell, line)
         self._note_unit(column, number.unit, line)
         return number.value
+
+    def _remedy(self, column: Column, cell: str) -> str:
+        """Return what to do about a cell that should hold a number."""
+        if column.kind is Kind.COVARIATE:
+            return "remove the column, or call it comment"
+        if self.faults.sheet and _ISO_DATE.match(cell.strip(BLANKS)):
+            return _DATE
+        return _FORMULA if self.faults.sheet and not cell.strip(BLANKS) else _READING
 
     def _note_mark(self, column: Column, number: CellNumber, cell: str, line: int) -> None:
         if number.mark is not Mark.NONE:
@@ -190,7 +205,8 @@ class Columns:
                 value = number.value
                 self._note_mark(column, number, cell, line)
         if not _are_counts(np.array([value])):
-            self._fault(column, f"{_text(cell)} is not a cycle number", line)
+            what = f"{_text(cell)} is not a cycle number"
+            self._fault(column, what, line, remedy=_WHOLE)
             return 0.0
         return value
 
@@ -198,8 +214,7 @@ class Columns:
         label = f"{cell:.15g}" if isinstance(cell, float) else cell.strip(BLANKS)
         fault = _label_fault(label)
         if fault:
-            remedy = "" if label else "write the pose's name in each row, also for merged cells"
-            self._fault(column, f"{_text(cell)} {fault}", line, remedy=remedy)
+            self._fault(column, f"{_text(cell)} {fault}", line, remedy=_POSE)
             return ""
         return label[1:] if label[:1] == "'" and label[1:2] in _ESCAPED else label
 
@@ -207,13 +222,14 @@ class Columns:
         direction = read_direction(cell) if isinstance(cell, str) else None
         if direction is None:
             what = f"{_text(cell)} is not a direction of approach (+x to -z) as those above it are"
-            self._fault(column, what, line)
+            self._fault(column, what, line, remedy="write +x, -y and the like in each row")
         return direction or ""
 
     def _stamp(self, column: Column, cell: Cell, line: int) -> datetime | None:
         stamp = read_timestamp(cell) if isinstance(cell, str) else None
         if stamp is None:
-            self._fault(column, f"{_text(cell)} is not an ISO 8601 time", line)
+            what = f"{_text(cell)} is not an ISO 8601 time"
+            self._fault(column, what, line, remedy=_TIME)
         return stamp
 
     def _nameless(self, column: Column, cell: Cell, line: int) -> None:
@@ -222,9 +238,9 @@ class Columns:
         elif not isinstance(cell, str) or cell.strip(BLANKS):
             what = f"{_text(cell)} in a column without a name"
             remedy = "name the column in the header, or remove what is in it"
-            self.faults.add(what, line, column.position + 1, remedy=remedy)
+            self._fault(column, what, line, remedy=remedy)
 
-    def _fault(self, column: Column, message: str, line: int, *, remedy: str = "") -> None:
+    def _fault(self, column: Column, message: str, line: int, *, remedy: str) -> None:
         self.faults.add(message, line, column.position + 1, remedy=remedy)
 
     def numbers(self, column: Column) -> FloatArray:
@@ -245,6 +261,7 @@ class Columns:
 
 
 _ESCAPED = ("'", *FORMULA)
+_ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 
 
 def _clean_labels(kind: Kind, cells: Sequence[str]) -> npt.NDArray[np.str_] | None:

@@ -207,7 +207,8 @@ def _check_end(
 def _check_length(first: int, lines: list[str], faults: Faults) -> None:
     for line, text in enumerate(lines, first):
         if len(text) > LINE_LIMIT:
-            faults.add(f"a line of {len(text)} characters", line)
+            what = f"a line of {len(text)} characters, more than {LINE_LIMIT}"
+            faults.add(what, line, remedy="end each row with a line end, and leave texts out")
 
 
 def _understand(
