@@ -12,7 +12,8 @@ from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, listed, quoted, refuse, together
 from scara_iso.tables.layout import HEAD, Layout, find_layout
-from scara_iso.tables.parts import PosePart, merge, pose_in
+from scara_iso.tables.parts import PosePart, merge
+from scara_iso.tables.pose_names import pose_in
 from scara_iso.tables.positions import check_header, place_columns, suggest_columns
 from scara_iso.tables.text import Row
 
