@@ -20,6 +20,7 @@ _BARE_KEY = re.compile(rf"{_FIRST}[:=]")
 _IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?!(?<=\d):\d)[:=](?![\\/]) ?(.*)")
 """A key and its value in one cell: no time of day, no path and no address."""
 _LONGEST_KEY = 61
+_PARTED = re.compile("[0-9]+,[0-9]")
 _WIDE = re.compile(r"\s{2,}|\t")
 
 
@@ -92,7 +93,7 @@ def read_statements(row: Row) -> list[tuple[str, str]]:
         return [_normal(cells[0].strip("#:= "), cells[1])]
     words = " ".join(cells) == clean(row.text)
     pieces = _WIDE.split(row.text) if words else cells
-    found = [] if is_comment(row.text) else _beside_each_other(pieces)
+    found = [] if is_comment(row.text) else _beside_each_other(pieces, row.text)
     if len(found) > 1 or (len(cells) > 1 and not words and not is_comment(row.text)):
         return found
     mark = re.search("[:=：]", text := row.text.lstrip("# "))
@@ -106,7 +107,7 @@ def _begins_another(cell: str) -> bool:
     return _BARE_KEY.fullmatch(cell) is not None or _own_size(cell) is not None
 
 
-def _beside_each_other(cells: Sequence[str]) -> list[tuple[str, str]]:
+def _beside_each_other(cells: Sequence[str], text: str) -> list[tuple[str, str]]:
     """Return the statements of cells; what follows a key up to the next is its value.
 
     Words in front of the first are a title; numbers there make it no row of statements.
@@ -122,11 +123,16 @@ def _beside_each_other(cells: Sequence[str]) -> list[tuple[str, str]]:
             found[-1][1].append(cell)
         elif parse_cell(cell):
             return []
-    return [_normal(key, _as_one(values)) for key, values in found]
+    return [_normal(key, _as_one(values, text)) for key, values in found]
 
 
-def _as_one(values: Sequence[str]) -> str:
-    """Return cells as one value: words with commas, a number and its unit with a blank."""
+def _as_one(values: Sequence[str], text: str) -> str:
+    """Return cells as one value: words with commas, a number and its unit with a blank.
+
+    A decimal comma of the row's ``text`` has parted no cells.
+    """
+    if len(values) == 2 and _PARTED.match(whole := ",".join(values)) and whole in text:
+        return whole
     number_and_unit = len(values) == 2 and parse_cell(values[0]) and read_unit(values[1])
     return (" " if number_and_unit else ", ").join(values)
 

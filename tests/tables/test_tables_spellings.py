@@ -48,6 +48,7 @@ SPELLINGS = {
     "unit behind": Spelling(unit_place="behind"),
     "unit behind, aligned": Spelling(unit_place="behind", delimiter=" ", mark=","),
     "bare preamble": Spelling(preamble="bare"),
+    "bare preamble, decimal comma in quotes": Spelling(preamble="bare", mark=",", quoted=True),
     "preamble in cells": replace(SEMICOLON, preamble="cells"),
     "sep=": replace(SEMICOLON, sep_line=True),
     "sep= in UTF-16": replace(SEMICOLON, sep_line=True, encoding="utf-16", end="\r\n"),
