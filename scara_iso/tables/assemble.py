@@ -10,6 +10,7 @@ import numpy as np
 from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
+from scara_iso.quantities import Dimension
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
@@ -17,7 +18,7 @@ from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout
 from scara_iso.tables.marks import check_marks
-from scara_iso.tables.names import Column, Kind
+from scara_iso.tables.names import Column, Kind, unit_in
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
 from scara_iso.tables.statements import Scale, is_of_axes, read_scales
@@ -64,6 +65,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
     notes += [f"{_column(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
+    notes += _said_sizes(layout)
     notes += columns.beside[:_NOTES] + body.notes
     understood = "; ".join(
         part
@@ -86,6 +88,18 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
 
 def _column(layout: Layout, column: Column) -> str:
     return f"column {column.position + 1} {quoted(layout.header[column.position])}"
+
+
+def _said_sizes(layout: Layout) -> Iterator[str]:
+    """Name each length or angle that is taken for a covariate, and may be an axis by its name."""
+    for column in layout.of(Kind.COVARIATE):
+        unit = unit_in(layout.header[column.position])
+        if unit is not None:
+            axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
+            yield (
+                f"{_column(layout, column)} names no axis and is taken as a covariate; "
+                f"if it holds readings, call it {axis}"
+            )
 
 
 def _field(column: Column, layout: Layout, units: Mapping[str, str]) -> TableField:

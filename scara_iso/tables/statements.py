@@ -113,7 +113,8 @@ def _known_unit(text: str, what: str, line: int, column: int | None, faults: Fau
             f"{what}unknown unit {quoted(text)}",
             line,
             column,
-            remedy="write mm, um, inch, deg, rad, arcmin, or a scaled one as 0.01 mm",
+            remedy="write mm, um, inch, deg (a German Grad), rad, arcmin, or a scaled one as "
+            "0.01 mm",
         )
     return unit
 
