@@ -132,7 +132,7 @@ def _check_layout(layout: Layout, faults: Faults) -> None:
                 layout.header_line,
                 field,
                 remedy="leave one column for each axis and quantity; a block beside the first goes "
-                "below it",
+                "below it, and of several poses the columns are headed P1 X, P2 X",
             )
 
 

@@ -25,6 +25,8 @@ class Block:
 
     pose: str
     rows: list[Line]
+    place: str = "the name above it"
+    """What says whose pose it is."""
 
 
 @dataclass(frozen=True, slots=True)

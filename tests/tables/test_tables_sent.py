@@ -298,3 +298,50 @@ def test_the_line_to_sign_on_below_a_form_is_no_reading():
     run = read_table((FORM + "Datum:;01.03.2026;Unterschrift:;\n").encode(), unit="mm")
     assert len(run) == 2
     assert "'Datum:, 01.03.2026, Unterschri…' not used" in run.origin.notes[-1]
+
+
+WIDE = "Auflösung;1 µm\nNr.;{}\n" + "".join(
+    f"{k};50{k % 4};60{k % 3};70{k % 5};80{k % 2}\n" for k in range(1, 32)
+)
+
+
+@pytest.mark.parametrize(
+    ("heads", "order"),
+    [
+        ("P1 X [µm];P1 Y [µm];P2 X [µm];P2 Y [µm]", (500, 600, 700, 800)),
+        ("X P1 [µm];X P2 [µm];Y-P1 [µm];Y-P2 [µm]", (500, 700, 600, 800)),
+        ("Pose 1: X / µm;Punkt 2 Y (µm);P01_Y_um;P2 Achse X [µm]", (500, 700, 800, 600)),
+    ],
+)
+def test_headings_that_name_pose_and_axis_are_poses_in_any_order(heads, order):
+    run = read_table(WIDE.format(heads).encode(), decimal=",")
+    rows = dict(run.rows_by_pose())
+    found = [run.axes[axis].readings[rows[pose]] for pose in ("P1", "P2") for axis in "XY"]
+    assert [int(one.min() * 1000) // 10 * 10 for one in found] == list(order)
+    assert [len(one) for one in found] == [31] * 4
+    assert run.axes["X"].resolution == 0.001
+
+
+def test_a_pose_that_a_heading_names_once_is_no_table_of_poses():
+    with pytest.raises(DataError, match="no header that names an axis"):
+        read_table(WIDE.format("P1 X [µm];Kraft;Weg;Zeit").encode(), decimal=",")
+
+
+@pytest.mark.parametrize(
+    ("heads", "covariates"),
+    [
+        ("Temp (C);Last [kg]", ["temperature_C", "payload_kg"]),
+        ("Temperatur in °C;T [°C]", ["temperature_C", "T [°C]"]),
+        ("Temp (C);T (C)", ["Temp (C)", "T (C)"]),
+        ("Temperature (F);u", ["Temperature (F)", "u"]),
+    ],
+)
+def test_a_covariate_is_what_its_heading_means_where_no_other_is(heads, covariates):
+    run = read_table(WIDE.format(f"X [µm];Y [µm];{heads}").encode(), decimal=",")
+    assert list(run.covariates) == covariates
+
+
+def test_a_length_or_angle_that_names_no_axis_is_said():
+    run = read_table(WIDE.format("X [µm];Höhe [µm];Drehung [°];u").encode(), decimal=",")
+    said = [note for note in run.origin.notes if "names no axis" in note]
+    assert ["X, Y or Z" in said[0], "theta" in said[1], len(said)] == [True, True, 2]
