@@ -131,7 +131,9 @@ def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, flo
             raise UsageError(f"{option} {text!r} names no figure", remedy=remedy)
         value = _length(f"{option} {text!r}", number, remedy)
         if figure in sizes:
-            raise UsageError(f"{option} {text!r}: this figure has one already")
+            raise UsageError(
+                f"{option} {text!r}: this figure has one already", remedy="name each figure once"
+            )
         sizes[figure] = value
     return sizes
 

@@ -71,7 +71,11 @@ class TableOptions:
         folders = [one for one in several if isinstance(one, ConditionRun) or is_test_folder(one)]
         if not folders:
             if condition is not None:
-                raise UsageError("`condition=` is for the folder of a test", where=_path(tables))
+                raise UsageError(
+                    "`condition=` is for the folder of a test",
+                    where=_path(tables),
+                    remedy="leave it out",
+                )
             return None
         if len(several) > 1:  # of a folder, what is struck is no table
             raise UsageError(
@@ -183,6 +187,8 @@ def every(tables: Sequence[One], work: Callable[[One], Other], of: str) -> list[
     for table in tables:
         try:
             found.append(work(table))
+        except UsageError:  # an option's fault, and not a table's
+            raise
         except ScaraIsoError as error:
             errors.append(error)
     if errors:

@@ -99,7 +99,7 @@ def _analyses(
             raise
         except ScaraIsoError as error:
             name = str(table) if isinstance(table, str | Path) else f"table {k}"
-            if isinstance(error, NoInputError) and not Path(name).exists():
+            if isinstance(error, NoInputError) and not Path(name).is_file():
                 raise
             failed.append((name, error.what))
     return found, failed
