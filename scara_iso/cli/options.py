@@ -13,7 +13,7 @@ from scara_iso.errors import UsageError
 from scara_iso.iso9283 import DecisionRule
 
 NOT_WITHIN_LIMITS = 1
-_LIMIT_REMEDY = "write --limit 0.02 for every length, or --limit XY=0.02"
+_LIMIT_REMEDY = "write it in mm: --limit 0.02 for every length, or --limit XY=0.02"
 
 Table = Annotated[
     str,
