@@ -19,6 +19,7 @@ from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.on_dial import DialReadings, on_dial
 from scara_iso.diagnosis.rounded import DialCourse, course_beside
+from scara_iso.diagnosis.stated import as_often_right, beside_near_rivals
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNSURE
 from scara_iso.diagnosis.two_state import TwoLevels, between_levels, can_show_two
 from scara_iso.diagnosis.verdict import Rival
@@ -30,8 +31,6 @@ AnyForm = TypeVar("AnyForm")
 
 _TINY = 1e-300
 _DIGITS = 9
-_SAID = 1.001 * RIVAL
-"""Share that no rounding of numbers takes below RIVAL."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -116,31 +115,9 @@ def choose(
         best = max(probability, key=probability.__getitem__)
         if probability[best] > UNSURE:
             probability = beside_near_rivals(probability, seen.near(best))
+        probability = as_often_right(probability)
     forms = {name: weighed.form for name, weighed in strongest.items()}
     return Choice(probability, forms, changed)
-
-
-def beside_near_rivals(
-    probability: Mapping[str, float], near: Mapping[str, float]
-) -> dict[str, float]:
-    """Return probabilities of which none is above UNSURE while another effect is near in BIC.
-
-    The nearest becomes a rival, at least RIVAL times as likely as the best; those farther, by the
-    differences ``near``, exp(-difference / 2) times that.
-    """
-    best = max(probability, key=probability.__getitem__)
-    if probability[best] <= UNSURE or not near:
-        return dict(probability)
-    nearest = min(near.values())
-    least = {name: _SAID * float(np.exp((nearest - d) / 2)) for name, d in near.items()}
-    others = {
-        name: max(probability.get(name, 0.0), least.get(name, 0.0) * probability[best])
-        for name in {**probability, **least}
-        if name != best
-    }
-    whole = sum(others.values())
-    sure = min(UNSURE, probability[best] / (probability[best] + whole))
-    return {best: sure, **{name: p * (1 - sure) / whole for name, p in others.items()}}
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:
