@@ -18,7 +18,7 @@ from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout
 from scara_iso.tables.marks import check_marks
-from scara_iso.tables.names import Column, Kind, unit_in
+from scara_iso.tables.names import Column, Kind, unit_behind
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
 from scara_iso.tables.statements import Scale, is_of_axes, read_scales
@@ -93,7 +93,7 @@ def _column(layout: Layout, column: Column) -> str:
 def _said_sizes(layout: Layout) -> Iterator[str]:
     """Name each length or angle that is taken for a covariate, and may be an axis by its name."""
     for column in layout.of(Kind.COVARIATE):
-        unit = unit_in(layout.header[column.position])
+        unit = unit_behind(layout.header[column.position])
         if unit is not None:
             axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
             yield (

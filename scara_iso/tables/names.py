@@ -115,7 +115,7 @@ _PLAIN = str.maketrans(
 )
 
 
-def unit_in(text: str) -> Unit | None:
+def unit_behind(text: str) -> Unit | None:
     """Return the unit in brackets behind a name, None without one that is known."""
     match = _SPLITS[0].fullmatch(clean(text)) if len(text) <= LONGEST_NAME else None
     return read_unit(match[2]) if match else None
