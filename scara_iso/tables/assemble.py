@@ -50,7 +50,8 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     faults, layout = columns.faults, columns.layout
     statements, notes = read_preamble(rows, layout.header_line, faults)
     _check_layout(layout, faults)
-    check_marks(columns, options.decimal, faults)
+    sizes = [stated.value for key, stated in statements.items() if is_of_axes(key)]
+    check_marks(columns, options.decimal, faults, sizes)
     _check_covariates(columns, faults)
     body.check_blocks()
     lines = columns.all_lines()

@@ -286,4 +286,4 @@ def _split_each(
 def _said(columns: Columns, decimal: str | None) -> str:
     if decimal is not None:
         return "decimal comma as asked" if decimal == "," else "decimal point as asked"
-    return "decimal comma" if columns.marks.keys() & {Mark.COMMA} else "decimal point"
+    return "decimal comma" if columns.marks.keys() & {Mark.COMMA, Mark.EITHER} else "decimal point"

@@ -345,3 +345,15 @@ def test_a_length_or_angle_that_names_no_axis_is_said():
     run = read_table(WIDE.format("X [µm];Höhe [µm];Drehung [°];u").encode(), decimal=",")
     said = [note for note in run.origin.notes if "names no axis" in note]
     assert ["X, Y or Z" in said[0], "theta" in said[1], len(said)] == [True, True, 2]
+
+
+ONES = "Nr.;X [mm]\n" + "".join(f"{k};1,50{k % 4}\n" for k in range(1, 32))
+
+
+def test_a_stated_resolution_with_a_decimal_comma_says_what_commas_are():
+    run = read_table(f"Auflösung;0,001 mm\n{ONES}".encode())
+    assert run.axes["X"].readings.max() == 1.503
+    assert "decimal comma" in run.origin.understood
+    for head in ("", "# resolution: 0.001\n", "Auflösung;1 µm\n", "Prüfer: 0,5\n"):
+        with pytest.raises(DataError, match="could have a decimal comma or group"):
+            read_table((head + ONES).encode())
