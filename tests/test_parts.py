@@ -427,3 +427,13 @@ def test_tables_of_which_none_names_a_pose_are_no_poses_and_say_what_else_to_do(
     assert "R2.csv and" in found
     assert "scara-iso history" in found
     assert "'R1'" not in found
+
+
+def test_many_tables_say_each_what_to_do_with_it(tmp_path):
+    """One line of advice for all of them would not say which is for which."""
+    for k, broken in enumerate((b"", b"%PDF", b"X;Y\n0,1;0,2\n", b"# unit: mm\nX,Y\n0.1,a\n"), 1):
+        (tmp_path / f"P{k}.csv").write_bytes(broken)
+    found = refused(tmp_path).splitlines()
+    assert found[-1].strip() == "do with each table what is said below it"
+    for k, todo in enumerate(("header row", "into a spreadsheet", "`unit=mm`", "one number"), 1):
+        assert any(f"P{k}.csv: " in line and todo in line for line in found)

@@ -75,16 +75,19 @@ def together(errors: Sequence[ScaraIsoError], where: str, what: str = "") -> Sca
     if len(errors) == 1:
         return errors[0]
     what = what or f"{len(errors)} tables cannot be read"
-    remedy = "; ".join(dict.fromkeys(error.remedy for error in errors if error.remedy))
+    remedies = list(dict.fromkeys(error.remedy for error in errors if error.remedy))
+    each = len(remedies) > _REMEDIES
+    remedy = "do with each table what is said below it" if each else "; ".join(remedies)
     if all(isinstance(error, NoInputError) for error in errors):
         said = "; ".join(error.headline for error in errors)
         return NoInputError(f"{what}: {said}", where=where, remedy=remedy)
-    faults = [fault for error in errors for fault in _named(error)]
+    faults = [fault for error in errors for fault in _named(error, remedy=each)]
     return DataError(what, where=where, remedy=remedy, faults=faults)
 
 
-def _named(error: ScaraIsoError) -> list[Fault]:
-    lines = error.fault_lines() if isinstance(error, DataError) else ()
+def _named(error: ScaraIsoError, *, remedy: bool) -> list[Fault]:
+    lines = list(error.fault_lines()) if isinstance(error, DataError) else []
+    lines += [error.remedy] if remedy and error.remedy else []
     below = (Fault(f"{error.where}: {line.strip()}") for line in lines)
     return [Fault(error.headline), *below]
 
