@@ -305,3 +305,10 @@ def test_what_is_likely_is_said_as_it_is(sure):
 
 def test_two_thirds_right_is_said_so():
     assert as_often_right({"a": 0.6, "b": 0.4})["a"] == pytest.approx(0.7)
+
+
+def test_what_was_a_rival_stays_one_when_the_name_is_raised():
+    posterior = {"a": 0.6, "b": 0.34, "c": 0.06}
+    choice = Choice(posterior, {}, near=lambda _: {})
+    assert choice.probability["a"] == pytest.approx(0.7)
+    assert [rival.effect for rival in choice.rivals] == ["b", "c"]

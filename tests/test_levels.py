@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.diagnosis.levels import best_changes, several_levels
+from scara_iso.diagnosis.evidence import log_bayes
+from scara_iso.diagnosis.levels import best_changes, several_levels, with_levels
 from scara_iso.diagnosis.problem import problem_of, remainder
 from scara_iso.diagnosis.tuning import FEWEST_ON_A_LEVEL
 from scara_iso.effects import find_effects
@@ -52,8 +53,11 @@ def test_readings_that_never_move_have_no_level_too_many():
 
 
 def test_levels_off_the_grid_of_changes_are_met(rng):
-    y = np.round(BUMP + rng.normal(size=N))
-    found = several_levels(left(y, np.round(-0.5 * BUMP + rng.normal(size=N))), N)
-    four = max(found, key=lambda one: one.evidence)
+    found = left(np.round(BUMP + rng.normal(size=N)), np.round(rng.normal(size=N) - 0.5 * BUMP))
+    four = several_levels(found, N)[-1]
     assert four.effect == UNKNOWN
     assert list(four.form.parameters.values()) == [5, 11, 15]
+    every = with_levels(found.hypotheses, found, N)
+    assert len(every.members) == len(found.hypotheses.members) + 2
+    likeliest = every.members[int(log_bayes(every, found.views.columns)[:, 0].argmax())]
+    assert likeliest.form.parameters == four.form.parameters

@@ -67,9 +67,13 @@ class Choice(Generic[AnyForm]):
 
     @property
     def rivals(self) -> tuple[Rival, ...]:
-        """Other effects at least a tenth as likely as the best, likeliest first."""
+        """Other effects at least a tenth as likely as the best, stated or not, likeliest first."""
         best, *others = self.ranked
-        return tuple(rival for rival in others if rival.probability >= RIVAL * best.probability)
+        least, stated = RIVAL * self.posterior[best.effect], RIVAL * best.probability
+        return tuple(
+            rival for rival in others
+            if rival.probability >= stated or self.posterior.get(rival.effect, 0.0) >= least
+        )  # fmt: skip
 
 
 def posterior(evidence: Mapping[str, float], sharpness: float = 1.0) -> dict[str, float]:

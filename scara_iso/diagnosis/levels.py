@@ -8,18 +8,15 @@ or for a drift with a step, and are neither.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import comb
 
 import numpy as np
 
-from scara_iso.diagnosis.choice import Weighed
-from scara_iso.diagnosis.evidence import joint_evidence, log_bayes_amplified
 from scara_iso.diagnosis.hypotheses import Hypothesis, levels_of
-from scara_iso.diagnosis.hypothesis_set import build
+from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.problem import Remainder
-from scara_iso.diagnosis.rounded import course_beside
 from scara_iso.diagnosis.tuning import (
-    AMPLITUDES,
     BEST_LEVELS_SHARE,
     FEWEST_ON_A_LEVEL,
     LEVELS_WEIGHT,
@@ -31,7 +28,22 @@ from scara_iso.run import FloatArray, IntArray
 _DUST = 1e-12
 
 
-def several_levels(left: Remainder, n: int) -> list[Weighed]:
+def with_levels(hypotheses: HypothesisSet, left: Remainder, n: int) -> HypothesisSet:
+    """Return the set with the best courses of several levels in what is left of a run as well."""
+    own, more = hypotheses, build(several_levels(left, n), left.rows, left.basis)
+    courses = len(own.first)
+    return replace(
+        own,
+        members=(*own.members[:courses], *more.members, *own.members[courses:]),
+        vectors=np.concatenate([own.vectors, more.vectors], axis=1),
+        first=np.append(own.first, more.first + own.vectors.shape[1]),
+        widths=np.append(own.widths, more.widths),
+        shrink=np.append(own.shrink, more.shrink),
+        penalty=np.append(own.penalty, more.penalty),
+    )
+
+
+def several_levels(left: Remainder, n: int) -> list[Hypothesis]:
     """Return the best courses of several levels in what is left of a run of n cycles.
 
     Each has the weight of one of all courses with so many levels.
@@ -40,24 +52,10 @@ def several_levels(left: Remainder, n: int) -> list[Weighed]:
     half = left.readings.half.max(axis=0)
     for changes in best_changes(left.values, half, max(LEVELS_WEIGHT)):
         k = len(changes)
-        form = levels_of(n, left.rows[changes].tolist())
         free = len(left.rows) - (k + 1) * (FEWEST_ON_A_LEVEL - 1)
         weight = BEST_LEVELS_SHARE * LEVELS_WEIGHT[k + 1] / comb(free - 1, k)
-        member = Hypothesis(UNKNOWN, form, weight)
-        if evidence := _evidence(member, left):
-            seen = course_beside(left.basis, form.columns[left.rows], k)
-            found.append(Weighed(UNKNOWN, form, evidence, on_dial=seen))
+        found.append(Hypothesis(UNKNOWN, levels_of(n, left.rows[changes].tolist()), weight))
     return found
-
-
-def _evidence(member: Hypothesis, left: Remainder) -> float:
-    """Return that of one member over all amplitudes, prior weight included; 0 if it is fitted."""
-    alone = build([member], left.rows, left.basis)
-    if not alone.members:
-        return 0.0
-    log_bf = log_bayes_amplified(alone, left.views.columns, left.views.known)
-    joint = [joint_evidence(one[:, :, np.newaxis], left.views)[0, 0] for one in log_bf]
-    return member.weight * float(np.dot([share for _, share in AMPLITUDES], joint))
 
 
 def best_changes(values: FloatArray, half: FloatArray, most: int) -> Iterator[IntArray]:

@@ -12,7 +12,7 @@ from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
-from scara_iso.diagnosis.levels import several_levels
+from scara_iso.diagnosis.levels import with_levels
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_test
@@ -261,14 +261,15 @@ def _choice(
         chains, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
     )
     hypotheses = left.hypotheses.of(named)
-    readings = left.readings if log_change is None else None
-    beside = [*hidden, *(several_levels(left, len(residual)) if readings else [])]
-    choice = choose(hypotheses, left.views, beside, readings, log_change)
+    readings = None
+    if log_change is None:
+        hypotheses, readings = with_levels(hypotheses, left, len(residual)), left.readings
+    choice = choose(hypotheses, left.views, hidden, readings, log_change)
     named_course = choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process)
     if named_course and not of_two:
         return choice
     both = pairs(hypotheses, left.views, left.rows)
-    return choose(hypotheses, left.views, [*beside, *both], readings, log_change)
+    return choose(hypotheses, left.views, [*hidden, *both], readings, log_change)
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remainder) -> Term:
