@@ -1,7 +1,7 @@
 """How well `diagnose` finds, names and predicts: the tables of docs/appendix/diagnosis-appendix.md.
 
     python benchmarks/diagnosis.py [--runs 300] [--seed 1] [--processes 2]
-        [--only null families power naming rivals outside held gains speed]
+        [--only null families power naming calibrated rivals outside held gains speed]
 
 Every table prints its seed. One core each for the worker processes.
 """
@@ -24,20 +24,23 @@ from diagnosis_data import (
     MIDDLE,
     NAME,
     OUTSIDE,
+    OUTSIDE_NAMES,
     POWER,
     SIGMAS,
+    TOGETHER,
     N,
     dial,
     noise as distributed,
     readings,
     scatter,
     shape,
+    together,
 )  # fmt: skip
 from diagnosis_rivals import RIVALS
 
 from scara_iso.diagnosis import LEVEL, UNKNOWN
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.held_out import cross_validated
+from scara_iso.diagnosis.held_out import search_cross_validated
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.diagnosis.search import chosen, find, tested
@@ -251,6 +254,38 @@ def calibration(stated):
     return "stated:right (runs) " + ", ".join(text)
 
 
+def stated(task):
+    """Return the probability of the first name, and whether it is right: any of ``names`` is."""
+    names, kinds, *sized, seed = task
+    rng = np.random.default_rng(seed)
+    if len(kinds) == 2:
+        run = run_of(together(rng, kinds, *sized), sized[-1])
+    else:
+        run = run_of(readings(rng, *kinds, *sized)[:, np.newaxis], sized[-2])
+    problem = problem_in(run)
+    choice = problem and chosen(problem, (), rng)[0].choice
+    return choice and (choice.probability[choice.best], choice.best in names)
+
+
+def calibrated(pool, runs):
+    """Print how often a name is right by what is stated of one effect, of two, and outside."""
+    print(
+        "\n## Stated and right, sigma 0.7: the first name of one effect, of two, and of structure"
+    )
+    print("## outside the catalogue, of which unknown is the right name")
+    groups = {
+        "one": [((NAME[kind],), (kind,), size, 0.7, "normal") for kind, size in (*MIDDLE, *HIGH)],
+        "two": [(tuple(NAME[kind] for kind in kinds), kinds, axes, 0.7)
+                for kinds in TOGETHER for axes in (1, 2)],
+        "outside": [((UNKNOWN, OUTSIDE_NAMES.get(kind)), (kind,), size, 0.7, "normal")
+                    for kind, size in OUTSIDE],
+    }  # fmt: skip
+    for i, (group, cells) in enumerate(groups.items()):
+        tasks = [(*cell, [SEED, 11 + i, run]) for cell in cells for run in range(runs)]
+        found = np.array([one for one in tabled(pool, stated, tasks) if one])
+        print(f"{group}: right {100 * found[:, 1].mean():.1f} %; {calibration(found)}", flush=True)
+
+
 def rival_names(task):
     """Return what each rival says about one run."""
     kind, size, sigma, noise, seed = task
@@ -321,10 +356,8 @@ def held(task):
     if found is None or not found[1]:
         return None
     problem, terms, stages = found
-    rows = np.arange(N)
-    fitted = fit(terms, problem.residual.values, rows, N)
-    limits = [stage.limit for stage in stages]
-    unseen = cross_validated(problem, fitted, rng, hidden=len(fitted.terms), limits=limits)
+    fitted = fit(terms, problem.residual.values, np.arange(N), N)
+    unseen = search_cross_validated(problem, fitted, stages, rng)
     fresh = read(course + rng.normal(size=(400, N)))
     before = np.sqrt(((fresh - y.mean()) ** 2).mean())
     after = np.sqrt(((fresh - fitted.predicted[:, 0]) ** 2).mean())
@@ -448,6 +481,7 @@ TABLES = {
     "families": families,
     "power": power,
     "naming": naming,
+    "calibrated": calibrated,
     "rivals": rivals,
     "outside": outside,
     "held": held_out,

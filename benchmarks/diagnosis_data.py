@@ -20,6 +20,11 @@ POWER = (("step", 2), ("step", 3), ("linear", 3), ("warm_up", 4), ("periodic", 1
          ("outlier", 8))  # fmt: skip
 OUTSIDE = (("vee", 3), ("vee", 4), ("chirp", 2), ("chirp", 3), ("three_steps", 2),
            ("three_steps", 3), ("ar1", 2), ("ar1", 3), ("bump", 3), ("bump", 4))  # fmt: skip
+TOGETHER = (("step", "linear"), ("step", "periodic"), ("warm_up", "step"),
+            ("warm_up", "alternating"), ("linear", "alternating"), ("linear", "periodic"),
+            ("step", "outlier"), ("periodic", "alternating"), ("step", "sticky"),
+            ("linear", "outlier"))  # fmt: skip
+"""Two at once, each of the size that HIGH has."""
 NAME = {
     "step": "step",
     "linear": "linear_drift",
@@ -33,6 +38,8 @@ NAME = {
     "payload": "compliance",
     "temperature": "temperature",
 }
+OUTSIDE_NAMES = {"bump": "transient", "ar1": "autocorrelated"}
+"""Effects that came into the catalogue since; ``unknown`` is right too."""
 
 
 def noise(rng, kind="normal", n=N):  # noqa: C901, PLR0911 - one line for each
@@ -107,6 +114,14 @@ def readings(rng, kind, size, sigma, scatter="normal"):
 def dial(rng, course, sigma):
     """Return what a dial shows of a course given in sigmas."""
     return course if sigma is None else np.round(rng.uniform(-0.5, 0.5) + sigma * course)
+
+
+def together(rng, kinds, axes, sigma):
+    """Return readings (n, axes) with two structures: on one axis both, on two axes one each."""
+    sizes = dict(HIGH)
+    moved = [sizes[kind] * rng.choice([-1, 1]) * shape(rng, kind) for kind in kinds]
+    courses = moved if axes == len(moved) else [sum(moved)]
+    return np.stack([dial(rng, course + noise(rng), sigma) for course in courses], axis=1)
 
 
 def scatter(rng, axes, rho, kind="normal"):

@@ -72,7 +72,7 @@ def numbers_of(name: str, column: pd.Series) -> npt.NDArray[np.float64]:
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
         what = f"column {name!r}, row {bad[0] + 1}: missing or not finite"
-        raise DataError(what, where=FRAME)
+        raise DataError(what, where=FRAME, remedy="leave the row out, or fill it")
     return values
 
 

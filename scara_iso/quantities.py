@@ -77,7 +77,8 @@ _UNITS = (
 )
 _ALIASES = {
     "millimeter": "mm", "millimetre": "mm", "µm": "um", "μm": "um", "micron": "um",
-    "microns": "um", "micrometer": "um", "micrometre": "um", "in": "inch", "inches": "inch",
+    "microns": "um", "micrometer": "um", "micrometre": "um",
+    "mikrometer": "um", "mikron": "um", "in": "inch", "inches": "inch",
     '"': "inch", "zoll": "inch", "°": "deg", "degree": "deg", "degrees": "deg",
     "'": "arcmin", "′": "arcmin", "″": "arcsec", "radian": "rad", "radians": "rad",
 }  # fmt: skip

@@ -8,7 +8,6 @@ from scara_iso.diagnosis import choice as module
 from scara_iso.diagnosis.choice import (
     Choice,
     Weighed,
-    beside_near_rivals,
     choose,
     posterior,
     two_states,
@@ -16,6 +15,7 @@ from scara_iso.diagnosis.choice import (
 from scara_iso.diagnosis.evidence import Views, joint_evidence, views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import build, constant
+from scara_iso.diagnosis.stated import as_often_right, beside_near_rivals
 from scara_iso.diagnosis.tuning import AMPLITUDES, SHARPNESS, UNSURE
 from scara_iso.diagnosis.two_state import two_levels
 from scara_iso.effects import Chain, Process, Shape
@@ -281,4 +281,27 @@ def test_joint_evidence_of_one_axis_two_and_named_directions():
 def test_a_result_never_changes_and_is_compared_as_one_object(kind):
     assert kind.__dataclass_params__.frozen
     assert kind.__eq__ is object.__eq__
-    assert "__slots__" in vars(kind)
+
+
+@given(st.lists(st.floats(0.001, 1.0), min_size=2, max_size=6))
+def test_a_name_is_raised_to_what_was_right_and_keeps_its_place(shares):
+    whole = sum(shares)
+    given_ = {str(i): share / whole for i, share in enumerate(shares)}
+    said = as_often_right(given_)
+    assert sum(said.values()) == pytest.approx(1)
+    assert all(said[name] >= 0 for name in given_)
+    best = max(given_, key=given_.__getitem__)
+    assert max(said, key=said.__getitem__) == best
+    assert said[best] >= given_[best] - 1e-12
+    others = sorted(given_.keys() - {best}, key=given_.__getitem__)
+    assert others == sorted(others, key=said.__getitem__)
+
+
+@pytest.mark.parametrize("sure", [0.78, 0.89, 0.9, 0.999])
+def test_what_is_likely_is_said_as_it_is(sure):
+    said = as_often_right({"a": sure, "b": 1 - sure})
+    assert said["a"] == pytest.approx(sure)
+
+
+def test_two_thirds_right_is_said_so():
+    assert as_often_right({"a": 0.6, "b": 0.4})["a"] == pytest.approx(0.7)

@@ -8,7 +8,7 @@ import pytest
 
 from scara_iso.cli import main
 from scara_iso.diagnosis.course_formula import formula_for
-from scara_iso.diagnosis.course_words import in_words
+from scara_iso.diagnosis.course_words import in_words, levels_in_words
 from scara_iso.effects import parse_formula
 
 TABLE = str(Path(__file__).parents[1] / "examples" / "unexplained.csv")
@@ -35,6 +35,19 @@ BUMP = (
 def test_a_course_in_words(course, said):
     scatter = 0.3 * np.random.default_rng(1).normal(size=30)
     assert in_words(course + scatter, CYCLE) == said
+
+
+def test_levels_in_words():
+    behind = (J[:, np.newaxis] >= [6, 14, 24]).astype(float)
+    y = behind @ [0.02, -0.05, 0.036] + 0.002 * np.random.default_rng(1).normal(size=30)
+    said = levels_in_words(y - y.mean(), behind, CYCLE)
+    assert (
+        said
+        == "has 4 levels: +0.02 from cycle 8 on, -0.05 from cycle 16 on, +0.034 from cycle 26 on"
+    )
+    scatter = np.random.default_rng(2).normal(size=30)
+    assert levels_in_words(scatter, behind, CYCLE) == ""
+    assert levels_in_words(scatter, behind[:, :0], CYCLE) == ""
 
 
 @pytest.mark.parametrize(

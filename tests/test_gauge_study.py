@@ -376,3 +376,19 @@ def test_where_a_comma_can_be_read_two_ways_the_option_that_says_it_is_named_and
     assert "--decimal ," in capsys.readouterr().err
     main([*command, str(path), "--decimal", ","])
     assert "decimal" not in capsys.readouterr().err
+
+
+def test_categories_are_whole_in_german_columns_too(tmp_path, capsys):
+    """ndc is cut, as AIAG has it: 8.8 categories are 8, in the answer and among the criteria."""
+    rows = [[o, p, t, p + o / 10 + (p * t) % 3 / 10] for o in (1, 2) for p in range(1, 6)
+            for t in (1, 2)]  # fmt: skip
+    columns = ["Prüfer", "Teil", "Wiederholung", "Messwert"]
+    path = written(tmp_path / "t.csv", columns, rows)
+    assert main(["gauge-study", str(path), "--json"]) == 0
+    crossed = json.loads(capsys.readouterr().out)["axes"]["reading"]["crossed"]
+    assert crossed["ndc_raw"] % 1 > 0.5
+    main(["gauge-study", str(path), "--tolerance", "9"])
+    shown = capsys.readouterr().out
+    assert f"ndc {crossed['ndc']} " in shown.replace("\n", " ")
+    row = next(line for line in shown.splitlines() if line.split()[:1] == ["ndc"] and ">=" in line)
+    assert row.split()[1] == str(crossed["ndc"])

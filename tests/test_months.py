@@ -436,3 +436,26 @@ def test_a_test_that_is_a_copy_of_another_is_said(tmp_path):
     table(tmp_path, "2026-03-15", seed=2)
     (said,) = scara_iso.history(tmp_path).notes
     assert "copy.csv holds the readings of" in said
+
+
+def test_a_folder_of_folders_is_a_test_each_where_one_names_a_pose(tmp_path):
+    for month in (1, 2):
+        poses = tmp_path / "poses" / f"2025-0{month}-05"
+        robots = tmp_path / "robots" / f"0{month} März"
+        for folder in (poses, robots):
+            folder.mkdir(parents=True)
+        for k in (1, 2):
+            table(poses, "", name=f"P{k}", seed=10 * month + k)
+            table(robots, f"2025-0{month}-05", name=f"R{k}", robot=f"R{k}", seed=10 * month + k)
+    found = scara_iso.history(tmp_path / "poses")
+    assert [one.source for one in found.tests] == [
+        str(tmp_path / "poses" / f"2025-0{month}-05") for month in (1, 2)
+    ]
+    assert [one.pose for one in found.spreads] == ["P1", "P2"]
+    found = scara_iso.history(tmp_path / "robots", robot="R2")
+    assert [Path(one.source).name for one in found.tests] == ["R2.csv"] * 2
+
+
+def test_a_date_that_is_not_read_is_quoted(tmp_path):
+    with pytest.raises(DataError, match="'04-03-2025' is not year-month-day"):
+        scara_iso.history(table(tmp_path, "04-03-2025"))

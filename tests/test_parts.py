@@ -152,7 +152,7 @@ def test_a_name_holds_one_pose_or_none(title, pose):
 def refused(given, **options):
     with pytest.raises(DataError) as found:
         scara_iso.analyze(given, **options)
-    return str(found.value)
+    return f"{found.value}\n  {found.value.remedy}"
 
 
 @pytest.mark.parametrize(
@@ -417,3 +417,23 @@ def test_no_two_ways_of_giving_the_poses_differ(folder, tmp_path):
         assert one.pose.tolist() == other.pose.tolist()
         assert one.axes["Y"].readings.tolist() == other.axes["Y"].readings.tolist()
         assert dict(one.metadata) == dict(other.metadata)
+
+
+def test_tables_of_which_none_names_a_pose_are_no_poses_and_say_what_else_to_do(tmp_path):
+    for k in (1, 2, 3):
+        (tmp_path / f"R{k}.csv").write_text(table(k, robot=f"R{k}"), encoding="utf-8")
+    found = refused(tmp_path)
+    assert "1 fault" in found
+    assert "R2.csv and" in found
+    assert "scara-iso history" in found
+    assert "'R1'" not in found
+
+
+def test_many_tables_say_each_what_to_do_with_it(tmp_path):
+    """One line of advice for all of them would not say which is for which."""
+    for k, broken in enumerate((b"", b"%PDF", b"X;Y\n0,1;0,2\n", b"# unit: mm\nX,Y\n0.1,a\n"), 1):
+        (tmp_path / f"P{k}.csv").write_bytes(broken)
+    found = refused(tmp_path).splitlines()
+    assert found[-1].strip() == "do with each table what is said below it"
+    for k, todo in enumerate(("header row", "into a spreadsheet", "`unit=mm`", "one number"), 1):
+        assert any(f"P{k}.csv: " in line and todo in line for line in found)

@@ -260,7 +260,8 @@ def _explain(error: Exception) -> tuple[list[str], int]:
         complaint = in_plain_words(error.format_message())
         return [f"scara-iso: {complaint}", *_hints(error, complaint)], int(error.exit_code)
     if isinstance(error, OSError):
-        return [f"scara-iso: cannot write: {error}"], CANNOT_WRITE
+        todo = "  make room, or send it to another place"
+        return [f"scara-iso: cannot write: {error}", todo], CANNOT_WRITE
     return [
         f"scara-iso: a defect of this program: {type(error).__name__}: {error}",
         "  run it again with --debug and report what it prints",
@@ -283,5 +284,6 @@ def _hints(error: Exception, complaint: str) -> list[str]:
 
     context = getattr(error, "ctx", None)
     found = meant.as_output(complaint, getattr(context, "command", None))
+    found = found or meant.as_table(complaint)
     path = getattr(context, "command_path", "scara-iso")
     return [f"  {found}" if found else f"  see '{path} --help'"]

@@ -48,10 +48,13 @@ def show_design(
     With a model it is one of several poses, and what it finds is in the joints.
     """
     if len(tables) > 1:
-        raise UsageError("--design takes one table at most")
+        raise UsageError("--design takes one table at most", remedy="name one of them")
     sigma = files.sigma
     if sigma is not None and not 0 < sigma < math.inf:
-        raise UsageError(f"--sigma {sigma:g}: not a positive, finite length")
+        raise UsageError(
+            f"--sigma {sigma:g}: not a positive, finite length",
+            remedy="write it in mm, as --sigma 0.005",
+        )
     effects = find_effects(defined(files.effects or ()))
     if files.model is not None:
         run = reading.read(tables[0]) if tables else None

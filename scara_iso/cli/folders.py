@@ -22,7 +22,11 @@ def test_folder(tables: Sequence[str], condition: str | None, reading: TableOpti
     table = tables[0] if len(tables) == 1 else ""
     if not is_test_folder(table):
         if condition is not None:
-            raise UsageError("--condition is for the folder of a test", where=table)
+            raise UsageError(
+                "--condition is for the folder of a test",
+                where=table,
+                remedy="leave --condition out",
+            )
         return None
     given = [name for name, value in asdict(reading).items() if value is not None]
     if given:

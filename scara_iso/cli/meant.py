@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from scara_iso.errors import NoInputError
 from scara_iso.render import endings
 
 _READ_TOO = (".csv", ".json", ".xlsx")
+_NO_COMMAND = re.compile(r"No such command '(.+?)'")
 _EXTRA = re.compile(r"unexpected extra argument\S* \((\S+)\)")
 
 
@@ -27,6 +29,13 @@ def as_output(complaint: str, command: Any) -> str:
     """Return likewise what to do where the parser has no place for an argument."""
     found = _EXTRA.search(complaint)
     return _with_option(found[1], command) if found else ""
+
+
+def as_table(complaint: str) -> str:
+    """Return what to do where a file or a folder stands in place of a command."""
+    found = _NO_COMMAND.match(complaint)
+    there = found is not None and Path(found[1]).exists()
+    return f"to analyze it: scara-iso analyze {shlex.quote(found[1])}" if found and there else ""
 
 
 def _with_option(name: str, command: Any) -> str:

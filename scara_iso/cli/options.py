@@ -13,7 +13,7 @@ from scara_iso.errors import UsageError
 from scara_iso.iso9283 import DecisionRule
 
 NOT_WITHIN_LIMITS = 1
-_LIMIT_REMEDY = "write --limit 0.02 for every length, or --limit XY=0.02"
+_LIMIT_REMEDY = "write it in mm: --limit 0.02 for every length, or --limit XY=0.02"
 
 Table = Annotated[
     str,
@@ -131,7 +131,9 @@ def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, flo
             raise UsageError(f"{option} {text!r} names no figure", remedy=remedy)
         value = _length(f"{option} {text!r}", number, remedy)
         if figure in sizes:
-            raise UsageError(f"{option} {text!r}: this figure has one already")
+            raise UsageError(
+                f"{option} {text!r}: this figure has one already", remedy="name each figure once"
+            )
         sizes[figure] = value
     return sizes
 

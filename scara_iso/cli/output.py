@@ -159,10 +159,12 @@ def _typed(name: str, value: object) -> str:
 
 
 def named(tables: Sequence[str]) -> list[str]:
-    """Return the files of tables that are named, those of a folder one by one."""
-    from scara_iso.library import tables_of
+    """Return the files of tables that are named, those of a folder and of its folders."""
+    from scara_iso.library import folders_below, tables_in
 
-    return [str(one) for one in tables_of(tables)]
+    folders = [Path(one) for one in tables if Path(one).is_dir()]
+    within = [inner for folder in folders for inner in (folder, *folders_below(folder))]
+    return [*tables, *(str(path) for folder in within for path in tables_in(folder))]
 
 
 def check_outputs(outputs: Sequence[Path | None], inputs: Sequence[str | None]) -> None:

@@ -141,7 +141,7 @@ def record_table(
         Tour(tuple(header.get("poses", ())) if options.pose is None else parse_poses(options.pose)),
     )
     if plan.stable > 1 and plan.trigger == Listen():
-        raise UsageError("--stable goes with readings that are asked for, not with --trigger data")
+        raise UsageError("--stable: --trigger data asks for no reading", remedy="leave it out")
     metadata = {} if options.meta_file is None else read_metadata(options.meta_file)
     metadata |= parse_metadata(options.meta)
     if assignment is not None:

@@ -103,5 +103,8 @@ def _numbers(option: str, text: str, separator: str) -> list[float]:
 
     numbers = [n for part in text.split(separator) if (n := parse_number(part)) is not None]
     if len(numbers) <= text.count(separator):
-        raise UsageError(f"{option} {text!r} is not made of numbers")
+        raise UsageError(
+            f"{option} {text!r} is not made of numbers",
+            remedy=f"write numbers with {separator!r} between them",
+        )
     return numbers

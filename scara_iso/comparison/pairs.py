@@ -57,7 +57,9 @@ def compare(
     for analysis in analyses:
         if analysis.cycles.used < _FEWEST_CYCLES:
             what = f"{analysis.cycles.used} cycles count: {_FEWEST_CYCLES} are the fewest"
-            raise DataError(what, where=analysis.run.origin.source)
+            raise DataError(
+                what, where=analysis.run.origin.source, remedy="repeat the test with more cycles"
+            )
     first, *others = analyses
     shuffles = max(shuffles, _SHUFFLES_A_PAIR * len(others) - 1)
     pairs = tuple(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
+from functools import cached_property
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -19,7 +20,8 @@ from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.on_dial import DialReadings, on_dial
 from scara_iso.diagnosis.rounded import DialCourse, course_beside
-from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNSURE
+from scara_iso.diagnosis.stated import Near, as_stated
+from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS
 from scara_iso.diagnosis.two_state import TwoLevels, between_levels, can_show_two
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
@@ -30,11 +32,9 @@ AnyForm = TypeVar("AnyForm")
 
 _TINY = 1e-300
 _DIGITS = 9
-_SAID = 1.001 * RIVAL
-"""Share that no rounding of numbers takes below RIVAL."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Choice(Generic[AnyForm]):
     """Posterior probability of every effect, given that there is one; the unknown is one of them.
 
@@ -42,15 +42,22 @@ class Choice(Generic[AnyForm]):
     states as the course that they took.
     """
 
-    probability: Mapping[str, float]
+    posterior: Mapping[str, float]
     forms: Mapping[str, AnyForm]
     log_change: Mapping[str, float] = field(default_factory=dict)
     """What dial and tails changed in each effect's evidence."""
+    near: Near | None = None
+    """As in `as_stated`; None where the posterior is stated as it is."""
 
     @property
     def best(self) -> str:
         """Name of the likeliest effect, or UNKNOWN."""
-        return max(self.probability, key=self.probability.__getitem__)
+        return max(self.posterior, key=self.posterior.__getitem__)
+
+    @cached_property
+    def probability(self) -> Mapping[str, float]:
+        """What is stated of the posterior, sought when it is asked for: the name is the same."""
+        return self.posterior if self.near is None else as_stated(self.posterior, self.near)
 
     @property
     def ranked(self) -> tuple[Rival, ...]:
@@ -104,7 +111,7 @@ def choose(
     if seen:
         beside = [one.in_gaussian(seen.log_gaussian) for one in beside]
         for place, change in seen.compared.items():
-            log_evidence[place] += change
+            log_evidence[place] = round(log_evidence[place] + change, _DIGITS)
     strongest = {name: _strongest(hypotheses, log_evidence, own) for name, own in of.items()}
     for weighed in beside:
         name = weighed.effect
@@ -112,35 +119,8 @@ def choose(
         if name not in strongest or weighed.evidence > strongest[name].evidence:
             strongest[name] = weighed
     probability = {name: p for name, p in _posterior(total, SHARPNESS).items() if p > 0}
-    if seen:
-        best = max(probability, key=probability.__getitem__)
-        if probability[best] > UNSURE:
-            probability = beside_near_rivals(probability, seen.near(best))
     forms = {name: weighed.form for name, weighed in strongest.items()}
-    return Choice(probability, forms, changed)
-
-
-def beside_near_rivals(
-    probability: Mapping[str, float], near: Mapping[str, float]
-) -> dict[str, float]:
-    """Return probabilities of which none is above UNSURE while another effect is near in BIC.
-
-    The nearest becomes a rival, at least RIVAL times as likely as the best; those farther, by the
-    differences ``near``, exp(-difference / 2) times that.
-    """
-    best = max(probability, key=probability.__getitem__)
-    if probability[best] <= UNSURE or not near:
-        return dict(probability)
-    nearest = min(near.values())
-    least = {name: _SAID * float(np.exp((nearest - d) / 2)) for name, d in near.items()}
-    others = {
-        name: max(probability.get(name, 0.0), least.get(name, 0.0) * probability[best])
-        for name in {**probability, **least}
-        if name != best
-    }
-    whole = sum(others.values())
-    sure = min(UNSURE, probability[best] / (probability[best] + whole))
-    return {best: sure, **{name: p * (1 - sure) / whole for name, p in others.items()}}
+    return Choice(probability, forms, changed, seen.near if seen else None)
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:

@@ -17,6 +17,7 @@ _LEVEL, _LONG = 0.1, 0.2
 """The first or last tenth of a rise that takes this share of the cycles is no rise yet."""
 _MOST_PARTS = 5
 _STAYS = "stays level"
+_DUST = 1e-300
 
 
 def in_words(y: FloatArray, cycle: IntArray) -> str:
@@ -29,6 +30,23 @@ def in_words(y: FloatArray, cycle: IntArray) -> str:
         swings = sum(verb != _STAYS for verb, _ in parts)
         return f"goes up and down, {swings} times in {len(y)} cycles"
     return _said(_merged(parts), cycle)
+
+
+def levels_in_words(y: FloatArray, behind: FloatArray, cycle: IntArray) -> str:
+    """Return between which levels residuals y (n,) change, empty where they do not.
+
+    ``behind`` (n, changes) are 1 from each change on. Every change is an estimated number and a
+    chosen cycle, and is worth it by BIC.
+    """
+    n, changes = behind.shape
+    columns = np.column_stack([np.ones(n), behind])
+    steps = np.linalg.lstsq(columns, y, rcond=None)[0]
+    left = float(((y - columns @ steps) ** 2).sum())
+    if not changes or n * np.log(n * y.var() / max(left, _DUST)) <= 2 * changes * np.log(n):
+        return ""
+    first = cycle[behind.argmax(axis=0)]
+    said = [f"{step:+.2g} from cycle {k} on" for step, k in zip(steps[1:], first, strict=True)]
+    return f"has {changes + 1} levels: {', '.join(said)}"
 
 
 def _smoothed(y: FloatArray) -> tuple[FloatArray, float]:

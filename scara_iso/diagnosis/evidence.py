@@ -212,8 +212,11 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
 
 
 def mean_evidence(weights: FloatArray, log_bf: FloatArray, views: Views) -> FloatArray:
-    """Return the mean (m,) of the `joint_evidence` of members with ``weights`` (members,)."""
-    bf, q = _bayes_factors(log_bf, views), views.axes
+    """Return the mean (m,) of the `joint_evidence` of members with ``weights`` (members,).
+
+    ``log_bf`` is used up.
+    """
+    bf, q = _bayes_factors(log_bf, views, out=log_bf), views.axes
     if q == 1:
         return np.asarray(weights @ bf[:, 0])
     members, v, m = bf.shape
@@ -222,8 +225,8 @@ def mean_evidence(weights: FloatArray, log_bf: FloatArray, views: Views) -> Floa
     return np.asarray(together + _shares(views) @ single.reshape(v - q, m))
 
 
-def _bayes_factors(log_bf: FloatArray, views: Views) -> FloatArray:
-    bf = np.minimum(log_bf, LARGEST_LOG / views.axes)
+def _bayes_factors(log_bf: FloatArray, views: Views, out: FloatArray | None = None) -> FloatArray:
+    bf = np.minimum(log_bf, LARGEST_LOG / views.axes, out=out)
     return np.asarray(np.exp(bf, out=bf))
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.search import find_again
-from scara_iso.diagnosis.tuning import FOLDS, REPEATS
+from scara_iso.diagnosis.search import Stage, find_again
+from scara_iso.diagnosis.tuning import FOLDS, REPEATS, WORTH_CHAINS
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.errors import DataError
 from scara_iso.frozen import dataclass
@@ -27,6 +27,20 @@ class HeldOut:
 
     before: FloatArray
     after: FloatArray
+
+
+def search_cross_validated(
+    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
+) -> HeldOut:
+    """Return `cross_validated` with the limits and changes that the ``stages`` of a search set."""
+    chained = {m.effect for m in problem.members if m.hidden}
+    choices = [stage.choice for stage in stages if stage.choice]
+    likely = [sum(c.probability.get(name, 0.0) for name in chained) for c in choices]
+    return cross_validated(
+        problem, fitted, rng, hidden=sum(p > WORTH_CHAINS for p in likely),
+        log_changes=[choice.log_change for choice in choices],
+        limits=[stage.limit for stage in stages],
+    )  # fmt: skip
 
 
 def cross_validated(

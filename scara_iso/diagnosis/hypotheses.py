@@ -189,16 +189,16 @@ def _passages(conditions: Conditions) -> list[Hypothesis]:
 def _levels(conditions: Conditions) -> list[Hypothesis]:
     """Return courses of three and four levels: more than any one named effect has."""
     n = len(conditions)
-    row = np.arange(n)[:, np.newaxis]
     members = []
     for levels, weight in LEVELS_WEIGHT.items():
         stride = max(levels - 1, (levels - 1) * n // 30)
         changes = list(combinations(range(levels - 1, n - levels + 2, stride), levels - 1))
-        shapes = [Shape(np.where(row >= at, 1.0, 0.0), _numbered(at)) for at in changes]
+        shapes = [levels_of(n, at) for at in changes]
         members += [Hypothesis(UNKNOWN, s, weight / len(shapes), ordered=False) for s in shapes]
     return members
 
 
-def _numbered(changes: Sequence[int]) -> dict[str, float]:
-    """Return the rows at which a course changes, as numbers that choose it."""
-    return {f"change_{i}": float(row) for i, row in enumerate(changes, start=1)}
+def levels_of(n: int, changes: Sequence[int]) -> Shape:
+    """Return the course of n cycles whose level changes in these rows, numbers that choose it."""
+    columns = np.where(np.arange(n)[:, np.newaxis] >= changes, 1.0, 0.0)
+    return Shape(columns, {f"change_{i}": float(row) for i, row in enumerate(changes, start=1)})

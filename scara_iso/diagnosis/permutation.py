@@ -19,7 +19,13 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import Views, log_bayes, mean_evidence
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.persistence import Emissions
-from scara_iso.diagnosis.tuning import ENOUGH, PERMUTATIONS, PERSISTENCE_SHARE, WIDENING_SHARE
+from scara_iso.diagnosis.tuning import (
+    ENOUGH,
+    ENOUGH_FURTHER,
+    PERMUTATIONS,
+    PERSISTENCE_SHARE,
+    WIDENING_SHARE,
+)
 from scara_iso.diagnosis.widening import widening
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import quantiles
@@ -28,8 +34,8 @@ from scara_iso.run import FloatArray, IntArray
 _EQUAL = 1e-9
 _AT_FIRST = 128
 """Most tables are decided after as many orders; what comes next is as many as all before."""
-_BLOCK = 32
-"""Orders compared at once: as many as leave the work in the processor's cache."""
+_COLUMNS = 288
+"""Views of orders compared at once: as many as leave the work in the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,6 +62,7 @@ def order_test(
     emissions: Sequence[Emissions] = (),
     spreading: FloatArray | None = None,
     permutations: int = PERMUTATIONS,
+    further: bool = False,
 ) -> OrderTest:
     """Return the test of the views' cycles against ``permutations`` of them.
 
@@ -65,22 +72,24 @@ def order_test(
     Axes stay together: one order serves all. Exact at any level when the set's basis is the
     constant pose; p is at least 1 / (permutations + 1). It ends with the ENOUGHth order whose
     statistic is as large, the l-th say: p = ENOUGH / l, no less valid for that (Besag and
-    Clifford 1991), and below 0.05 just where all the orders would put it there.
+    Clifford 1991), and below 0.05 just where all the orders would put it there. Of a ``further``
+    effect ENOUGH_FURTHER are enough.
     """
     observed = order_statistic(hypotheses, views, emissions, spreading)
+    enough = ENOUGH_FURTHER if further else ENOUGH
     found: list[FloatArray] = []
-    reached = 0
+    reached, at_once = 0, max(1, _COLUMNS // views.columns.shape[1])
     for orders in _drawn(rng, len(views.columns), permutations):
         beside = _beside(emissions, spreading, orders)
-        for block in (slice(k, k + _BLOCK) for k in range(0, len(orders), _BLOCK)):
-            if reached < ENOUGH:
+        for block in (slice(k, k + at_once) for k in range(0, len(orders), at_once)):
+            if reached < enough:
                 found.append(log_statistic(hypotheses, views, orders[block], beside[block]))
                 reached += int((found[-1] >= observed - _EQUAL).sum())
-        if reached >= ENOUGH:
+        if reached >= enough:
             break
     of_orders = np.concatenate(found)
     as_large = of_orders >= observed - _EQUAL
-    return OrderTest(observed, _p_value(as_large), not reached, of_orders)
+    return OrderTest(observed, _p_value(as_large, enough), not reached, of_orders)
 
 
 def _drawn(rng: np.random.Generator, n: int, count: int) -> Iterator[IntArray]:
@@ -130,10 +139,10 @@ def _beside(
     return evidence
 
 
-def _p_value(as_large: npt.NDArray[np.bool_]) -> float:
+def _p_value(as_large: npt.NDArray[np.bool_], enough: int) -> float:
     reached = np.flatnonzero(as_large)
-    if len(reached) >= ENOUGH:
-        return ENOUGH / float(reached[ENOUGH - 1] + 1)
+    if len(reached) >= enough:
+        return enough / float(reached[enough - 1] + 1)
     return (1 + len(reached)) / (1 + len(as_large))
 
 

@@ -12,7 +12,7 @@ from scara_iso.diagnosis.completed import foretold, scatter_draws
 from scara_iso.diagnosis.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
+from scara_iso.diagnosis.held_out import HeldOut, on_second_run, search_cross_validated
 from scara_iso.diagnosis.next_conditions import next_conditions
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -33,7 +33,7 @@ from scara_iso.diagnosis.tuning import (
     MUCH_ROUNDING,
     SAME_SCATTER,
     SEED,
-    WORTH_CHAINS,
+    UNKNOWN,
 )
 from scara_iso.diagnosis.unseen import of_other_half, of_second_run
 from scara_iso.diagnosis.verdict import Rival, Verdict
@@ -109,7 +109,7 @@ def diagnose_problem(
     terms, stages = find(problem, rng, level=level)
     fitted = fit(terms, problem.residual.values, problem.rows, len(run))
     if second is None:
-        unseen = _cross_validated(problem, fitted, stages, rng)
+        unseen = search_cross_validated(problem, fitted, stages, rng)
     else:
         there = _second(*second, problem.residual)
         unseen = on_second_run(fitted, problem.effects, problem.residual.conditions, there)
@@ -134,7 +134,9 @@ def diagnose_problem(
         _named(problem.residual, median(drawn)),
     )
     if diagnosis.verdict is Verdict.UNEXPLAINED:
-        courses_left = tuple(courses_of(problem.residual, fitted, rng))
+        last = stages[-1].choice
+        form = last.forms.get(UNKNOWN) if last and last.best == UNKNOWN else None
+        courses_left = tuple(courses_of(problem.residual, fitted, form, rng))
         diagnosis = replace(diagnosis, courses=courses_left)
     return Solved(diagnosis, fitted)
 
@@ -199,19 +201,6 @@ def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:
     ]
     conditions = Conditions(run.cycle, run.covariates)
     return Residual(first.axes, np.stack(columns, axis=1), first.division, conditions)
-
-
-def _cross_validated(
-    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
-) -> HeldOut:
-    chained = {m.effect for m in problem.members if m.hidden}
-    choices = [stage.choice for stage in stages if stage.choice]
-    likely = [sum(c.probability.get(name, 0.0) for name in chained) for c in choices]
-    return cross_validated(
-        problem, fitted, rng, hidden=sum(p > WORTH_CHAINS for p in likely),
-        log_changes=[choice.log_change for choice in choices],
-        limits=[stage.limit for stage in stages],
-    )  # fmt: skip
 
 
 def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:

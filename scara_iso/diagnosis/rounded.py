@@ -11,21 +11,20 @@ the readings' own: a course that meets every reading would else be as likely as 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
-from scara_iso.diagnosis.normal import normal_cdf
+from scara_iso.diagnosis.laplace import FAMILIES, WIDTH_OF_SHAPES, CoursesOfLikeWidth
 from scara_iso.diagnosis.tuning import (
     AMPLITUDES,
     GAIN,
     HEAVY_SHARE,
     KNOWN_FROM,
     LEAST_ON_DIAL,
-    MISFIT,
 )
 from scara_iso.effects import Chain, Shape
 from scara_iso.frozen import dataclass
@@ -33,21 +32,13 @@ from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 
 _LARGEST = GAIN * AMPLITUDES[-1][0]
-_SCATTERS = 6
-_NEWTON = 5
-_SETTLED = 1e-9
-"""Step, in scatters, from which no further one is taken."""
-_TINY = 1e-300
 _SAME = 1e-9
-_FEW = 2
-"""Columns of a shape; a random course has more, and is compared apart."""
+_SOME = 8
+"""Columns of a smooth course; a rough one has one in nearly every cycle. Each is compared apart."""
 _NO_DIAL = 1e-4
 """Division, over the standard deviation, of readings that are not rounded."""
 _NEGLIGIBLE = 0.05 - 1e-9
 """Columns of less prior variance, over the scatter's, are left out; a walk has one of 0.05."""
-
-Distribution = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
-"""Of x: tail beyond |x|, density, and the density's slope."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -151,14 +142,14 @@ def fitted_courses(
     unit = float(2 * half.max()) or _NO_DIAL * float(y.std())
     half = np.where(half > 0, half, unit / 2) / unit
     found = DialLikelihoods(*np.empty((3, len(courses), 2)))
-    for few in (True, False):
-        own = [i for i, course in enumerate(courses) if (len(course.variances) <= _FEW) == few]
-        if not own:
-            continue
-        group = _Group.of([courses[i] for i in own], y / unit, half, basis)
-        for family, (distribution, weight) in enumerate(_FAMILIES):
-            s = group.scatters(least, heavy=family > 0)
-            evidence, likelihood = group.at(s, distribution, weight)
+    sizes = np.searchsorted((WIDTH_OF_SHAPES, _SOME), [len(course.variances) for course in courses])
+    for size in np.unique(sizes):
+        own = np.flatnonzero(sizes == size).tolist()
+        group = _of_like_width([courses[i] for i in own], y / unit, half, basis)
+        start = group.start()
+        for family, (distribution, weight) in enumerate(FAMILIES):
+            s = group.scatters(start, least, heavy=family > 0)
+            evidence, likelihood = group.at(start, s, distribution, weight)
             m = KNOWN_FROM - 1 if known else 0
             stated = -m * (np.log(s) + (known / unit / s) ** 2 / 2)
             apart = np.log(s[:, 1] / s[:, 0])
@@ -169,131 +160,18 @@ def fitted_courses(
     return found
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Group:
-    """Courses of one width: design (c, n, p), prior variance of the last k columns (c, k)."""
-
-    y: FloatArray
-    half: FloatArray
-    design: FloatArray
-    fixed: int
-    variances: FloatArray
-    scale: FloatArray
-
-    @classmethod
-    def of(
-        cls, courses: Sequence[DialCourse], y: FloatArray, half: FloatArray, basis: FloatArray
-    ) -> _Group:
-        width = max(len(course.variances) for course in courses)
-        columns = np.zeros((len(courses), len(y), width))
-        variances = np.ones((len(courses), width))
-        for i, course in enumerate(courses):  # columns of zeros add nothing
-            columns[i, :, : len(course.variances)] = course.columns
-            variances[i, : len(course.variances)] = course.variances
-        shared = np.broadcast_to(basis, (len(courses), *basis.shape))
-        return cls(
-            y,
-            half,
-            np.concatenate([shared, columns], axis=2),
-            basis.shape[1],
-            variances,
-            np.stack([course.scale for course in courses]),
-        )
-
-    def scatters(self, least: float, *, heavy: bool) -> FloatArray:
-        """Return scatters to try, (courses, SCATTERS), about that of the Gaussian fit."""
-        left = self.y - np.einsum("cnp,cp->cn", self.design, self.start())
-        left = left / self.scale
-        squares = (left**2).sum(axis=1) / (len(self.y) - self.fixed)
-        size = median(np.abs(left), axis=1) * 1.3 if heavy else np.sqrt(squares)
-        least = max(least, MISFIT * float(self.y.std()))
-        low = np.maximum(0.45 * size, least)
-        high = np.maximum(2.2 * size, 4 * least)
-        return np.asarray(np.geomspace(low, high, _SCATTERS, axis=1))
-
-    def start(self) -> FloatArray:
-        """Return coefficients (c, p) for light tails and no dial."""
-        at = np.einsum("cnp,n->cp", self.design, self.y)
-        at[:, self.fixed :] *= self.variances / (1 + self.variances)
-        return np.asarray(at)
-
-    def at(
-        self, s: FloatArray, distribution: Distribution, weight: Callable[[FloatArray], FloatArray]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return log evidence and log likelihood (c, S) for scatters s (c, S)."""
-        wide = s[:, :, np.newaxis] * self.scale[:, np.newaxis]
-        prior = np.zeros((*s.shape, self.design.shape[2]))
-        prior[..., self.fixed :] = 1 / (self.variances[:, np.newaxis] * s[..., np.newaxis] ** 2)
-        at = np.repeat(self.start()[:, np.newaxis], s.shape[1], axis=1)
-        turned = np.swapaxes(self.design, 1, 2)
-        for _ in range(_NEWTON):
-            mean = at @ turned
-            _, slope, curvature = _reading(self.y, self.half, mean, wide, distribution)
-            least = 0.3 * weight((self.y - mean) / wide) / wide**2
-            information = self._information(np.maximum(curvature, least), prior)
-            step = np.linalg.solve(information, (slope @ self.design - prior * at)[..., np.newaxis])
-            at = at + step[..., 0]
-            if np.all(np.abs(step[..., 0]) < _SETTLED * s[..., np.newaxis]):
-                break
-        log_p, _, curvature = _reading(self.y, self.half, at @ turned, wide, distribution)
-        information = self._information(np.maximum(curvature, self._floor(least, wide)), prior)
-        likelihood = log_p.sum(axis=2)
-        evidence = likelihood - (prior * at**2).sum(axis=2) / 2
-        evidence += np.log(prior[..., self.fixed :]).sum(axis=2) / 2
-        evidence -= np.linalg.slogdet(information)[1] / 2
-        return evidence, likelihood
-
-    def _floor(self, least: FloatArray, wide: FloatArray) -> FloatArray:
-        """Return the curvature of a reading that is taken at least, ``least`` the one on the way.
-
-        A random course moves each reading by itself, and within its division d it is as likely
-        anywhere: a box of the width and height that a Gaussian of variance d^2 / (2 pi) has too.
-        """
-        if self.variances.shape[1] <= _FEW:
-            return 0.03 * least
-        return least / 0.3 / (1 + (2 * self.half / wide) ** 2 / (2 * np.pi))
-
-    def _information(self, curvature: FloatArray, prior: FloatArray) -> FloatArray:
-        turned = np.swapaxes(self.design, 1, 2)[:, np.newaxis]
-        information = (turned * curvature[:, :, np.newaxis]) @ self.design[:, np.newaxis]
-        return np.asarray(information + prior[..., np.newaxis] * np.eye(prior.shape[-1]))
-
-
-def _reading(
-    y: FloatArray, half: FloatArray, mean: FloatArray, wide: FloatArray, distribution: Distribution
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return log likelihood of each reading, its slope in the mean, and minus its curvature."""
-    a, b = (y - half - mean) / wide, (y + half - mean) / wide
-    tail_a, fa, slope_a = distribution(a)
-    tail_b, fb, slope_b = distribution(b)
-    across = (a < 0) & (b > 0)
-    p = np.maximum(np.where(across, 1 - tail_a - tail_b, np.abs(tail_a - tail_b)), _TINY)
-    slope = (fa - fb) / (p * wide)
-    return np.log(p), slope, slope**2 - (slope_b - slope_a) / (p * wide**2)
-
-
-def _gaussian(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    density = np.exp(-0.5 * x**2) / np.sqrt(2 * np.pi)
-    return normal_cdf(-np.abs(x)), density, -x * density
-
-
-def _student(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return Student's t with 4 degrees of freedom in closed form."""
-    u = 1 + x**2 / 4
-    root = np.abs(x) / np.sqrt(u)
-    density = 0.375 * u**-2.5
-    return 0.5 - 0.375 * root * (1 - root**2 / 12), density, -1.25 * x / u * density
-
-
-def _even(x: FloatArray) -> FloatArray:
-    return np.ones_like(x)
-
-
-def _heavy(x: FloatArray) -> FloatArray:
-    return np.asarray(1.25 / (1 + x**2 / 4))
-
-
-_FAMILIES: tuple[tuple[Distribution, Callable[[FloatArray], FloatArray]], ...] = (
-    (_gaussian, _even),
-    (_student, _heavy),
-)
+def _of_like_width(
+    courses: Sequence[DialCourse], y: FloatArray, half: FloatArray, basis: FloatArray
+) -> CoursesOfLikeWidth:
+    width = max(len(course.variances) for course in courses)
+    columns = np.zeros((len(courses), len(y), width))
+    variances = np.ones((len(courses), width))
+    for i, course in enumerate(courses):  # columns of zeros add nothing
+        columns[i, :, : len(course.variances)] = course.columns
+        variances[i, : len(course.variances)] = course.variances
+    shared = np.broadcast_to(basis, (len(courses), *basis.shape))
+    design = np.concatenate([shared, columns], axis=2)
+    few = design if width <= _SOME else design[:, :, :0]
+    products = (few[..., np.newaxis] * few[:, :, np.newaxis]).reshape(*columns.shape[:2], -1)
+    scale = np.stack([course.scale for course in courses])
+    return CoursesOfLikeWidth(y, half, design, products, basis.shape[1], variances, scale)

@@ -12,6 +12,7 @@ from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
+from scara_iso.diagnosis.levels import several_levels
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_test
@@ -155,7 +156,9 @@ def _tests(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
 ) -> Stage:
     hypotheses, views, emissions, spreading = in_order(problem, terms, left)
-    order = order_test(hypotheses, views, rng, emissions=emissions, spreading=spreading)
+    order = order_test(
+        hypotheses, views, rng, emissions=emissions, spreading=spreading, further=bool(terms)
+    )
     decided = order.p_value / ORDER_SHARE * TWO_LEVELS_SHARE
     marginal = marginal_tests(left.values, problem.residual.division, rng, levels_below=decided)
     return Stage(order, marginal, None)
@@ -216,16 +219,12 @@ def _only_misfit(problem: SearchProblem, terms: Sequence[Term], left: Remainder)
 
     Such a remainder is no effect of its own, though it has an order.
     """
-    if not terms or not all(_is_rough(problem, term) for term in terms):
+    effects = [problem.effects.get(term.effect) for term in terms]
+    if not terms or not all(effect is not None and effect.smooth for effect in effects):
         return False
     values = problem.residual.values[left.rows]
     whole = np.linalg.norm(values - values.mean(axis=0), axis=0)
     return bool(np.all(np.linalg.norm(left.values, axis=0) < MISFIT * whole))
-
-
-def _is_rough(problem: SearchProblem, term: Term) -> bool:
-    effect = problem.effects.get(term.effect)
-    return effect is not None and effect.smooth
 
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissions]:
@@ -263,12 +262,13 @@ def _choice(
     )
     hypotheses = left.hypotheses.of(named)
     readings = left.readings if log_change is None else None
-    choice = choose(hypotheses, left.views, hidden, readings, log_change)
+    beside = [*hidden, *(several_levels(left, len(residual)) if readings else [])]
+    choice = choose(hypotheses, left.views, beside, readings, log_change)
     named_course = choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process)
     if named_course and not of_two:
         return choice
     both = pairs(hypotheses, left.views, left.rows)
-    return choose(hypotheses, left.views, [*hidden, *both], readings, log_change)
+    return choose(hypotheses, left.views, [*beside, *both], readings, log_change)
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remainder) -> Term:

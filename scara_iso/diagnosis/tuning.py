@@ -41,6 +41,8 @@ is found in 5.1 % on average (one standard error 0.6)."""
 PERMUTATIONS = 999
 ENOUGH = 50
 """So many orders with as large a statistic settle that p is above 0.05, whatever follows."""
+ENOUGH_FURTHER = 10
+"""The same of FURTHER_LEVEL."""
 
 PERSISTENCE_SHARE = 0.08
 """Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
@@ -97,6 +99,10 @@ DIAL_FORMS = 3
 
 SHARPNESS = 1.4
 """Power of the evidence that makes stated probabilities come true (table *naming*)."""
+
+RIGHT_OF_STATED = ((0.0, 0.0), (0.25, 0.35), (0.42, 0.56), (0.6, 0.7), (0.77, 0.77), (1.0, 1.0))
+"""What the largest probability becomes where several effects are near: so often it was right of one
+effect, of two and of structure outside the catalogue (table *calibrated*, seed 7)."""
 
 GAIN = 15.0
 """Prior variance of a coefficient over that of the scatter: the g-prior's (table *power*)."""
@@ -166,6 +172,9 @@ ROUGH_WEIGHT, ROUGH_LENGTHS, ROUGH_VARIANCES = 0.1, (2.0, 5.0), (1.0, 4.0)
 PASSAGE_WEIGHT = 0.4
 LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
 """Weight of courses of three and of four levels."""
+
+BEST_LEVELS_SHARE = 0.25
+"""Share of that weight for the best of all such courses (undeclared.py: doors and loads)."""
 
 # what a dial shows
 

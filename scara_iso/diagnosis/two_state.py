@@ -31,7 +31,7 @@ _PAIRS = np.triu_indices(_LEVELS, 1)
 _SCATTERS = np.geomspace(0.12, 1.05, 10)
 """Scatters tried, over the standard deviation of the readings."""
 
-_BEFORE_UNDERFLOW = 8
+_BEFORE_UNDERFLOW, _FACTORS = 8, 64
 _TINY = 1e-300
 _NO_MEMORY = 1e-9
 _NEGLIGIBLE = 40.0
@@ -187,11 +187,17 @@ def log_likelihood(
     found = np.empty((len(p), lower.shape[1]))
     above = (p / (p + q))[:, np.newaxis]
     for c in np.flatnonzero(~remembers):
-        found[c] = np.log(lower + above[c] * (upper - lower)).sum(axis=0)
+        found[c] = _log_of_product(lower + above[c] * (upper - lower))
     if remembers.any():
         p, q = p[remembers, np.newaxis], q[remembers, np.newaxis]
         found[remembers] = _forward(lower, upper, p, q)
     return found
+
+
+def _log_of_product(likely: FloatArray) -> FloatArray:
+    """Return the logarithm (cells,) of the product of likelihoods (n, cells)."""
+    parts = [likely[k : k + _FACTORS] for k in range(0, len(likely), _FACTORS)]
+    return np.asarray(sum(np.log(np.multiply.reduce(part)) for part in parts))
 
 
 def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:

@@ -111,7 +111,10 @@ def _figures_of(table: FleetTable, wanted: CyclesWanted) -> list[FigureRow]:
 def _poses(table: FleetTable, run: Run, wanted: CyclesWanted) -> Iterator[FigureRow]:
     used = wanted.used(run)
     if used.used < _FEWEST_CYCLES:
-        raise DataError(f"{used.used} cycle counts: no scatter can be computed")
+        raise DataError(
+            f"{used.used} cycle counts: no scatter can be computed",
+            remedy=f"run {_FEWEST_CYCLES} cycles that count, or more",
+        )
     lengths = {name for name, axis in run.axes.items() if axis.unit == "mm"}
     planes = {name: own for name, own in _PLANES.items() if lengths >= set(own)}
     for pose, rows in zip(used.poses, used.rows, strict=True):

@@ -67,7 +67,9 @@ def parts_of(source: Path) -> list[Path]:
     )
     if not found:
         raise NoInputError(
-            f"holds no {', '.join(_ENDINGS)}", where=str(source), remedy="put the parts there"
+            f"holds no {', '.join(_ENDINGS)}",
+            where=str(source),
+            remedy="put the parts into it; what lies in a folder in it is not looked at",
         )
     return found
 

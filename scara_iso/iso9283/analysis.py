@@ -78,7 +78,9 @@ def analyze(
         chosen = every_visit(run, block, asked=first_cycle_discarded or cycles is not None)
     if chosen.used < _FEWEST_CYCLES:
         raise DataError(
-            f"{chosen.used} cycle counts: no scatter can be computed", where=run.origin.source
+            f"{chosen.used} cycle counts: no scatter can be computed",
+            where=run.origin.source,
+            remedy=f"run {_FEWEST_CYCLES} cycles that count, or more",
         )
     measured = Measured(
         run=run,

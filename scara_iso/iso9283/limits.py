@@ -42,7 +42,10 @@ def check_limits(
     """
     wrong = [limit for limit in limits.values() if not _is_size(limit)]
     if wrong:
-        raise UsageError(f"`limit={said(wrong[0])}`: not a positive, finite length")
+        raise UsageError(
+            f"`limit={said(wrong[0])}`: not a positive, finite length",
+            remedy="write it in mm, as `limit=0.02`",
+        )
     names = {name for one in characteristics for name in one.limited_by}
     unknown = sorted(set(limits) - {EVERY_LENGTH} - names)
     if unknown:

@@ -79,7 +79,7 @@ def _check(arm: Arm, m_over_diagonal: float) -> None:
     if arm.stroke_mm < SMALLEST_MM:
         raise UsageError(
             f"a stroke of {arm.stroke_mm:g} mm leaves no room for a cube",
-            remedy="give the quill its lowest and highest z",
+            remedy="give the model's quill its lowest and highest z: [robot] quill_mm = [0, 200]",
         )
 
 

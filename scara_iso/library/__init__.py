@@ -26,7 +26,8 @@ if TYPE_CHECKING:
         Table as Table,
         TableOptions as TableOptions,
         Tables as Tables,
-        tables_of as tables_of,
+        folders_below as folders_below,
+        tables_in as tables_in,
     )
     from scara_iso.library.joined import join_reports as join_reports
     from scara_iso.library.loop import (

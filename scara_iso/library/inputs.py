@@ -30,6 +30,7 @@ The folder of a test (with a test.toml) is its parts under one condition, as is 
 _ENDINGS = frozenset({".csv", ".tsv", ".txt", ".xlsx"})
 _NAMELESS = ("", "bytes", "file object", FRAME)
 _MOST_NAMED = 5
+_NAME_TABLES = "name tables, as P1.csv P2.csv, or a folder of .csv, .tsv, .txt or .xlsx"
 One = TypeVar("One")
 Other = TypeVar("Other")
 
@@ -71,7 +72,11 @@ class TableOptions:
         folders = [one for one in several if isinstance(one, ConditionRun) or is_test_folder(one)]
         if not folders:
             if condition is not None:
-                raise UsageError("`condition=` is for the folder of a test", where=_path(tables))
+                raise UsageError(
+                    "`condition=` is for the folder of a test",
+                    where=_path(tables),
+                    remedy="leave it out",
+                )
             return None
         if len(several) > 1:  # of a folder, what is struck is no table
             raise UsageError(
@@ -120,15 +125,34 @@ def tables_of(tables: Tables) -> list[Table]:
     if isinstance(tables, list | tuple):
         found = [one for table in tables for one in tables_of(table)]
     elif isinstance(tables, str | Path) and Path(tables).is_dir():
-        found = list(_in_folder(Path(tables)))
+        found = list(tables_in(Path(tables)))
     else:
         return [tables]  # type: ignore[list-item]  # a sequence is a list or a tuple
     if not found:
         where = "" if isinstance(tables, list | tuple) else str(tables)
-        raise NoInputError("no table is there", where=where, remedy="name tables: P1.csv P2.csv")
+        below = folders_below(Path(where)) if where else []
+        remedy = f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
+        raise NoInputError("no table is there", where=where, remedy=remedy)
     if sum(isinstance(one, str) and one == "-" for one in found) > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     return found
+
+
+def folders_below(folder: Path) -> list[Path]:
+    """Return the folders in a folder that hold tables, and for one that holds none those in it.
+
+    10 stands behind 9.
+    """
+    inside = sorted(filter(Path.is_dir, folder.iterdir()), key=lambda path: _natural(path.name))
+    return [
+        deeper
+        for path in inside
+        for deeper in ([path] if tables_in(path) else filter(_holds_tables, sorted(path.iterdir())))
+    ]
+
+
+def _holds_tables(path: Path) -> bool:
+    return path.is_dir() and bool(tables_in(path))
 
 
 def paths_of(tables: Tables) -> list[Path]:
@@ -146,8 +170,8 @@ def together_as(tables: Tables) -> str:
     return str(one) if isinstance(one, str | Path) else ""
 
 
-def _in_folder(folder: Path) -> list[Path]:
-    """Return the tables of a folder, P10 behind P9."""
+def tables_in(folder: Path) -> list[Path]:
+    """Return the tables that lie in a folder itself, P10 behind P9; none in another thing."""
     found = [
         path
         for path in folder.iterdir()
@@ -183,6 +207,8 @@ def every(tables: Sequence[One], work: Callable[[One], Other], of: str) -> list[
     for table in tables:
         try:
             found.append(work(table))
+        except UsageError:  # an option's fault, and not a table's
+            raise
         except ScaraIsoError as error:
             errors.append(error)
     if errors:

@@ -75,7 +75,10 @@ def diagnose(
         table, cycles = measured.readings, cycles or measured.cycles
     wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
     if limit is not None and not 0 < limit < np.inf:
-        raise UsageError(f"`limit={limit:g}`: not a positive, finite length")
+        raise UsageError(
+            f"`limit={limit:g}`: not a positive, finite length",
+            remedy="write it in mm, as `limit=0.02`",
+        )
     reach = reach or limit is not None
     own = defined(own_effects)
     run = reading.read(table)

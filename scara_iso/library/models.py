@@ -97,7 +97,10 @@ def _recorded(
     found: dict[str, FloatArray] = {}
     if interval is not None:
         if not 0 < interval < np.inf:
-            raise UsageError(f"`interval={interval:g}`: not a positive time in seconds")
+            raise UsageError(
+                f"`interval={interval:g}`: not a positive time in seconds",
+                remedy="write it in seconds, as `interval=20`",
+            )
         found["time_s"] = interval * np.arange(cycles, dtype=float)
     if temperature is not None:
         found["temperature_C"] = np.linspace(*temperature, cycles).round(2)

@@ -10,10 +10,18 @@ from typing import Any
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, analyze, moment_in_name, moment_of_test
-from scara_iso.library.inputs import Table, TableOptions, Tables, tables_of
+from scara_iso.library.inputs import (
+    Table,
+    TableOptions,
+    Tables,
+    folders_below,
+    tables_in,
+    tables_of,
+)
 from scara_iso.library.sizes import sizes_of
 from scara_iso.monitoring import DatedAnalysis, RobotHistory, follow, is_plausible, read_events
 from scara_iso.reporting import printable
+from scara_iso.tables import pose_in
 
 _EVENTS = "events.csv"
 
@@ -34,7 +42,8 @@ def history(
 ) -> RobotHistory:
     """Return every test of one robot in time order: figures, control charts, trend, limit, service.
 
-    ``tables`` are paths, runs or pandas tables, one a test, or the path of a folder; each states
+    ``tables`` are paths, runs or pandas tables, one a test, or the path of a folder, of tables or
+    of folders: those of a folder in it are one test where one names a pose. Each states
     its date (``# date: 2026-05-12``, or a column `timestamp`), or else its file's name does.
     ``events`` is a table with the columns date and what; a folder's own ``events.csv`` is taken
     unless another is given. ``robot`` takes only the tests of that name or serial number.
@@ -44,8 +53,8 @@ def history(
     `UsageError` for a limit of no figure.
     """
     limits = sizes_of("limits", limits)
-    found, beside = _tables(tables, events)
     reading = TableOptions(unit, resolution, decimal)
+    found, beside = _tables(tables, events, reading)
     options: dict[str, Any] = {
         "first_cycle_discarded": first_cycle_discarded,
         "cycles": cycles,
@@ -63,7 +72,9 @@ def history(
     return replace(followed, notes=notes, unreadable=tuple(failed))
 
 
-def _tables(tables: Tables, events: str | Path | None) -> tuple[list[Table], Path | None]:
+def _tables(
+    tables: Tables, events: str | Path | None, reading: TableOptions
+) -> tuple[list[Table], Path | None]:
     """Return the tables, and the file of events: the one given, else that of their folder."""
     several = tables if isinstance(tables, list | tuple) else [tables]
     folders = [Path(one) for one in several if isinstance(one, str | Path) and Path(one).is_dir()]
@@ -76,14 +87,37 @@ def _tables(tables: Tables, events: str | Path | None) -> tuple[list[Table], Pat
     own = [folder / _EVENTS for folder in folders if (folder / _EVENTS).is_file()]
     beside = Path(events) if events is not None else next(iter(own), None)
     aside = {path.resolve() for path in (*own, *([beside] if beside else []))}
-    found = [t for t in tables_of(tables) if not _is_among(t, aside)]
+    parents = [folder for folder in folders if not tables_in(folder) and folders_below(folder)]
+    apart = {path.resolve() for path in parents}
+    plain: list[Any] = [one for one in several if not _is_among(one, apart)]
+    found = tables_of(plain) if plain else []
+    for folder in (one for parent in parents for one in folders_below(parent)):
+        found += _tests_in(folder, reading)
+    found = [t for t in found if not _is_among(t, aside)]
     if not found:
         where = str(folders[0]) if folders else ""
         raise NoInputError("no table is there", where=where, remedy="put tables there, one a test")
     return found, beside
 
 
-def _is_among(table: Table, paths: set[Path]) -> bool:
+def _tests_in(folder: Path, reading: TableOptions) -> list[Table]:
+    """Return a folder as a test where a table of it names a pose, else its tables, a test each."""
+    tables = tables_in(folder)
+    whole = is_test_folder(str(folder)) or any(_names_a_pose(one, reading) for one in tables)
+    return [folder] if whole else list(tables)
+
+
+def _names_a_pose(table: Path, reading: TableOptions) -> bool:
+    if pose_in(table.name):
+        return True
+    try:
+        run = reading.read(table)
+    except ScaraIsoError:  # it is read again, and its fault is said then
+        return False
+    return run.pose is not None or "pose" in run.metadata
+
+
+def _is_among(table: object, paths: set[Path]) -> bool:
     return isinstance(table, str | Path) and Path(table).resolve() in paths
 
 
@@ -99,7 +133,7 @@ def _analyses(
             raise
         except ScaraIsoError as error:
             name = str(table) if isinstance(table, str | Path) else f"table {k}"
-            if isinstance(error, NoInputError) and not Path(name).exists():
+            if isinstance(error, NoInputError) and not Path(name).is_file():
                 raise
             failed.append((name, error.what))
     return found, failed
@@ -130,12 +164,18 @@ def _by_name(analyses: Sequence[Analysis]) -> Iterator[str]:
         yield f"{len(named)} of {len(analyses)} tables state no date: that in the file's name holds"
 
 
+def _undated(analysis: Analysis) -> str:
+    said = analysis.run.metadata.get("date", "")
+    source = analysis.run.origin.source
+    return f"{source}: {printable(said)!r} is not year-month-day" if said else source
+
+
 def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
     moments = [(moment_of_test(one.run) or moment_in_name(one.run), one) for one in analyses]
     found = [DatedAnalysis(when, one) for when, one in moments if when and is_plausible(when)]
     if len(found) < len(analyses):
         used = {id(test.analysis) for test in found}
-        missing = [one.run.origin.source for one in analyses if id(one) not in used]
+        missing = [_undated(one) for one in analyses if id(one) not in used]
         raise DataError(
             f"{len(missing)} of {len(analyses)} tables state no date that can be read",
             remedy="write '# date: 2026-05-12' above the header of each, or name it 2026-05-12.csv",

@@ -113,7 +113,11 @@ def _part(
     """Return the part to record where ``path`` is the folder of a test, else None."""
     if not is_test_folder(path):
         if part is not None or repeat is not None:
-            raise UsageError("`part=` and `repeat=` are for the folder of a test", where=str(path))
+            raise UsageError(
+                "`part=` and `repeat=` are for the folder of a test",
+                where=str(path),
+                remedy="leave them out, or name such a folder",
+            )
         return None
     if cycles is not None or tour.poses:
         raise UsageError(

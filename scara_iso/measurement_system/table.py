@@ -43,7 +43,10 @@ _COLUMNS = ColumnNames(
     aliases={
         "pose": "part", "sample": "part", "appraiser": "operator", "inspector": "operator",
         "day": "session", "date": "session", "subgroup": "session", "master": "reference",
-        "value": READING, "measurement": READING,
+        "value": READING, "measurement": READING, "messwert": READING, "anzeige": READING,
+        "teil": "part", "werkstück": "part", "prüfer": "operator", "bediener": "operator",
+        "datum": "session", "tag": "session", "wiederholung": "trial",
+        "normal": "reference", "referenz": "reference", "referenzwert": "reference",
     },
 )  # fmt: skip
 

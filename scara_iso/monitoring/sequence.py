@@ -63,7 +63,10 @@ def follow(
 def _refuse_limits(limits: Mapping[str, float], spreads: Sequence[SpreadHistory]) -> None:
     """Raise `DataError` where nothing is followed, `UsageError` for a limit that none has."""
     if not spreads:
-        raise DataError("no table has an RP to be followed: a drift test has none")
+        raise DataError(
+            "no table has an RP to be followed: a drift test has none",
+            remedy="name tables of repeatability tests; `scara-iso analyze` shows one drift test",
+        )
     names = dict.fromkeys(one.figure for one in spreads)
     if any(one.quantity == "RP" for one in spreads):
         names["RP"] = None

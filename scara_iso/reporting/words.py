@@ -2,11 +2,15 @@
 
 import unicodedata
 
+from scara_iso.diagnosis import UNKNOWN
+
 _HIDDEN = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 
 
 def words(name: str) -> str:
     """Return an effect's or a verdict's name in words: ``warm_up`` is ``warm up``."""
+    if name == UNKNOWN:
+        return "no known effect"
     return name.replace("_", " ").replace("-", " ")
 
 

@@ -123,7 +123,11 @@ def _stream(run: Run) -> Samples:
             remedy="name the column of seconds time_s",
         )
     if len(time) < _FEWEST_SAMPLES:
-        raise DataError(f"{len(time)} samples are no stream", where=where)
+        raise DataError(
+            f"{len(time)} samples are no stream",
+            where=where,
+            remedy=f"record {_FEWEST_SAMPLES} samples or more",
+        )
     back = np.flatnonzero(np.diff(time) <= 0)
     if len(back):
         line = int(back[0]) + 1 if run.lines is None else int(run.lines[back[0] + 1])

@@ -8,7 +8,7 @@ from scara_iso.frozen import dataclass
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.layout import names_an_axis
 from scara_iso.tables.numbers import BLANKS, parse_cell
-from scara_iso.tables.parts import pose_alone
+from scara_iso.tables.pose_names import pose_alone
 from scara_iso.tables.preamble import read_statement
 from scara_iso.tables.text import Row
 
@@ -25,6 +25,8 @@ class Block:
 
     pose: str
     rows: list[Line]
+    place: str = "the name above it"
+    """What says whose pose it is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,19 @@ import numpy.typing as npt
 
 from scara_iso.pose_columns import read_direction
 from scara_iso.run import FloatArray, IntArray
-from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.cell_faults import (
+    LABEL_POSES,
+    NUMBER_CYCLES,
+    WRITE_TIMES,
+    label_fault,
+    not_a_number,
+    shown,
+    write_a_reading,
+)
+from scara_iso.tables.faults import Faults
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.locale import FORMULA
-from scara_iso.tables.names import Column, Kind, names_a_footer, read_timestamp, read_unit
+from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
 from scara_iso.tables.numbers import (
     BLANKS,
     CellNumber,
@@ -30,7 +39,6 @@ Cell = str | float
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
 _NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
-_LABEL = 64
 _REMARK = 24  # enough to tell the remarks of two poses apart
 _LARGEST = 2**53
 
@@ -164,13 +172,16 @@ class Columns:
         number = parse_cell(cell, self.decimal)
         strange = _is_sized(column) and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
-            besides = column.kind is Kind.COVARIATE
-            remedy = "remove the column, or call it comment" if besides else ""
-            self.faults.add(_not_a_number(cell), line, column.position + 1, remedy=remedy)
+            self._fault(column, not_a_number(cell), line, remedy=self._remedy(column, cell))
             return 0.0
         self._note_mark(column, number, cell, line)
         self._note_unit(column, number.unit, line)
         return number.value
+
+    def _remedy(self, column: Column, cell: str) -> str:
+        if column.kind is Kind.COVARIATE:
+            return "remove the column, or call it comment"
+        return write_a_reading(cell, in_sheet=bool(self.faults.sheet))
 
     def _note_mark(self, column: Column, number: CellNumber, cell: str, line: int) -> None:
         if number.mark is not Mark.NONE:
@@ -190,41 +201,42 @@ class Columns:
                 value = number.value
                 self._note_mark(column, number, cell, line)
         if not _are_counts(np.array([value])):
-            self._fault(column, f"{_text(cell)} is not a cycle number", line)
+            what = f"{shown(cell)} is not a cycle number"
+            self._fault(column, what, line, remedy=NUMBER_CYCLES)
             return 0.0
         return value
 
     def _label(self, column: Column, cell: Cell, line: int) -> str:
         label = f"{cell:.15g}" if isinstance(cell, float) else cell.strip(BLANKS)
-        fault = _label_fault(label)
+        fault = label_fault(label)
         if fault:
-            remedy = "" if label else "write the pose's name in each row, also for merged cells"
-            self._fault(column, f"{_text(cell)} {fault}", line, remedy=remedy)
+            self._fault(column, f"{shown(cell)} {fault}", line, remedy=LABEL_POSES)
             return ""
         return label[1:] if label[:1] == "'" and label[1:2] in _ESCAPED else label
 
     def _direction(self, column: Column, cell: Cell, line: int) -> str:
         direction = read_direction(cell) if isinstance(cell, str) else None
         if direction is None:
-            what = f"{_text(cell)} is not a direction of approach (+x to -z) as those above it are"
-            self._fault(column, what, line)
+            what = f"{shown(cell)} is not a direction of approach (+x to -z) as those above it are"
+            self._fault(column, what, line, remedy="write +x, -y and the like in each row")
         return direction or ""
 
     def _stamp(self, column: Column, cell: Cell, line: int) -> datetime | None:
         stamp = read_timestamp(cell) if isinstance(cell, str) else None
         if stamp is None:
-            self._fault(column, f"{_text(cell)} is not an ISO 8601 time", line)
+            what = f"{shown(cell)} is not an ISO 8601 time"
+            self._fault(column, what, line, remedy=WRITE_TIMES)
         return stamp
 
     def _nameless(self, column: Column, cell: Cell, line: int) -> None:
         if is_words(cell):
-            self.beside.append(f"{self.faults.row} {line}: {_text(cell)} beside the table not used")
+            self.beside.append(f"{self.faults.row} {line}: {shown(cell)} beside the table not used")
         elif not isinstance(cell, str) or cell.strip(BLANKS):
-            what = f"{_text(cell)} in a column without a name"
+            what = f"{shown(cell)} in a column without a name"
             remedy = "name the column in the header, or remove what is in it"
-            self.faults.add(what, line, column.position + 1, remedy=remedy)
+            self._fault(column, what, line, remedy=remedy)
 
-    def _fault(self, column: Column, message: str, line: int, *, remedy: str = "") -> None:
+    def _fault(self, column: Column, message: str, line: int, *, remedy: str) -> None:
         self.faults.add(message, line, column.position + 1, remedy=remedy)
 
     def numbers(self, column: Column) -> FloatArray:
@@ -255,21 +267,8 @@ def _clean_labels(kind: Kind, cells: Sequence[str]) -> npt.NDArray[np.str_] | No
         return np.array([known[cell] for cell in cells], dtype=np.str_) if clean else None
     remark = kind is Kind.COMMENT
     labels = [cell.strip(BLANKS)[: _REMARK if remark else None] for cell in cells]
-    clean = remark or not any(_label_fault(x) or x[0] == "'" for x in set(labels))
+    clean = remark or not any(label_fault(x) or x[0] == "'" for x in set(labels))
     return np.array(labels) if clean else None
-
-
-def _label_fault(label: str) -> str:
-    """Return what is wrong with a pose label, or nothing."""
-    if not label:
-        return "is no pose"
-    if names_a_footer(label):
-        return "is the label of a footer, not of a pose"
-    if len(label) > _LABEL:
-        return f"is longer than the {_LABEL} characters of a pose label"
-    if label[0] in "=@" or (label[0] in "+-" and parse_cell(label) is None):
-        return "is a formula, not a pose"
-    return ""
 
 
 def _is_sized(column: Column) -> bool:
@@ -284,15 +283,3 @@ def is_words(cell: Cell) -> bool:
     """Say whether a cell is a remark: it begins with a letter and spells no number."""
     text = cell.strip(BLANKS) if isinstance(cell, str) else ""
     return text[:1].isalpha() and parse_cell(text) is None
-
-
-def _text(cell: Cell) -> str:
-    if isinstance(cell, float):
-        return f"{cell:.15g}"
-    return quoted(cell) if cell.strip(BLANKS) else "an empty cell"
-
-
-def _not_a_number(cell: str) -> str:
-    if not cell.strip(BLANKS):
-        return "empty cell"
-    return f"{quoted(cell.strip(BLANKS))} is not a number"

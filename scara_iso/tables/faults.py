@@ -11,6 +11,8 @@ KEPT = 1000
 _MOST = 10_000
 """Faults after which a file is not read on."""
 _SHOWN = 30
+_REMEDIES = 3
+"""Kinds of faults whose remedies are said: those of the first may mend the rest."""
 
 
 class Faults:
@@ -27,19 +29,19 @@ class Faults:
         self.what = what
         self.total = 0
         self._kept: list[Fault] = []
-        self._remedy = ""
+        self._remedies: dict[str, None] = {}
         self.first_remedy = ""
-        """Goes before those of the faults."""
+        """Stands in place of those of the faults."""
 
     def add(
-        self, message: str, line: int | None = None, column: int | None = None, *, remedy: str = ""
+        self, message: str, line: int | None = None, column: int | None = None, *, remedy: str
     ) -> None:
-        """Note one fault; the remedy of the first fault that has one is the error's.
+        """Note one fault and what to do about it; the error says what to do about each kind.
 
         Raises `DataError` where there are so many that reading on would be of no use.
         """
         self.total += 1
-        self._remedy = self._remedy or remedy
+        self._remedies.setdefault(remedy)
         if len(self._kept) < KEPT:
             self._kept.append(
                 Fault(message, line or None, column, self.sheet)
@@ -58,7 +60,7 @@ class Faults:
         raise DataError(
             f"cannot be read as {self.what}: {count}{more}",
             where=self.where,
-            remedy=self.first_remedy or self._remedy or "correct the file, or export it again",
+            remedy=self.first_remedy or "; ".join([*self._remedies][:_REMEDIES]),
             faults=faults,
         )
 
@@ -73,16 +75,19 @@ def together(errors: Sequence[ScaraIsoError], where: str, what: str = "") -> Sca
     if len(errors) == 1:
         return errors[0]
     what = what or f"{len(errors)} tables cannot be read"
-    remedy = "; ".join(dict.fromkeys(error.remedy for error in errors if error.remedy))
+    remedies = list(dict.fromkeys(error.remedy for error in errors if error.remedy))
+    each = len(remedies) > _REMEDIES
+    remedy = "do with each table what is said below it" if each else "; ".join(remedies)
     if all(isinstance(error, NoInputError) for error in errors):
         said = "; ".join(error.headline for error in errors)
         return NoInputError(f"{what}: {said}", where=where, remedy=remedy)
-    faults = [fault for error in errors for fault in _named(error)]
+    faults = [fault for error in errors for fault in _named(error, remedy=each)]
     return DataError(what, where=where, remedy=remedy, faults=faults)
 
 
-def _named(error: ScaraIsoError) -> list[Fault]:
-    lines = error.fault_lines() if isinstance(error, DataError) else ()
+def _named(error: ScaraIsoError, *, remedy: bool) -> list[Fault]:
+    lines = list(error.fault_lines()) if isinstance(error, DataError) else []
+    lines += [error.remedy] if remedy and error.remedy else []
     below = (Fault(f"{error.where}: {line.strip()}") for line in lines)
     return [Fault(error.headline), *below]
 

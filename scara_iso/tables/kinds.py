@@ -25,6 +25,7 @@ _NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
 _READING = re.compile(r"[\s\"']*[-+.,]?\d")
 _WORDS = 5
 """A line of as many words, and three for each number, none of which begins it, is a sentence."""
+_WEB = (b"<!doctype html", b"<html")
 _SHARE, _FEWEST = 0.5, 5
 """Share and number of sentences from which a file that is refused is called a text."""
 _HEAD = 100_000
@@ -43,6 +44,8 @@ def called_text(data: bytes, where: str) -> Iterator[None]:
     try:
         yield
     except DataError as error:
+        if data[:_HEAD].lstrip().lower().startswith(_WEB):
+            raise refuse(where, "this is a web page, no table", remedy=_REMEDIES[_PAGE]) from error
         if _is_text(data[:_HEAD].decode("utf-8", "replace")):
             raise refuse(where, "this is a text, no table", remedy=_REMEDY) from error
         raise

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Iterable
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from scara_iso.run import FloatArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import Kind
-from scara_iso.tables.numbers import Mark
+from scara_iso.tables.numbers import Mark, parse_cell
 
 WHICH_MARK = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
 
@@ -22,8 +22,13 @@ def refuse_other_marks(decimal: str | None) -> None:
         raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
 
 
-def check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
-    """Refuse commas that may group thousands, and commas beside points."""
+def check_marks(
+    columns: Columns, decimal: str | None, faults: Faults, sizes: Iterable[str]
+) -> None:
+    """Refuse commas that may group thousands, and commas beside points.
+
+    A decimal comma in one of the ``sizes`` that the file states, as 0,001, says what commas are.
+    """
     marks = columns.marks
     if decimal is not None:
         return
@@ -36,7 +41,7 @@ def check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
                 column,
                 remedy=WHICH_MARK,
             )
-    elif are_undecided(marks):
+    elif are_undecided(marks) and not any(map(_has_decimal_comma, sizes)):
         line, column, text = marks[Mark.EITHER]
         faults.add(
             f"{quoted(text)} could have a decimal comma or group "
@@ -45,6 +50,11 @@ def check_marks(columns: Columns, decimal: str | None, faults: Faults) -> None:
             column,
             remedy=WHICH_MARK,
         )
+
+
+def _has_decimal_comma(size: str) -> bool:
+    number = parse_cell(size)
+    return number is not None and number.mark is Mark.COMMA
 
 
 def are_mixed(marks: Container[Mark]) -> bool:

@@ -157,7 +157,8 @@ def _statements(lines: Sequence[tuple[int, str]], faults: Faults) -> dict[str, s
         statement = read_statement(Row(k, [text], text, k)) if is_comment(text) else None
         if statement is not None and found.setdefault(*statement) != statement[1]:
             before = quoted(found[statement[0]])
-            faults.add(f"{statement[0]} is {quoted(statement[1])} here and {before} above", k)
+            what = f"{statement[0]} is {quoted(statement[1])} here and {before} above"
+            faults.add(what, k, remedy="leave one of them")
     return found
 
 

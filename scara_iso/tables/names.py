@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import replace
 from datetime import datetime
 from enum import Enum
@@ -50,7 +52,7 @@ _AXIS_WORD = re.compile(
     r"measurement|actual|lectura|medida|lecture|mesure|value|"
     r"dial|gauge|indicator|messuhr|taster|delta|abweichung|deviation)[ _-]+"
     r"|(?:axis|achse)[ _-]*|[dδ∆](?=(?:[xyz]|theta)$)"
-    r"|[ _-]*(?:axis|achse)$|[ _-]+(?:reading|messwert|wert|istwert|ist|actual)$"
+    r"|[ _-]*(?:axis|achse)$|[ _-]+(?:reading|messwert|wert|istwert|ist|actual|richtung|direction)$"
 )
 """Words that stand with an axis. ``X_Value`` is the abscissa of LabVIEW's files, no reading."""
 _INSTRUMENT = re.compile(
@@ -87,6 +89,13 @@ _COVARIATES = {
     "temperatur_c": "temperature_C", "payload_kg": "payload_kg",
     "speed": "speed",
 }  # fmt: skip
+_LIKE_COVARIATES = {
+    **dict.fromkeys(("temp_c", "t_c", "raumtemperatur_c", "lufttemperatur_c",
+                     "umgebungstemperatur_c", "ambient temperature_c"), "temperature_C"),
+    **dict.fromkeys(("load_kg", "last_kg", "nutzlast_kg"), "payload_kg"),
+}  # fmt: skip
+"""Names that mean a covariate where no other column does."""
+_CELSIUS = re.compile(r"(?:deg|grad) ?c(?:elsius)?|celsius")
 COVARIATES = frozenset(_COVARIATES.values())
 """Covariates that have a meaning, so their cells must be numbers."""
 _SPLITS = (
@@ -106,6 +115,12 @@ _PLAIN = str.maketrans(
 )
 
 
+def unit_behind(text: str) -> Unit | None:
+    """Return the unit in brackets behind a name, None without one that is known."""
+    match = _SPLITS[0].fullmatch(clean(text)) if len(text) <= LONGEST_NAME else None
+    return read_unit(match[2]) if match else None
+
+
 @lru_cache(maxsize=256)
 def read_unit(text: str) -> Unit | None:
     """Return the unit that a file spells, also ``0,01 mm`` and ``mm x 10^-2``, or None."""
@@ -115,7 +130,7 @@ def read_unit(text: str) -> Unit | None:
     power = _POWER.fullmatch(text)
     if power:
         text = f"1e{power[2] or power[3]} {power[1] or power[4]}"
-    text = re.sub(r"^1/(10+) ", lambda m: f"1e-{len(m[1]) - 1} ", text).replace(",", ".")
+    text = re.sub(r"^1/1(0+) ", lambda m: f"0.{m[1][1:]}1 ", text).replace(",", ".")
     return find_unit(text)
 
 
@@ -160,13 +175,21 @@ def _other_column(text: str, unit_below: str) -> Column:
     match = _SPLITS[0].fullmatch(text)
     stem, unit = (match[1], match[2]) if match else (text, "")
     unit = (unit or unit_below).replace("°", "").strip(" -")
-    key = f"{stem}_{unit}".lower() if unit else stem.lower()
-    if key in _COVARIATES:
-        return Column(Kind.COVARIATE, _COVARIATES[key])
+    known = next((_COVARIATES[k] for k in _keys(text, unit_below) if k in _COVARIATES), None)
+    if known:
+        return Column(Kind.COVARIATE, known)
     kind = _KINDS.get(re.sub(r"[ ._:-]+", " ", stem.lower()).strip())
     if kind is None or (kind is Kind.OPEN and unit):
         return Column(Kind.COVARIATE, re.sub(rf"^'(?=['{re.escape(FORMULA)}])", "", text))
     return Column(kind, kind.value)
+
+
+def _keys(text: str, unit_below: str) -> Iterator[str]:
+    """Yield name and unit as ``temperature_c``, of each way to part them."""
+    found = [match.groups() for pattern in _SPLITS if (match := pattern.fullmatch(text))]
+    for name, stated in found or [(text, unit_below)]:
+        stem, unit = name.lower().rstrip(". "), stated.replace("°", "").strip(" -").lower()
+        yield f"{stem}_{'c' if _CELSIUS.fullmatch(unit) else unit}" if unit else stem
 
 
 def read_names(cells: list[str], units: list[str]) -> list[Column]:
@@ -188,12 +211,26 @@ def read_names(cells: list[str], units: list[str]) -> list[Column]:
             else c
             for c in columns
         ]
+    columns = _with_likely(columns, cells, units)
     poses = [c.position for c in columns if c.kind is Kind.POSE]
     proper = [k for k in poses if clean(cells[k]).lower().startswith("pose")]
     if len(poses) > 1 and len(proper) == 1:
         others = set(poses) - set(proper)
         columns = [replace(c, kind=Kind.OPEN) if c.position in others else c for c in columns]
     return columns
+
+
+def _with_likely(columns: list[Column], cells: list[str], units: list[str]) -> list[Column]:
+    """Return the columns with a name like ``Temp (C)`` as what it means, where no other is that."""
+    likely = {
+        c.position: _LIKE_COVARIATES[key]
+        for c in columns if c.kind is Kind.COVARIATE
+        for key in _keys(clean(cells[c.position]), clean(units[c.position]))
+        if key in _LIKE_COVARIATES
+    }  # fmt: skip
+    found = Counter([*(c.name for c in columns), *likely.values()])
+    sure = {k: name for k, name in likely.items() if found[name] == 1}
+    return [replace(c, name=sure.get(c.position, c.name)) for c in columns]
 
 
 def settle(column: Column, name: str, first: str) -> Column:

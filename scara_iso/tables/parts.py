@@ -21,10 +21,8 @@ from scara_iso.pose_columns import Commanded
 from scara_iso.run import Axis, FloatArray, Run
 from scara_iso.tables.faults import listed, quoted
 from scara_iso.tables.other_units import converted
+from scara_iso.tables.pose_names import pose_alone, pose_in
 
-_BRACKETS = re.compile(r"[(\[][^()\[\]]*[)\]]\s*$")
-_POSE = re.compile(r"(?<![a-z0-9])(?:p|pose|point|punkt)[ _.-]?0*([1-9][0-9]{0,2})(?![a-z0-9])")
-_LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)
 _OF_THE_ROBOT = (
     "robot", "serial", "model", "manufacturer", "type", "indicator", "instrument", "gauge", "dial",
     "calibration", "payload", "load", "velocity", "speed", "acceleration",
@@ -34,7 +32,13 @@ _OF_THE_FIGURES = frozenset({"theta_radius_mm", "dial_zero", "first_cycle", "cov
 """Keys that figures depend on: a part that does not state one is not as the others."""
 _TRUE_IS_STATED = "first_cycle_discarded"
 _PORT = re.compile(r"(?<= at )(?:[a-z0-9]+://|sim:|replay:|/dev/|com[0-9])[^ ;|]*")
-_ONE_BY_ONE = "correct what is wrong, or give the tables one by one"
+_NAME_POSES = (
+    "name each pose in a line '# pose: P1', a column 'pose', or the file's name, as P1.csv"
+)
+_OTHER_TESTS = (
+    "tests of other days are for `scara-iso history`, a before and an after for `compare`"
+)
+_ALIKE = "let the tables of one test state the same, or give them one by one"
 _MOST_NAMED = 6
 
 
@@ -53,23 +57,6 @@ class PosePart:
     pose: str | None = None
 
 
-def pose_in(title: str) -> str | None:
-    """Return the pose that a name such as ``run_P3`` or ``Pose 3`` holds, None without one."""
-    found = set(_POSE.findall(title.lower()))
-    return f"P{found.pop()}" if len(found) == 1 else None
-
-
-def pose_alone(text: str) -> str | None:
-    """Return the pose of a line or cell that says nothing else: ``P3``, ``Pose 3``, ``pose: A``.
-
-    What stands in brackets behind it, such as its coordinates, is not read.
-    """
-    text = _BRACKETS.sub("", text).strip(" \t*=-_")
-    stated = _LINE.fullmatch(text)
-    whole = _POSE.fullmatch(text.lower())
-    return stated[1].strip() if stated else f"P{whole[1]}" if whole else None
-
-
 def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -> Run:
     """Return the run of all parts, each row with its pose; ``where`` names them together.
 
@@ -79,21 +66,40 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
     if len(parts) == 1 and parts[0].pose is None:
         return parts[0].run
     labelled = [_labelled(part) for part in parts]
+    _check_named(labelled, where)
     faults = [fault for found in labelled for fault in found.faults]
     faults += _twice(labelled)
     faults += _other_axes(labelled)
     metadata, unlike, partly = _metadata(labelled)
     faults += unlike
-    if faults:
-        count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        what = f"cannot be taken as poses of one test: {count}"
-        raise DataError(what, where=where, remedy=_ONE_BY_ONE, faults=faults)
+    poseless = [part for part in labelled if not part.said]
+    if faults or poseless:
+        nameless = [Fault(f"{_names(poseless)}: no pose stated")] if poseless else []
+        remedies = [_NAME_POSES] if poseless else []
+        remedies += [_ALIKE] if faults else []
+        raise _no_test([*nameless, *faults], where, remedies)
     return _joined(labelled, metadata, where, [*partly, *notes])
+
+
+def _check_named(parts: Sequence[_Labelled], where: str) -> None:
+    """Refuse tables of which none names a pose: what else differs is of tests, not of poses."""
+    if not any(part.said or part.faults for part in parts):
+        fault = Fault(f"{_names(parts)}: no pose stated")
+        raise _no_test([fault], where, [_NAME_POSES, _OTHER_TESTS])
+
+
+def _no_test(faults: Sequence[Fault], where: str, remedies: Sequence[str]) -> DataError:
+    count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
+    what = f"cannot be taken as poses of one test: {count}"
+    return DataError(what, where=where, remedy="; ".join(remedies), faults=faults)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Labelled:
-    """A part whose rows have poses, the line that says which, and what is wrong with that."""
+    """A part whose rows have poses, the line that says which, and what is wrong with that.
+
+    No line says so where the part names no pose.
+    """
 
     run: Run
     name: str
@@ -121,8 +127,7 @@ def _labelled(part: PosePart) -> _Labelled:
         said = f"pose {label} from {source.strip()}"
         stated = [of_head] if of_head else []
     else:
-        remedy = "name it in a line '# pose: P1', a column 'pose', or the file's name, as P1.csv"
-        return _Labelled(run, part.name, "", (Fault(f"{part.name}: no pose stated; {remedy}"),))
+        return _Labelled(run, part.name, "")
     if given is None or _is_of(part, given, stated):
         return _Labelled(run, part.name, said)
     what = f"{part.place} says pose {given}, the table itself {', '.join(stated)}"
@@ -139,7 +144,7 @@ def _is_of(part: PosePart, given: str, stated: Sequence[str]) -> bool:
 def _twice(parts: Sequence[_Labelled]) -> Iterator[Fault]:
     seen: dict[str, str] = {}
     for part in parts:
-        for pose in [] if part.faults else part.poses:
+        for pose in part.poses if part.said and not part.faults else []:
             before = seen.setdefault(pose.casefold(), part.name)
             if before != part.name:
                 yield Fault(f"pose {pose} is in {before} and again in {part.name}")

@@ -62,7 +62,8 @@ def find_commands(
         unit = read_unit(column.unit) if column.unit else scaled.unit
         if unit is None or unit.dimension is not scaled.unit.dimension:
             what = f"command_{column.name}: {quoted(column.unit)} is not a unit of {column.name}"
-            faults.add(what, columns.layout.header_line, column.position + 1)
+            remedy = f"state it in a unit such as {scaled.unit.name}"
+            faults.add(what, columns.layout.header_line, column.position + 1, remedy=remedy)
             continue
         if scaled.command is not None or set(columns.units.get(column, {})) - {""}:
             what = f"command_{column.name} is stated twice, or has units behind its values"

@@ -20,6 +20,7 @@ _BARE_KEY = re.compile(rf"{_FIRST}[:=]")
 _IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?!(?<=\d):\d)[:=](?![\\/]) ?(.*)")
 """A key and its value in one cell: no time of day, no path and no address."""
 _LONGEST_KEY = 61
+_PARTED = re.compile("[0-9]+,[0-9]")
 _WIDE = re.compile(r"\s{2,}|\t")
 
 
@@ -55,12 +56,18 @@ def read_preamble(
                 )
             else:
                 notes.append(f"{faults.row} {row.line}: {quoted(row.text)} not used")
-        if _IN_WORDS.search(row.text) and not any(key.startswith(RESOLUTION) for key, _ in found):
+        if _speaks_of_it(row) and not any(key.startswith(RESOLUTION) for key, _ in found):
             notes.append(
                 f"{faults.row} {row.line}: the resolution in {quoted(row.text)} not used; if it is "
                 "the dial's, write it above the header as 'resolution: 0.001 mm'"
             )
     return statements, notes
+
+
+def _speaks_of_it(row: Row) -> bool:
+    """Say whether a row holds a resolution, be it within other words or cells."""
+    alone = any(_RESOLUTION.fullmatch(clean(cell).lower()) for cell in row.cells)
+    return alone or _IN_WORDS.search(row.text) is not None
 
 
 def _is_free(row: Row) -> bool:
@@ -92,7 +99,7 @@ def read_statements(row: Row) -> list[tuple[str, str]]:
         return [_normal(cells[0].strip("#:= "), cells[1])]
     words = " ".join(cells) == clean(row.text)
     pieces = _WIDE.split(row.text) if words else cells
-    found = [] if is_comment(row.text) else _beside_each_other(pieces)
+    found = [] if is_comment(row.text) else _beside_each_other(pieces, row.text)
     if len(found) > 1 or (len(cells) > 1 and not words and not is_comment(row.text)):
         return found
     mark = re.search("[:=：]", text := row.text.lstrip("# "))
@@ -106,27 +113,38 @@ def _begins_another(cell: str) -> bool:
     return _BARE_KEY.fullmatch(cell) is not None or _own_size(cell) is not None
 
 
-def _beside_each_other(cells: Sequence[str]) -> list[tuple[str, str]]:
+def _beside_each_other(cells: Sequence[str], text: str) -> list[tuple[str, str]]:
     """Return the statements of cells; what follows a key up to the next is its value.
 
     Words in front of the first are a title; numbers there make it no row of statements.
     """
     found: list[tuple[str, list[str]]] = []
     for cell in cells:
-        stated = _IN_A_CELL.fullmatch(cell)
+        colon = _IN_A_CELL.fullmatch(cell)
         if size := _own_size(cell):
             found.append((size[0], [size[1]]))
-        elif stated:
-            found.append((stated[1], [stated[2]] if stated[2] else []))
+        elif colon:
+            found.append((colon[1], [colon[2]] if colon[2] else []))
+        elif _RESOLUTION.fullmatch(cell.lower()):
+            found.append((cell, []))
         elif found:
             found[-1][1].append(cell)
         elif parse_cell(cell):
             return []
-    return [_normal(key, _as_one(values)) for key, values in found]
+    stated = [(key, _as_one(values, text)) for key, values in found]
+    if any(key in cells and _RESOLUTION.fullmatch(key.lower()) and not parse_cell(value)
+           for key, value in stated):  # fmt: skip
+        return []  # no number, or several: of which column?
+    return [_normal(key, value) for key, value in stated]
 
 
-def _as_one(values: Sequence[str]) -> str:
-    """Return cells as one value: words with commas, a number and its unit with a blank."""
+def _as_one(values: Sequence[str], text: str) -> str:
+    """Return cells as one value: words with commas, a number and its unit with a blank.
+
+    A decimal comma of the row's ``text`` has parted no cells.
+    """
+    if len(values) == 2 and _PARTED.match(whole := ",".join(values)) and whole in text:
+        return whole
     number_and_unit = len(values) == 2 and parse_cell(values[0]) and read_unit(values[1])
     return (" " if number_and_unit else ", ").join(values)
 
@@ -160,12 +178,30 @@ _DIALS = "messuhr(?:en)?|dial|gauge|indicator"
 _NAMES = {
     RESOLUTION: rf"(?:(?:{_DIALS})[ _])?(?:resolution|auflösung|skalenteilung(?:swert)?"
     r"|teilungswert|ziffernschritt(?:wert)?|scale[ _]division|graduation|resolución"
-    rf"|résolution|risoluzione|分辨率|分辨力|分度值)(?:[ _](?:der|of|of[ _]the)[ _](?:{_DIALS}))?",
+    rf"|résolution|risoluzione|分辨率|分辨力|分度值)"
+    rf"(?:(?:[ _](?:der|of|of[ _]the))?[ _](?:{_DIALS}))?",
     "unit": r"units?|unit[ _]of[ _]measurement|(?:maß|mess)?einheit|unidad(?:es)?|unités?|单位",
 }
 """What people call a statement that the axes hold, in lower case; an axis may follow."""
+_GERMAN = {
+    "roboter": "robot", "prüfling": "item", "prüfgegenstand": "item", "hersteller": "manufacturer",
+    "seriennummer": "serial_number", "seriennr": "serial_number", "seriennr.": "serial_number",
+    "serien-nr.": "serial_number", "datum": "date", "prüfdatum": "test_date",
+    "messdatum": "test_date", "prüfer": "operator", "bediener": "technician",
+    "labor": "laboratory", "prüflabor": "laboratory", "prüfort": "location", "messort": "place",
+    "kunde": "client", "auftraggeber": "customer", "nutzlast": "payload", "traglast": "payload",
+    "nennlast": "rated_payload", "geschwindigkeit": "velocity", "temperatur": "temperature",
+    "nenngeschwindigkeit": "rated_velocity", "raumtemperatur": "ambient_temperature",
+    "umgebungstemperatur": "ambient_temperature", "luftfeuchte": "humidity",
+    "luftfeuchtigkeit": "humidity", "messuhr": "dial", "messmittel": "instrument",
+    "messgerät": "instrument", "kalibrierdatum": "calibration_date",
+    "kalibriert_am": "calibration_date", "kalibriert_bis": "calibration_due",
+    "kalibrierschein": "calibration_certificate",
+}  # fmt: skip
+"""Keys that a report asks for, as German forms call them."""
 _OF_AXIS = rf"(?:[ _]({'|'.join(AXES).lower()}))?"
 _KEYS = {key: re.compile(f"(?:{names}){_OF_AXIS}") for key, names in _NAMES.items()}
+_RESOLUTION = re.compile(rf"{_KEYS[RESOLUTION].pattern}(?: ?[\[(][^\[\]()]+[\])])?")
 _NAMED = f"((?:{_NAMES[RESOLUTION]}){_OF_AXIS})"
 _VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
 _SIZE = re.compile(f"{_NAMED} {_VALUE}", re.IGNORECASE)
@@ -179,7 +215,7 @@ def normal_key(key: str) -> str:
     for name, known in _KEYS.items():
         if found := known.fullmatch(key):
             return f"{name}_{found[1]}" if found[1] else name
-    return key
+    return _GERMAN.get(key, key)
 
 
 def _add(statements: dict[str, Statement], key: str, value: str, line: int, faults: Faults) -> None:

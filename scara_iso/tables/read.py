@@ -46,6 +46,7 @@ from scara_iso.tables.text import (
     split_lines,
     stated_delimiter,
 )
+from scara_iso.tables.wide import find_wide
 
 _ABOVE = 200
 _SHOWN = 20
@@ -104,7 +105,8 @@ def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
     faults.check()
     understood = _understand(head, options.columns)
     if understood is None:
-        return _of_labels(text, name, options, encoding)
+        wide = _of_wide(text, head, name, options, encoding)
+        return wide or _of_labels(text, name, options, encoding)
     delimiter, rows, layout = understood
     if not layout.sure and (across := runs_across(rows)):
         raise refuse(name, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
@@ -135,6 +137,17 @@ def _check_delimited(run: Run, delimiter: Delimiter, columns: Columns, faults: F
         _check_split(run, columns.layout, faults.where)
     if delimiter is Delimiter.SEMICOLON:
         check_groups(columns, run, faults)
+
+
+def _of_wide(
+    text: str, head: list[str], name: str, options: ReadOptions, encoding: str
+) -> Run | None:
+    """Return the run of a table whose headings each name a pose and an axis, None of another."""
+    for delimiter in Delimiter if options.columns is None else ():
+        if find_wide([(row.line, row.cells) for row in split_head(head, delimiter)]):
+            blocks = find_wide(_split_all(text, delimiter, name))
+            return read_blocks(blocks, name, options, f"{delimiter.value}, {encoding}")
+    return None
 
 
 def _of_labels(text: str, name: str, options: ReadOptions, encoding: str) -> Run:
@@ -207,7 +220,8 @@ def _check_end(
 def _check_length(first: int, lines: list[str], faults: Faults) -> None:
     for line, text in enumerate(lines, first):
         if len(text) > LINE_LIMIT:
-            faults.add(f"a line of {len(text)} characters", line)
+            what = f"a line of {len(text)} characters, more than {LINE_LIMIT}"
+            faults.add(what, line, remedy="end each row with a line end, and leave texts out")
 
 
 def _understand(
@@ -272,4 +286,4 @@ def _split_each(
 def _said(columns: Columns, decimal: str | None) -> str:
     if decimal is not None:
         return "decimal comma as asked" if decimal == "," else "decimal point as asked"
-    return "decimal comma" if columns.marks.keys() & {Mark.COMMA} else "decimal point"
+    return "decimal comma" if columns.marks.keys() & {Mark.COMMA, Mark.EITHER} else "decimal point"

@@ -12,9 +12,11 @@ from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, listed, quoted, refuse, together
 from scara_iso.tables.layout import HEAD, Layout, find_layout
-from scara_iso.tables.parts import PosePart, merge, pose_in
+from scara_iso.tables.parts import PosePart, merge
+from scara_iso.tables.pose_names import pose_in
 from scara_iso.tables.positions import check_header, place_columns, suggest_columns
 from scara_iso.tables.text import Row
+from scara_iso.tables.wide import find_wide
 
 NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 
@@ -31,7 +33,7 @@ def read_workbook(data: bytes, name: str, options: ReadOptions) -> Run:
         rows: Sequence[Line] = list(enumerate(cells, 1))
         if options.sheet in (None, title):
             heads.append(_head(rows))
-            if _find_table(rows, options.columns):
+            if _find_table(rows, options.columns) or _blocks(rows, options):
                 found[title] = rows
     if len(found) == 1:
         ((title, rows),) = found.items()
@@ -51,9 +53,7 @@ def read_blocks(
     for block in blocks:
         try:
             run = read_rows(block.rows, f"{name}, block of {block.pose}", options, how, sheet)
-            parts.append(
-                PosePart(run, f"block of {block.pose}", "", "the name above it", block.pose)
-            )
+            parts.append(PosePart(run, f"block of {block.pose}", "", block.place, block.pose))
         except DataError as error:
             errors.append(error)
     if errors:
@@ -88,9 +88,13 @@ def _poses_of(
 
 def _read_sheet(rows: Sequence[Line], name: str, options: ReadOptions, sheet: str) -> Run:
     how = f"workbook, sheet {quoted(sheet)}"
-    if options.columns is None and (blocks := find_blocks(rows)):
+    if blocks := _blocks(rows, options):
         return read_blocks(blocks, name, options, how, sheet)
     return read_rows(rows, name, options, how, sheet)
+
+
+def _blocks(rows: Sequence[Line], options: ReadOptions) -> list[Block]:
+    return [] if options.columns is not None else find_blocks(rows) or find_wide(rows)
 
 
 def read_rows(

@@ -94,7 +94,7 @@ def _general_unit(
         faults.add(
             f"`unit={option}` against the file's unit {stated.name}",
             statements["unit"].line,
-            remedy="leave `unit=` out, or correct the file",
+            remedy=f"leave `unit=` out, or write '# unit: {asked.name}' in the file if it is wrong",
         )
     return asked or stated
 
@@ -113,7 +113,8 @@ def _known_unit(text: str, what: str, line: int, column: int | None, faults: Fau
             f"{what}unknown unit {quoted(text)}",
             line,
             column,
-            remedy="write mm, um, inch, deg, rad, arcmin, or a scaled one as 0.01 mm",
+            remedy="write mm, um, inch, deg (a German Grad), rad, arcmin, or a scaled one as "
+            "0.01 mm",
         )
     return unit
 
@@ -136,7 +137,8 @@ def _axis_unit(
     if general and not named and any(u.dimension is general.dimension for u in known):
         known.append(general)
     elif "" in behind and len(behind) > 1 and not stated:
-        faults.add(f"{axis}: a unit behind some values only", behind[""], field)
+        remedy = "write the unit once, in the header, as 'X [mm]'"
+        faults.add(f"{axis}: a unit behind some values only", behind[""], field, remedy=remedy)
     other = next((unit for unit in known if not same_size(unit, known[0])), None)
     if other:
         faults.add(
@@ -147,7 +149,9 @@ def _axis_unit(
         )
     unit = known[0] if known else general
     if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
-        faults.add(f"{axis} is a length and cannot be in {unit.name}", header_line, field)
+        what = f"{axis} is a length and cannot be in {unit.name}"
+        remedy = "write its unit of length, as mm; call a column of angles theta"
+        faults.add(what, header_line, field, remedy=remedy)
     return unit
 
 
@@ -191,7 +195,9 @@ class _Sizes:
                 continue
             if axis in found:
                 self.faults.add(
-                    f"{COMMAND}_{axis} and {key}: of which pose is the first?", own.line
+                    f"{COMMAND}_{axis} and {key}: of which pose is the first?",
+                    own.line,
+                    remedy=f"write its pose behind it, as '# {COMMAND}_{axis}[P1]: 100.0'",
                 )
             size = self._size(own, key, axis, -math.inf)
             if size is not None:
@@ -205,7 +211,8 @@ class _Sizes:
             return None
         value, stated = size
         if stated and stated.dimension is not unit.dimension:
-            self.faults.add(f"{key} in {stated.name}, {axis} in {unit.name}", own.line)
+            what = f"{key} in {stated.name}, {axis} in {unit.name}"
+            self.faults.add(what, own.line, remedy=f"state {key} in {unit.name}")
         return (stated or unit).to_base(value)
 
     def _for_all(self, key: str, option: float | None) -> dict[str, float]:
@@ -225,7 +232,9 @@ class _Sizes:
             asked = (self.general or unit).to_base(option)
             if value is not None and stated and asked != value:
                 self.faults.add(
-                    f"`resolution={option!r}` against the file's {stated.value}", stated.line
+                    f"`resolution={option!r}` against the file's {stated.value}",
+                    stated.line,
+                    remedy="leave `resolution=` out; or, if the file is wrong, mend it there",
                 )
             value = asked
         if value is None:

@@ -76,7 +76,8 @@ def _refuse_control(text: str, where: str) -> None:
     faults = Faults(where)
     for match in _CONTROL.finditer(text):
         line = text.count("\n", 0, match.start()) + 1
-        faults.add(f"control character {match[0]!r}", line)
+        what = f"control character {match[0]!r}"
+        faults.add(what, line, remedy="export the table again as text (CSV UTF-8)")
         faults.check()
 
 

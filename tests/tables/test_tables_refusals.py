@@ -491,6 +491,26 @@ def test_faults_that_are_alike_are_one_line_with_every_place():
     ]
 
 
+def test_what_to_do_is_said_of_each_kind_of_fault(tmp_path, capsys):
+    table = tmp_path / "run.csv"
+    table.write_text("# unit: mm\ncycle;X\n1;1,204\n2;#WERT!\nx;1,203\n")
+    assert main(["analyze", str(table)]) == 65
+    todo = capsys.readouterr().err.splitlines()[-1]
+    assert "--decimal" in todo
+    assert "--allow-gaps" in todo
+    assert "1 and up" in todo
+
+
+@pytest.mark.parametrize(
+    ("cell", "todo"),
+    [(dt.date(2026, 5, 1), "format to Text"), (None, "saved the workbook"), ("?", "one number")],
+)
+def test_a_cell_of_a_sheet_that_holds_no_reading_says_what_to_do(cell, todo):
+    with pytest.raises(DataError) as caught:
+        read_table(sheet_of({"C10": cell}))
+    assert todo in caught.value.remedy
+
+
 def test_what_to_do_stands_above_a_long_list_of_faults(tmp_path, capsys):
     table = tmp_path / "run.csv"
     cells = ["a,0.1", "0.1,b", "c,0.1", "0.1,d", "e,0.1", "0.1,f"]
@@ -498,7 +518,7 @@ def test_what_to_do_stands_above_a_long_list_of_faults(tmp_path, capsys):
     assert main(["analyze", str(table)]) == 65
     headline, todo, *faults = capsys.readouterr().err.splitlines()
     assert "6 faults" in headline
-    assert todo == "  correct the file, or export it again"
+    assert todo.startswith("  write the reading as one number; where none was taken, remove the ")
     assert len(faults) == 6
 
 

@@ -248,13 +248,16 @@ FORM = "Nr;X;Y\n1;0,112;0,811\n2;0,113;0,812\n"
 @pytest.mark.parametrize(
     ("above", "resolution", "kept"),
     [
-        ("Datum:;2026-03-01;;Prüfer:;Meier\n", None, {"datum": "2026-03-01", "prüfer": "Meier"}),
-        ("Datum: 2026-03-01;;Prüfer: Meier\n", None, {"datum": "2026-03-01", "prüfer": "Meier"}),
+        ("Datum:;2026-03-01;;Prüfer:;Meier\n", None, {"date": "2026-03-01", "operator": "Meier"}),
+        ("Datum: 2026-03-01;;Prüfer: Meier\n", None, {"date": "2026-03-01", "operator": "Meier"}),
         ("Start:;10:30;Datei:;C:\\p;;Prüfer:;\n", None,
-         {"start": "10:30", "datei": "C:\\p", "prüfer": ""}),
-        ("Roboter: A    Auflösung: 0,001 mm\n", 0.001, {"roboter": "A"}),
+         {"start": "10:30", "datei": "C:\\p", "operator": ""}),
+        ("Roboter: A    Auflösung: 0,001 mm\n", 0.001, {"robot": "A"}),
         ("Auflösung 0,001 mm\n", 0.001, {}),
-        ("Protokoll;Messuhr: M;Auflösung 1 µm\n", 0.001, {"messuhr": "M"}),
+        ("Protokoll;Messuhr: M;Auflösung 1 µm\n", 0.001, {"dial": "M"}),
+        ("Auflösung Messuhr;0,001;mm\n", 0.001, {}),
+        ("Auflösung X [mm];0,01;;Auflösung Y;10;µm\n", 0.01, {}),
+        ("Auflösung;0,001;;Prüfer;Meier\n", None, {}),
         ("Messuhr M;Auflösung 1 µm\n", 0.001, {}),
         ("Auflösung:;0,01;mm;Ort:;Halle 3;Nord\n", 0.01, {"ort": "Halle 3, Nord"}),
         ("Resolution [µm]:;5\n", 0.005, {}),
@@ -295,3 +298,62 @@ def test_the_line_to_sign_on_below_a_form_is_no_reading():
     run = read_table((FORM + "Datum:;01.03.2026;Unterschrift:;\n").encode(), unit="mm")
     assert len(run) == 2
     assert "'Datum:, 01.03.2026, Unterschri…' not used" in run.origin.notes[-1]
+
+
+WIDE = "Auflösung;1 µm\nNr.;{}\n" + "".join(
+    f"{k};50{k % 4};60{k % 3};70{k % 5};80{k % 2}\n" for k in range(1, 32)
+)
+
+
+@pytest.mark.parametrize(
+    ("heads", "order"),
+    [
+        ("P1 X [µm];P1 Y [µm];P2 X [µm];P2 Y [µm]", (500, 600, 700, 800)),
+        ("X P1 [µm];X P2 [µm];Y-P1 [µm];Y-P2 [µm]", (500, 700, 600, 800)),
+        ("Pose 1: X / µm;Punkt 2 Y (µm);P01_Y_um;P2 Achse X [µm]", (500, 700, 800, 600)),
+    ],
+)
+def test_headings_that_name_pose_and_axis_are_poses_in_any_order(heads, order):
+    run = read_table(WIDE.format(heads).encode(), decimal=",")
+    rows = dict(run.rows_by_pose())
+    found = [run.axes[axis].readings[rows[pose]] for pose in ("P1", "P2") for axis in "XY"]
+    assert [int(one.min() * 1000) // 10 * 10 for one in found] == list(order)
+    assert [len(one) for one in found] == [31] * 4
+    assert run.axes["X"].resolution == 0.001
+
+
+def test_a_pose_that_a_heading_names_once_is_no_table_of_poses():
+    with pytest.raises(DataError, match="no header that names an axis"):
+        read_table(WIDE.format("P1 X [µm];Kraft;Weg;Zeit").encode(), decimal=",")
+
+
+@pytest.mark.parametrize(
+    ("heads", "covariates"),
+    [
+        ("Temp (C);Last [kg]", ["temperature_C", "payload_kg"]),
+        ("Temperatur in °C;T [°C]", ["temperature_C", "T [°C]"]),
+        ("Temp (C);T (C)", ["Temp (C)", "T (C)"]),
+        ("Temperature (F);u", ["Temperature (F)", "u"]),
+    ],
+)
+def test_a_covariate_is_what_its_heading_means_where_no_other_is(heads, covariates):
+    run = read_table(WIDE.format(f"X [µm];Y [µm];{heads}").encode(), decimal=",")
+    assert list(run.covariates) == covariates
+
+
+def test_a_length_or_angle_that_names_no_axis_is_said():
+    run = read_table(WIDE.format("X [µm];Höhe [µm];Drehung [°];u").encode(), decimal=",")
+    said = [note for note in run.origin.notes if "names no axis" in note]
+    assert ["X, Y or Z" in said[0], "theta" in said[1], len(said)] == [True, True, 2]
+
+
+ONES = "Nr.;X [mm]\n" + "".join(f"{k};1,50{k % 4}\n" for k in range(1, 32))
+
+
+def test_a_stated_resolution_with_a_decimal_comma_says_what_commas_are():
+    run = read_table(f"Auflösung;0,001 mm\n{ONES}".encode())
+    assert run.axes["X"].readings.max() == 1.503
+    assert "decimal comma" in run.origin.understood
+    for head in ("", "# resolution: 0.001\n", "Auflösung;1 µm\n", "Prüfer: 0,5\n"):
+        with pytest.raises(DataError, match="could have a decimal comma or group"):
+            read_table((head + ONES).encode())

@@ -48,6 +48,7 @@ SPELLINGS = {
     "unit behind": Spelling(unit_place="behind"),
     "unit behind, aligned": Spelling(unit_place="behind", delimiter=" ", mark=","),
     "bare preamble": Spelling(preamble="bare"),
+    "bare preamble, decimal comma in quotes": Spelling(preamble="bare", mark=",", quoted=True),
     "preamble in cells": replace(SEMICOLON, preamble="cells"),
     "sep=": replace(SEMICOLON, sep_line=True),
     "sep= in UTF-16": replace(SEMICOLON, sep_line=True, encoding="utf-16", end="\r\n"),
@@ -195,7 +196,9 @@ def can_be_read(spelling):
 def test_a_random_table_in_a_random_spelling_is_the_same_numbers_or_asked(table, spelling):
     assume(can_be_read(spelling))
     data = spell(table, spelling)
-    if "," in spelling.mark and is_asked(data):
+    if is_asked(data, "end its last line"):  # a last 0 may be a 0.001 that is cut
+        data = spell(table, replace(spelling, last_end=True))
+    if "," in spelling.mark and is_asked(data, "`decimal="):
         assert_same(read_table(data, decimal=","), table)
     elif (spelling.unit, spelling.delimiter) == ("um", ";"):  # may be asked too
         assert_same(read_table(data, decimal=spelling.mark), table)
@@ -203,10 +206,10 @@ def test_a_random_table_in_a_random_spelling_is_the_same_numbers_or_asked(table,
         assert_same(read_table(data), table)
 
 
-def is_asked(data):
-    """The one thing that may be asked: do all commas group thousands?"""
+def is_asked(data, remedy):
+    """What may be asked: is the file whole, and do all commas group thousands?"""
     try:
         read_table(data)
     except DataError as error:
-        return "`decimal=" in error.remedy
+        return remedy in error.remedy
     return False

@@ -70,5 +70,7 @@ def number_option(options: Mapping[str, str], key: str, default: float) -> float
     except ValueError:
         value = -1.0
     if not 0 <= value <= 1e9:
-        raise UsageError(f"{key}={text} is not a number of zero or more")
+        raise UsageError(
+            f"{key}={text} is not a number of zero or more", remedy=f"write a number, as {key}=2"
+        )
     return value

@@ -124,6 +124,9 @@ def replayed_poses(address: str) -> tuple[str, ...]:
     return tuple(map(str, first.get("poses", ())))
 
 
+_TAPE = "name the .raw.jsonl of a recording, or a file of what an indicator sent"
+
+
 def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
     with open_file(path) as file:
         tape = is_tape(file.read(16))
@@ -131,7 +134,9 @@ def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
     try:
         stream = _from_tape(path, dialect, axis, asked=asked) if tape else Stream()
     except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        raise DataError(f"is no raw file of record ({error})", where=str(path)) from error
+        raise DataError(
+            f"is no raw file of record ({error})", where=str(path), remedy=_TAPE
+        ) from error
     if not tape:
         stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]
     request = _request(dialect)
@@ -140,7 +145,7 @@ def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
         stream.answers = {request: deque([(ANSWER_S, line)] for line in answers)}
         stream.pushed = []
     if not stream.pushed and not stream.answers:
-        raise DataError("holds no received bytes", where=str(path))
+        raise DataError("holds no received bytes", where=str(path), remedy=_TAPE)
     return stream
 
 

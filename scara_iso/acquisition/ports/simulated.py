@@ -148,7 +148,9 @@ def simulation_is_paced(address: str) -> bool:
 def _source(axis: str, options: dict[str, str], unit: Unit) -> Signal:
     seed = options.get("seed", "0")
     if not (seed.isascii() and seed.isdigit() and len(seed) < 19):
-        raise UsageError(f"seed={seed} is not a whole number")
+        raise UsageError(
+            f"seed={seed} is not a whole number", remedy="write a whole number, as seed=1"
+        )
     if "model" in options:
         return of_model(Path(options["model"]), axis, unit, int(seed))
     return scatter(axis, options, int(seed))

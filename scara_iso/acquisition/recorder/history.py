@@ -218,7 +218,11 @@ class History:
         self.check()
         rows = np.flatnonzero(self.complete_rows())
         if not len(rows):
-            raise DataError("no cycle is complete", where=self.source)
+            raise DataError(
+                "no cycle is complete",
+                where=self.source,
+                remedy="record on, until every gauge has a cycle",
+            )
         times = np.array(self.times)[rows]
         counted = "visits" if self.tour.poses else "cycles"
         turn, place = np.divmod(rows, len(self.tour))

@@ -29,7 +29,11 @@ class Journal:
         """Checksum of the last whole line; who goes on with a file states it."""
         self._failed: WriteError | None = None
         if not new and not path.exists():
-            raise NoInputError("no recording to resume", where=str(path))
+            raise NoInputError(
+                "no recording to resume",
+                where=str(path),
+                remedy="record without `resume=`, or name the table that was begun",
+            )
         try:
             self._file = disk.open(path, new=new)
         except OSError as error:

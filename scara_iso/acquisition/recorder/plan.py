@@ -153,5 +153,8 @@ def _settled(text: str) -> Settled:
     values = {key: number_option(options, key, 0.0) for key in options}
     wrong = [key for key, value in values.items() if value <= 0]
     if wrong:
-        raise UsageError(f"{text!r}: {wrong[0]} is not above zero")
+        raise UsageError(
+            f"{text!r}: {wrong[0]} is not above zero",
+            remedy=f"write a number above zero, as {wrong[0]}=1",
+        )
     return Settled(**values)

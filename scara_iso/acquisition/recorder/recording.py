@@ -116,7 +116,10 @@ def _open_ports(
     ports = []
     for spec in job.gauges:
         if job.resume and is_recorded(spec.address):
-            raise UsageError("a recorded stream cannot be resumed: record it into a new file")
+            raise UsageError(
+                "a recorded stream cannot be resumed: record it into a new file",
+                remedy="leave `resume=` out, and name another table",
+            )
         _refuse_other_poses(spec, job.plan.tour)
         if job.plan.stable > 1 and spec.address.startswith("replay:"):
             raise UsageError(

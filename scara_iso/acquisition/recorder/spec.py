@@ -126,7 +126,9 @@ def _whole(options: Mapping[str, str], key: str) -> int | None:
     if text is None:
         return None
     if not (text.isascii() and text.isdigit() and len(text) < 9):
-        raise UsageError(f"{key}={text} is not a whole number")
+        raise UsageError(
+            f"{key}={text} is not a whole number", remedy=f"write {key} as digits only"
+        )
     return int(text)
 
 
@@ -136,7 +138,7 @@ def _parity(text: str | None) -> Parity | None:
             return None
         case "N" | "E" | "O" as parity:
             return parity
-    raise UsageError(f"parity={text}: use N, E or O")
+    raise UsageError(f"parity={text}: use N, E or O", remedy="write parity=N, parity=E or parity=O")
 
 
 def _bytes(text: str) -> bytes:

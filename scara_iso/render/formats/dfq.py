@@ -42,7 +42,10 @@ def render(document: Document) -> bytes:
         case GaugeStudy():
             lines = list(_study(document.source))
         case _:
-            raise UsageError(f"{document.title}: only a test or a gauge study is written as AQDEF")
+            raise UsageError(
+                f"{document.title}: only a test or a gauge study is written as AQDEF",
+                remedy="let the name end in .html, .md or .csv",
+            )
     text = "".join(f"{line}\r\n" for line in lines)
     try:
         return text.encode("cp1252")

@@ -20,7 +20,10 @@ def render(document: Document) -> bytes:
         case GaugeStudy():
             found = gauge_study_json(document.source)
         case _:
-            raise UsageError(f"{document.title}: only a whole test or a study is written as JSON")
+            raise UsageError(
+                f"{document.title}: only a whole test or a study is written as JSON",
+                remedy="let the name end in .html, .md or .csv",
+            )
     return f"{to_text(found)}\n".encode()
 
 

@@ -128,7 +128,7 @@ def _text(path: Path) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise DataError("not UTF-8", where=str(path)) from error
+        raise DataError("not UTF-8", where=str(path), remedy="save it as UTF-8 text") from error
 
 
 def _checked(build: Callable[[], Any], where: str, faults: KeyFaults) -> Any:

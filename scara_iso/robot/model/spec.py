@@ -41,7 +41,7 @@ def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
                 remedy=f"{effect.name} takes {', '.join(sorted(wanted))}",
             )
         if key in values:
-            raise UsageError(f"effect {text!r}: {key} is given twice")
+            raise UsageError(f"effect {text!r}: {key} is given twice", remedy="give it once")
         values[key] = value if wanted[key].text else _value(text, wanted[key], value)
     given = {wanted[key].name for key in values}
     missing = sorted({p.name for p in effect.parameters} - given)
@@ -57,7 +57,10 @@ def _value(text: str, parameter: Parameter, spelled: str) -> float:
     found = parse_clean([spelled], ".")
     wrong = "no number" if found is None else why_not(parameter, float(found[0][0]))
     if found is None or wrong:
-        raise UsageError(f"effect {text!r}: {parameter.name}={spelled}: {wrong}")
+        raise UsageError(
+            f"effect {text!r}: {parameter.name}={spelled}: {wrong}",
+            remedy=f"write {parameter.name} as a number in its range",
+        )
     return float(found[0][0])
 
 

@@ -1,0 +1,59 @@
+"""What is stated of a posterior: no name for sure beside a near rival, and as often as right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from scara_iso.diagnosis.tuning import RIGHT_OF_STATED, RIVAL, UNSURE
+
+_SAID = 1.001 * RIVAL
+"""Share that no rounding of numbers takes below RIVAL."""
+
+
+Near = Callable[[str], Mapping[str, float]]
+"""Effects near the named one in BIC, and by how much they are behind."""
+
+
+def as_stated(posterior: Mapping[str, float], near: Near) -> dict[str, float]:
+    """Return what is stated of a posterior: the likeliest effect stays that."""
+    best = max(posterior, key=posterior.__getitem__)
+    if posterior[best] > UNSURE:
+        posterior = beside_near_rivals(posterior, near(best))
+    return as_often_right(posterior)
+
+
+def beside_near_rivals(
+    probability: Mapping[str, float], near: Mapping[str, float]
+) -> dict[str, float]:
+    """Return probabilities of which none is above UNSURE while another effect is near in BIC.
+
+    The nearest becomes a rival, at least RIVAL times as likely as the best; those farther, by the
+    differences ``near``, exp(-difference / 2) times that.
+    """
+    best = max(probability, key=probability.__getitem__)
+    if probability[best] <= UNSURE or not near:
+        return dict(probability)
+    nearest = min(near.values())
+    least = {name: _SAID * float(np.exp((nearest - d) / 2)) for name, d in near.items()}
+    others = {
+        name: max(probability.get(name, 0.0), least.get(name, 0.0) * probability[best])
+        for name in {**probability, **least}
+        if name != best
+    }
+    whole = sum(others.values())
+    sure = min(UNSURE, probability[best] / (probability[best] + whole))
+    return {best: sure, **{name: p * (1 - sure) / whole for name, p in others.items()}}
+
+
+def as_often_right(probability: Mapping[str, float]) -> dict[str, float]:
+    """Return probabilities of which the largest is as large as it has been right: RIGHT_OF_STATED.
+
+    The others share what is left as before.
+    """
+    best = max(probability, key=probability.__getitem__)
+    p = probability[best]
+    right = float(np.interp(p, *np.transpose(RIGHT_OF_STATED)))
+    left = (1 - right) / (1 - p) if p < 1 else 1.0
+    return {name: right if name == best else left * q for name, q in probability.items()}
