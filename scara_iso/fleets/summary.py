@@ -7,15 +7,12 @@ discovery rate, the share of false ones among those that are named, is held (Ben
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
-from scara_iso.fleets.drift import QUANTILES, FleetDrift, fleet_drift
+from scara_iso.fleets.drift import FleetDrift, fleet_drift, quantiles_of_rows
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
@@ -207,12 +204,7 @@ def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802
             f'CREATE OR REPLACE TEMP TABLE sorted AS SELECT "RP_{name}" AS RP FROM fleet '  # noqa: S608
             "WHERE isfinite(RP) ORDER BY RP"
         )
-        last = sum(row[0] for row in query("SELECT count(*) FROM sorted")) - 1
-        if last >= 0:
-            places = [share * last for share in QUANTILES]
-            ranks = sorted({end for at in places for end in (math.floor(at), math.ceil(at))})
-            rows = query(
-                "SELECT RP FROM sorted WHERE rowid IN (SELECT unnest(?)) ORDER BY rowid", ranks
-            )
-            found[name] = tuple(np.interp(places, ranks, [RP for (RP,) in rows]).tolist())
+        count = sum(row[0] for row in query("SELECT count(*) FROM sorted"))
+        if count:
+            found[name] = quantiles_of_rows(query, 0, count)
     return found
