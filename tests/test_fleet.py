@@ -22,7 +22,7 @@ from scara_iso.cli import main
 from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
 from scara_iso.fleets import Engine, ReadAs
-from scara_iso.fleets.database import as_parquet, results_in
+from scara_iso.fleets.database import as_parquet, results_in, workspace
 from scara_iso.fleets.dispatch import done_by
 from scara_iso.fleets.parts import tables_in
 from scara_iso.fleets.work import PartResult, whole_part
@@ -373,6 +373,32 @@ def test_a_full_disk_and_damaged_results_are_said(tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
     with pytest.raises(WriteError, match="temporary"):
         as_parquet("SELECT 1 AS a")
+
+
+SORTED = "CREATE TABLE a AS SELECT random()::VARCHAR AS r FROM range(400000) ORDER BY r"
+
+
+def raised(words):
+    raise duckdb.IOException(words)
+
+
+@pytest.mark.parametrize(
+    ("done", "kind", "words"),
+    [
+        (lambda query: (query("SET memory_limit = '3MB'"), query(SORTED)),
+         DataError, ("part: takes more memory", "split the part")),
+        (lambda query: (query("SET max_temp_directory_size = '1MiB'"),
+                        query("SET memory_limit = '16MB'"), query(SORTED)),
+         WriteError, ("no room for temporary files", "TMPDIR")),
+        (lambda _: raised("No space left on device"), WriteError, ("no room", "TMPDIR")),
+        (lambda _: raised("No such file"), DataError, ("cannot be read", "mend the file")),
+    ],
+    ids=["memory", "disk", "disk, when written", "neither"],
+)  # fmt: skip
+def test_memory_and_disk_that_are_full_are_told_apart(tmp_path, done, kind, words):
+    with pytest.raises(kind, match=words[0]) as found, workspace(tmp_path / "part") as query:
+        done(query)
+    assert words[1] in found.value.remedy
 
 
 def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path):

@@ -11,13 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from scara_iso.disk import write_file
-from scara_iso.errors import DataError, UsageError, WriteError, with_extra
+from scara_iso.errors import DataError, ScaraIsoError, UsageError, WriteError, with_extra
 
 Query = Callable[..., list[Any]]
 """SQL and its parameters to rows."""
 
 _OF_A_ROW = re.compile(r"CSV Error on Line: (?P<line>\d+)\n.*\n+(?P<reason>\S.*)")
 _ROOM = "make room, or name another folder by TMPDIR"
+_FEWER = "split the part in two, or a folder of many parts into several fleets"
+_DISK_IS_FULL = ("'max_temp_directory_size'", "No space left on device")
+"""In what DuckDB says: it found no more room beforehand, or when it wrote."""
 _MEMORY = "1GB"
 
 Columns = Mapping[str, tuple[str, Sequence[object]]]
@@ -46,9 +49,7 @@ def fetched(sql: str, parameters: Sequence[object], where: str) -> Any:
     try:
         return connection.execute(sql, list(parameters)).df()
     except duckdb.Error as error:
-        raise DataError(
-            f"cannot be read: {_brief(error)}", where=where, remedy="mend the file"
-        ) from error
+        raise _said(error, "cannot be read", where, "mend the file") from error
     finally:
         connection.close()
 
@@ -103,14 +104,24 @@ def _session(connection: Any, said: str, where: Path, remedy: str) -> Iterator[Q
 
     try:
         yield lambda sql, *parameters: connection.execute(sql, list(parameters)).fetchall()
-    except duckdb.OutOfMemoryException as error:
-        raise WriteError(
-            "no room for temporary files", where=tempfile.gettempdir(), remedy=_ROOM
-        ) from error
     except duckdb.Error as error:
-        raise DataError(f"{said}: {_brief(error)}", where=str(where), remedy=remedy) from error
+        raise _said(error, said, str(where), remedy) from error
     finally:
         connection.close()
+
+
+def _said(error: Exception, said: str, where: str, remedy: str) -> ScaraIsoError:
+    """Return an error of DuckDB as one of ours: its disk is full, its memory, or it cannot read."""
+    import duckdb  # noqa: PLC0415 - it is there
+
+    full = isinstance(error, duckdb.OutOfMemoryException | duckdb.IOException)
+    if full and any(words in str(error) for words in _DISK_IS_FULL):
+        return WriteError("no room for temporary files", where=tempfile.gettempdir(), remedy=_ROOM)
+    if isinstance(error, duckdb.OutOfMemoryException):
+        first = str(error).partition("\n")[0].removeprefix("Out of Memory Error: ")
+        return DataError(f"takes more memory than there is for it: {first}", where=where,
+                         remedy=_FEWER)  # fmt: skip
+    return DataError(f"{said}: {_brief(error)}", where=where, remedy=remedy)
 
 
 def unnested(columns: Columns) -> tuple[str, list[list[object]]]:
