@@ -378,6 +378,15 @@ def test_a_full_disk_and_damaged_results_are_said(tmp_path, monkeypatch):
 SORTED = "CREATE TABLE a AS SELECT random()::VARCHAR AS r FROM range(400000) ORDER BY r"
 
 
+def test_duckdb_draws_nothing_where_results_are_printed():
+    code = (
+        "from scara_iso.fleets.database import connect; "
+        "print(connect().execute(\"SELECT current_setting('enable_progress_bar')\").fetchone()[0])"
+    )  # by -c DuckDB takes the process for a person's
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
+    assert done.stdout == "False\n"
+
+
 def raised(words):
     raise duckdb.IOException(words)
 

@@ -36,6 +36,7 @@ def connect(threads: int = 1, memory: str = _MEMORY) -> Any:
     connection = duckdb.connect()
     connection.execute(f"SET threads = {threads}")  # one where processes share the cores
     connection.execute(f"SET memory_limit = '{memory}'")  # what is more goes to the disk
+    connection.execute("SET enable_progress_bar = false")  # it would stand in what is printed
     own = f"scara-iso-{os.getpid()}-{id(connection)}"  # a folder of two would be lost
     connection.execute("SET temp_directory = ?", [str(Path(tempfile.gettempdir(), own))])
     return connection
