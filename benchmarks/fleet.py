@@ -4,6 +4,7 @@
     python benchmarks/fleet.py --robots 0          only what each engine takes
     python benchmarks/fleet.py --sums 1e6 1e7 1e8  only RP of so many readings
     python benchmarks/fleet.py --drift 20          only whose RP grows, in so many fleets
+    python benchmarks/fleet.py --dated 1e5 1e6 1e7 only the drift of so many dated tests
 
 One table of 31 cycles and three axes for each robot; the ill have a step of four standard
 deviations in one axis. Times are of one run. Beside them stand seconds of processor of the busiest
@@ -16,6 +17,9 @@ one for means and standard deviations only; each in a process of its own, two th
 
 Drift: 1,000 robots tested monthly; tests of a robot differ by 5 % beside their sampling, and of 30
 robots the scatter grows evenly by a share of the first a month.
+
+Dated: the same from figures of monthly tests, 24 a robot, that are there already: in a process of
+its own, with the memory that the summary of figures lets DuckDB have.
 """
 
 from __future__ import annotations
@@ -37,10 +41,15 @@ import duckdb
 import numpy as np
 
 import scara_iso
+from scara_iso.fleets.database import results_in
+from scara_iso.fleets.drift import fleet_drift
+from scara_iso.fleets.figure_summary import SUMMARY_MEMORY
+from scara_iso.fleets.summary import LEVEL
 
 SIGMA, STEP, PART = 0.003, 4, 25
 TABLES, READINGS = 107_526, 93
 """Tables of a Parquet file, readings of a table."""
+DATES = 24
 NORMAL = f"round({SIGMA} * sqrt(-2 * ln(1 - random())) * cos(2 * pi() * random()), 3)"
 MANY = f"""SELECT 'R' || (k // 20) AS robot, 't' || (k % 20) AS test, c::INTEGER AS cycle,
     {NORMAL} AS X, {NORMAL} AS Y, {NORMAL} AS Z FROM range(?, ?) a(k), range(1, 32) b(c)
@@ -279,6 +288,26 @@ def drifting(folder: Path, fleets: int, dates: int, growth: float, robots: int, 
           f"{fleets}", flush=True)  # fmt: skip
 
 
+def dated(folder: Path, tests: int) -> None:
+    """Print what the drift of so many dated tests takes."""
+    made = f"""SELECT 'R' || (k // {DATES}) AS robot, strftime(DATE '2024-01-05' + to_months(
+        (k % {DATES})::INTEGER), '%Y-%m-%d') AS test, NULL::VARCHAR AS date,
+        {SIGMA} * exp(0.1 * sqrt(-2 * ln(1 - random())) * cos(2 * pi() * random())) AS RP_XY
+        FROM range({tests}) a(k)"""  # noqa: S608
+    duckdb.execute(f"COPY ({made}) TO '{folder}/a.parquet'")
+    _, used, peak_MB = apart(by_drift, folder)
+    print(f"{tests:,} dated tests, {-(-tests // DATES):,} robots: of processor {used:.1f} s, "
+          f"{peak_MB:.0f} MB", flush=True)  # fmt: skip
+
+
+def by_drift(folder: Path) -> None:
+    """Look how the figures in a folder move, as the summary does."""
+    with results_in(folder, SUMMARY_MEMORY) as query:
+        drift = fleet_drift(query, LEVEL)
+    if drift is None or len(drift.periods) != DATES:
+        raise SystemExit("the drift is not of the dates that were made")
+
+
 def differing(source: Path, to: Path, sample: int = 50) -> str:
     """Return how far the figures of some tables are from those of `analyze`."""
     part = min(source.glob("*.parquet"))
@@ -301,6 +330,7 @@ def main() -> None:
     parser.add_argument("--ill", type=int, default=30)
     parser.add_argument("--compared", type=int, default=100)
     parser.add_argument("--drift", type=int, default=0, metavar="FLEETS")
+    parser.add_argument("--dated", type=float, nargs="*", default=(), metavar="TESTS")
     parser.add_argument("--sums", type=float, nargs="*", metavar="READINGS")
     given = parser.parse_args()
     for dates, growth in ((4, 0.1), (12, 0.0), (12, 0.02), (12, 0.05), (24, 0.02)):
@@ -310,7 +340,10 @@ def main() -> None:
     for readings in given.sums or ():
         with tempfile.TemporaryDirectory() as name:
             sums(Path(name), int(readings))
-    if given.sums is not None or given.drift:
+    for tests in given.dated:
+        with tempfile.TemporaryDirectory() as name:
+            dated(Path(name), int(tests))
+    if given.sums is not None or given.drift or given.dated:
         return
     asked = [(given.robots, given.ill), (given.robots // 10, 1)] if given.robots else []
     for robots, ill in asked:

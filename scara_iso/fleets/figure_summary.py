@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _WORST = 100
-_MEMORY = "100MB"
+SUMMARY_MEMORY = "100MB"
 """Less than a part takes: the more tables, the more is on the disk (benchmarks/fleet.py)."""
 
 
@@ -83,7 +83,7 @@ class FleetFigures(Displayed):
 
 def summarise_figures(run: FleetRun) -> FleetFigures:
     """Return the summary of the figures that a run has left in its folder."""
-    with results_in(run.folder / RESULTS, _MEMORY) as query:
+    with results_in(run.folder / RESULTS, SUMMARY_MEMORY) as query:
         robots = query(
             "SELECT count(*) FROM (SELECT DISTINCT robot FROM fleet WHERE error IS NULL)"
         )
