@@ -290,8 +290,9 @@ def drifting(folder: Path, fleets: int, dates: int, growth: float, robots: int, 
 
 def dated(folder: Path, tests: int) -> None:
     """Print what the drift of so many dated tests takes."""
-    made = f"""SELECT 'R' || (k // {DATES}) AS robot, strftime(DATE '2024-01-05' + to_months(
-        (k % {DATES})::INTEGER), '%Y-%m-%d') AS test, NULL::VARCHAR AS date,
+    made = f"""SELECT 'R' || (k // {DATES}) AS robot, robot AS name, NULL AS error,
+        strftime(DATE '2024-01-05' + to_months((k % {DATES})::INTEGER), '%Y-%m-%d') AS test,
+        NULL::VARCHAR AS date,
         {SIGMA} * exp(0.1 * sqrt(-2 * ln(1 - random())) * cos(2 * pi() * random())) AS RP_XY
         FROM range({tests}) a(k)"""  # noqa: S608
     duckdb.execute(f"COPY ({made}) TO '{folder}/a.parquet'")

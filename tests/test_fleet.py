@@ -359,6 +359,26 @@ def test_a_workbook_is_a_robot_and_a_note_beside_it_is_listed(tmp_path, in_this_
     assert [one.part for one in found.failed] == ["notes.txt"]
 
 
+@pytest.mark.parametrize("figures", [False, True])
+def test_a_robot_stated_by_name_and_by_serial_number_is_one(tmp_path, in_this_process, figures):
+    stated = [("R7", "4711"), ("R7", None), (None, "4711"), ("R8", "1"), ("R8", "2"), ("R8", None)]
+    X = np.random.default_rng(1).normal(0, 0.003, 31)
+    rows = "cycle,X\n" + "".join(f"{k},{x:.3f}\n" for k, x in enumerate(X, 1))
+    (tmp_path / "parts").mkdir()
+    for k, (name, serial) in enumerate(stated):
+        head = f"# robot: {name}\n" if name else ""
+        head += f"# serial_number: {serial}\n" if serial else ""
+        (tmp_path / "parts" / f"{k}.csv").write_text(f"# unit: mm\n{head}{rows}", encoding="utf-8")
+    run = scara_iso.fleet_figures if figures else scara_iso.fleet
+    found = run(tmp_path / "parts", tmp_path / "o")
+    robots = found.worst if figures else found.robots
+    assert {one.robot: one.tables for one in robots} == {"4711": 3, "1": 1, "2": 1, "R8": 1}
+    assert [(one.name, one.serial_numbers, one.tables) for one in found.names_alone] == [
+        ("R7", ("4711",), 1),
+        ("R8", ("1", "2"), 1),
+    ]
+
+
 def test_one_row_below_a_header_in_quotes_is_read(tmp_path):
     part = tmp_path / "a.csv"
     part.write_text('# unit: mm\n"robot","X",\n"R1","0.1",\n', encoding="utf-8")

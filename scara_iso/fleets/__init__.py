@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from scara_iso.fleets.summary import (
         FailedTable as FailedTable,
         FleetSummary as FleetSummary,
+        NameAlone as NameAlone,
         RobotResult as RobotResult,
         summarise as summarise,
     )

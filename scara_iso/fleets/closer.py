@@ -115,17 +115,18 @@ def _at_floor(results: Path, orders: int) -> _AtFloor:
     sql = (
         "WITH fleet AS (SELECT *, count(*) OVER (PARTITION BY robot) AS tables FROM fleet "
         "WHERE p_value IS NOT NULL), everything AS (SELECT count(DISTINCT robot) AS robots "
-        "FROM fleet) SELECT part, robot, test, orders, tables, robots FROM fleet, everything "
+        "FROM fleet) SELECT part, robot, as_read, test, orders, tables, robots FROM fleet, "
+        "everything "
         "WHERE orders > ? OR (orders = ? AND at_floor AND p_value <= ?) ORDER BY part"
     )
     with results_in(results) as query:
         rows = query(sql, orders, orders, floor_of(orders) * _ALIKE)
     behind: dict[str, frozenset[TableName]] = {}
-    for part, robot, test, so_far, *_ in rows:
+    for part, _, as_read, test, so_far, *_ in rows:
         if so_far == orders:
-            behind[part] = behind.get(part, frozenset()) | {(robot, test)}
+            behind[part] = behind.get(part, frozenset()) | {(as_read, test)}
     named = frozenset(row[1] for row in rows)
-    return _AtFloor(rows[0][5] if rows else 0, named, max((r[4] for r in rows), default=1), behind)
+    return _AtFloor(rows[0][6] if rows else 0, named, max((r[5] for r in rows), default=1), behind)
 
 
 def _looked(some: _Some, task: Task, orders: int) -> CloserLook:

@@ -69,14 +69,27 @@ def fetched_csv(path: Path, delimiter: str, names: Sequence[str]) -> Any:
 def results_in(folder: Path, memory: str = _MEMORY) -> Iterator[Query]:
     """Yield how ``fleet`` is queried, which is all Parquet files of a folder: the SQL to its rows.
 
-    What takes more ``memory`` goes to the disk. Every query has no rows where there are no files.
+    Tables that state a robot's name alone are of the one ``robot`` that has this name and a serial
+    number; ``as_read`` is what stands in the files, and the table ``named`` has the names of each
+    serial number. What takes more ``memory`` goes to the disk. Every query has no rows where there
+    are no files.
     """
     said = "the results cannot be read"
     remedy = "remove the damaged file; the same command makes it anew"
     with _session(connect(memory=memory), said, folder, remedy) as query:
         if any(folder.glob("*.parquet")):
             quoted = str(folder / "*.parquet").replace("'", "''")
-            query(f"CREATE VIEW fleet AS FROM read_parquet('{quoted}')")
+            query(f"CREATE VIEW stated AS FROM read_parquet('{quoted}')")
+            query(
+                "CREATE TEMP TABLE named AS SELECT DISTINCT name, robot AS serial FROM stated "
+                "WHERE name <> robot AND error IS NULL"
+            )
+            query(
+                "CREATE VIEW fleet AS SELECT stated.* REPLACE (coalesce(serial, robot) AS robot), "
+                "robot AS as_read FROM stated LEFT JOIN (SELECT name, min(serial) AS serial "
+                "FROM named GROUP BY name HAVING count(*) = 1) AS own "
+                "ON stated.robot = own.name AND stated.name = own.name"
+            )
             yield query
         else:
             yield lambda *_: []

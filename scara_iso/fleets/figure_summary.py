@@ -13,8 +13,10 @@ from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.summary import (
     LEVEL,
     FailedTable,
+    NameAlone,
     TwiceThere,
     failed_tables,
+    names_alone,
     quantiles_of_RP,
     tables_twice,
 )
@@ -62,6 +64,8 @@ class FleetFigures(Displayed):
     """Tests that are there more than once: each counts."""
     drift: FleetDrift | None
     """How RP moves over the dates of the tests; None where no robot has several."""
+    names_alone: tuple[NameAlone, ...] = ()
+    """Names that stand with a serial number and without."""
 
     def __repr__(self) -> str:
         return f"<FleetFigures of {self.robots} robots: {self.tables} tables>"
@@ -96,6 +100,7 @@ def summarise_figures(run: FleetRun) -> FleetFigures:
             failed=failed_tables(query),
             twice=tables_twice(query, "robot, test, pose"),
             drift=fleet_drift(query, LEVEL),
+            names_alone=names_alone(query),
         )
 
 

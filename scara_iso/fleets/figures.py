@@ -50,6 +50,8 @@ class FigureRow:
     mean: Mapping[str, float] = field(default_factory=dict)
     RP: Mapping[str, float] = field(default_factory=dict)
     date: str | None = None
+    name: str | None = None
+    """Of the robot, as the table states it."""
     error: str | None = None
 
 
@@ -132,6 +134,7 @@ def _poses(table: FleetTable, run: Run, wanted: CyclesWanted) -> Iterator[Figure
             mean={name: float(found[name].mean[0]) for name in readings},
             RP={name: float(one.RP) for name, one in found.items()},
             date=date_of(run),
+            name=table.name,
         )
 
 
@@ -141,6 +144,7 @@ _KINDS = {
     **{f"mean_{name}": "DOUBLE" for name in AXES},
     **{f"RP_{name}": "DOUBLE" for name in FIGURES},
     "date": "VARCHAR",
+    "name": "VARCHAR",
     "error": "VARCHAR",
 }
 

@@ -52,8 +52,11 @@ class FleetTable:
     """One table: whose it is, and its readings, or why there are none."""
 
     robot: str
+    """Its serial number, else its name, else that of the file."""
     test: str
     run: Run | ScaraIsoError
+    name: str | None = None
+    """Of the robot, as it is stated."""
 
 
 def parts_of(source: Path) -> list[Path]:
@@ -106,7 +109,7 @@ def tables_in(
         robot, test = (*("" if one != one else str(one) for one in key), "")[:2]  # noqa: PLR0124
         if number in mine and (only is None or (robot, test) in only):
             where = f"{path.name}: {robot} {test}".rstrip()
-            yield FleetTable(robot, test, _run(rows, attributes, where))
+            yield FleetTable(robot, test, _run(rows, attributes, where), robot)
 
 
 def columns_of(query: Query, path: Path) -> dict[str, str]:
@@ -176,8 +179,9 @@ def _single(path: Path, reading: ReadAs) -> FleetTable:
                          decimal=reading.decimal)  # fmt: skip
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
-    robot = run.metadata.get("serial_number") or run.metadata.get("robot") or path.stem
-    return FleetTable(robot, run.metadata.get("test", path.stem), run)
+    name = run.metadata.get("robot")
+    robot = run.metadata.get("serial_number") or name or path.stem
+    return FleetTable(robot, run.metadata.get("test", path.stem), run, name)
 
 
 def _head(path: Path) -> tuple[dict[str, str], str, str]:

@@ -72,6 +72,18 @@ class TwiceThere:
     """The files that hold it."""
 
 
+@dataclass(frozen=True, slots=True)
+class NameAlone:
+    """A robot's name that stands with a serial number in some tables, and alone in others."""
+
+    name: str
+    """As it is stated."""
+    serial_numbers: tuple[str, ...]
+    """With which it stands: of one, the tables with the name alone are counted to it."""
+    tables: int
+    """How many have the name alone."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class FleetSummary(Displayed):
     """The fleet: robots by how far they stand out, effects by how many robots show them."""
@@ -94,6 +106,8 @@ class FleetSummary(Displayed):
     """Tests that are there more than once: each counts."""
     drift: FleetDrift | None = None
     """How RP moves over the dates of the tests; None where no robot has several."""
+    names_alone: tuple[NameAlone, ...] = ()
+    """Names that stand with a serial number and without."""
 
     @property
     def found(self) -> tuple[RobotResult, ...]:
@@ -142,6 +156,7 @@ def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
             failed=failed_tables(query),
             twice=tables_twice(query),
             drift=fleet_drift(query, level),
+            names_alone=names_alone(query),
         )
 
 
@@ -194,6 +209,17 @@ def tables_twice(query: Query, row: str = "robot, test") -> tuple[TwiceThere, ..
         "ORDER BY robot, test"
     )
     return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
+
+
+def names_alone(query: Query) -> tuple[NameAlone, ...]:
+    """Return the names that stand with a serial number in some tables, and alone in others."""
+    rows = query(
+        "WITH alone AS (SELECT name, count(DISTINCT (test, part)) AS tables FROM fleet "
+        "SEMI JOIN named USING (name) WHERE as_read = name AND error IS NULL GROUP BY name) "
+        "SELECT name, list(serial ORDER BY serial), any_value(tables) FROM named "
+        "JOIN alone USING (name) GROUP BY name ORDER BY name"
+    )
+    return tuple(NameAlone(name, tuple(serials), tables) for name, serials, tables in rows)
 
 
 def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802 - the symbol

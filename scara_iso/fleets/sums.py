@@ -223,6 +223,7 @@ def _figures(part: _Part) -> str:
         f"{name} * {unit.numerator!r} / {unit.denominator!r} AS {name}" for name in names
     )
     return (
-        f"SELECT robot, test, nullif(pose, '') AS pose, {part.cycles.used} AS cycles, {figures} "
+        f"SELECT robot, test, nullif(pose, '') AS pose, {part.cycles.used} AS cycles, {figures}, "
+        "robot AS name "
         "FROM means JOIN sums USING (key) ANTI JOIN odd USING (robot, test)"
     )

@@ -50,6 +50,8 @@ class TableRow:
     """By figure [mm, deg]."""
     date: str | None = None
     """When it was made, as the table states it."""
+    name: str | None = None
+    """Of the robot, as the table states it."""
     error: str | None = None
     """Why there is nothing of it."""
 
@@ -119,7 +121,7 @@ def _diagnosed(path: Path, task: Task, share: Share) -> tuple[int, int, bytes]:
 def _columns(rows: Sequence[TableRow], part: str) -> Columns:
     kinds = {"robot": "VARCHAR", "test": "VARCHAR", "cycles": "INTEGER", "poses": "INTEGER",
              "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN",
-             "orders": "INTEGER", "date": "VARCHAR"}  # fmt: skip
+             "orders": "INTEGER", "date": "VARCHAR", "name": "VARCHAR"}  # fmt: skip
     columns: dict[str, tuple[str, Sequence[object]]] = {
         name: (kind, [getattr(row, name) for row in rows]) for name, kind in kinds.items()
     }
@@ -149,6 +151,7 @@ def _row(table: FleetTable, task: Task) -> TableRow:
         effects=found.effects,
         RP=dict(found.RP),
         date=date_of(table.run),
+        name=table.name,
     )
 
 

@@ -23,6 +23,7 @@ def fleet_json(found: FleetSummary) -> Json:
         **_quantiles(found),
         "robots": each(found.robots, _ROBOT),
         "twice": each(found.twice, "robot test parts"),
+        "names_alone": each(found.names_alone, "name serial_numbers tables"),
         "failed": each(found.failed, "part robot test error"),
         "drift": _drift(found.drift),
     }
@@ -40,6 +41,7 @@ def fleet_figures_json(found: FleetFigures) -> Json:
         **_quantiles(found),
         "worst": each(found.worst, "robot tables RP"),
         "twice": each(found.twice, "robot test parts"),
+        "names_alone": each(found.names_alone, "name serial_numbers tables"),
         "failed": each(found.failed, "part robot test error"),
         "drift": _drift(found.drift),
     }

@@ -9,6 +9,7 @@ from scara_iso.fleets import (
     FleetFigures,
     FleetRun,
     FleetSummary,
+    NameAlone,
     RobotFigures,
     RobotResult,
 )
@@ -108,6 +109,17 @@ def _troubles(found: FleetSummary | FleetFigures) -> Iterator[Text]:
     for one in found.twice[:_FAILURES]:
         yield Text(f"! {one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
                    "count; remove the one that is too much", "warn")  # fmt: skip
+    for name in found.names_alone[:_FAILURES]:
+        yield Text(f"! {_alone(name)}", "warn")
+
+
+def _alone(one: NameAlone) -> str:
+    numbers, where = ", ".join(one.serial_numbers), f"where the name stands alone ({one.tables})"
+    if len(one.serial_numbers) == 1:
+        return (f"{one.name} and serial number {numbers} are taken for one robot: if they are two, "
+                f"state the serial number {where}")  # fmt: skip
+    return (f"{one.name} is the name of serial numbers {numbers}: {where} it counts as a robot of "
+            "its own; state the serial number there")  # fmt: skip
 
 
 def _robots(robots: tuple[RobotResult, ...], note: str) -> Table:
