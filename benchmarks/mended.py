@@ -99,6 +99,18 @@ def strong(rng: np.random.Generator) -> dict[str, np.ndarray]:
     return {"Z": 90 * (1 - np.exp(-((k / 5) ** 0.9))) + noise(rng, sigma=0.4)}
 
 
+def two_times(rng: np.random.Generator) -> dict[str, np.ndarray]:
+    """Return a warm-up of 200 scatters with two time constants."""
+    k = np.arange(N)
+    return {"Z": noise(rng) + 120 * (1 - np.exp(-k / 2)) + 80 * (1 - np.exp(-k / 12))}
+
+
+def small_beside_it(rng: np.random.Generator) -> dict[str, np.ndarray]:
+    """Return sides that alternate by 3 scatters on a warm-up of 200."""
+    k = np.arange(N)
+    return {"Z": noise(rng) + 200 * (1 - np.exp(-k / 5)) + 1.5 * (-1.0) ** k}
+
+
 def lagging(rng: np.random.Generator) -> dict[str, np.ndarray]:
     """Return heating, soak and cooling with a machine that lags behind its thermometer."""
     room = np.interp(np.arange(60), [0, 10, 40, 60], [22, 60, 60, 25])
@@ -171,6 +183,8 @@ LINES = (
     Line("a gap that grows", growing_gap, {"gap_growth"}),
     Line("80 readings of a warm-up", long_warm_up, {"warm_up"}),
     Line("smooth course of 200 scatters", strong, {"warm_up"}),
+    Line("two time constants, 200 scatters", two_times, {"warm_up"}),
+    Line("alternation beside 200 scatters", small_beside_it, {"warm_up", "contact_side"}),
     Line("machine behind its thermometer", lagging, {"temperature_lagged"}),
     Line("a slope that begins later", heated, {"onset"}),
     Line("real probe, early soak", soak, {"warm_up", "linear_drift"}),

@@ -184,8 +184,8 @@ def _misfit(problem: SearchProblem, fitted: Fit, stages: Sequence[Stage]) -> Ite
             term.effect.replace("_", " ") for term in fitted.terms if is_smooth(problem, term)
         )
         yield (
-            f"misfit: the course of {courses} differs from its equation by {share:.0%} of its size; "
-            "that much is no effect of its own"
+            f"misfit: the course of {courses} differs from its equation by {share:.0%} of its "
+            "size; that much is no effect of its own"
         )
 
 
