@@ -183,8 +183,6 @@ LINES = (
     Line("a gap that grows", growing_gap, {"gap_growth"}),
     Line("80 readings of a warm-up", long_warm_up, {"warm_up"}),
     Line("smooth course of 200 scatters", strong, {"warm_up"}),
-    Line("two time constants, 200 scatters", two_times, {"warm_up"}),
-    Line("alternation beside 200 scatters", small_beside_it, {"warm_up", "contact_side"}),
     Line("machine behind its thermometer", lagging, {"temperature_lagged"}),
     Line("a slope that begins later", heated, {"onset"}),
     Line("real probe, early soak", soak, {"warm_up", "linear_drift"}),
@@ -195,6 +193,8 @@ LINES = (
     Line("two neighbouring divisions", narrow, {SILENT}),
     Line("eleven readings with a step", eleven, {"step"}),
     Line("step on X and drift on Y", step_and_drift, {"step", "linear_drift"}),
+    Line("two time constants, 200 scatters", two_times, {"warm_up"}),
+    Line("alternation beside 200 scatters", small_beside_it, {"warm_up", "contact_side"}),
 )
 
 
