@@ -28,15 +28,15 @@ _ERRORS = 3.0
 def without_misfit(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder
 ) -> tuple[Remainder, float]:
-    """Return what is left beside the misfit of smooth ``terms``, and its share of their size.
+    """Return what is left beside the misfit of slow ``terms``, and its share of their size.
 
-    The share is 0, and nothing is taken off, where no term is smooth or more is left along such
-    courses than a misfit may be.
+    The share is 0, and nothing is taken off, where no term is slow, where no more is left along
+    courses like theirs than by chance, or more than a misfit may be.
     """
     courses = [
         _own_courses(term.effect, term.form, left)
         for term in terms
-        if is_smooth(problem, term) and isinstance(term.form, Shape)
+        if is_slow(problem, term) and isinstance(term.form, Shape)
     ]
     if not courses:
         return left, 0.0
@@ -49,19 +49,21 @@ def without_misfit(
     chance = _ERRORS * own.shape[1] * (beyond**2).sum(axis=0) / free
     values = problem.residual.values[left.rows]
     whole = ((values - values.mean(axis=0) - left.values) ** 2).sum(axis=0)
-    squares = (part**2).sum(axis=0)
-    if not own.size or np.any(squares > MOST_MISFIT**2 * whole + chance):
+    squares, most = (part**2).sum(axis=0), int(whole.argmax())
+    too_large = np.any(squares > MOST_MISFIT**2 * whole + chance)
+    if too_large or squares[most] <= chance[most]:
         return left, 0.0
     readings = replace(left.readings, values=beyond)
     views = problem.views_of(beyond, basis)
-    share = np.sqrt(np.max(squares / np.where(whole > 0, whole, np.inf)))
-    return replace(left, basis=basis, values=beyond, readings=readings, views=views), float(share)
+    rest = replace(left, basis=basis, values=beyond, readings=readings, views=views)
+    return rest, float(np.sqrt(squares[most] / whole[most]))
 
 
-def is_smooth(problem: SearchProblem, term: Term) -> bool:
-    """Return whether the effect of a term is one that moves smoothly."""
-    effect = problem.effects.get(term.effect)
-    return effect is not None and effect.smooth
+def is_slow(problem: SearchProblem, term: Term) -> bool:
+    """Return whether a term moves smoothly, by one course: a sine of another phase is no misfit."""
+    effect, form = problem.effects.get(term.effect), term.form
+    smooth = effect is not None and effect.smooth
+    return smooth and isinstance(form, Shape) and form.columns.shape[1] == 1
 
 
 def _own_courses(effect: str, form: Shape, left: Remainder) -> FloatArray:

@@ -13,7 +13,7 @@ from scara_iso.diagnosis.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.held_out import HeldOut, on_second_run, search_cross_validated
-from scara_iso.diagnosis.misfit import is_smooth
+from scara_iso.diagnosis.misfit import is_slow
 from scara_iso.diagnosis.next_conditions import next_conditions
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -181,7 +181,7 @@ def _misfit(problem: SearchProblem, fitted: Fit, stages: Sequence[Stage]) -> Ite
     share = stages[-1].misfit
     if share:
         courses = " and ".join(
-            term.effect.replace("_", " ") for term in fitted.terms if is_smooth(problem, term)
+            term.effect.replace("_", " ") for term in fitted.terms if is_slow(problem, term)
         )
         yield (
             f"misfit: the course of {courses} differs from its equation by {share:.0%} of its "
