@@ -105,12 +105,6 @@ def two_times(rng: np.random.Generator) -> dict[str, np.ndarray]:
     return {"Z": noise(rng) + 120 * (1 - np.exp(-k / 2)) + 80 * (1 - np.exp(-k / 12))}
 
 
-def small_beside_it(rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """Return sides that alternate by 3 scatters on a warm-up of 200."""
-    k = np.arange(N)
-    return {"Z": noise(rng) + 200 * (1 - np.exp(-k / 5)) + 1.5 * (-1.0) ** k}
-
-
 def lagging(rng: np.random.Generator) -> dict[str, np.ndarray]:
     """Return heating, soak and cooling with a machine that lags behind its thermometer."""
     room = np.interp(np.arange(60), [0, 10, 40, 60], [22, 60, 60, 25])
@@ -194,7 +188,6 @@ LINES = (
     Line("eleven readings with a step", eleven, {"step"}),
     Line("step on X and drift on Y", step_and_drift, {"step", "linear_drift"}),
     Line("two time constants, 200 scatters", two_times, {"warm_up"}),
-    Line("alternation beside 200 scatters", small_beside_it, {"warm_up", "contact_side"}),
 )
 
 
