@@ -99,6 +99,12 @@ def strong(rng: np.random.Generator) -> dict[str, np.ndarray]:
     return {"Z": 90 * (1 - np.exp(-((k / 5) ** 0.9))) + noise(rng, sigma=0.4)}
 
 
+def two_times(rng: np.random.Generator) -> dict[str, np.ndarray]:
+    """Return a warm-up of 200 scatters with two time constants."""
+    k = np.arange(N)
+    return {"Z": noise(rng) + 120 * (1 - np.exp(-k / 2)) + 80 * (1 - np.exp(-k / 12))}
+
+
 def lagging(rng: np.random.Generator) -> dict[str, np.ndarray]:
     """Return heating, soak and cooling with a machine that lags behind its thermometer."""
     room = np.interp(np.arange(60), [0, 10, 40, 60], [22, 60, 60, 25])
@@ -181,6 +187,7 @@ LINES = (
     Line("two neighbouring divisions", narrow, {SILENT}),
     Line("eleven readings with a step", eleven, {"step"}),
     Line("step on X and drift on Y", step_and_drift, {"step", "linear_drift"}),
+    Line("two time constants, 200 scatters", two_times, {"warm_up"}),
 )
 
 

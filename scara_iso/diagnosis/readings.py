@@ -13,6 +13,7 @@ from scara_iso.diagnosis.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.held_out import HeldOut, on_second_run, search_cross_validated
+from scara_iso.diagnosis.misfit import is_slow
 from scara_iso.diagnosis.next_conditions import next_conditions
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -166,12 +167,26 @@ def _diagnosis(
             *problem.residual.notes,
             *_coarse(shares),
             *_other_scatter(problem, fitted),
+            *_misfit(problem, fitted, stages),
             *_next(problem, stages),
         ),
         repeatability=RP,
         scatter=scatter,
         series=Series(problem.residual.conditions.cycle, *courses),
     )
+
+
+def _misfit(problem: SearchProblem, fitted: Fit, stages: Sequence[Stage]) -> Iterator[str]:
+    """Yield by how much of their size smooth courses differ from their equations."""
+    share = stages[-1].misfit
+    if share:
+        courses = " and ".join(
+            term.effect.replace("_", " ") for term in fitted.terms if is_slow(problem, term)
+        )
+        yield (
+            f"misfit: the course of {courses} differs from its equation by {share:.0%} of its "
+            "size; that much is no effect of its own"
+        )
 
 
 def _next(problem: SearchProblem, stages: Sequence[Stage]) -> Iterator[str]:

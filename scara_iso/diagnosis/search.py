@@ -14,6 +14,7 @@ from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.levels import with_levels
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
+from scara_iso.diagnosis.misfit import without_misfit
 from scara_iso.diagnosis.pairs import pairs
 from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_test
 from scara_iso.diagnosis.persistence import Emissions, emissions_of
@@ -24,7 +25,6 @@ from scara_iso.diagnosis.tuning import (
     FURTHER_LEVEL,
     GROSS,
     LEVEL,
-    MISFIT,
     MOST_EFFECTS,
     ORDER_SHARE,
     OUTLIER_SHARE,
@@ -46,6 +46,8 @@ class Stage:
     choice: Choice[Form] | None
     limit: float = -np.inf
     """What the statistic of the order had to reach; -inf where another test has decided."""
+    misfit: float = 0.0
+    """Share of their size by which the smooth courses before differ from their equations."""
 
     @property
     def p_value(self) -> float:
@@ -203,28 +205,17 @@ def chosen(
     """Return the tests of what ``terms`` leave, and the choice where they pass ``level``."""
     left = remainder(problem, terms, problem.rows)
     stage = _tests(problem, terms, left, rng)
-    by_order, by_levels, by_outlier = _shared(stage.order, stage.marginal)
-    if _only_misfit(problem, terms, left):
-        by_order = by_levels = 1.0
-    if min(by_order, by_levels, by_outlier) <= level:
+    if stage.p_value <= level:
+        left, misfit = without_misfit(problem, terms, left)
+        if misfit:
+            stage = replace(_tests(problem, terms, left, rng), misfit=misfit)
+    by_order, _, by_outlier = _shared(stage.order, stage.marginal)
+    if stage.p_value <= level:
         limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
         named = [member for member in left.members if member.named]
         choice = _choice(problem, left, named, with_chains=True, of_two=by_outlier <= level)
         stage = replace(stage, choice=choice, limit=limit)
     return stage, left
-
-
-def _only_misfit(problem: SearchProblem, terms: Sequence[Term], left: Remainder) -> bool:
-    """Return whether what smooth courses leave is no more than they may differ from their equation.
-
-    Such a remainder is no effect of its own, though it has an order.
-    """
-    effects = [problem.effects.get(term.effect) for term in terms]
-    if not terms or not all(effect is not None and effect.smooth for effect in effects):
-        return False
-    values = problem.residual.values[left.rows]
-    whole = np.linalg.norm(values - values.mean(axis=0), axis=0)
-    return bool(np.all(np.linalg.norm(left.values, axis=0) < MISFIT * whole))
 
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissions]:
