@@ -362,21 +362,26 @@ def test_a_workbook_is_a_robot_and_a_note_beside_it_is_listed(tmp_path, in_this_
 @pytest.mark.parametrize("figures", [False, True])
 def test_a_robot_stated_by_name_and_by_serial_number_is_one(tmp_path, in_this_process, figures):
     stated = [("R7", "4711"), ("R7", None), (None, "4711"), ("R8", "1"), ("R8", "2"), ("R8", None)]
-    X = np.random.default_rng(1).normal(0, 0.003, 31)
+    X = np.random.default_rng(1).normal(0, 0.003, 12)
     rows = "cycle,X\n" + "".join(f"{k},{x:.3f}\n" for k, x in enumerate(X, 1))
     (tmp_path / "parts").mkdir()
     for k, (name, serial) in enumerate(stated):
         head = f"# robot: {name}\n" if name else ""
         head += f"# serial_number: {serial}\n" if serial else ""
         (tmp_path / "parts" / f"{k}.csv").write_text(f"# unit: mm\n{head}{rows}", encoding="utf-8")
+    summed = "SELECT 'R7' AS robot, 'b' AS test, k AS cycle, sin(k * k) / 99 AS X "
+    duckdb.sql(f"{summed} FROM range(1, 13) a(k)").write_parquet(f"{tmp_path}/parts/6.parquet")
     run = scara_iso.fleet_figures if figures else scara_iso.fleet
-    found = run(tmp_path / "parts", tmp_path / "o")
+    found = run(tmp_path / "parts", tmp_path / "o", unit="mm")
     robots = found.worst if figures else found.robots
-    assert {one.robot: one.tables for one in robots} == {"4711": 3, "1": 1, "2": 1, "R8": 1}
+    assert {one.robot: one.tables for one in robots} == {"4711": 4, "1": 1, "2": 1, "R8": 1}
     assert [(one.name, one.serial_numbers, one.tables) for one in found.names_alone] == [
-        ("R7", ("4711",), 1),
+        ("R7", ("4711",), 2),
         ("R8", ("1", "2"), 1),
     ]
+    shown = found._repr_html_()
+    assert "R7 and serial number 4711 are taken for one robot" in shown
+    assert "R8 is the name of serial numbers 1, 2" in shown
 
 
 def test_one_row_below_a_header_in_quotes_is_read(tmp_path):
