@@ -372,7 +372,7 @@ def test_a_robot_stated_by_name_and_by_serial_number_is_one(tmp_path, in_this_pr
     summed = "SELECT 'R7' AS robot, 'b' AS test, k AS cycle, sin(k * k) / 99 AS X "
     duckdb.sql(f"{summed} FROM range(1, 13) a(k)").write_parquet(f"{tmp_path}/parts/6.parquet")
     run = scara_iso.fleet_figures if figures else scara_iso.fleet
-    found = run(tmp_path / "parts", tmp_path / "o", unit="mm")
+    found = run(tmp_path / "parts", tmp_path / "o", unit="mm", cycles=12)
     robots = found.worst if figures else found.robots
     assert {one.robot: one.tables for one in robots} == {"4711": 4, "1": 1, "2": 1, "R8": 1}
     assert [(one.name, one.serial_numbers, one.tables) for one in found.names_alone] == [
