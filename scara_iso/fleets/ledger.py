@@ -16,7 +16,7 @@ from scara_iso.disk import SystemDisk, write_whole
 from scara_iso.errors import CannotCreateError, DataError, WriteError
 from scara_iso.frozen import dataclass
 
-SCHEMA = "scara-iso/fleet-manifest/3"
+SCHEMA = "scara-iso/fleet-manifest/4"
 NAME = "manifest.jsonl"
 _ANOTHER = "name another folder with -o, or remove this one"
 
