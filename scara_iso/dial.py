@@ -20,6 +20,11 @@ _WIDEST_DEG = 45.0
 """Beyond this angle a plunger measures another axis."""
 _OFF_STEP = 0.02
 """Share of a step by which a reading may lie beside its multiple."""
+_COARSE = (2.0, 25.0)
+"""Divisions of a dial whose resolution is stated too fine: 0.005 or 0.01 for 0.001, 0.0005 inch."""
+_FEWEST_LEVELS = 3
+_ROUNDED_FROM = 4.0
+"""Of finer steps than so many divisions, readings that are rounded again would fill the grid."""
 
 
 def step_of(axis: Axis) -> float:
@@ -38,6 +43,33 @@ def common_step(readings: FloatArray) -> float:
         return 0.0
     steps = (readings - readings.min()) / distances.min()
     return float(distances.min()) if np.all(np.abs(steps - np.rint(steps)) < _OFF_STEP) else 0.0
+
+
+def seen_step(axis: Axis) -> float:
+    """Return `step_of`, or the coarser step on which three or more different readings lie.
+
+    A dial of 0.0005 inch that shows 0.013, 0.025 and 0.038 mm has 0.0127 mm, whatever is stated:
+    its neighbouring steps are neither two levels nor odd readings.
+    """
+    division = step_of(axis)
+    if not division:
+        return 0.0
+    levels = np.unique(np.rint((axis.shown - axis.shown[0]) / division))
+    if len(levels) < _FEWEST_LEVELS or np.diff(levels).min() < _COARSE[0]:
+        return division
+    step, off = _spaced(levels)
+    rounded = 0.5 + _EXACT if step >= _ROUNDED_FROM else _OFF_STEP * step
+    return step * division if step <= _COARSE[1] and off <= rounded else division
+
+
+def _spaced(levels: FloatArray) -> tuple[float, float]:
+    """Return the even distance of rising levels, and how far one of them lies off it at most."""
+    gaps = np.diff(levels)
+    step = float(gaps.min())
+    for _ in range(2):
+        place = np.concatenate([[0.0], np.cumsum(np.rint(gaps / step))])
+        step, first = np.polyfit(place, levels, 1)
+    return float(step), float(np.abs(levels - first - step * place).max())
 
 
 @dataclass(frozen=True, slots=True)

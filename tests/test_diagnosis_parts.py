@@ -18,13 +18,13 @@ from scara_iso.diagnosis.permutation import log_statistic, order_test
 from scara_iso.diagnosis.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.problem import SearchProblem
-from scara_iso.diagnosis.residual import Residual
+from scara_iso.diagnosis.residual import Residual, residual_of
 from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.tuning import KNOWN_FROM
 from scara_iso.diagnosis.two_state import _at_most_one_change, between_levels, two_levels
-from scara_iso.dial import common_step
+from scara_iso.dial import common_step, seen_step
 from scara_iso.effects import (
     Chain,
     Conditions,
@@ -36,6 +36,7 @@ from scara_iso.effects import (
     find_gear_effects,
 )
 from scara_iso.errors import DataError
+from scara_iso.run import Axis, Run
 
 N = 20
 CONDITIONS = Conditions(np.arange(2, N + 2))
@@ -376,6 +377,31 @@ def test_a_dial_of_which_nothing_is_stated_is_known_by_its_steps(rng):
     assert common_step(coarse) == pytest.approx(0.01)
     assert common_step(rng.normal(size=30)) == 0.0
     assert common_step(np.full(30, 0.37)) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("places", "step"),
+    [
+        ([0, 0.005, 0.01, 0], 0.005),
+        ([0.013, 0.025, 0.038, 0.127, 0], 0.0127),  # 0.0005 inch, shown in mm
+        ([0, 0.002, 0.005, 0.009], 0.001),
+        ([0, 0.022, 0.038, 0.05, 0.058, 0.064, 0.069], 0.001),
+        ([0, 0.008], 0.001),
+        ([0, 0.1, 0.2], 0.001),
+    ],
+)
+def test_a_dial_coarser_than_stated_is_known_by_three_steps(places, step):
+    axis = Axis("Z", 12.3 + np.array(places), resolution=0.001)
+    assert seen_step(axis) == pytest.approx(step, rel=0.01)
+
+
+def test_a_neighbouring_step_of_a_dial_stated_too_fine_is_nothing():
+    readings = np.full(30, 12.1)
+    readings[[8, 27]] = 12.105, 12.095
+    run = Run(np.arange(1, 31), {"Z": Axis("Z", readings, resolution=0.001)})
+    residual = residual_of(run, None)
+    assert residual.division == pytest.approx(0.005)
+    assert "steps of 0.005, coarser than the resolution stated" in residual.notes[0]
 
 
 def test_cross_validation_is_no_better_than_the_fit(rng):

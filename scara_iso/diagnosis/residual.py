@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, MOST_CYCLES
-from scara_iso.dial import step_of
+from scara_iso.dial import seen_step
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError
 from scara_iso.frozen import dataclass
@@ -64,9 +64,10 @@ def residual_of(run: Run, predicted: Predicted | None) -> Residual:
         )
     model = _checked(run, predicted or {})
     values = {name: axis.readings - model.get(name, 0.0) for name, axis in run.axes.items()}
-    division = {n: step_of(a) for n, a in run.axes.items()}
+    division = {n: seen_step(a) for n, a in run.axes.items()}
     kept, notes = _moving(values, division)
-    notes += _unstated(run, {name: division[name] for name in kept})
+    used = {name: division[name] for name in kept}
+    notes += _unstated(run, used) + _finer_stated(run, used)
     if not kept:
         raise DataError(
             "no axis moves: every reading is the same",
@@ -85,12 +86,32 @@ def residual_of(run: Run, predicted: Predicted | None) -> Residual:
 
 def _unstated(run: Run, division: Mapping[str, float]) -> list[str]:
     steps = [f"{n} {d:g}" for n, d in division.items() if d and run.axes[n].resolution is None]
-    if not steps:
-        return []
     listed = ", ".join(steps)
-    return [
+    unstated = (
         f"no resolution is stated: the steps on which readings lie ({listed}) stand for the dial's"
-    ]
+    )
+    return [unstated] * bool(steps)
+
+
+def _finer_stated(run: Run, division: Mapping[str, float]) -> list[str]:
+    notes: list[str] = []
+    for name, step in division.items():
+        axis = run.axes[name]
+        stated, levels = axis.resolution, np.unique(axis.shown)
+        if not stated:
+            continue
+        if step > stated:
+            notes.append(
+                f"{name}: readings lie on steps of {step:.3g}, coarser than the resolution stated, "
+                f"{stated:g}: these steps stand for the dial's"
+            )
+        elif len(levels) == 2 and np.ptp(levels) > 1.5 * stated:
+            notes.append(
+                f"{name}: two different readings, {np.ptp(levels):.3g} apart, and the resolution "
+                f"stated is {stated:g}: if the dial moves in such steps, state them and diagnose "
+                "anew; scatter then looks like two levels"
+            )
+    return notes
 
 
 def _checked(run: Run, predicted: Predicted) -> dict[str, FloatArray]:
