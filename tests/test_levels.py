@@ -48,8 +48,13 @@ def test_too_few_readings_for_several_levels(rng):
     assert not list(best_changes(short[: 3 * FEWEST_ON_A_LEVEL - 1], DIAL[:1], 4))
 
 
-def test_readings_that_never_move_have_no_level_too_many():
-    assert all(len(changes) > 1 for changes in best_changes(np.zeros((N, 2)), DIAL, 4))
+def test_an_axis_that_never_moves_changes_nothing(rng):
+    y = BUMP + rng.normal(size=N)
+    for half in (DIAL, np.zeros(2)):
+        alone = best_changes(y[:, np.newaxis], half[:1], 4)
+        beside = best_changes(np.column_stack([np.zeros(N), y]), half, 4)
+        for changes, same in zip(alone, beside, strict=True):
+            np.testing.assert_array_equal(same, changes)
 
 
 def test_levels_off_the_grid_of_changes_are_met(rng):

@@ -15,14 +15,15 @@ import numpy as np
 from scara_iso.diagnosis.fit import Term
 from scara_iso.diagnosis.hypothesis_set import extended
 from scara_iso.diagnosis.problem import Remainder, SearchProblem
-from scara_iso.diagnosis.tuning import MISFIT_COURSES, MISFIT_LIKE, MOST_MISFIT
+from scara_iso.diagnosis.tuning import (
+    LEAST_OF_COURSES,
+    MISFIT_BY_CHANCE,
+    MISFIT_COURSES,
+    MISFIT_LIKE,
+    MOST_MISFIT,
+)
 from scara_iso.effects import Shape
 from scara_iso.run import FloatArray
-
-_SEEN = 0.005
-"""A course of its own has at least this share of the strongest one's singular value."""
-_ERRORS = 3.0
-"""So many variances of scatter an axis may show in each course without any misfit."""
 
 
 def without_misfit(
@@ -33,30 +34,26 @@ def without_misfit(
     The share is 0, and nothing is taken off, where no term is slow, where no more is left along
     courses like theirs than by chance, or more than a misfit may be.
     """
-    courses = [
-        _own_courses(term.effect, term.form, left)
+    slow = [
+        (term.effect, term.form.columns[left.rows])
         for term in terms
-        if is_slow(problem, term) and isinstance(term.form, Shape)
+        if isinstance(term.form, Shape) and is_slow(problem, term)
     ]
-    if not courses:
+    if not slow:
         return left, 0.0
-    before = left.basis.shape[1]
+    courses = [_own_courses(effect, found, left) for effect, found in slow]
     basis = extended(left.basis, np.concatenate(courses, axis=1))
-    own = basis[:, before:]
+    own = basis[:, left.basis.shape[1] :]
     part = own @ (own.T @ left.values)
     beyond = left.values - part
     free = max(1, len(own) - basis.shape[1])
-    chance = _ERRORS * own.shape[1] * (beyond**2).sum(axis=0) / free
-    values = problem.residual.values[left.rows]
-    whole = ((values - values.mean(axis=0) - left.values) ** 2).sum(axis=0)
-    squares, most = (part**2).sum(axis=0), int(whole.argmax())
-    too_large = np.any(squares > MOST_MISFIT**2 * whole + chance)
-    if too_large or squares[most] <= chance[most]:
+    by_chance = MISFIT_BY_CHANCE * own.shape[1] * (beyond**2).sum(axis=0) / free
+    share = _share(problem.residual.values[left.rows], left.values, part, by_chance)
+    if not share:
         return left, 0.0
     readings = replace(left.readings, values=beyond)
     views = problem.views_of(beyond, basis)
-    rest = replace(left, basis=basis, values=beyond, readings=readings, views=views)
-    return rest, float(np.sqrt(squares[most] / whole[most]))
+    return replace(left, basis=basis, values=beyond, readings=readings, views=views), share
 
 
 def is_slow(problem: SearchProblem, term: Term) -> bool:
@@ -66,23 +63,26 @@ def is_slow(problem: SearchProblem, term: Term) -> bool:
     return smooth and isinstance(form, Shape) and form.columns.shape[1] == 1
 
 
-def _own_courses(effect: str, form: Shape, left: Remainder) -> FloatArray:
-    """Return the few courses (rows, k) that the effect's forms like this one are mixtures of."""
-    found = _centred(form.columns[left.rows])
-    alike = [
-        columns
-        for member in left.members
-        if member.effect == effect and isinstance(member.form, Shape)
-        for columns in [_centred(member.form.columns[left.rows])]
-        if columns.shape == found.shape and np.linalg.norm(found.T @ columns, 2) > MISFIT_LIKE
-    ]
-    beside = left.basis @ left.basis.T
-    free = np.concatenate([columns - beside @ columns for columns in alike] or [found[:, :0]], 1)
+def _own_courses(effect: str, found: FloatArray, left: Remainder) -> FloatArray:
+    """Return the few courses (rows, k) of which the effect's forms like ``found`` are mixtures."""
+    forms = [m.form for m in left.members if m.effect == effect and isinstance(m.form, Shape)]
+    columns = [form.columns[left.rows] for form in forms if form.columns.shape[1] == 1]
+    courses = np.concatenate([found, *columns], axis=1)
+    courses -= courses.mean(axis=0)
+    courses /= np.maximum(np.linalg.norm(courses, axis=0), 1e-300)
+    alike = courses[:, np.abs(courses[:, 0] @ courses) > MISFIT_LIKE]
+    free = alike - left.basis @ (left.basis.T @ alike)
     vectors, sizes, _ = np.linalg.svd(free, full_matrices=False)
-    seen = sizes > _SEEN * sizes.max(initial=0.0)
-    return vectors[:, seen][:, :MISFIT_COURSES]
+    return vectors[:, sizes > LEAST_OF_COURSES * sizes.max(initial=0.0)][:, :MISFIT_COURSES]
 
 
-def _centred(columns: FloatArray) -> FloatArray:
-    centred = columns - columns.mean(axis=0)
-    return np.linalg.qr(centred)[0]
+def _share(values: FloatArray, left: FloatArray, part: FloatArray, by_chance: FloatArray) -> float:
+    """Return the size of ``part`` over that of the terms on the axis (axes,) that they move most.
+
+    0 where it is within ``by_chance``, or on any axis more than a misfit may be.
+    """
+    whole = ((values - values.mean(axis=0) - left) ** 2).sum(axis=0)
+    squares, most = (part**2).sum(axis=0), int(whole.argmax())
+    too_large = np.any(squares > MOST_MISFIT**2 * whole + by_chance)
+    small = squares[most] <= by_chance[most]
+    return 0.0 if too_large or small else float(np.sqrt(squares[most] / whole[most]))

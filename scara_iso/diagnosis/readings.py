@@ -178,7 +178,7 @@ def _diagnosis(
 
 def _misfit(problem: SearchProblem, fitted: Fit, stages: Sequence[Stage]) -> Iterator[str]:
     """Yield by how much of their size smooth courses differ from their equations."""
-    share = stages[-1].misfit
+    share = max(stage.misfit for stage in stages)
     if share:
         courses = " and ".join(
             term.effect.replace("_", " ") for term in fitted.terms if is_slow(problem, term)

@@ -47,7 +47,7 @@ class Stage:
     limit: float = -np.inf
     """What the statistic of the order had to reach; -inf where another test has decided."""
     misfit: float = 0.0
-    """Share of their size by which the smooth courses before differ from their equations."""
+    """Share of their size by which the slow courses before differ from their equations."""
 
     @property
     def p_value(self) -> float:
@@ -104,14 +104,15 @@ def find_again(
     """Return up to ``count`` terms chosen anew on some rows, as the search of the run chose them.
 
     It ends where the statistic of the order is below that of the ``limits`` which the run's own
-    orders set for each round: a fold that would not have found the effect has none.
+    orders set for each round: a fold that would not have found the effect has none. The misfit of
+    slow courses is taken off, as there.
     What dial and tails change in each effect's evidence is taken over from its choices, as
     ``log_changes``. The unknown cannot be added to a model, so the likeliest effect is taken beside
     it. Hidden states are sought until ``hidden`` effects that have them are found.
     """
     terms: tuple[Term, ...] = ()
     for i in range(count):
-        left = remainder(problem, terms, rows)
+        left, _ = without_misfit(problem, terms, remainder(problem, terms, rows))
         if i < len(limits) and not _reaches(problem, terms, left, limits[i]):
             return terms
         named = [m for m in left.members if m.named and not _unknown_shape(m)]

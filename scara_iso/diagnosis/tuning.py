@@ -139,8 +139,12 @@ MOST_MISFIT = 0.15
 """Share of its size up to which what a smooth course leaves along courses like its own is misfit
 and no further effect (mended.py, strong courses by other equations)."""
 
-MISFIT_COURSES, MISFIT_LIKE = 5, 0.3
-"""So many courses a misfit is made of at most; from which cosine a form is like the one found."""
+MISFIT_COURSES, MISFIT_LIKE, LEAST_OF_COURSES = 5, 0.3, 0.005
+"""So many courses a misfit is made of at most; the cosine from which a form is like the one found;
+the least singular value of such a course, over the largest (mended.py, as above)."""
+
+MISFIT_BY_CHANCE = 3.0
+"""So many variances of scatter an axis may show in each of them without any misfit (as above)."""
 
 HEAVY_SHARE = 0.2
 """Prior share of scatter with heavy tails (t4) beside Gaussian scatter (table *naming*)."""

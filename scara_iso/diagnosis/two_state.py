@@ -195,7 +195,10 @@ def log_likelihood(
 
 
 def _log_of_product(likely: FloatArray) -> FloatArray:
-    """Return the logarithm (cells,) of the product of likelihoods (n, cells)."""
+    """Return the logarithm (cells,) of the product of likelihoods (n, cells).
+
+    The larger of the two that each is a mean of is 1, so that none of _FACTORS vanishes.
+    """
     parts = [likely[k : k + _FACTORS] for k in range(0, len(likely), _FACTORS)]
     return np.asarray(sum(np.log(np.multiply.reduce(part)) for part in parts))
 
