@@ -86,11 +86,12 @@ def residual_of(run: Run, predicted: Predicted | None) -> Residual:
 
 def _unstated(run: Run, division: Mapping[str, float]) -> list[str]:
     steps = [f"{n} {d:g}" for n, d in division.items() if d and run.axes[n].resolution is None]
+    if not steps:
+        return []
     listed = ", ".join(steps)
-    unstated = (
+    return [
         f"no resolution is stated: the steps on which readings lie ({listed}) stand for the dial's"
-    )
-    return [unstated] * bool(steps)
+    ]
 
 
 def _finer_stated(run: Run, division: Mapping[str, float]) -> list[str]:

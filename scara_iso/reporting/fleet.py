@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.diagnosis import UNKNOWN
 from scara_iso.fleets import (
     FleetDrift,
     FleetFigures,
@@ -130,7 +131,7 @@ def _robots(robots: tuple[RobotResult, ...], note: str) -> Table:
             four_digits(one.p_value),
             four_digits(one.q_value),
             "" if one.RP_XY is None else Number(one.RP_XY, ".4f"),
-            ", ".join(map(words, one.effects)) or ("no known effect" if one.found else ""),
+            ", ".join(map(words, one.effects)) or (words(UNKNOWN) if one.found else ""),
         )
         for one in robots
     ]
