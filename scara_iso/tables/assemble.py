@@ -10,15 +10,15 @@ import numpy as np
 from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
-from scara_iso.quantities import Dimension
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.layout import COLUMNS, Layout
+from scara_iso.tables.header import called, check_header_names, said_sizes
+from scara_iso.tables.layout import Layout
 from scara_iso.tables.marks import check_marks
-from scara_iso.tables.names import Column, Kind, unit_behind
+from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
 from scara_iso.tables.statements import Scale, is_of_axes, read_scales
@@ -49,7 +49,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     """
     faults, layout = columns.faults, columns.layout
     statements, notes = read_preamble(rows, layout.header_line, faults)
-    _check_layout(layout, faults)
+    check_header_names(layout, faults)
     sizes = [stated.value for key, stated in statements.items() if is_of_axes(key)]
     check_marks(columns, options.decimal, faults, sizes)
     _check_covariates(columns, faults)
@@ -65,8 +65,8 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
-    notes += [f"{_column(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
-    notes += _said_sizes(layout)
+    notes += [f"{called(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
+    notes += said_sizes(layout)
     notes += columns.beside[:_NOTES] + body.notes
     understood = "; ".join(
         part
@@ -87,54 +87,11 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     return replace(run, origin=origin)
 
 
-def _column(layout: Layout, column: Column) -> str:
-    return f"column {column.position + 1} {quoted(layout.header[column.position])}"
-
-
-def _said_sizes(layout: Layout) -> Iterator[str]:
-    """Name each length or angle that is taken for a covariate, and may be an axis by its name."""
-    for column in layout.of(Kind.COVARIATE):
-        unit = unit_behind(layout.header[column.position])
-        if unit is not None:
-            axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
-            yield (
-                f"{_column(layout, column)} names no axis and is taken as a covariate; "
-                f"if it holds readings, call it {axis}"
-            )
-
-
 def _field(column: Column, layout: Layout, units: Mapping[str, str]) -> TableField:
     named = column.kind in (Kind.AXIS, Kind.COMMAND, Kind.COVARIATE)
     unit = units.get(column.name, "") if column.kind in (Kind.AXIS, Kind.COMMAND) else ""
     header, name = layout.header[column.position], column.name if named else ""
     return TableField(header, column.kind.value, name, unit)
-
-
-def _check_layout(layout: Layout, faults: Faults) -> None:
-    if layout.width > COLUMNS:
-        what = f"{layout.width} columns, more than {COLUMNS}"
-        faults.add(what, layout.header_line, remedy="leave the columns of the readings only")
-    first: dict[tuple[Kind, str], Column] = {}
-    for column in layout.columns:
-        field = column.position + 1
-        if column.kind in (Kind.NAMELESS, Kind.COMMENT):
-            continue
-        if layout.header[column.position].startswith(("=", "@")):
-            what = "a formula for a column's name"
-            faults.add(what, layout.header_line, field, remedy="write the name itself")
-        covariate = column.kind in (Kind.TIMESTAMP, Kind.DIRECTION)
-        kind = Kind.COVARIATE if covariate else column.kind
-        name = "time_s" if column.kind is Kind.TIMESTAMP else column.name
-        before = first.setdefault((kind, name.lower()), column)
-        if before is not column:
-            what = f"two columns for {name}: fields {before.position + 1} and {field}"
-            faults.add(
-                what,
-                layout.header_line,
-                field,
-                remedy="leave one column for each axis and quantity; a block beside the first goes "
-                "below it, and of several poses the columns are headed P1 X, P2 X",
-            )
 
 
 def _check_covariates(columns: Columns, faults: Faults) -> None:

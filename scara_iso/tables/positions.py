@@ -26,7 +26,7 @@ from scara_iso.tables.text import Row
 SKIPPED = "-"
 ONE_A_ROW = (
     "write a row for each reading: pose,approach,cycle,X with the target as its pose; where the "
-    "columns are of several poses, head them P1 X, P1 Y, P2 X"
+    "columns are of several poses, head them P1_X, P1_Y, P2_X"
 )
 _TARGET = re.compile(r"(?:targets?|ziel|soll|direction|richtung)\b.*|(?:ziel|soll)pos.*")
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]")

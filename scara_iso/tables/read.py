@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
-
-import numpy as np
 
 from scara_iso.errors import DataError, UsageError
 from scara_iso.run import Run
-from scara_iso.tables.assemble import ReadOptions, assemble
-from scara_iso.tables.blocks import Line, find_blocks, has_blocks
+from scara_iso.tables.assemble import ReadOptions
+from scara_iso.tables.blocks import Block, Line, find_blocks, has_blocks
 from scara_iso.tables.body import Body
-from scara_iso.tables.columns import Cell, Columns
+from scara_iso.tables.columns import Columns
+from scara_iso.tables.delimited import Delimited, split_each
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.kinds import called_text
 from scara_iso.tables.labelled import find_labelled
 from scara_iso.tables.layout import HEAD, Layout, find_layout, runs_across
-from scara_iso.tables.marks import check_groups, refuse_other_marks
-from scara_iso.tables.names import Kind
-from scara_iso.tables.numbers import Mark, count_decimals
+from scara_iso.tables.marks import refuse_other_marks
 from scara_iso.tables.positions import (
     ONE_A_ROW,
     check_header,
@@ -31,8 +26,7 @@ from scara_iso.tables.positions import (
     place_columns,
     suggest_columns,
 )
-from scara_iso.tables.preamble import read_preamble
-from scara_iso.tables.sheets import NO_HEADER, read_blocks, read_rows, read_workbook
+from scara_iso.tables.sheets import NO_HEADER, finish, read_blocks, read_rows, read_workbook
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     LINE_LIMIT,
@@ -43,12 +37,10 @@ from scara_iso.tables.text import (
     separator_of,
     split_columns,
     split_head,
-    split_lines,
     stated_delimiter,
 )
 from scara_iso.tables.wide import find_wide
 
-_ABOVE = 200
 _SHOWN = 20
 
 
@@ -104,49 +96,35 @@ def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
     _check_length(1, head, faults)
     faults.check()
     understood = _understand(head, options.columns)
+    sure = options.columns is not None or (understood is not None and understood[2].sure)
+    if wide := None if sure else _wide(text, head, name):
+        delimiter, blocks = wide
+        how = f"{delimiter.value}, {encoding}"
+        return read_blocks(blocks, name, options, how, text=Delimited(text, delimiter, ended))
     if understood is None:
-        wide = _of_wide(text, head, name, options, encoding)
-        return wide or _of_labels(text, name, options, encoding)
+        return _of_labels(text, name, options, encoding)
     delimiter, rows, layout = understood
+    parted = Delimited(text, delimiter, ended)
+    how = f"{delimiter.value}, {encoding}"
     if not layout.sure and (across := runs_across(rows)):
         raise refuse(name, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
     if options.columns is not None:
         check_header(rows, layout, faults)
     elif has_blocks(rows) and (blocks := find_blocks(_split_all(text, delimiter, name))):
-        return read_blocks(blocks, name, options, f"{delimiter.value}, {encoding}")
+        return read_blocks(blocks, name, options, how, text=parted)
     columns = Columns(layout, options.decimal, faults)
     body = Body(layout, faults)
     for first, lines in chunks(text):
         skip = max(0, layout.data_line - first)
         _take(first + skip, lines[skip:], delimiter, columns, body)
-    if not ended:
-        stated, _ = read_preamble(rows, layout.header_line, Faults(name))
-        steps = [s.value for key, s in stated.items() if key.startswith("resolution")]
-        steps += [] if options.resolution is None else [str(options.resolution)]
-        _check_end(text, delimiter, columns, body, set(map(count_decimals, steps)))
-    how = f"{delimiter.value}, {encoding}, {_said(columns, options.decimal)}"
-    run = assemble(rows, columns, body, options, how)
-    if options.decimal is None:
-        _check_delimited(run, delimiter, columns, faults)
-    return run
+    return finish(rows, columns, body, options, how, parted)
 
 
-def _check_delimited(run: Run, delimiter: Delimiter, columns: Columns, faults: Faults) -> None:
-    """Refuse numbers that are others where the delimiter, or a point, is the other locale's."""
-    if delimiter is Delimiter.COMMA and not columns.marks:
-        _check_split(run, columns.layout, faults.where)
-    if delimiter is Delimiter.SEMICOLON:
-        check_groups(columns, run, faults)
-
-
-def _of_wide(
-    text: str, head: list[str], name: str, options: ReadOptions, encoding: str
-) -> Run | None:
-    """Return the run of a table whose headings each name a pose and an axis, None of another."""
-    for delimiter in Delimiter if options.columns is None else ():
+def _wide(text: str, head: list[str], name: str) -> tuple[Delimiter, list[Block]] | None:
+    """Return what parts a table whose headings name poses, and its blocks; None for another."""
+    for delimiter in Delimiter:
         if find_wide([(row.line, row.cells) for row in split_head(head, delimiter)]):
-            blocks = find_wide(_split_all(text, delimiter, name))
-            return read_blocks(blocks, name, options, f"{delimiter.value}, {encoding}")
+            return delimiter, find_wide(_split_all(text, delimiter, name))
     return None
 
 
@@ -168,53 +146,9 @@ def _split_all(text: str, delimiter: Delimiter, name: str) -> list[Line]:
     lines = text.split("\n")
     _check_length(1, lines, faults)
     faults.check()
-    rows: list[Line] = [(line, cells) for line, cells in _split_each(1, lines, delimiter, faults)]
+    rows: list[Line] = [(line, cells) for line, cells in split_each(1, lines, delimiter, faults)]
     faults.check()
     return rows
-
-
-def _check_split(run: Run, layout: Layout, name: str) -> None:
-    """Refuse whole millimetres beside a column that never changes: 0,112 may have been one number.
-
-    A header with as many names as commas left fields lets split decimals pass for two axes.
-    """
-    axes = sorted(layout.of(Kind.AXIS), key=lambda column: column.position)
-    for left, right in pairwise(axes):
-        first, second = (run.axes[column.name].readings for column in (left, right))
-        whole = np.array_equal(first, np.round(first)) and np.array_equal(second, np.round(second))
-        if whole and np.ptp(first) == 0 and np.abs(second).max() >= 10:
-            message = f"{left.name} never changes and {right.name} is whole: split decimal commas?"
-            raise refuse(name, message, remedy="say `decimal=.` if the numbers are whole")
-
-
-def _check_end(
-    text: str, delimiter: Delimiter, columns: Columns, body: Body, stated: set[int | None]
-) -> None:
-    """Find a file that was cut inside its last number: no line end, and too few decimals.
-
-    A reading is refused that lacks decimals which a stated resolution and every one above have.
-    Of other readings with fewer than most above, and numbers with fewer than each, a note is made.
-    """
-    line, last = text.count("\n") + 1, columns.layout.columns[-1]
-    if not columns.lines or columns.lines[-1][-1] != line:
-        return
-    above: list[int] = []
-    decimals = None
-    for _, row in _split_each(1, text.rsplit("\n", _ABOVE)[-_ABOVE:], delimiter, Faults("")):
-        if decimals is not None:
-            above.append(decimals)
-        cell = row[last.position] if len(row) > last.position else ""
-        decimals = count_decimals(cell) if isinstance(cell, str) else None
-    middle = (len(above) - 1) // 2 if last.kind is Kind.AXIS else 0
-    usual = sorted(above)[middle] if above else 0
-    if decimals is None or decimals >= usual:
-        return
-    what = f"no line end, and {decimals} decimals where others have {usual}: is the file cut?"
-    if last.kind is Kind.AXIS and set(above) <= stated:
-        remedy = "get the whole file; if it is whole, end its last line"
-        columns.faults.add(what, line, last.position + 1, remedy=remedy)
-    else:
-        body.note(f"line {line}: {what}")
 
 
 def _check_length(first: int, lines: list[str], faults: Faults) -> None:
@@ -270,20 +204,4 @@ def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, 
         if cells is not None and columns.add_clean(cells, first):
             body.count(len(lines))
             return
-    columns.add(list(body.sort(_split_each(first, lines, delimiter, columns.faults))))
-
-
-def _split_each(
-    first: int, lines: list[str], delimiter: Delimiter, faults: Faults
-) -> Iterator[tuple[int, list[Cell]]]:
-    for line, text in enumerate(lines, first):
-        try:
-            yield line, list(split_lines([text], delimiter)[0])
-        except csv.Error as error:
-            faults.add(f"{error}: {quoted(text)}", line, remedy="close or remove the quote")
-
-
-def _said(columns: Columns, decimal: str | None) -> str:
-    if decimal is not None:
-        return "decimal comma as asked" if decimal == "," else "decimal point as asked"
-    return "decimal comma" if columns.marks.keys() & {Mark.COMMA, Mark.EITHER} else "decimal point"
+    columns.add(list(body.sort(split_each(first, lines, delimiter, columns.faults))))

@@ -10,6 +10,7 @@ from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.blocks import Block, Line, find_blocks
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
+from scara_iso.tables.delimited import Delimited
 from scara_iso.tables.faults import Faults, listed, quoted, refuse, together
 from scara_iso.tables.layout import HEAD, Layout, find_layout
 from scara_iso.tables.parts import PosePart, merge
@@ -46,13 +47,20 @@ def read_workbook(data: bytes, name: str, options: ReadOptions) -> Run:
 
 
 def read_blocks(
-    blocks: Sequence[Block], name: str, options: ReadOptions, how: str, sheet: str = ""
+    blocks: Sequence[Block],
+    name: str,
+    options: ReadOptions,
+    how: str,
+    sheet: str = "",
+    *,
+    text: Delimited | None = None,
 ) -> Run:
     """Return the run of blocks that each stand under their pose's name, or every fault of all."""
     parts, errors = [], []
     for block in blocks:
         try:
-            run = read_rows(block.rows, f"{name}, block of {block.pose}", options, how, sheet)
+            called = f"{name}, block of {block.pose}"
+            run = read_rows(block.rows, called, options, how, sheet, text=text)
             parts.append(PosePart(run, f"block of {block.pose}", "", block.place, block.pose))
         except DataError as error:
             errors.append(error)
@@ -98,11 +106,17 @@ def _blocks(rows: Sequence[Line], options: ReadOptions) -> list[Block]:
 
 
 def read_rows(
-    rows: Sequence[Line], name: str, options: ReadOptions, how: str, sheet: str = ""
+    rows: Sequence[Line],
+    name: str,
+    options: ReadOptions,
+    how: str,
+    sheet: str = "",
+    *,
+    text: Delimited | None = None,
 ) -> Run:
     """Return the run of one table; ``how`` says how the file was split into rows of cells.
 
-    ``sheet`` is the one of a workbook that holds them.
+    ``sheet`` is the one of a workbook that holds them, ``text`` the one that they were split from.
     """
     table = _find_table(rows, options.columns)
     if table is None:
@@ -115,7 +129,25 @@ def read_rows(
     body = Body(layout, faults)
     below = ((line, cells) for line, cells in rows if line >= layout.data_line)
     columns.add(list(body.sort(below)))
-    return assemble(head, columns, body, options, how)
+    return finish(head, columns, body, options, how, text)
+
+
+def finish(
+    head: list[Row],
+    columns: Columns,
+    body: Body,
+    options: ReadOptions,
+    how: str,
+    text: Delimited | None,
+) -> Run:
+    """Return the run of the columns, after the checks that a ``text`` needs."""
+    if text is None:
+        return assemble(head, columns, body, options, how)
+    text.check_end(head, columns, body, options.resolution)
+    run = assemble(head, columns, body, options, f"{how}, {text.said(columns, options.decimal)}")
+    if options.decimal is None:
+        text.check_numbers(run, columns)
+    return run
 
 
 def _find_table(

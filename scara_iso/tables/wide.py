@@ -1,43 +1,35 @@
-"""Headings that name a pose and an axis in one cell: ``P1 X [mm]``, ``X P2``."""
+"""Tables whose headings name a pose and an axis in one cell: ``P1 X [mm]``, ``X P2``."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from scara_iso.tables.blocks import Block, Line
-from scara_iso.tables.layout import HEAD
-from scara_iso.tables.names import LONGEST_NAME, Kind, clean, read_name
-
-_POSE = r"(?:p|pose|point|punkt)[ _.-]?0*([1-9][0-9]{0,2})"
-_BEFORE = re.compile(rf"{_POSE}[ _:.-]+(\S.*)", re.IGNORECASE)
-_BEHIND = re.compile(rf"(\S.*?)[ _:.-]+{_POSE}( ?[\[(/,].*)?", re.IGNORECASE)
+from scara_iso.tables.layout import HEAD, names_an_axis
+from scara_iso.tables.names import Kind, read_name
+from scara_iso.tables.pose_names import pose_and_name
 
 
 def find_wide(rows: Sequence[Line]) -> list[Block]:
     """Return a block for each pose of the first row that heads the axes of two poses or more.
 
-    Other poses' cells are empty there, so lines and columns of a fault are those of the file.
+    Other poses' cells are empty there, so lines and columns of a fault are those of the file. There
+    is none where a row names an axis of no pose: that is the header.
     """
-    for k, (_, cells) in enumerate(rows[:HEAD]):
-        named = {j: found for j, cell in enumerate(cells) if (found := _pose_and_name(cell))}
+    head = [[cell if isinstance(cell, str) else repr(cell) for cell in cells]
+            for _, cells in rows[:HEAD]]  # fmt: skip
+    if any(map(names_an_axis, head)):
+        return []
+    for k, texts in enumerate(head):
+        named = {j: found for j, text in enumerate(texts) if (found := pose_and_name(text))}
         axes = {pose for pose, name in named.values() if read_name(name).kind is Kind.AXIS}
         if len(axes) > 1:
             poses = dict.fromkeys(pose for pose, _ in named.values())
             return [
-                Block(pose, [*rows[:k], *_of(pose, rows[k:], named)], "its columns' headings")
+                Block(pose, [*rows[:k], *_of(pose, rows[k:], named)], "the heading of its columns")
                 for pose in poses
             ]
     return []
-
-
-def _pose_and_name(cell: object) -> tuple[str, str] | None:
-    """Return the pose that a heading names, and the heading without it."""
-    text = clean(cell) if isinstance(cell, str) and len(cell) <= LONGEST_NAME else ""
-    if found := _BEFORE.fullmatch(text):
-        return f"P{found[1]}", found[2]
-    found = _BEHIND.fullmatch(text)
-    return (f"P{found[2]}", f"{found[1]}{found[3] or ''}") if found else None
 
 
 def _of(pose: str, rows: Sequence[Line], named: Mapping[int, tuple[str, str]]) -> Iterator[Line]:

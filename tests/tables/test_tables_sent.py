@@ -327,6 +327,48 @@ def test_a_pose_that_a_heading_names_once_is_no_table_of_poses():
         read_table(WIDE.format("P1 X [µm];Kraft;Weg;Zeit").encode(), decimal=",")
 
 
+@pytest.mark.parametrize("heads", ["X;Y;P2 X;P2 Y", "P1 X;P2 X;Z;theta", "X [µm];Y [µm];P1 X;u"])
+def test_an_axis_of_a_pose_beside_one_of_no_pose_is_refused(heads):
+    with pytest.raises(DataError, match=r"is of pose P[12], other axes of none"):
+        read_table(f"# unit: um\n{WIDE.format(heads)}".encode(), decimal=",")
+
+
+def test_a_row_of_titles_above_the_header_heads_no_columns():
+    rows = "".join(f"{k};{1 + k % 2};0.50{k % 4}\n" for k in range(1, 63))
+    run = read_table(f"X P1;X P2\nNr;pose;X\n{rows}".encode(), unit="mm")
+    assert len(run) == 62
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "# resolution: 0.001\nP1 X [mm],P2 X [mm]\n" + "0.501,0.601\n" * 9 + "0.502,0.6",
+        "# resolution: 0.001\nP1\nX [mm],Y [mm]\n" + "0.501,0.601\n" * 9
+        + "P2\nX [mm],Y [mm]\n" + "0.501,0.601\n" * 9 + "0.502,0.6",
+    ],
+)  # fmt: skip
+def test_a_file_of_several_poses_that_is_cut_inside_a_number_is_refused(table):
+    assert read_table(f"{table}02\n".encode()).pose is not None
+    with pytest.raises(DataError, match="is the file cut"):
+        read_table(table.encode())
+
+
+@pytest.mark.parametrize("head", ["P1 X;P2 X", "P1;;P2\nX;Y;X;Y"])
+def test_points_that_may_group_thousands_are_asked_for_of_several_poses_too(head):
+    fields = head.rpartition("\n")[2].count(";") + 1
+    row = ";".join(["{}"] * fields) + "\n"
+    rows = "".join(row.format(*[f"1.5{k}{j}" for j in range(fields)]) for k in range(10, 41))
+    with pytest.raises(DataError, match="could have a decimal point or group thousands"):
+        read_table(f"# unit: um\n{head}\n{rows}".encode())
+    run = read_table(f"# unit: um\n{head}\n{rows}".encode(), decimal=".")
+    assert "decimal point as asked" in run.origin.notes[0]
+
+
+def test_whole_numbers_of_two_poses_are_read():
+    run = read_table(b"# unit: um\nP1 X,P2 X\n" + b"500,600\n" * 31)
+    assert [len(rows) for _, rows in run.rows_by_pose()] == [31, 31]
+
+
 @pytest.mark.parametrize(
     ("heads", "covariates"),
     [
