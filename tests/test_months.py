@@ -456,6 +456,32 @@ def test_a_folder_of_folders_is_a_test_each_where_one_names_a_pose(tmp_path):
     assert [Path(one.source).name for one in found.tests] == ["R2.csv"] * 2
 
 
+def test_tables_in_a_folder_and_in_its_folders_are_read_with_the_events_beside_them(tmp_path):
+    for where, month in (("", 1), ("R1", 2), ("2025/03", 3), ("R1/old", 4)):
+        (tmp_path / where).mkdir(parents=True, exist_ok=True)
+        table(tmp_path / where, f"2025-0{month}-05", seed=month, robot="R1")
+    (tmp_path / "R2").mkdir()
+    table(tmp_path / "R2", "2025-05-05", robot="R2")
+    for where, what in (("", "oil"), ("2025", "belt"), ("R2", "not this one")):
+        text = f"date,what\n2025-02-20,{what}\n"
+        (tmp_path / where / "events.csv").write_text(text, encoding="utf-8")
+    found = scara_iso.history(tmp_path, robot="R1")
+    assert [one.when.month for one in found.tests] == [1, 2, 3, 4]
+    assert [one.what for one in found.events] == ["oil", "belt"]
+    assert not found.unreadable
+
+
+def test_events_beside_the_poses_of_a_test_are_no_pose(tmp_path):
+    (tmp_path / "05").mkdir()
+    for k in (1, 2):
+        table(tmp_path / "05", "2025-05-05", name=f"P{k}", seed=k)
+    events = tmp_path / "05" / "events.csv"
+    events.write_text("date,what\n2025-05-01,oil\n", encoding="utf-8")
+    found = scara_iso.history(tmp_path)
+    assert len(found.tests) == len(found.events) == 1
+    assert main(["history", str(tmp_path), "-o", str(events)]) == 73
+
+
 def test_a_date_that_is_not_read_is_quoted(tmp_path):
     with pytest.raises(DataError, match="'04-03-2025' is not year-month-day"):
         scara_iso.history(table(tmp_path, "04-03-2025"))

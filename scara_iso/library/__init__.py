@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.library.gauge_studies import gauge_study as gauge_study
     from scara_iso.library.inputs import (
+        EVENTS as EVENTS,
         Table as Table,
         TableOptions as TableOptions,
         Tables as Tables,

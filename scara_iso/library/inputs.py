@@ -27,6 +27,8 @@ Tables: TypeAlias = Table | Sequence[Table] | ConditionRun
 The folder of a test (with a test.toml) is its parts under one condition, as is a `ConditionRun`.
 """
 
+EVENTS = "events.csv"
+"""What was done to a robot, which stands beside its tables and is none."""
 _ENDINGS = frozenset({".csv", ".tsv", ".txt", ".xlsx"})
 _NAMELESS = ("", "bytes", "file object", FRAME)
 _MOST_NAMED = 5
@@ -139,20 +141,14 @@ def tables_of(tables: Tables) -> list[Table]:
 
 
 def folders_below(folder: Path) -> list[Path]:
-    """Return the folders in a folder that hold tables, and for one that holds none those in it.
-
-    10 stands behind 9.
-    """
-    inside = sorted(filter(Path.is_dir, folder.iterdir()), key=lambda path: _natural(path.name))
-    return [
-        deeper
-        for path in inside
-        for deeper in ([path] if tables_in(path) else filter(_holds_tables, sorted(path.iterdir())))
-    ]
+    """Return the folders that hold tables, in a folder and in those in it; 10 stands behind 9."""
+    below = [deeper for path in _folders_in(folder) for deeper in (path, *_folders_in(path))]
+    return [path for path in below if tables_in(path)]
 
 
-def _holds_tables(path: Path) -> bool:
-    return path.is_dir() and bool(tables_in(path))
+def _folders_in(folder: Path) -> list[Path]:
+    found = [path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")]
+    return sorted(found, key=lambda path: _natural(path.name))
 
 
 def paths_of(tables: Tables) -> list[Path]:
@@ -171,11 +167,13 @@ def together_as(tables: Tables) -> str:
 
 
 def tables_in(folder: Path) -> list[Path]:
-    """Return the tables that lie in a folder itself, P10 behind P9; none in another thing."""
+    """Return the tables that lie in a folder itself, P10 behind P9; `EVENTS` is none."""
     found = [
         path
         for path in folder.iterdir()
-        if path.suffix.lower() in _ENDINGS and not path.name.startswith((".", "~$"))
+        if path.suffix.lower() in _ENDINGS
+        and not path.name.startswith((".", "~$"))
+        and path.name != EVENTS
     ]
     return sorted(found, key=lambda path: (_natural(path.name), path.name))
 

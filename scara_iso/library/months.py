@@ -11,6 +11,7 @@ from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, analyze, moment_in_name, moment_of_test
 from scara_iso.library.inputs import (
+    EVENTS,
     Table,
     TableOptions,
     Tables,
@@ -19,11 +20,16 @@ from scara_iso.library.inputs import (
     tables_of,
 )
 from scara_iso.library.sizes import sizes_of
-from scara_iso.monitoring import DatedAnalysis, RobotHistory, follow, is_plausible, read_events
+from scara_iso.monitoring import (
+    DatedAnalysis,
+    RobotHistory,
+    ServiceEvent,
+    follow,
+    is_plausible,
+    read_events,
+)
 from scara_iso.reporting import printable
 from scara_iso.tables import pose_in
-
-_EVENTS = "events.csv"
 
 
 def history(
@@ -45,8 +51,8 @@ def history(
     ``tables`` are paths, runs or pandas tables, one a test, or the path of a folder, of tables or
     of folders: those of a folder in it are one test where one names a pose. Each states
     its date (``# date: 2026-05-12``, or a column `timestamp`), or else its file's name does.
-    ``events`` is a table with the columns date and what; a folder's own ``events.csv`` is taken
-    unless another is given. ``robot`` takes only the tests of that name or serial number.
+    ``events`` is a table with the columns date and what, else each ``events.csv`` beside the tests
+    of a folder is one. ``robot`` takes only the tests of that name or serial number.
     ``limits`` and the other options are those of `analyze`, for each table. A table that cannot be
     used is listed in ``unreadable``. Raises `DataError` where none can be used, one states no date,
     or the tests are of several robots or in no order; `NoInputError` for what is not there;
@@ -54,7 +60,8 @@ def history(
     """
     limits = sizes_of("limits", limits)
     reading = TableOptions(unit, resolution, decimal)
-    found, beside = _tables(tables, events, reading)
+    folders = _folders(tables)
+    found = _tests(tables, folders, events, reading)
     options: dict[str, Any] = {
         "first_cycle_discarded": first_cycle_discarded,
         "cycles": cycles,
@@ -66,38 +73,39 @@ def history(
     analyses = [one for one in analyses if robot is None or _is_of(one, robot)]
     if not analyses:
         _refuse_nothing(failed, robot)
-    done = () if beside is None else read_events(beside)
-    followed = follow(_dated(analyses), done, limits)
+    followed = follow(_dated(analyses), _services(events, folders, analyses), limits)
     notes = (*followed.notes, *_by_name(analyses))
     return replace(followed, notes=notes, unreadable=tuple(failed))
 
 
-def _tables(
-    tables: Tables, events: str | Path | None, reading: TableOptions
-) -> tuple[list[Table], Path | None]:
-    """Return the tables, and the file of events: the one given, else that of their folder."""
+def _folders(tables: Tables) -> list[Path]:
+    """Return the folders among the tables."""
     several = tables if isinstance(tables, list | tuple) else [tables]
-    folders = [Path(one) for one in several if isinstance(one, str | Path) and Path(one).is_dir()]
-    for folder in folders:
+    found = [Path(one) for one in several if isinstance(one, str | Path) and Path(one).is_dir()]
+    for folder in found:
         if is_test_folder(str(folder)):
             raise UsageError(
                 "the folder of a test is one test", where=str(folder),
                 remedy="name a folder of tables, one a test",
             )  # fmt: skip
-    own = [folder / _EVENTS for folder in folders if (folder / _EVENTS).is_file()]
-    beside = Path(events) if events is not None else next(iter(own), None)
-    aside = {path.resolve() for path in (*own, *([beside] if beside else []))}
-    parents = [folder for folder in folders if not tables_in(folder) and folders_below(folder)]
-    apart = {path.resolve() for path in parents}
-    plain: list[Any] = [one for one in several if not _is_among(one, apart)]
-    found = tables_of(plain) if plain else []
-    for folder in (one for parent in parents for one in folders_below(parent)):
-        found += _tests_in(folder, reading)
-    found = [t for t in found if not _is_among(t, aside)]
+    return found
+
+
+def _tests(
+    tables: Tables, folders: Sequence[Path], events: str | Path | None, reading: TableOptions
+) -> list[Table]:
+    """Return the tables, one a test: those of the folders and of the folders in these too."""
+    several = tables if isinstance(tables, list | tuple) else [tables]
+    single: list[Any] = [one for one in several if not _is_among(one, folders)]
+    found = tables_of(single) if single else []
+    for folder in folders:
+        found += tables_in(folder)
+        found += [test for below in folders_below(folder) for test in _tests_in(below, reading)]
+    found = [one for one in found if events is None or not _is_among(one, [Path(events)])]
     if not found:
         where = str(folders[0]) if folders else ""
         raise NoInputError("no table is there", where=where, remedy="put tables there, one a test")
-    return found, beside
+    return found
 
 
 def _tests_in(folder: Path, reading: TableOptions) -> list[Table]:
@@ -105,6 +113,23 @@ def _tests_in(folder: Path, reading: TableOptions) -> list[Table]:
     tables = tables_in(folder)
     whole = is_test_folder(str(folder)) or any(_names_a_pose(one, reading) for one in tables)
     return [folder] if whole else list(tables)
+
+
+def _services(
+    events: str | Path | None, folders: Sequence[Path], analyses: Sequence[Analysis]
+) -> list[ServiceEvent]:
+    """Return what was done in time order: by the file given, else by all beside tests of folders.
+
+    A file beside tests of another robot alone says nothing of this one.
+    """
+    if events is not None:
+        return list(read_events(events))
+    sources = [Path(one.run.origin.source) for one in analyses]
+    above = [place for source in sources for place in (source, *source.parents)]
+    below = [place for place in above if any(map(place.is_relative_to, folders))]
+    files = [place / EVENTS for place in dict.fromkeys([*folders, *below])]
+    found = [event for file in files if file.is_file() for event in read_events(file)]
+    return sorted(found, key=lambda event: event.when)
 
 
 def _names_a_pose(table: Path, reading: TableOptions) -> bool:
@@ -117,8 +142,10 @@ def _names_a_pose(table: Path, reading: TableOptions) -> bool:
     return run.pose is not None or "pose" in run.metadata
 
 
-def _is_among(table: object, paths: set[Path]) -> bool:
-    return isinstance(table, str | Path) and Path(table).resolve() in paths
+def _is_among(table: object, paths: Sequence[Path]) -> bool:
+    if not isinstance(table, str | Path):
+        return False
+    return Path(table).resolve() in {path.resolve() for path in paths}
 
 
 def _analyses(
