@@ -18,7 +18,7 @@ from scara_iso.tables.layout import is_comment
 from scara_iso.tables.marks import WHICH_MARK, are_mixed, are_undecided, refuse_other_marks
 from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
-from scara_iso.tables.preamble import read_statement
+from scara_iso.tables.preamble import in_english, read_statement
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     Delimiter,
@@ -159,7 +159,7 @@ def _statements(lines: Sequence[tuple[int, str]], faults: Faults) -> dict[str, s
             before = quoted(found[statement[0]])
             what = f"{statement[0]} is {quoted(statement[1])} here and {before} above"
             faults.add(what, k, remedy="leave one of them")
-    return found
+    return in_english(found)
 
 
 def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:

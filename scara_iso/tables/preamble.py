@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import TypeVar
 
 from scara_iso.frozen import dataclass
 from scara_iso.run import AXES
@@ -13,6 +14,7 @@ from scara_iso.tables.names import clean, names_a_footer, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.text import Row
 
+Stated = TypeVar("Stated")
 _ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
 _FIRST = r"(?:[0-9]{1,2}\. ?)?[^\W\d_][^:=]{0,40}"
@@ -37,7 +39,8 @@ def read_preamble(
 ) -> tuple[dict[str, Statement], list[str]]:
     """Return the statements before the header by key, and a note for each line of free text.
 
-    Keys are in lower case with underscores for blanks; values are kept as written.
+    Keys are in lower case with underscores for blanks, those of German forms in English; values
+    are kept as written.
     """
     statements: dict[str, Statement] = {}
     notes: list[str] = []
@@ -61,7 +64,16 @@ def read_preamble(
                 f"{faults.row} {row.line}: the resolution in {quoted(row.text)} not used; if it is "
                 "the dial's, write it above the header as 'resolution: 0.001 mm'"
             )
-    return statements, notes
+    return in_english(statements), notes
+
+
+def in_english(stated: Mapping[str, Stated]) -> dict[str, Stated]:
+    """Return statements by the keys that a report asks for; the second of one keeps its own."""
+    found: dict[str, Stated] = {}
+    for key, value in stated.items():
+        english = _GERMAN.get(key.rstrip("."), key)
+        found[key if english in stated or english in found else english] = value
+    return found
 
 
 def _speaks_of_it(row: Row) -> bool:
@@ -161,15 +173,16 @@ def _unit_of(value: str) -> str:
 
 
 def _normal(key: str, value: str) -> tuple[str, str]:
-    """Return a statement with its key as `normal_key`, a size's unit behind its value.
+    """Return a statement with its key as `normal_key`, a unit in it behind its value.
 
-    ``Resolution [mm]: 0.001`` is ``resolution: 0.001 mm``.
+    ``Resolution [mm]: 0.001`` is ``resolution: 0.001 mm``; likewise ``Payload [kg]: 2``.
     """
     split = _UNIT_IN_KEY.fullmatch(key)
-    stem = normal_key(split[1]) if split else ""
     number = parse_cell(value)
-    if split and stem.startswith(RESOLUTION) and read_unit(split[2]) and number and not number.unit:
-        return stem, f"{value} {split[2]}"
+    if split and number and not number.unit:
+        stem, unit = normal_key(split[1]), split[2]
+        if unit.lower() in _OF_CONDITIONS or (stem.startswith(RESOLUTION) and read_unit(unit)):
+            return stem, f"{value} {unit}"
     return normal_key(key), value
 
 
@@ -185,12 +198,13 @@ _NAMES = {
 """What people call a statement that the axes hold, in lower case; an axis may follow."""
 _GERMAN = {
     "roboter": "robot", "prüfling": "item", "prüfgegenstand": "item", "hersteller": "manufacturer",
-    "seriennummer": "serial_number", "seriennr": "serial_number", "seriennr.": "serial_number",
-    "serien-nr.": "serial_number", "datum": "date", "prüfdatum": "test_date",
+    "seriennummer": "serial_number", "seriennr": "serial_number",
+    "serien-nr": "serial_number", "datum": "date", "prüfdatum": "test_date",
     "messdatum": "test_date", "prüfer": "operator", "bediener": "technician",
     "labor": "laboratory", "prüflabor": "laboratory", "prüfort": "location", "messort": "place",
-    "kunde": "client", "auftraggeber": "customer", "nutzlast": "payload", "traglast": "payload",
-    "nennlast": "rated_payload", "geschwindigkeit": "velocity", "temperatur": "temperature",
+    "kunde": "client", "auftraggeber": "customer", "nutzlast": "payload",
+    "traglast": "rated_payload", "nennlast": "rated_payload",
+    "geschwindigkeit": "velocity", "temperatur": "temperature",
     "nenngeschwindigkeit": "rated_velocity", "raumtemperatur": "ambient_temperature",
     "umgebungstemperatur": "ambient_temperature", "luftfeuchte": "humidity",
     "luftfeuchtigkeit": "humidity", "messuhr": "dial", "messmittel": "instrument",
@@ -206,6 +220,7 @@ _NAMED = f"((?:{_NAMES[RESOLUTION]}){_OF_AXIS})"
 _VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
 _SIZE = re.compile(f"{_NAMED} {_VALUE}", re.IGNORECASE)
 _IN_WORDS = re.compile(f"{_NAMED}[ ,;:=]*{_VALUE}", re.IGNORECASE)
+_OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
 _UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")
 
 
@@ -215,7 +230,7 @@ def normal_key(key: str) -> str:
     for name, known in _KEYS.items():
         if found := known.fullmatch(key):
             return f"{name}_{found[1]}" if found[1] else name
-    return _GERMAN.get(key, key)
+    return key
 
 
 def _add(statements: dict[str, Statement], key: str, value: str, line: int, faults: Faults) -> None:

@@ -3,9 +3,11 @@
 The files are made after the manner of each program: tests/fixtures/tables/sent/README.md.
 """
 
+import io
 import re
 from pathlib import Path
 
+import openpyxl
 import pytest
 
 from scara_iso.cli import main
@@ -261,6 +263,17 @@ FORM = "Nr;X;Y\n1;0,112;0,811\n2;0,113;0,812\n"
         ("Messuhr M;Auflösung 1 µm\n", 0.001, {}),
         ("Auflösung:;0,01;mm;Ort:;Halle 3;Nord\n", 0.01, {"ort": "Halle 3, Nord"}),
         ("Resolution [µm]:;5\n", 0.005, {}),
+        ("Nutzlast [kg]:;2,5;;Geschwindigkeit in mm/s:;500\n", None,
+         {"payload": "2,5 kg", "velocity": "500 mm/s"}),
+        ("Payload (kg): 2\nSerien-Nr.: 0047\n", None,
+         {"payload": "2 kg", "serial_number": "0047"}),
+        ("Nutzlast: 2 kg\nTraglast: 5 kg\n", None,
+         {"payload": "2 kg", "rated_payload": "5 kg"}),
+        ("Raumtemperatur: 20 °C\nUmgebungstemperatur: 21 °C\n", None,
+         {"ambient_temperature": "20 °C", "umgebungstemperatur": "21 °C"}),
+        ("Datum: 01.03.2026\nDate: 2026-03-01\n", None,
+         {"datum": "01.03.2026", "date": "2026-03-01"}),
+        ("Prüfer [2]: 5\n", None, {"prüfer_[2]": "5"}),
         ("日期：;2026-03-01;;分辨率：;0.001 mm\n", 0.001, {"日期": "2026-03-01"}),
         ("Skalenteilung der Messuhr: 0,01 mm\n", 0.01, {}),
         ("Encoder resolution: 0.001 mm\n", None, {"encoder_resolution": "0.001 mm"}),
@@ -334,9 +347,12 @@ def test_an_axis_of_a_pose_beside_one_of_no_pose_is_refused(heads):
 
 
 def test_a_row_of_titles_above_the_header_heads_no_columns():
-    rows = "".join(f"{k};{1 + k % 2};0.50{k % 4}\n" for k in range(1, 63))
-    run = read_table(f"X P1;X P2\nNr;pose;X\n{rows}".encode(), unit="mm")
-    assert len(run) == 62
+    rows = [[(k + 1) // 2, f"P{2 - k % 2}", 0.5 + k % 4 / 1000] for k in range(1, 63)]
+    book, data = openpyxl.Workbook(), io.BytesIO()
+    for row in [["X P1", "X P2"], ["Nr", "pose", "X"], *rows]:
+        book.active.append(row)
+    book.save(data)
+    assert len(read_table(data.getvalue(), unit="mm")) == 62
 
 
 @pytest.mark.parametrize(
