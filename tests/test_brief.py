@@ -45,6 +45,7 @@ CALLS = (
     ("visits", "stream.csv", "--poses", "P1,-"),
     ("history", "months"),
 )
+COPIES = ("compare", "scatter.csv", "scatter.csv", "--cycles", "31")
 INTERVAL = re.compile(r"\[[-+.\d]+, [-+.\d]+\]")
 PROGRAMMERS = re.compile(r"model before|shown here|p floor|p <=|Mann-Kendall|coarse-resolution")
 
@@ -80,7 +81,7 @@ def test_three_lines_say_what_was_asked_and_what_is_next(said, call):
         assert re.match(r"  (PASS|FAIL|NOT PROVABLE)", lines[0])
 
 
-@pytest.mark.parametrize("call", CALLS, ids=" ".join)
+@pytest.mark.parametrize("call", [*CALLS, COPIES], ids=" ".join)
 def test_what_it_says_to_do_next_works(said, call, tmp_path, monkeypatch, capsys):
     following = re.search(r"Next: scara-iso (.*?)(   |\n)", said(*call, columns=200))[1]
     words = shlex.split(following)

@@ -291,6 +291,21 @@ def test_no_traceback_unless_asked_for(call, monkeypatch):
     assert "Traceback" in err
 
 
+def test_a_folder_that_is_closed_is_not_said_to_be_a_full_disk(call, monkeypatch, tmp_path):
+    def closed(path):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "iterdir", closed)
+    code, _, err = call("analyze", tmp_path)
+    assert (code, err.splitlines()) == (
+        66,
+        [
+            f"scara-iso: {tmp_path}: Permission denied",
+            "  name another file or folder, or have it opened to you",
+        ],
+    )
+
+
 def test_interrupted(call, monkeypatch):
     def interrupted(*_args, **_kwargs):
         raise KeyboardInterrupt

@@ -259,6 +259,9 @@ def _explain(error: Exception) -> tuple[list[str], int]:
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
         complaint = in_plain_words(error.format_message())
         return [f"scara-iso: {complaint}", *_hints(error, complaint)], int(error.exit_code)
+    if isinstance(error, PermissionError) and error.filename:
+        todo = "  name another file or folder, or have it opened to you"
+        return [f"scara-iso: {error.filename}: {error.strerror}", todo], NoInputError.exit_code
     if isinstance(error, OSError):
         todo = "  make room, or send it to another place"
         return [f"scara-iso: cannot write: {error}", todo], CANNOT_WRITE

@@ -144,7 +144,7 @@ def _values(one: Contrast, way: str = "") -> str:
 def _next(pair: Pair, tables: tuple[str, str]) -> NextStep:
     before, after = tables
     if is_copy(pair):
-        return NextStep(f"scara-iso tables {after}", "is this the table you mean?")
+        return NextStep(f"scara-iso analyze {after}", "is this the table you mean?")
     worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)
     if worse or _drifts(pair.after):
         return NextStep(f"scara-iso diagnose {after}", _WHAT_ELSE)

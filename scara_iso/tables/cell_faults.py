@@ -13,10 +13,10 @@ _ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 LABEL_POSES = "write the pose's name, such as P1, in each row, also for merged cells"
 NUMBER_CYCLES = "write the cycle's number, 1 and up, in each row"
 WRITE_TIMES = "write date and time as 2026-05-12T08:30:00 in each row, or call the column comment"
-_READING = (
-    "write the reading as one number; where none was taken, remove the row and say `allow_gaps=`"
-)
-_FORMULA = f"{_READING}; a formula has its result once a spreadsheet has saved the workbook"
+_READING = "write the reading as one number; where none was taken, "
+_LEAVE_OUT = "remove the row and say `allow_gaps=`"
+_NUMBER_FIRST = "number the rows in a column cycle, then "
+_FORMULA = "; a formula has its result once a spreadsheet has saved the workbook"
 _DATE = "the spreadsheet took the reading for a date: set the cell's format to Text and retype it"
 
 
@@ -33,11 +33,15 @@ def label_fault(label: str) -> str:
     return ""
 
 
-def write_a_reading(cell: str, *, in_sheet: bool) -> str:
-    """Return what to do where a cell holds no reading; ``in_sheet`` is of a workbook."""
+def write_a_reading(cell: str, *, in_sheet: bool, numbered: bool) -> str:
+    """Return what to do where a cell holds no reading, ``in_sheet`` of a workbook.
+
+    Where the cycles are not ``numbered``, nothing would say which of them is left out.
+    """
     if in_sheet and _ISO_DATE.match(cell.strip(BLANKS)):
         return _DATE
-    return _FORMULA if in_sheet and not cell.strip(BLANKS) else _READING
+    left_out = _LEAVE_OUT if numbered else _NUMBER_FIRST + _LEAVE_OUT
+    return _READING + left_out + (_FORMULA if in_sheet and not cell.strip(BLANKS) else "")
 
 
 def shown(cell: str | float) -> str:

@@ -181,7 +181,8 @@ class Columns:
     def _remedy(self, column: Column, cell: str) -> str:
         if column.kind is Kind.COVARIATE:
             return "remove the column, or call it comment"
-        return write_a_reading(cell, in_sheet=bool(self.faults.sheet))
+        numbered = bool(self.layout.of(Kind.CYCLE))
+        return write_a_reading(cell, in_sheet=bool(self.faults.sheet), numbered=numbered)
 
     def _note_mark(self, column: Column, number: CellNumber, cell: str, line: int) -> None:
         if number.mark is not Mark.NONE:

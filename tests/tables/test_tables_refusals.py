@@ -511,6 +511,18 @@ def test_a_cell_of_a_sheet_that_holds_no_reading_says_what_to_do(cell, todo):
     assert todo in caught.value.remedy
 
 
+def test_what_is_said_of_a_reading_that_was_not_taken_works_without_numbers_too(tmp_path, capsys):
+    cells = [f"0.50{k % 4}" for k in range(1, 32)]
+    table = tmp_path / "run.csv"
+    table.write_text("\n".join(["# unit: mm", "X", *cells[:8], "-", *cells[9:], ""]))
+    assert main(["analyze", str(table)]) == 65
+    todo = capsys.readouterr().err.splitlines()[-1]
+    assert "number the rows in a column cycle, then remove the row and say --allow-gaps" in todo
+    rows = [f"{k},{cell}" for k, cell in enumerate(cells, 1) if k != 9]
+    table.write_text("\n".join(["# unit: mm", "cycle,X", *rows, ""]))
+    assert main(["analyze", str(table), "--allow-gaps"]) == 0
+
+
 def test_what_to_do_stands_above_a_long_list_of_faults(tmp_path, capsys):
     table = tmp_path / "run.csv"
     cells = ["a,0.1", "0.1,b", "c,0.1", "0.1,d", "e,0.1", "0.1,f"]
@@ -518,7 +530,7 @@ def test_what_to_do_stands_above_a_long_list_of_faults(tmp_path, capsys):
     assert main(["analyze", str(table)]) == 65
     headline, todo, *faults = capsys.readouterr().err.splitlines()
     assert "6 faults" in headline
-    assert todo.startswith("  write the reading as one number; where none was taken, remove the ")
+    assert todo.startswith("  write the reading as one number; where none was taken, number the ")
     assert len(faults) == 6
 
 
