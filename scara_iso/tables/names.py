@@ -187,7 +187,7 @@ def _other_column(text: str, unit_below: str) -> Column:
 def _keys(text: str, unit_below: str) -> Iterator[str]:
     """Yield name and unit as ``temperature_c``, of each way to part them."""
     found = [match.groups() for pattern in _SPLITS if (match := pattern.fullmatch(text))]
-    for name, stated in found or [(text, unit_below)]:
+    for name, stated in [*found, (text, unit_below)]:
         stem, unit = name.lower().rstrip(". "), stated.replace("°", "").strip(" -").lower()
         yield f"{stem}_{'c' if _CELSIUS.fullmatch(unit) else unit}" if unit else stem
 

@@ -392,6 +392,7 @@ def test_whole_numbers_of_two_poses_are_read():
         ("Temperatur in °C;T [°C]", ["temperature_C", "T [°C]"]),
         ("Temp (C);T (C)", ["Temp (C)", "T (C)"]),
         ("Temperature (F);u", ["Temperature (F)", "u"]),
+        ("Ambient temperature;Time\n;µm;µm;°C;s", ["temperature_C", "time_s"]),
     ],
 )
 def test_a_covariate_is_what_its_heading_means_where_no_other_is(heads, covariates):
