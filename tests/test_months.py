@@ -4,6 +4,7 @@ import errno
 import json
 import math
 import re
+import shlex
 from datetime import datetime
 from pathlib import Path
 
@@ -469,6 +470,16 @@ def test_tables_in_a_folder_and_in_its_folders_are_read_with_the_events_beside_t
     assert [one.when.month for one in found.tests] == [1, 2, 3, 4]
     assert [one.what for one in found.events] == ["oil", "belt"]
     assert not found.unreadable
+
+
+def test_a_robot_is_one_in_capitals_or_not_and_what_is_said_of_several_works(tmp_path, capsys):
+    for month, robot in enumerate(("SCARA 6", "Scara 6", "SCARA 7"), 1):
+        table(tmp_path, f"2025-0{month}-05", robot=robot)
+    assert main(["history", str(tmp_path)]) == 65
+    said, todo = capsys.readouterr().err.splitlines()
+    assert "SCARA 6 (2), SCARA 7 (1)" in said
+    assert main(["history", str(tmp_path), *shlex.split(todo.partition(", as ")[2])]) == 0
+    assert "SCARA 6: 2 tests" in capsys.readouterr().out
 
 
 def test_events_beside_the_poses_of_a_test_are_no_pose(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -79,19 +80,19 @@ def _refuse_limits(limits: Mapping[str, float], spreads: Sequence[SpreadHistory]
 
 
 def _identity(tests: Sequence[DatedAnalysis]) -> tuple[str, str]:
-    """Return name and serial number of the one robot."""
+    """Return name and serial number of the one robot, capitals or not."""
     found = []
     for key, others in (("robot", ("item",)), ("serial_number", ("robot_serial_number",))):
         stated = [_stated(test, (key, *others)) for test in tests]
-        names = {text for text in stated if text}
+        names = {text.casefold(): text for text in reversed(stated) if text}
         if len(names) > 1:
-            counts = {name: stated.count(name) for name in sorted(names)}
-            said = ", ".join(f"{name} ({count})" for name, count in counts.items())
+            counts = Counter(names[text.casefold()] for text in stated if text)
+            said = ", ".join(f"{name} ({counts[name]})" for name in sorted(counts))
             raise DataError(
                 f"the tables are of several robots by their {key}: {said}",
-                remedy="name those of one robot, or say `robot=NAME` (or its serial number)",
+                remedy=f"name those of one, or say which, as `robot={min(counts)!r}`",
             )
-        found.append(next(iter(names), ""))
+        found.append(next(iter(names.values()), ""))
     return found[0], found[1]
 
 
