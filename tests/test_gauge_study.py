@@ -378,15 +378,17 @@ def test_where_a_comma_can_be_read_two_ways_the_option_that_says_it_is_named_and
     assert "decimal" not in capsys.readouterr().err
 
 
-def test_categories_are_whole_in_german_columns_too(tmp_path, capsys):
-    """ndc is cut, as AIAG has it: 8.8 categories are 8, in the answer and among the criteria."""
-    rows = [[o, p, t, p + o / 10 + (p * t) % 3 / 10] for o in (1, 2) for p in range(1, 6)
+@pytest.mark.parametrize("size", [1, 0.001])
+def test_categories_are_whole_in_german_columns_too(tmp_path, capsys, size):
+    """ndc is cut, as AIAG has it: 25.6 categories are 25, 0.997 are 1, everywhere."""
+    rows = [[o, p, t, p * size + o / 10 + (p * t) % 3 / 10] for o in (1, 2) for p in range(1, 6)
             for t in (1, 2)]  # fmt: skip
     columns = ["Prüfer", "Teil", "Wiederholung", "Messwert"]
     path = written(tmp_path / "t.csv", columns, rows)
     assert main(["gauge-study", str(path), "--json"]) == 0
     crossed = json.loads(capsys.readouterr().out)["axes"]["reading"]["crossed"]
-    assert crossed["ndc_raw"] % 1 > 0.5
+    assert crossed["ndc"] == max(math.floor(crossed["ndc_raw"]), 1)
+    assert crossed["ndc_raw"] != crossed["ndc"]
     main(["gauge-study", str(path), "--tolerance", "9"])
     shown = capsys.readouterr().out
     assert f"ndc {crossed['ndc']} " in shown.replace("\n", " ")

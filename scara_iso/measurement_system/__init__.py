@@ -16,7 +16,10 @@ if TYPE_CHECKING:
         Crossed as Crossed,
     )
     from scara_iso.measurement_system.linearity import Linearity as Linearity
-    from scara_iso.measurement_system.ranges import ByRanges as ByRanges
+    from scara_iso.measurement_system.ranges import (
+        ByRanges as ByRanges,
+        whole_categories as whole_categories,
+    )
     from scara_iso.measurement_system.readings import (
         GaugeReadings as GaugeReadings,
         Remark as Remark,

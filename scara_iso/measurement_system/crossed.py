@@ -16,15 +16,17 @@ import numpy as np
 from scara_iso.frozen import dataclass
 from scara_iso.measurement_system.budget import Budget, budget, stated_parts
 from scara_iso.measurement_system.pivots import between, drawn_variance
-from scara_iso.measurement_system.ranges import ByRanges, by_ranges
+from scara_iso.measurement_system.ranges import (
+    CATEGORIES,
+    STUDY,
+    ByRanges,
+    by_ranges,
+    whole_categories,
+)
 from scara_iso.measurement_system.readings import GaugeReadings, Interval, numbered
 from scara_iso.run import FloatArray, IntArray
 
 POOLED_ABOVE = 0.25
-STUDY = 6.0
-"""Standard deviations that a study's variation is wide: 99.73 % of Gaussian scatter."""
-CATEGORIES = 1.41
-"""ndc = 1.41 PV / GRR (AIAG's rounding of the root of 2)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +87,7 @@ class Crossed:
     @property
     def ndc(self) -> int | None:
         """Number of distinct categories: whole, and at least 1 (AIAG)."""
-        return None if self.ndc_raw is None else max(int(self.ndc_raw), 1)
+        return None if self.ndc_raw is None else whole_categories(self.ndc_raw)
 
 
 def crossed(readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator) -> Crossed:

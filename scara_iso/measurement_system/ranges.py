@@ -16,7 +16,10 @@ from scara_iso.run import FloatArray
 
 _MANY = 15
 _REACH, _STEPS = 8.0, 1200
-_STUDY, _CATEGORIES = 6.0, 1.41
+STUDY = 6.0
+"""Standard deviations that a study's variation is wide: 99.73 % of Gaussian scatter."""
+CATEGORIES = 1.41
+"""ndc = 1.41 PV / GRR (AIAG's rounding of the root of 2)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +52,14 @@ def by_ranges(cells: FloatArray, tolerance: float | None) -> ByRanges:
     return ByRanges(
         EV, AV, GRR, PV, TV,
         of_study=GRR / TV if TV > 0 else 0.0,
-        of_tolerance=None if tolerance is None else _STUDY * GRR / tolerance,
-        ndc=max(int(_CATEGORIES * PV / GRR), 1) if GRR > 0 else None,
+        of_tolerance=None if tolerance is None else STUDY * GRR / tolerance,
+        ndc=whole_categories(CATEGORIES * PV / GRR) if GRR > 0 else None,
     )  # fmt: skip
+
+
+def whole_categories(ndc: float) -> int:
+    """Return ndc as AIAG states it: cut to a whole number, and at least 1."""
+    return max(int(ndc), 1)
 
 
 @cache

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Literal
 
@@ -16,6 +15,7 @@ from scara_iso.measurement_system import (
     Linearity,
     Stability,
     TypeOne,
+    whole_categories,
 )
 from scara_iso.reporting.blocks import (
     Block,
@@ -159,9 +159,10 @@ def _criterion(one: Criterion, *, several: bool) -> tuple[Cell, ...]:
     if one.name in _SHARES:
         value: Cell = Number(one.value, ".1%")
         ends: Cell = Interval(*(Number(x, ".1%") for x in one.interval)) if one.interval else ""
-    elif one.name == "ndc":  # a number of whole categories: 4.9 are 4
-        value = Number(math.floor(one.value))
-        ends = Interval(*(Number(math.floor(x)) for x in one.interval)) if one.interval else ""
+    elif one.name == "ndc":
+        value = Number(whole_categories(one.value))
+        whole = [Number(whole_categories(end)) for end in one.interval or ()]
+        ends = Interval(*whole) if whole else ""
     else:
         value, ends = figure_cells(one.value, one.interval, limit=one.limit)
     return name, value, ends, limit, one.of, one.verdict.value
