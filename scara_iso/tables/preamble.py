@@ -128,7 +128,8 @@ def _begins_another(cell: str) -> bool:
 def _beside_each_other(cells: Sequence[str], text: str) -> list[tuple[str, str]]:
     """Return the statements of cells; what follows a key up to the next is its value.
 
-    Words in front of the first are a title; numbers there make it no row of statements.
+    A key has a colon, or is a resolution's. Words in front of the first are a title; numbers there
+    make it no row of statements.
     """
     found: list[tuple[str, list[str]]] = []
     for cell in cells:
@@ -144,9 +145,9 @@ def _beside_each_other(cells: Sequence[str], text: str) -> list[tuple[str, str]]
         elif parse_cell(cell):
             return []
     stated = [(key, _as_one(values, text)) for key, values in found]
-    if any(key in cells and _RESOLUTION.fullmatch(key.lower()) and not parse_cell(value)
-           for key, value in stated):  # fmt: skip
-        return []  # no number, or several: of which column?
+    resolutions = [value for key, value in stated if key in cells]
+    if not all(map(parse_cell, resolutions)):  # no number, or several: of which column?
+        return []
     return [_normal(key, value) for key, value in stated]
 
 
