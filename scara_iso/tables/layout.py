@@ -94,13 +94,15 @@ def header_cells(cells: Sequence[str]) -> list[str]:
 
 _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
 _TRIAL = re.compile(r"(x|y|z|theta)[ _]?[0-9]{1,2}")
+_OF_A_POSE = re.compile(r"(?:pose|point|punkt|p)[ _.-]?\w+[ _:.-]+(x|y|z|theta)(?: ?[\[(/].*)?")
 
 
 def runs_across(rows: Sequence[Row]) -> Row | None:
-    """Return the first row that names runs side by side: ``Run 1 Run 2``, or ``X1 X2``."""
+    """Return the first row of runs side by side: ``Run 1 Run 2``, ``X1 X2``, ``P0 X P1 X``."""
     for row in rows:
         short = [clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME]
-        axes = [trial[1] for text in short if (trial := _TRIAL.fullmatch(text))]
+        found = [_TRIAL.fullmatch(text) or _OF_A_POSE.fullmatch(text) for text in short]
+        axes = [trial[1] for trial in found if trial]
         if len(axes) > len(set(axes)):
             return row
         named = [text for text in short if _RUN.fullmatch(text)]

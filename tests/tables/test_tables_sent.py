@@ -346,6 +346,14 @@ def test_an_axis_of_a_pose_beside_one_of_no_pose_is_refused(heads):
         read_table(f"# unit: um\n{WIDE.format(heads)}".encode(), decimal=",")
 
 
+@pytest.mark.parametrize("heads", ["P0 X [mm];P1 X [mm]", "Pose A X [mm];Pose B X [mm]"])
+def test_poses_without_a_number_from_1_are_not_taken_for_axes_of_one(heads):
+    rows = "".join(f"{k};0.50{k % 4};0.60{k % 4}\n" for k in range(1, 32))
+    with pytest.raises(DataError) as caught:
+        read_table(f"Nr;{heads}\n{rows}".encode())
+    assert "head them P1_X" in caught.value.remedy
+
+
 def test_a_row_of_titles_above_the_header_heads_no_columns():
     rows = [[(k + 1) // 2, f"P{2 - k % 2}", 0.5 + k % 4 / 1000] for k in range(1, 63)]
     book, data = openpyxl.Workbook(), io.BytesIO()
