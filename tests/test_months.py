@@ -482,6 +482,19 @@ def test_a_robot_is_one_in_capitals_or_not_and_what_is_said_of_several_works(tmp
     assert "SCARA 6: 2 tests" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("asked", "months"),
+    [("R1", [1, 2, 3]), ("4711", [1, 2, 3]), ("1", [4]), ("2", [5]), ("r1 ", [1, 2, 3])],
+)
+def test_a_robot_is_found_by_the_one_of_its_two_names_that_a_test_states(tmp_path, asked, months):
+    stated = [("R1", "4711"), ("R1", ""), ("", "4711"), ("R8", "1"), ("R8", "2"), ("R8", "")]
+    for month, (robot, serial) in enumerate(stated, 1):
+        more = f"# serial_number: {serial}\n" if serial else ""
+        table(tmp_path, f"2025-0{month}-05", robot=robot, more=more, seed=month)
+    found = scara_iso.history(tmp_path, robot=asked)
+    assert [one.when.month for one in found.tests] == months
+
+
 def test_events_beside_the_poses_of_a_test_are_no_pose(tmp_path):
     (tmp_path / "05").mkdir()
     for k in (1, 2):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,8 @@ def history(
     of folders: those of a folder in it are one test where one names a pose. Each states
     its date (``# date: 2026-05-12``, or a column `timestamp`), or else its file's name does.
     ``events`` is a table with the columns date and what, else each ``events.csv`` beside the tests
-    of a folder is one. ``robot`` takes only the tests of that name or serial number.
+    of a folder is one. ``robot`` takes only the tests of that name or serial number, and of the
+    one that stands with it alone.
     ``limits`` and the other options are those of `analyze`, for each table. A table that cannot be
     used is listed in ``unreadable``. Raises `DataError` where none can be used, one states no date,
     or the tests are of several robots or in no order; `NoInputError` for what is not there;
@@ -70,7 +72,8 @@ def history(
         "limits": limits,
     }
     analyses, failed = _analyses(found, reading, options)
-    analyses = [one for one in analyses if robot is None or _is_of(one, robot)]
+    if robot is not None:
+        analyses = _of_robot(analyses, robot)
     if not analyses:
         _refuse_nothing(failed, robot)
     followed = follow(_dated(analyses), _services(events, folders, analyses), limits)
@@ -166,10 +169,31 @@ def _analyses(
     return found, failed
 
 
-def _is_of(analysis: Analysis, robot: str) -> bool:
-    keys = ("robot", "item", "serial_number", "robot_serial_number")
-    stated = {analysis.run.metadata.get(key, "").strip().casefold() for key in keys}
-    return robot.strip().casefold() in stated
+def _of_robot(analyses: Sequence[Analysis], robot: str) -> list[Analysis]:
+    """Return the tests that state a robot by name or serial number, or only the other of the two.
+
+    The other one is its own where it stands with no other robot.
+    """
+    asked = robot.strip().casefold()
+    names = [_stated(one, ("robot", "item")) for one in analyses]
+    serials = [_stated(one, ("serial_number", "robot_serial_number")) for one in analyses]
+    beside: dict[str, set[str]] = {}
+    for pair in zip(names, serials, strict=True):
+        for name, serial in product(*pair):
+            beside.setdefault(name, set()).add(serial)
+            beside.setdefault(serial, set()).add(name)
+    own = {asked, *(other for other in beside.get(asked, ()) if beside[other] == {asked})}
+    stated = [name | serial for name, serial in zip(names, serials, strict=True)]
+    return [
+        one for one, words in zip(analyses, stated, strict=True)
+        if asked in words or (words and words <= own)
+    ]  # fmt: skip
+
+
+def _stated(analysis: Analysis, keys: Sequence[str]) -> set[str]:
+    """Return what a table states by some keys, as it is compared."""
+    metadata = analysis.run.metadata
+    return {metadata.get(key, "").strip().casefold() for key in keys} - {""}
 
 
 def _refuse_nothing(failed: Sequence[tuple[str, str]], robot: str | None) -> None:
