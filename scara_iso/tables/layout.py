@@ -94,7 +94,10 @@ def header_cells(cells: Sequence[str]) -> list[str]:
 
 _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
 _TRIAL = re.compile(r"(x|y|z|theta)[ _]?[0-9]{1,2}")
-_OF_A_POSE = re.compile(r"(?:pose|point|punkt|p)[ _.-]?\w+[ _:.-]+(x|y|z|theta)(?: ?[\[(/].*)?")
+_OF_A_POSE = re.compile(
+    r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}|p[ _.-]?[0-9]{1,3})[ _:.-]+(x|y|z|theta)"
+    r"(?: ?[\[(/].*)?"
+)
 
 
 def runs_across(rows: Sequence[Row]) -> Row | None:
