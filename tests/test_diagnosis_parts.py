@@ -411,6 +411,20 @@ def test_neighbouring_divisions_never_prove_two_levels(rng):
     assert decided.two_levels == 1.0
 
 
+def test_two_levels_are_tested_to_the_end_only_where_they_may_decide():
+    """A p-value is the same however small it must be, and 1 where it is not."""
+
+    def two_levels(below):
+        rng = np.random.default_rng(1)
+        readings = rng.normal(size=(30, 2)) + 3.4 * (rng.random((30, 2)) < 0.5)
+        return marginal_tests(readings, np.zeros(2), rng, levels_below=below).two_levels
+
+    whole = two_levels(1.0)
+    assert 0.002 < whole < 0.1
+    assert two_levels(whole * 1.01) == whole
+    assert two_levels(whole * 0.99) == 1.0
+
+
 def test_a_dial_of_which_nothing_is_stated_is_known_by_its_steps(rng):
     coarse = 0.37 + 0.01 * rng.integers(0, 4, 30)
     assert common_step(coarse) == pytest.approx(0.01)
