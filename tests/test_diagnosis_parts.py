@@ -14,7 +14,7 @@ from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.hypothesis_set import build, constant, extended
 from scara_iso.diagnosis.marginal import level_statistic, marginal_tests, outlier_statistic
-from scara_iso.diagnosis.permutation import log_statistic, order_test
+from scara_iso.diagnosis.permutation import ROUGH, _compared, log_statistic, order_test
 from scara_iso.diagnosis.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.problem import SearchProblem
@@ -168,6 +168,44 @@ def test_shuffling_ends_early_only_where_the_test_stays_quiet():
     assert 0 < sum(stopped)
 
 
+def statistics_of_orders(n, axes, size, rng):
+    """Return a set, views with a step of so many scatters, and orders near and far from theirs."""
+    values = rng.normal(size=(n, axes)) + size * (np.arange(n) >= n // 2)[:, np.newaxis]
+    rows, none = np.arange(n), constant(n)
+    hypotheses = build([m for m in hypotheses_of(find_effects(), Conditions(rows + 1))
+                        if m.ordered], rows, none)  # fmt: skip
+    near = [np.roll(rows, k) for k in range(12)]
+    orders = np.array(near + [rng.permutation(n) for _ in range(12)])
+    return hypotheses, views_of(values, none), orders
+
+
+@pytest.mark.parametrize(("n", "axes", "size"), [(8, 2, 30), (30, 1, 1000), (30, 4, 4), (60, 2, 1)])
+def test_single_precision_tells_statistics_apart_that_differ_by_less_than_it_is_trusted(
+    n, axes, size, rng
+):
+    hypotheses, views, orders = statistics_of_orders(n, axes, size, rng)
+    exact = log_statistic(hypotheses, views, orders)
+    single = (hypotheses.in_single_precision(), views.in_single_precision())
+    with np.errstate(all="ignore"):
+        rough = log_statistic(*single, orders)
+    told = np.isfinite(rough)
+    assert told.any()
+    assert np.abs(rough - exact)[told].max() < ROUGH / 50
+    assert not told[exact > 90].any()
+
+
+def test_an_order_that_comes_as_far_as_the_run_is_compared_in_full(rng):
+    hypotheses, views, orders = statistics_of_orders(30, 1, 6, rng)
+    exact = (hypotheses, views)
+    single = (hypotheses.in_single_precision(), views.in_single_precision())
+    of_orders = log_statistic(*exact, orders)
+    for observed in of_orders:
+        found = _compared(exact, single, orders, np.zeros(len(orders)), observed)
+        near = np.abs(of_orders - observed) < ROUGH / 2
+        np.testing.assert_allclose(found[near], of_orders[near], rtol=1e-12)
+        np.testing.assert_array_equal(found >= observed - 1e-9, of_orders >= observed - 1e-9)
+
+
 def test_hidden_states_are_not_sought_where_nothing_moves(rng):
     two = rng.normal(size=(N, 2))
     two = np.column_stack([two, np.zeros(N)])
@@ -264,13 +302,14 @@ def test_courses_with_one_change_or_none_are_summed_as_by_hand(rng):
 
 def test_persistence_is_the_likelihood_ratio_against_sides_drawn_anew(rng):
     chain = Chain(0.2, 0.3)
-    sides = Emissions(*rng.uniform(0.1, 1.0, size=(2, 8)), [chain])
+    sides = Emissions(*rng.uniform(0.1, 1.0, size=(2, 8, 2)), [chain])
     courses, prior = courses_of(chain, 8)
     orders = np.array([np.arange(8), rng.permutation(8)])
     for order, found in zip(orders, sides.persistence(orders), strict=True):
         likelihood = np.stack([sides.lower, sides.upper])[:, order]
         sticky = prior @ likelihood[courses, np.arange(8)].prod(axis=1)
-        assert found == pytest.approx(sticky / (0.6 * sides.lower + 0.4 * sides.upper).prod())
+        anew = (0.6 * sides.lower + 0.4 * sides.upper).prod(axis=0)
+        assert found == pytest.approx((sticky / anew).mean())
 
 
 def test_sides_that_stay_add_to_the_test_by_order(rng):
@@ -278,10 +317,10 @@ def test_sides_that_stay_add_to_the_test_by_order(rng):
     y = rng.normal(size=N) + 5.0 * (np.arange(N) // 4 % 2)
     values = (y - y.mean())[:, np.newaxis]
     views = views_of(values, constant(N))
-    sides = emissions_of(y, 0.0, [Chain(0.16, 0.16)])
-    assert ((sides.upper == 1) == (np.arange(N) // 4 % 2)).all()
+    sides = emissions_of(values, np.zeros(1), [Chain(0.16, 0.16)])
+    assert ((sides.upper[:, 0] == 1) == (np.arange(N) // 4 % 2)).all()
     without = order_test(set_of(ORDERED), views, np.random.default_rng(1))
-    both = order_test(set_of(ORDERED), views, np.random.default_rng(1), emissions=[sides])
+    both = order_test(set_of(ORDERED), views, np.random.default_rng(1), emissions=sides)
     sticky = sides.persistence(np.arange(N)[np.newaxis]).item()
     assert sticky > 10
     assert both.statistic == pytest.approx(np.log(np.exp(without.statistic) + 0.08 * sticky))
@@ -370,6 +409,20 @@ def test_neighbouring_divisions_never_prove_two_levels(rng):
     assert coarse.two_levels == 1.0
     decided = marginal_tests(readings, np.array([0.1]), rng, levels_below=0.0005)
     assert decided.two_levels == 1.0
+
+
+def test_two_levels_are_tested_to_the_end_only_where_they_may_decide():
+    """A p-value is the same however small it must be, and 1 where it is not."""
+
+    def two_levels(below):
+        rng = np.random.default_rng(1)
+        readings = rng.normal(size=(30, 2)) + 3.4 * (rng.random((30, 2)) < 0.5)
+        return marginal_tests(readings, np.zeros(2), rng, levels_below=below).two_levels
+
+    whole = two_levels(1.0)
+    assert 0.002 < whole < 0.1
+    assert two_levels(whole * 1.01) == whole
+    assert two_levels(whole * 0.99) == 1.0
 
 
 def test_a_dial_of_which_nothing_is_stated_is_known_by_its_steps(rng):

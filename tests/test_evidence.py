@@ -7,6 +7,7 @@ from scipy import stats
 from scara_iso.diagnosis.evidence import (
     LARGEST_LOG,
     Views,
+    bayes_factors,
     joint_evidence,
     log_bayes,
     log_bayes_of_course,
@@ -104,6 +105,26 @@ def projected(*columns, gain=15.0):
     """Return the g-prior's covariance of courses beside a constant pose."""
     centred = np.column_stack(columns) - np.mean(columns, axis=1)
     return gain * centred @ np.linalg.pinv(centred)
+
+
+@pytest.mark.parametrize(("n", "size"), [(9, 0), (10, 1), (31, 3), (64, 0.5), (500, 0)])
+def test_bayes_factors_by_products_are_those_by_logarithms(n, size, rng):
+    rows = np.arange(n)
+    step, wide = (rows >= n // 2)[:, None] * 1.0, np.where(rows >= 4, 2.0, 1.0)
+    lag = np.abs(np.subtract.outer(rows, rows))
+    forms = [Shape(step), Process(np.exp(-lag / 3), variance=4.0), Spread(wide)]
+    hypotheses = build([Hypothesis("a", form, 1.0) for form in forms], rows, constant(n))
+    columns = rng.normal(size=(n, 3)) + size * step
+    columns -= columns.mean(axis=0)
+    found = bayes_factors(hypotheses, columns)
+    np.testing.assert_allclose(np.log(found), log_bayes(hypotheses, columns), rtol=1e-9)
+
+
+def test_bayes_factors_that_are_too_large_are_infinite():
+    long = np.arange(500)
+    course = (long >= 250)[:, None] * 1.0
+    hypotheses = build([Hypothesis("a", Shape(course), 1.0, gain=1e9)], long, constant(500))
+    assert bayes_factors(hypotheses, course - course.mean()) == np.inf
 
 
 def test_a_bayes_factor_is_that_of_its_covariance(two):

@@ -8,9 +8,12 @@ s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
 from scara_iso.diagnosis.tuning import AMPLITUDES, GAIN, KNOWN_FROM
@@ -54,6 +57,10 @@ class Views:
     named: tuple[str, ...] = ()
     known: FloatArray | None = None
     poses: ManyPoses | None = None
+
+    def in_single_precision(self) -> Views:
+        """Return the views in numbers of half the length."""
+        return replace(self, columns=self.columns.astype(np.float32))
 
 
 def views_of(
@@ -134,27 +141,58 @@ def log_bayes_amplified(
     return _log_bayes(amplified, columns, known)
 
 
+def bayes_factors(hypotheses: HypothesisSet, columns: FloatArray) -> FloatArray:
+    """Return the Bayes factors of `log_bayes` themselves, (members, m); too large ones are inf.
+
+    A power is some products, in less time than a logarithm.
+    """
+    (left,), (penalty,), nu = _left([hypotheses], columns, None)
+    base = 1 / np.maximum(left, _SMALLEST_SHARE, out=left)
+    base *= np.exp(-penalty / nu)
+    found = np.sqrt(base) if nu % 2 else np.ones_like(base)
+    with np.errstate(over="ignore"):
+        for power in range(1, int(nu).bit_length()):
+            if nu >> power & 1:
+                found *= base
+            base *= base
+    return np.asarray(found)
+
+
 def _log_bayes(
     amplified: Sequence[HypothesisSet], columns: FloatArray, known: FloatArray | None
 ) -> FloatArray:
     """Return `log_bayes` of sets that differ in their variances only, (sets, members, m)."""
-    first = amplified[0]
-    beside = np.zeros(columns.shape[1]) if known is None else known
-    nu = len(columns) - first.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
+    found, penalty, nu = _left(amplified, columns, known)
+    np.log(np.maximum(found, _SMALLEST_SHARE, out=found), out=found)
+    found *= -nu / 2
+    found -= penalty / 2
+    return found
+
+
+def _left(
+    amplified: Sequence[HypothesisSet], columns: FloatArray, known: FloatArray | None
+) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]:
+    """Return the share of the squares that members leave (sets, members, m).
+
+    With their log determinants (sets, members, 1), and the degrees of freedom.
+    """
+    first, kind = amplified[0], columns.dtype
+    beside = np.zeros(columns.shape[1], kind) if known is None else known
+    nu = np.asarray(len(columns) - first.basis.shape[1])
+    if known is not None:
+        nu = nu + np.where(known > 0, KNOWN_FROM - 1, 0)
     power = np.maximum((columns**2).sum(axis=0), _TINY) + beside
     unit = columns / np.sqrt(power)
     squared = first.vectors.T @ unit
     squared *= squared
-    found = np.empty((len(amplified), len(first.members), columns.shape[1]))
+    found = np.empty((len(amplified), len(first.members), columns.shape[1]), kind)
     courses, spreads = np.split(found, [len(first.first)], axis=1)
     for hypotheses, own in zip(amplified, courses, strict=True):
         hypotheses.explained(squared, out=own)
     np.subtract(1, courses, out=courses)
     spreads[:], penalty = _left_by_spreads(first.scales, unit, beside / power)
-    np.log(np.maximum(found, _SMALLEST_SHARE, out=found), out=found)
-    found *= -nu / 2
-    found -= np.stack([np.append(one.penalty, penalty) for one in amplified])[..., np.newaxis] / 2
-    return found
+    penalties = np.stack([np.append(one.penalty, penalty) for one in amplified])
+    return found, penalties[..., np.newaxis], nu
 
 
 def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArray) -> FloatArray:
@@ -211,23 +249,22 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     return together
 
 
-def mean_evidence(weights: FloatArray, log_bf: FloatArray, views: Views) -> FloatArray:
+def mean_evidence(weights: FloatArray, bf: FloatArray, views: Views) -> FloatArray:
     """Return the mean (m,) of the `joint_evidence` of members with ``weights`` (members,).
 
-    ``log_bf`` is used up.
+    Of single Bayes factors (members, v, m), which are used up.
     """
-    bf, q = _bayes_factors(log_bf, views, out=log_bf), views.axes
+    members, v, m = bf.shape
+    q, bf = views.axes, np.minimum(bf, math.exp(LARGEST_LOG / views.axes), out=bf)
     if q == 1:
         return np.asarray(weights @ bf[:, 0])
-    members, v, m = bf.shape
     single = weights @ bf.reshape(members, -1)[:, q * m :]
     together = weights @ _taking_part(bf[:, :q], views)
     return np.asarray(together + _shares(views) @ single.reshape(v - q, m))
 
 
-def _bayes_factors(log_bf: FloatArray, views: Views, out: FloatArray | None = None) -> FloatArray:
-    bf = np.minimum(log_bf, LARGEST_LOG / views.axes, out=out)
-    return np.asarray(np.exp(bf, out=bf))
+def _bayes_factors(log_bf: FloatArray, views: Views) -> FloatArray:
+    return np.exp(np.minimum(log_bf, LARGEST_LOG / views.axes))
 
 
 def _shares(views: Views) -> FloatArray:

@@ -53,7 +53,7 @@ class HypothesisSet:
     def test_weights(self) -> FloatArray:
         """Weight of each member in the test, together 1."""
         tested = self.weights * [member.test_weight for member in self.members]
-        return np.asarray(tested / tested.sum())
+        return np.asarray(tested / tested.sum(), dtype=self.vectors.dtype)
 
     def explained(self, squared: FloatArray, out: FloatArray) -> None:
         """Put the shrunk sums over each member's columns, of (columns, m), into ``out``.
@@ -96,6 +96,11 @@ class HypothesisSet:
         s = self.shrink / (1 - self.shrink) * factor
         penalty = np.add.reduceat(np.log1p(s), _starts(self.widths))
         return replace(self, shrink=s / (1 + s), penalty=penalty)
+
+    def in_single_precision(self) -> HypothesisSet:
+        """Return the set in numbers of half the length, which are compared several times faster."""
+        names = ("basis", "vectors", "shrink", "penalty", "scales")
+        return replace(self, **{name: getattr(self, name).astype(np.float32) for name in names})
 
     def of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
         """Return the set of those of ``members`` that this one holds."""

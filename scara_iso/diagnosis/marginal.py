@@ -64,8 +64,7 @@ def marginal_tests(
 ) -> MarginalTests:
     """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known.
 
-    Two levels are of interest with a p-value ``levels_below`` that only; where the simulations can
-    give none it is 1.
+    Two levels are of interest with a p-value ``levels_below`` that only; any other is 1.
     """
     axes, seed = values.shape[1], int(rng.integers(2**63))
     levels, outliers, gaussian = np.ones(axes), np.ones(axes), np.ones(axes)
@@ -75,7 +74,7 @@ def marginal_tests(
             continue
         y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
         if floor < levels_below:
-            levels[a] = _levels(y, on_dial, seed)
+            levels[a] = _levels(y, on_dial, seed, levels_below / axes)
         outliers[a], gaussian[a] = _outlier(y, on_dial, seed)
     worst = int(np.argmin(gaussian))
     return MarginalTests(
@@ -89,14 +88,14 @@ def marginal_tests(
     )
 
 
-def _levels(y: FloatArray, on_dial: bool, seed: int) -> float:
-    """Return the p-value of two levels; neighbouring divisions prove none."""
+def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> float:
+    """Return the p-value of two levels, 1 if not ``below``; neighbouring divisions prove none."""
     if on_dial and np.ptp(y) < NEIGHBOURS:
         return 1.0
     scatter = _scatter(y) if on_dial else 0.0
     cases = [(level_statistic, name) for name in _TAILS]
     cases += [(_beside_uniform, _UNIFORM), (_beside_arcsine, _ARCSINE)]
-    return _p_value(cases, y, partial(_read, y=y, scatter=scatter, seed=seed))
+    return _p_value(cases, y, partial(_read, y=y, scatter=scatter, seed=seed), below)
 
 
 def _outlier(y: FloatArray, on_dial: bool, seed: int) -> tuple[float, float]:
@@ -245,25 +244,33 @@ def _read(family: int, count: int, *, y: FloatArray, scatter: float, seed: int) 
 
 
 def _p_value(
-    cases: Sequence[tuple[Statistic, int]], y: FloatArray, read: Callable[[int, int], FloatArray]
+    cases: Sequence[tuple[Statistic, int]],
+    y: FloatArray,
+    read: Callable[[int, int], FloatArray],
+    below: float = 1.0,
 ) -> float:
     """Return the largest share of simulations at least as extreme, of all families.
 
     1 as soon as one family's share is above CLEAR, after a first look at some simulations: up to
-    that level it changes no verdict's chance. A share of few simulations, uncertain by chance, is
-    found anew from many.
+    that level it changes no verdict's chance; and as soon as it is above ``below``, from which it
+    is of no interest. A share of few simulations, uncertain by chance, is found anew from many.
     """
-    shares = [1.0]
-    for count in (FIRST_SIMULATIONS, SIMULATIONS):
+    least = 1 / (1 + SIMULATIONS)
+    few, shares = FEW_REACHED * least, [1.0]
+    for count, most in (
+        (FIRST_SIMULATIONS, CLEAR),
+        (SIMULATIONS, min(CLEAR, max(below, few))),
+    ):
         shares = []
         for statistic, family in cases:
             shares.append(_share(statistic, family, y, read, count))
-            if shares[-1] > CLEAR:
+            if shares[-1] > most:
                 return 1.0
-    least = 1 / (1 + SIMULATIONS)
     for i, case in enumerate(cases):
-        if least < shares[i] <= FEW_REACHED * least:
+        if least < shares[i] <= few:
             shares[i] = max(least, _share(*case, y, read, MANY_SIMULATIONS))
+        if shares[i] > below:
+            return 1.0
     return max(shares)
 
 

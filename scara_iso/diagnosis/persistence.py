@@ -19,7 +19,7 @@ from scara_iso.run import FloatArray, IntArray
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Emissions:
-    """Likelihood (n,) of each reading in the lower and the upper state, the larger of them 1.
+    """Likelihood (n, axes) of each reading in the lower and the upper state, the larger of them 1.
 
     Levels and scatter are those of the best split of the sorted readings, which no order changes.
     """
@@ -31,29 +31,37 @@ class Emissions:
     def persistence(self, orders: IntArray) -> FloatArray:
         """Return how much likelier states under the chains make each order (m, n), shape (m,).
 
-        Against states drawn anew in each cycle: the mean likelihood ratio over the chains.
+        Against states drawn anew in each cycle: the mean likelihood ratio over chains and axes.
         """
         weight = np.array([chain.weight for chain in self.chains])
         p = np.array([chain.leave_lower for chain in self.chains])
         q = np.array([chain.leave_upper for chain in self.chains])
-        log_order = log_likelihood(self.lower[orders.T], self.upper[orders.T], p, q)
-        start = (q / (p + q))[:, np.newaxis]
-        none = np.log(start * self.lower + (1 - start) * self.upper).sum(axis=1, keepdims=True)
-        return np.asarray(weight / weight.sum() @ np.exp(log_order - none))
+        lower, upper = (e[orders.T].reshape(len(e), -1) for e in (self.lower, self.upper))
+        log_order = log_likelihood(lower, upper, p, q).reshape(len(p), len(orders), -1)
+        start = (q / (p + q))[:, np.newaxis, np.newaxis]
+        none = np.log(start * self.lower + (1 - start) * self.upper).sum(axis=1)[:, np.newaxis]
+        ratio = np.exp(log_order - none).mean(axis=2)
+        return np.asarray(weight / weight.sum() @ ratio)
 
 
-def emissions_of(y: FloatArray, division: float, chains: Sequence[Chain]) -> Emissions:
-    """Return how likely each of the readings y (n,) is in either state.
+def emissions_of(values: FloatArray, division: FloatArray, chains: Sequence[Chain]) -> Emissions:
+    """Return how likely each of the readings (n, axes) is in either state of its axis.
 
-    The scatter is at least 0.6 divisions: that of a finer one would be the dial's alone.
+    The scatter is at least 0.6 of the ``division`` (axes,): that of a finer one would be the
+    dial's alone.
     """
-    ranked = np.sort(y - y.mean())
-    n, below = len(y), np.arange(FEWEST_ON_A_LEVEL, len(y) - FEWEST_ON_A_LEVEL + 1)
-    between = np.cumsum(ranked)[below - 1] ** 2 * n / (below * (n - below))
-    k = below[np.argmax(between)]
-    within = max(float((ranked**2).sum() - between.max()), 1e-12 * float(ranked @ ranked))
-    scatter = max(np.sqrt(within / (n - 2)), LEAST_SCATTER * division)
-    levels = np.array([ranked[:k].mean(), ranked[k:].mean()])[:, np.newaxis]
-    density = -0.5 * ((y - y.mean() - levels) / scatter) ** 2
+    n, axes = values.shape
+    centred = values - values.mean(axis=0)
+    ranked = np.sort(centred, axis=0)
+    below = np.arange(FEWEST_ON_A_LEVEL, n - FEWEST_ON_A_LEVEL + 1)[:, np.newaxis]
+    sums = np.cumsum(ranked, axis=0)
+    between = sums[below[:, 0] - 1] ** 2 * n / (below * (n - below))
+    k = below[between.argmax(axis=0), 0]
+    squares = (ranked**2).sum(axis=0)
+    within = np.maximum(squares - between.max(axis=0), 1e-12 * squares)
+    scatter = np.maximum(np.sqrt(within / (n - 2)), LEAST_SCATTER * division)
+    lowest = sums[k - 1, np.arange(axes)]
+    levels = np.stack([lowest / k, -lowest / (n - k)])[:, np.newaxis]
+    density = -0.5 * ((centred - levels) / scatter) ** 2
     lower, upper = np.exp(density - density.max(axis=0))
     return Emissions(lower, upper, chains)

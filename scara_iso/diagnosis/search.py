@@ -169,11 +169,11 @@ def _tests(
 
 def in_order(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder
-) -> tuple[HypothesisSet, Views, list[Emissions], FloatArray]:
+) -> tuple[HypothesisSet, Views, Emissions | None, FloatArray]:
     """Return what the test of the order compares."""
     ordered = [member for member in left.members if member.ordered]
     calm = _drawn_in(left)
-    emissions = [] if terms else _emissions(replace(problem.residual, values=calm), ordered)
+    emissions = None if terms else _emissions(replace(problem.residual, values=calm), ordered)
     spreading = left.values[:, ~neighbours(problem.residual)]
     return left.hypotheses.of(ordered), problem.views_of(calm, left.basis), emissions, spreading
 
@@ -219,15 +219,14 @@ def chosen(
     return stage, left
 
 
-def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> list[Emissions]:
-    """Return the two states of each axis that can show them, if those of some effect persist."""
+def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> Emissions | None:
+    """Return the two states of the axes that can show them, if those of some effect persist."""
     chains = [member.form for member in members if isinstance(member.form, Chain)]
     persistent = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
-    return [
-        emissions_of(residual.values[:, a], residual.division[a], persistent)
-        for a in np.flatnonzero(~neighbours(residual))
-        if persistent and len(residual.values) >= 2 * FEWEST_ON_A_LEVEL
-    ]
+    shown = ~neighbours(residual)
+    if not persistent or not shown.any() or len(residual) < 2 * FEWEST_ON_A_LEVEL:
+        return None
+    return emissions_of(residual.values[:, shown], residual.division[shown], persistent)
 
 
 def _choice(

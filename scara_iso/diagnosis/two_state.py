@@ -185,9 +185,9 @@ def log_likelihood(
     """
     remembers = np.abs(p + q - 1) > _NO_MEMORY
     found = np.empty((len(p), lower.shape[1]))
-    above = (p / (p + q))[:, np.newaxis]
+    above, apart = p / (p + q), upper - lower
     for c in np.flatnonzero(~remembers):
-        found[c] = _log_of_product(lower + above[c] * (upper - lower))
+        found[c] = _log_of_product(lower + above[c] * apart)
     if remembers.any():
         p, q = p[remembers, np.newaxis], q[remembers, np.newaxis]
         found[remembers] = _forward(lower, upper, p, q)
