@@ -29,6 +29,7 @@ from diagnosis_data import (
     SIGMAS,
     TOGETHER,
     N,
+    course,
     dial,
     noise as distributed,
     readings,
@@ -44,8 +45,8 @@ from scara_iso.diagnosis.held_out import search_cross_validated
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.diagnosis.search import chosen, find, tested
-from scara_iso.diagnosis.tuning import FLAG_LEVEL, ORDER_SHARE
-from scara_iso.effects import Process, find_effects
+from scara_iso.diagnosis.tuning import FLAG_LEVEL, ORDER_SHARE, RIVAL_BIC
+from scara_iso.effects import Chain, Process, Shape, find_effects
 from scara_iso.run import AXES, Axis, Run
 
 SEED = 1
@@ -255,7 +256,10 @@ def calibration(stated):
 
 
 def stated(task):
-    """Return the probability of the first name, and whether it is right: any of ``names`` is."""
+    """Return the probability of the first name, and whether it is right: any of ``names`` is.
+
+    And whether it is right or as near to the truth as courses that BIC cannot tell apart.
+    """
     names, kinds, *sized, seed = task
     rng = np.random.default_rng(seed)
     if len(kinds) == 2:
@@ -264,7 +268,24 @@ def stated(task):
         run = run_of(readings(rng, *kinds, *sized)[:, np.newaxis], sized[-2])
     problem = problem_in(run)
     choice = problem and chosen(problem, (), rng)[0].choice
-    return choice and (choice.probability[choice.best], choice.best in names)
+    if not choice:
+        return None
+    right = near = choice.best in names
+    if not right and len(kinds) == 1:
+        truth = course(np.random.default_rng(seed), *kinds, sized[0])
+        near = departure(problem, choice.best, truth) <= RIVAL_BIC
+    return choice.probability[choice.best], right, near
+
+
+def departure(problem, effect, truth):
+    """Return the sum of squares that the effect's best form leaves of a course in scatters."""
+    forms = [member.form for member in problem.members if member.effect == effect]
+    courses = [form.columns for form in forms if isinstance(form, Shape)]
+    if any(isinstance(form, Chain) for form in forms):  # two levels, each cycle on either
+        courses += list(np.tri(len(truth), k=-1)[1:, np.argsort(np.argsort(truth)), np.newaxis])
+    left = [truth - x @ np.linalg.lstsq(x, truth, rcond=None)[0]
+            for x in (np.insert(columns, 0, 1, axis=1) for columns in courses)]  # fmt: skip
+    return min((float(one @ one) for one in left), default=np.inf)
 
 
 def calibrated(pool, runs):
@@ -272,7 +293,8 @@ def calibrated(pool, runs):
     print(
         "\n## Stated and right, sigma 0.7: the first name of one effect, of two, and of structure"
     )
-    print("## outside the catalogue, of which unknown is the right name")
+    print("## outside the catalogue, of which unknown is the right name; then, what leaves at most")
+    print(f"## {RIVAL_BIC:g} squares of scatter of the true course being right as well")
     groups = {
         "one": [((NAME[kind],), (kind,), size, 0.7, "normal") for kind, size in (*MIDDLE, *HIGH)],
         "two": [(tuple(NAME[kind] for kind in kinds), kinds, axes, 0.7)
@@ -283,7 +305,9 @@ def calibrated(pool, runs):
     for i, (group, cells) in enumerate(groups.items()):
         tasks = [(*cell, [SEED, 11 + i, run]) for cell in cells for run in range(runs)]
         found = np.array([one for one in tabled(pool, stated, tasks) if one])
-        print(f"{group}: right {100 * found[:, 1].mean():.1f} %; {calibration(found)}", flush=True)
+        for right in (1, 2) if group == "outside" else (1,):
+            print(f"{group}: right {100 * found[:, right].mean():.1f} %; "
+                  f"{calibration(found[:, [0, right]])}", flush=True)  # fmt: skip
 
 
 def rival_names(task):

@@ -108,7 +108,12 @@ def shape(rng, kind, n=N):  # noqa: C901, PLR0911, PLR0912 - one line for each s
 
 def readings(rng, kind, size, sigma, scatter="normal"):
     """Return one axis of readings in divisions; without rounding where ``sigma`` is None."""
-    return dial(rng, size * rng.choice([-1, 1]) * shape(rng, kind) + noise(rng, scatter), sigma)
+    return dial(rng, course(rng, kind, size) + noise(rng, scatter), sigma)
+
+
+def course(rng, kind, size):
+    """Return one structure of either sign, in scatters."""
+    return size * rng.choice([-1, 1]) * shape(rng, kind)
 
 
 def dial(rng, course, sigma):

@@ -16,7 +16,7 @@ from scara_iso.diagnosis.evidence import Views, joint_evidence, views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.hypothesis_set import build, constant
 from scara_iso.diagnosis.stated import as_often_right, beside_near_rivals
-from scara_iso.diagnosis.tuning import AMPLITUDES, SHARPNESS, UNSURE
+from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNDECIDED, UNKNOWN, UNSURE
 from scara_iso.diagnosis.two_state import two_levels
 from scara_iso.effects import Chain, Process, Shape
 
@@ -101,7 +101,7 @@ def test_the_choice_sums_each_effect_over_its_forms_and_amplitudes(wandering):
 @given(
     st.floats(0, 1),
     st.dictionaries(st.sampled_from("bcd"), st.floats(0.001, 1), min_size=1),
-    st.dictionaries(st.sampled_from("bcde"), st.floats(-20, 4), min_size=1),
+    st.dictionaries(st.sampled_from(["b", "c", "d", "e", UNKNOWN]), st.floats(-20, 4), min_size=1),
 )
 def test_no_name_stands_alone_while_another_effect_is_near(best, others, near):
     whole = sum(others.values()) / (0.2 + best / 5)
@@ -110,12 +110,30 @@ def test_no_name_stands_alone_while_another_effect_is_near(best, others, near):
     after = beside_near_rivals(before, near)
     assert sum(after.values()) == pytest.approx(1)
     assert after["a"] < 0.9
-    if before["a"] >= 0.9:
-        assert max(after, key=after.get) == "a"
+    ahead = near.get(UNKNOWN, 0.0) < 0
+    most = UNDECIDED if ahead else UNSURE
+    assert after["a"] <= most
+    assert max(after, key=after.get) == "a"
+    if before["a"] > most:
         nearest = min(near, key=near.get)
-        assert nearest in {rival.effect for rival in Choice(after, {}).rivals}
-    if before["a"] <= UNSURE:
+        rival, least = (UNKNOWN, 2 / 3) if ahead else (nearest, RIVAL)
+        assert nearest in {rival.effect for rival in Choice(after, {}).rivals} or ahead
+        assert after[rival] >= least * after["a"] * (1 - 1e-12)
+    else:
         assert after == before
+
+
+@pytest.mark.parametrize(
+    ("near", "said"), [({UNKNOWN: -0.1}, UNDECIDED), ({UNKNOWN: 0.1}, 0.85), ({"b": -5.0}, 0.85)]
+)
+def test_a_name_that_no_name_is_ahead_of_is_undecided(near, said):
+    choice = Choice({"a": 0.85, UNKNOWN: 0.15}, {}, near=lambda _: near)
+    assert choice.probability["a"] == pytest.approx(said)
+
+
+def test_a_name_that_is_undecided_already_asks_for_no_rival():
+    choice = Choice({"a": 0.5, "b": 0.3, "c": 0.2}, {}, near=pytest.fail)
+    assert choice.probability["a"] < UNDECIDED
 
 
 @pytest.mark.parametrize("size", [0.3, 1.0, 3.0, 30.0])

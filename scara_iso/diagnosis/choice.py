@@ -265,6 +265,7 @@ def _over_axes(
     gained = together / float(np.exp(log_bf[column]))
     form = Shape(course, {"switching": levels.switching})
     seen = course_beside(basis, course[rows], 1 + _numbers_of(course[rows, 0]))
+    seen = replace(seen, hidden=True)
     return Weighed(effect, form, evidence * gained, column, seen)
 
 

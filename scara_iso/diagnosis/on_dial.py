@@ -80,8 +80,9 @@ class Seen:
         return max(0.0, self.course.numbers - other.course.numbers)
 
     def passes_for_any(self, other: Seen) -> bool:
-        """Return whether it is a random course of no name, and ``other`` no random one."""
-        return self.effect == UNKNOWN and self.course.random and not other.course.random
+        """Return whether it is a random course of no name, and chance has not drawn ``other``."""
+        drawn = other.course.random or other.course.hidden
+        return self.effect == UNKNOWN and self.course.random and not drawn
 
     def of_gross_ones(self, other: Seen) -> bool:
         """Return whether it moves a few readings as one, and ``other`` fewer of the same."""
@@ -111,8 +112,8 @@ class OnDial:
 
         Under either family. A course that resembles the best and fits more numbers comes near
         whatever is true, and must be so much nearer. A random course of no name is a rival of
-        random ones only, one of several levels of all. Where the best moves fewer readings than
-        FEWEST_MOVED, what moves one of them is near: they may be gross, one by one.
+        what chance has drawn only, one of several levels of all. Where the best moves fewer
+        readings than FEWEST_MOVED, what moves one of them is near: they may be gross, one by one.
         """
         seen = self._freely_fitted()
         own = [one for one in seen if one.effect == best]

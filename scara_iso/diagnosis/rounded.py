@@ -47,7 +47,7 @@ class DialCourse:
 
     ``parameters`` is how many numbers choose it among the forms of its effect (those of hidden
     states as many as their chance is worth), ``coefficients`` how many each axis estimates: those
-    of a shape, none of a random course.
+    of a shape, none of a random course. ``hidden`` states are a shape that chance has drawn.
     """
 
     columns: FloatArray
@@ -55,6 +55,7 @@ class DialCourse:
     scale: FloatArray
     parameters: float = 0
     coefficients: int = 0
+    hidden: bool = False
 
     @property
     def numbers(self) -> float:

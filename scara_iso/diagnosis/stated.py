@@ -6,7 +6,14 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from scara_iso.diagnosis.tuning import RIGHT_OF_STATED, RIVAL, UNSURE
+from scara_iso.diagnosis.tuning import (
+    RIGHT_OF_STATED,
+    RIVAL,
+    UNDECIDED,
+    UNKNOWN,
+    UNNAMED_AHEAD,
+    UNSURE,
+)
 
 _SAID = 1.001 * RIVAL
 """Share that no rounding of numbers takes below RIVAL."""
@@ -18,10 +25,11 @@ Near = Callable[[str], Mapping[str, float]]
 
 def as_stated(posterior: Mapping[str, float], near: Near) -> dict[str, float]:
     """Return what is stated of a posterior: the likeliest effect stays that."""
-    best = max(posterior, key=posterior.__getitem__)
-    if posterior[best] > UNSURE:
-        posterior = beside_near_rivals(posterior, near(best))
-    return as_often_right(posterior)
+    probability = as_often_right(posterior)
+    best = max(probability, key=probability.__getitem__)
+    if probability[best] <= UNDECIDED:
+        return probability
+    return beside_near_rivals(probability, near(best))
 
 
 def beside_near_rivals(
@@ -29,21 +37,26 @@ def beside_near_rivals(
 ) -> dict[str, float]:
     """Return probabilities of which none is above UNSURE while another effect is near in BIC.
 
-    The nearest becomes a rival, at least RIVAL times as likely as the best; those farther, by the
-    differences ``near``, exp(-difference / 2) times that.
+    Nor above UNDECIDED while a course of no name is ahead. The nearest becomes a rival, at least
+    RIVAL times as likely as the best; those farther, by the differences ``near``,
+    exp(-difference / 2) times that; what is ahead and has no name, UNNAMED_AHEAD times.
     """
     best = max(probability, key=probability.__getitem__)
-    if probability[best] <= UNSURE or not near:
+    ahead = near.get(UNKNOWN, 0.0) < 0
+    most = UNDECIDED if ahead else UNSURE
+    if probability[best] <= most or not near:
         return dict(probability)
     nearest = min(near.values())
     least = {name: _SAID * float(np.exp((nearest - d) / 2)) for name, d in near.items()}
+    if ahead:
+        least[UNKNOWN] = UNNAMED_AHEAD
     others = {
         name: max(probability.get(name, 0.0), least.get(name, 0.0) * probability[best])
         for name in {**probability, **least}
         if name != best
     }
     whole = sum(others.values())
-    sure = min(UNSURE, probability[best] / (probability[best] + whole))
+    sure = min(most, probability[best] / (probability[best] + whole))
     return {best: sure, **{name: p * (1 - sure) / whole for name, p in others.items()}}
 
 
