@@ -102,6 +102,13 @@ def test_declare_adds_the_effect_and_keeps_every_comment(tmp_path):
         declare(EXAMPLE, (found,), tmp_path / "nowhere" / "new.toml")
 
 
+def test_declared_numbers_have_the_digits_in_which_all_processors_agree(tmp_path):
+    sizes = {"X": 4.334011938783707e-05, "Y": 4.3340119387837075e-05}
+    declare(EXAMPLE, (DeclaredEffect("step", {"at_cycle": 16, "size": sizes}),), tmp_path / "new")
+    (step,) = read_model(tmp_path / "new").effects
+    assert step.parameters == {"at_cycle": 16, "size": dict.fromkeys(sizes, 4.33401193878e-05)}
+
+
 def test_every_fault_is_named_by_its_key(tmp_path):
     path = model_from(
         tmp_path,

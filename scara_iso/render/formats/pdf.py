@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from scara_iso.errors import UsageError, with_extra
@@ -11,8 +15,8 @@ from scara_iso.reporting import Document
 
 _REMEDY = (
     f"{with_extra('pdf')}, and the system's Pango library (Debian: apt-get install "
-    "libpango-1.0-0 libpangoft2-1.0-0; Windows: MSYS2, docs/report.md); or print the .html from a "
-    "browser"
+    "libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0; Windows: MSYS2, docs/report.md); or "
+    "print the .html from a browser"
 )
 _FACES = (("DejaVuSans.ttf", 400), ("DejaVuSans-Bold.ttf", 700))
 """Fonts that come with matplotlib: the same page wherever it is made."""
@@ -30,6 +34,11 @@ _OWN = (
 
 def render(document: Document) -> bytes:
     """Return a report as the bytes of a PDF; `UsageError` without the library for it."""
+    with _without_harfbuzz_subset():
+        return _printed(document)
+
+
+def _printed(document: Document) -> bytes:
     try:
         from weasyprint import CSS, HTML  # noqa: PLC0415 - an extra
         from weasyprint.text.fonts import FontConfiguration  # noqa: PLC0415 - likewise
@@ -45,6 +54,24 @@ def render(document: Document) -> bytes:
     page = HTML(string=html.render(document).decode(), url_fetcher=_refused)
     sheet = CSS(string=style, font_config=fonts)
     return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts))
+
+
+@contextmanager
+def _without_harfbuzz_subset() -> Iterator[None]:
+    """Let fontTools make the part of a font that is used, where HarfBuzz-Subset is not there.
+
+    WeasyPrint warns of that, which a reader of the report need not know. fontTools writes the time
+    into the font, for which SOURCE_DATE_EPOCH stands: the same report gives the same bytes.
+    """
+    before = os.environ.get("SOURCE_DATE_EPOCH")
+    os.environ["SOURCE_DATE_EPOCH"] = before or "0"
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)
+            yield
+    finally:
+        if before is None:
+            del os.environ["SOURCE_DATE_EPOCH"]
 
 
 def _refused(url: str) -> dict[str, Any]:

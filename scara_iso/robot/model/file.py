@@ -95,7 +95,7 @@ def declare(
         if effect.joint is not None:
             table["joint"] = effect.joint
         for name, value in effect.parameters.items():
-            table[name] = _inline(value) if isinstance(value, Mapping) else value
+            table[name] = _inline(value) if isinstance(value, Mapping) else _written(value)
         tables.append(table)
     _define(document, [one for one in own if one.name in {e.name for e in effects}])
     for axis, value in (scatter or {}).items():
@@ -119,8 +119,13 @@ def _inline(values: Mapping[str, float]) -> InlineTable:
     import tomlkit  # noqa: PLC0415 - only where a model is written
 
     table = tomlkit.inline_table()
-    table.update(values)
+    table.update({name: _written(value) for name, value in values.items()})
     return table
+
+
+def _written(value: float | str) -> float | str:
+    """Return a number with the digits in which all processors agree."""
+    return float(f"{value:.12g}") if isinstance(value, float) else value
 
 
 def _text(path: Path) -> str:
