@@ -164,6 +164,33 @@ def memory_bic(y: np.ndarray) -> float:
     return float(-2 * best + 3 * np.log(len(y)))
 
 
+def taken_back_bic(y: np.ndarray) -> float:
+    """Return the least BIC of readings of which each deviation is taken back in the next one.
+
+    A share g of it moves the correction from a to a' = a - g (reading - mean); corrections lie on a
+    grid. Scatter, share and mean are the numbers.
+    """
+    spread, best = max(float(y.std()), 0.3), -np.inf
+    for g in (0.4, 0.7, 1.0, 1.4, 1.7):
+        for s in np.maximum(spread * (1 - g / 2) ** 0.5 * np.array([0.7, 0.85, 1.0, 1.2]), 0.2):
+            own = s * (g / (2 - g)) ** 0.5
+            a = own * np.linspace(-4, 4, 121)
+            moved = np.subtract.outer(a, a) / g
+            kernel = np.exp(-0.5 * ((moved - a[:, None]) / s) ** 2)
+            kernel /= kernel.sum(axis=1, keepdims=True)
+            blur = max(LEAST, 0.3 * (a[1] - a[0]) / g)
+            seen = {v: kernel * _emission(y[:1] * 0 + v, moved.ravel(), blur).reshape(moved.shape)
+                    for v in np.unique(y - y.mean())}  # fmt: skip
+            start = np.exp(-0.5 * (a / own) ** 2)
+            ahead, total = start / start.sum(), 0.0
+            for v in y - y.mean():
+                ahead = ahead @ seen[v]
+                whole = ahead.sum()
+                total, ahead = total + float(np.log(whole)), ahead / whole
+            best = max(best, total)
+    return float(-2 * best + 3 * np.log(len(y)))
+
+
 def _positions(y: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the points of the grid and their distance, in divisions."""
     width = max(0.125, (float(np.ptp(y)) + 4) / 800)
@@ -243,6 +270,7 @@ def bics(y: np.ndarray) -> dict[str, float]:
         "alternation": best_bic(y, [1.0 * (j % 2)], 0),
         "walk": walk_bic(y),
         "memory": memory_bic(y),
+        "taken back": taken_back_bic(y),
         "two states": two_state_bic(y),
         "scatter": scatter_bic(y),
     }
@@ -257,6 +285,7 @@ MEANS = {
     "transient": ("bump", {"two states"}),
     "random_walk": ("walk", set()),
     "autocorrelated": ("memory", {"walk"}),
+    "overcorrection": ("taken back", set()),
     "contact_side": ("two states", {"two steps"}),
     "outlier": ("outlier", set()),
     "scatter_change": ("scatter", set()),

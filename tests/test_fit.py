@@ -214,3 +214,23 @@ def test_a_result_never_changes_and_is_compared_as_one_object(kind):
     assert kind.__dataclass_params__.frozen
     assert kind.__eq__ is object.__eq__
     assert "__slots__" in vars(kind)
+
+
+@pytest.mark.parametrize("variance", [0.3, 4.0, 200.0])
+def test_scatter_beside_a_random_course_is_as_wide_as_it_was_made(variance, rng):
+    """What the course leaves is narrower: it takes of the scatter too."""
+    i = np.arange(40)
+    process = Process(0.8 ** np.abs(np.subtract.outer(i, i)), variance=variance, stays=0.25)
+    root = np.linalg.cholesky(process.covariance + np.eye(40))
+    values = 2 * root @ rng.normal(size=(40, 300))
+    fitted = fit([Term("some", process, np.ones(300, dtype=bool))], values, i, 40)
+    left = (values - fitted.predicted).std(axis=0, ddof=1)
+    assert np.sqrt(np.mean((left * fitted.wider) ** 2)) == pytest.approx(2.0, rel=0.03)
+    assert np.mean(left) < 1.9
+    assert fitted.cured / fitted.wider == pytest.approx((1 + 0.25 * variance) ** 0.5)
+
+
+def test_without_a_random_course_what_is_left_is_the_scatter():
+    fitted = fit([term(shape(LATE), True)], with_correlation(0.9)[:, np.newaxis], ROWS, N)
+    assert fitted.wider == pytest.approx(1.0)
+    assert fitted.cured == pytest.approx(1.0)

@@ -118,9 +118,12 @@ def scatter_draws(
 ) -> FloatArray:
     """Return draws (draws, axes) of each axis' standard deviation beside effects and rounding.
 
-    ``seen`` are the rows that the fit knows, all unless given.
+    ``seen`` are the rows that the fit knows, all unless given. Rounding is part of what a reading
+    shows beside the known courses, of scatter and random course together.
     """
-    left, division = residual.values - fitted.predicted, residual.division
+    shown = _beside_scatter(fitted)
+    left = (residual.values - fitted.predicted) * fitted.wider * shown
+    division = residual.division
     left = left if seen is None else left[seen]
     n, axes = left.shape
     numbers = sum((part != 0).any(axis=0) * len(c) for part, c in zip(
@@ -135,7 +138,14 @@ def scatter_draws(
             squares = float(((left[:, a] - left[:, a].mean()) ** 2).sum())
             freedom = max(n - 1 - numbers[a], 1)
             found.append(np.sqrt(squares / rng.chisquare(freedom, size=_DRAWS)))
-    return np.stack(found, axis=1)
+    return np.stack(found, axis=1) / shown
+
+
+def _beside_scatter(fitted: Fit) -> float:
+    """Return how many times as wide as scatter it is together with the random courses."""
+    drawn = [term.form.covariance for term in fitted.terms if isinstance(term.form, Process)]
+    means = [covariance.trace() - covariance.mean() * len(covariance) for covariance in drawn]
+    return float(1 + sum(means) / max(1, len(fitted.predicted) - 1)) ** 0.5
 
 
 def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:

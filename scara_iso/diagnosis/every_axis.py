@@ -38,7 +38,8 @@ def courses_of_axes(
         after[name] = before[name] + effect - effect.mean()
         if name in residual.axes:
             after[name] = model + fitted.predicted[:, a]
-        removed[name] = readings - effect
+        left = residual.values[:, a] - fitted.predicted[:, a]
+        removed[name] = readings - effect + slope * (fitted.cured[a] - 1) * left
     return measured, before, after, removed
 
 

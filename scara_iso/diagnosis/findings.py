@@ -27,7 +27,7 @@ def found_effects(
     problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], effects: Mapping[str, Effect]
 ) -> tuple[Found, ...]:
     """Return what was found, one for each term of the fit, in the order of the search."""
-    left = problem.residual.values - fitted.predicted
+    left = (problem.residual.values - fitted.predicted) * fitted.wider
     return tuple(
         _found(problem, fitted, i, stage, effects[fitted.terms[i].effect], left)
         for i, stage in enumerate(stages[: len(fitted.terms)])
@@ -54,7 +54,7 @@ def groups_of(axes: Iterable[str]) -> dict[str, tuple[str, ...]]:
 def shares_of(residual: Residual, fitted: Fit) -> dict[str, Shares]:
     """Return, for each axis, whose share of the variance of the readings is whose."""
     total = residual.values.var(axis=0, ddof=1)
-    left = (residual.values - fitted.predicted).var(axis=0, ddof=1)
+    left = ((residual.values - fitted.predicted) * fitted.cured).var(axis=0, ddof=1)
     rounding = np.array([rounding_uncertainty(division) ** 2 for division in residual.division])
     unexplained = np.clip(left / total, 0.0, 1.0)
     resolution = np.minimum(rounding / total, unexplained)

@@ -44,13 +44,17 @@ class Fit:
     """Terms fitted together on some rows of the run.
 
     ``predicted`` (n, axes) holds all cycles: the pose and each term's contribution, ``parts``
-    (n, axes) with ``coefficients`` (k, axes).
+    (n, axes) with ``coefficients`` (k, axes). ``wider`` (axes,) is how many times as wide scatter
+    is as what is left: a random course takes part of the scatter too. ``cured`` (axes,) is the same
+    of the scatter that stays once the causes of random courses are cured.
     """
 
     terms: tuple[Term, ...]
     predicted: FloatArray
     coefficients: tuple[FloatArray, ...]
     parts: tuple[FloatArray, ...]
+    wider: FloatArray
+    cured: FloatArray
 
 
 def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
@@ -119,11 +123,14 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
         for i in free:
             parts[i] = _part(terms[i], coefficients[i], n)
     left = values - pose - sum(parts, np.zeros((n, axes)))[rows]
+    wider = cured = np.ones(axes)
     for i, term in enumerate(terms):
         if isinstance(term.form, Process):
             parts[i] = _kriged(term.form.covariance, left, rows)
+            wider = _wider(term.form.covariance, left, parts[i], rows, fitted_basis(terms, rows))
+            cured = wider * (1 + term.form.variance * term.form.stays) ** 0.5
     predicted = pose + sum(parts, np.zeros((n, axes)))
-    return Fit(tuple(terms), predicted, tuple(coefficients), tuple(parts))
+    return Fit(tuple(terms), predicted, tuple(coefficients), tuple(parts), wider, cured)
 
 
 def _fit_axis(
@@ -193,3 +200,21 @@ def _kriged(covariance: FloatArray, left: FloatArray, rows: IntArray) -> FloatAr
     """Return the expected random course (n, axes), given what is left on ``rows``."""
     among = covariance[np.ix_(rows, rows)] + np.eye(len(rows))
     return np.asarray(covariance[:, rows] @ np.linalg.solve(among, left))
+
+
+def _wider(
+    covariance: FloatArray, left: FloatArray, course: FloatArray, rows: IntArray, basis: FloatArray
+) -> FloatArray:
+    """Return how many times as wide (axes,) scatter is as what a random course leaves.
+
+    ``left`` (rows, axes) is what the known courses leave, which ``basis`` holds. The scatter is
+    that of the largest restricted likelihood (Patterson and Thompson 1971).
+    """
+    free = left - basis @ (basis.T @ left)
+    among = covariance[np.ix_(rows, rows)]
+    among = among - basis @ (basis.T @ among)
+    among = among - (among @ basis) @ basis.T + np.eye(len(rows))
+    squares = (free * np.linalg.solve(among, free)).sum(axis=0)
+    narrow = left - course[rows]
+    narrow = narrow - narrow.mean(axis=0)
+    return np.asarray(np.sqrt(squares / np.maximum((narrow**2).sum(axis=0), 1e-300)))

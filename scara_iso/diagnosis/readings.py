@@ -264,7 +264,7 @@ def _coarse(shares: Mapping[str, Shares]) -> list[str]:
 
 def _other_scatter(problem: SearchProblem, fitted: Fit) -> list[str]:
     """Return a note for each axis whose remaining scatter is not the one that was stated."""
-    left = (problem.residual.values - fitted.predicted).std(axis=0, ddof=1)
+    left = (problem.residual.values - fitted.predicted).std(axis=0, ddof=1) * fitted.wider
     known = np.zeros_like(left) if problem.sigma is None else problem.sigma
     return [
         f"{axis}: scatter {scatter:.3g}, not {stated:.3g} as stated: leave the stated one out"

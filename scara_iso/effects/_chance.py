@@ -18,6 +18,10 @@ def _normal(rng: np.random.Generator, n: int) -> FloatArray:
     return rng.normal(size=n)
 
 
+def _nothing(**_: float | str) -> float:
+    return 0.0
+
+
 def _independent(innovations: FloatArray) -> FloatArray:
     return innovations
 
@@ -29,11 +33,13 @@ class RandomCourse(Effect):
     ``filtered(innovations, **parameters)`` gives courses (n, m) of innovations (n, m); its response
     to unit innovations F makes the covariance F F' that the search compares, at the innovations'
     ``variances`` over the scatter's. Without variances it is simulated and not searched.
+    ``stays(**parameters)`` is the share of its variance that is scatter still once it is cured.
     """
 
     filtered: Callable[..., FloatArray] = _independent
     innovations: Callable[[np.random.Generator, int], FloatArray] = _normal
     variances: tuple[float, ...] = ()
+    stays: Callable[..., float] = _nothing
 
     def forms(self, conditions: Conditions) -> tuple[Form, ...]:
         """Return processes of every combination of parameters and variances."""
@@ -43,8 +49,11 @@ class RandomCourse(Effect):
         for values, weight in combinations(self.parameters, conditions):
             response = self.filtered(np.eye(len(conditions)), **values)
             together = response @ response.T
+            stays = self.stays(**values)
             found += [
-                Process(together, values, weight, scale=variance**0.5, variance=variance)
+                Process(
+                    together, values, weight, scale=variance**0.5, variance=variance, stays=stays
+                )
                 for variance in self.variances
             ]
         return tuple(found)

@@ -28,7 +28,8 @@ class Process:
 
     ``scale`` is the standard deviation, in scatters, of what its size means (such as one step) at
     ``amplitude`` 1; the search tries larger amplitudes too. Forms that differ in their variance
-    alone hold the same ``unit``, so that what belongs to it is computed once.
+    alone hold the same ``unit``, so that what belongs to it is computed once. ``stays`` is the
+    share of its variance that is scatter still where its cause is cured.
     """
 
     unit: FloatArray
@@ -37,6 +38,7 @@ class Process:
     scale: float = 1.0
     amplitude: float = 1.0
     variance: float = 1.0
+    stays: float = 0.0
 
     @property
     def covariance(self) -> FloatArray:
