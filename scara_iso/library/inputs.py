@@ -132,12 +132,18 @@ def tables_of(tables: Tables) -> list[Table]:
         return [tables]  # type: ignore[list-item]  # a sequence is a list or a tuple
     if not found:
         where = "" if isinstance(tables, list | tuple) else str(tables)
-        below = folders_below(Path(where)) if where else []
-        remedy = f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
-        raise NoInputError("no table is there", where=where, remedy=remedy)
+        raise NoInputError("no table is there", where=where, remedy=_where_tables_are(where))
     if sum(isinstance(one, str) and one == "-" for one in found) > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     return found
+
+
+def _where_tables_are(folder: str) -> str:
+    try:
+        below = folders_below(Path(folder)) if folder else []
+    except OSError:  # one of them is closed, or gone by now
+        below = []
+    return f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
 
 
 def folders_below(folder: Path) -> list[Path]:
