@@ -139,10 +139,7 @@ def tables_of(tables: Tables) -> list[Table]:
 
 
 def _where_tables_are(folder: str) -> str:
-    try:
-        below = folders_below(Path(folder)) if folder else []
-    except OSError:  # one of them is closed, or gone by now
-        below = []
+    below = folders_seen(Path(folder)) if folder else []
     return f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
 
 
@@ -150,6 +147,14 @@ def folders_below(folder: Path) -> list[Path]:
     """Return the folders that hold tables, in a folder and in those in it; 10 stands behind 9."""
     below = [deeper for path in _folders_in(folder) for deeper in (path, *_folders_in(path))]
     return [path for path in below if tables_in(path)]
+
+
+def folders_seen(folder: Path) -> list[Path]:
+    """Return `folders_below` for who need not read them: none where one is closed, or is gone."""
+    try:
+        return folders_below(folder)
+    except OSError:
+        return []
 
 
 def _folders_in(folder: Path) -> list[Path]:
