@@ -310,9 +310,9 @@ def test_micrometres_that_may_be_grouped_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        ("R1,t1,1,0.1\n", "line 4: Expected Number of Columns: 5 Found: 4"),
-        ("R1,t1,1,0.1,0.2,0.3\n", "line 4: Expected Number of Columns: 5 Found: 6"),
-        ('"R1,t1,1,0.1,0.2\n', "line 4: Value with unterminated quote"),
+        ("R1,t1,1,0.1\n", "line 4: 4 cells, and the header has 5"),
+        ("R1,t1,1,0.1,0.2,0.3\n", "line 4: 6 cells, and the header has 5"),
+        ('"R1,t1,1,0.1,0.2\n', "line 4: a quotation mark opens or closes in the wrong place"),
         ("", "holds no rows"),
     ],
 )
@@ -321,6 +321,31 @@ def test_one_row_that_cannot_be_read_is_said_by_its_line(tmp_path, rows, said):
     part.write_text(HEAD + rows, encoding="utf-8")
     with pytest.raises(DataError, match=said):
         list(tables_in(part, ReadAs()))
+
+
+NAMES = ("R1", "#2", "3\u00e9")
+ROWS = [f"{name},t1,{k},{k % 7 / 1000:.3f},0.1" for name in NAMES for k in range(40)]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        (HEAD + "\n".join(ROWS)).encode("utf-8-sig"),
+        (HEAD + "\n".join(ROWS)).encode("utf-16"),
+        (HEAD + "\n".join(ROWS)).encode("cp1252"),
+        (HEAD + "\r\n".join(ROWS)).encode(),
+        (HEAD + "\n".join(ROWS[:50]) + "\r\n" + "\r".join(ROWS[50:])).encode(),
+        (HEAD + "\n".join(ROWS[:50]) + "\n# a note\n\n" + "\n".join(ROWS[50:])).encode(),
+        (HEAD + "\n".join(ROWS).replace("#2,", '" #2 ",')).encode(),
+    ],
+    ids=["BOM", "UTF-16", "cp1252", "header of other ends", "mixed ends", "comment", "quotes"],
+)
+def test_text_of_several_robots_is_read_in_every_form_of_a_table(tmp_path, content):
+    """A robot whose name begins as a comment does is not lost."""
+    (tmp_path / "a.csv").write_bytes(content)
+    found = {one.robot: one.run for one in tables_in(tmp_path / "a.csv", ReadAs())}
+    assert tuple(found) == NAMES
+    assert all(len(run) == 40 and run.axes["X"].unit == "mm" for run in found.values())
 
 
 def test_two_tests_of_one_name_are_said_to_be_that(tmp_path, in_this_process):
@@ -337,7 +362,6 @@ def test_two_tests_of_one_name_are_said_to_be_that(tmp_path, in_this_process):
 @pytest.mark.parametrize(
     ("text", "encoding", "said"),
     [
-        ("# unit: mm\nrobot,X\nR1,1\n", "utf-16", "is in UTF-16"),
         ("# unit: mm\n# resolution: fine\nrobot,X\nR1,1\n", "utf-8", "'fine', which is no number"),
     ],
 )
@@ -382,6 +406,54 @@ def test_a_robot_stated_by_name_and_by_serial_number_is_one(tmp_path, in_this_pr
     shown = found._repr_html_()
     assert "R7 and serial number 4711 are taken for one robot" in shown
     assert "R8 is the name of serial numbers 1, 2" in shown
+
+
+def named(tmp_path, stated):
+    """Return the summary of tables that state a name, a serial number or both."""
+    X = np.random.default_rng(1).normal(0, 0.003, 12)
+    rows = "cycle,X\n" + "".join(f"{k},{x:.3f}\n" for k, x in enumerate(X, 1))
+    (tmp_path / "parts").mkdir()
+    for k, (name, serial) in enumerate(stated):
+        head = f"# robot: {name}\n" if name else ""
+        head += f"# serial_number: {serial}\n" if serial else ""
+        (tmp_path / "parts" / f"{k}.csv").write_text(f"# unit: mm\n{head}{rows}", encoding="utf-8")
+    found = scara_iso.fleet_figures(tmp_path / "parts", tmp_path / "o", unit="mm", cycles=12)
+    assert not found.failed
+    return found
+
+
+@pytest.mark.parametrize(
+    ("stated", "robots", "said"),
+    [
+        ([("G", "n/a"), ("H", "N/A"), ("I", "-"), ("J", "-")], {"G", "H", "I", "J"}, None),
+        ([("G", "0815"), ("H", "0815")], {"0815"}, "0815 stands with the names G, H"),
+        ([("B", "C"), ("C", None)], {"C"}, "C stands with the names B, C: they are taken for one"),
+        ([("A", "1"), ("A", "2")], {"1", "2"}, None),
+        ([("E", "007"), ("F", "7")], {"007", "7"}, "007, 7 are alike but for"),
+        ([("D", "77"), ("d ", None)], {"77", "d"}, "D, d are alike but for"),
+        ([("K 1", None), ("K01", None)], {"K 1", "K01"}, "K 1, K01 are alike but for"),
+        ([("K10", None), ("K1", None)], {"K10", "K1"}, None),
+        ([("SCARA", "1"), ("Scara", "2")], {"1", "2"}, None),
+    ],
+)
+def test_names_that_leave_open_which_robot_it_is_are_said(
+    tmp_path, in_this_process, stated, robots, said
+):
+    found = named(tmp_path, stated)
+    assert {one.robot for one in found.worst} == robots
+    assert len(found.several_names) + len(found.alike) == (said is not None)
+    assert (said or f"of {len(robots)} robots") in found._repr_html_()
+
+
+def test_only_the_first_doubts_are_shown_unless_all_are_asked_for(tmp_path, capsys):
+    named(tmp_path, [(letter, None) for letter in "ABCDEFGHIJKLabcdefghijkl"])
+    command = ["fleet", str(tmp_path / "parts"), "-o", str(tmp_path / "o"), "--figures",
+               "--unit", "mm", "--cycles", "12"]  # fmt: skip
+    for more, shown in ([], 10), (["--full"], 12):
+        assert main([*command, *more]) == 0
+        said = capsys.readouterr().out
+        assert said.count("are alike but") == shown
+        assert ("and 2 more like that: --full" in said) == (not more)
 
 
 def test_one_row_below_a_header_in_quotes_is_read(tmp_path):
