@@ -222,6 +222,7 @@ def by_query(source: Path, to: Path, sql: str) -> None:
     """Write what a bare query gives."""
     connection = duckdb.connect()
     connection.execute("SET threads = 2")
+    connection.execute("SET enable_progress_bar = false")
     connection.execute(f"CREATE VIEW readings AS FROM '{source}/*.parquet'")
     connection.execute(f"COPY ({sql}) TO '{to}.parquet'")
 
