@@ -51,7 +51,7 @@ TABLES, READINGS = 107_526, 93
 DATES = 24
 GROWTHS = ((4, 0.1), (12, 0.0), (12, 0.02), (12, 0.05), (24, 0.02))
 """Dates, and the share by which the scatter grows in a month."""
-TABLES_MADE = ("sums", "engines", "found", "drift", "dated")
+TABLES_MADE = ("found", "engines", "sums", "drift", "dated")
 NORMAL = f"round({SIGMA} * sqrt(-2 * ln(1 - random())) * cos(2 * pi() * random()), 3)"
 MANY = f"""SELECT 'R' || (k // 20) AS robot, 't' || (k % 20) AS test, c::INTEGER AS cycle,
     {NORMAL} AS X, {NORMAL} AS Y, {NORMAL} AS Z FROM range(?, ?) a(k), range(1, 32) b(c)
