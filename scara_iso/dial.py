@@ -54,7 +54,8 @@ def seen_step(axis: Axis) -> float:
     division = step_of(axis)
     if not division:
         return 0.0
-    levels = np.unique(np.rint((axis.shown - axis.shown[0]) / division))
+    shown = np.rint((axis.shown - axis.shown[0]) / division)
+    levels = np.unique(shown, return_index=True)[0]  # without: imports masked arrays
     if len(levels) < _FEWEST_LEVELS or np.diff(levels).min() < _COARSE[0]:
         return division
     step, off = _spaced(levels)

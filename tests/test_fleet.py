@@ -615,7 +615,7 @@ def test_ctrl_c_ends_the_processes_and_says_that_it_goes_on(tmp_path, done, line
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     with subprocess.Popen(
         [sys.executable, *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True, start_new_session=True,
+        text=True, start_new_session=True, preexec_fn=hears_ctrl_c,  # noqa: PLW1509
     ) as client:  # fmt: skip
         until(lambda: lines_of(tmp_path / "o" / "manifest.jsonl") >= lines)
         os.killpg(client.pid, signal.SIGINT)  # as a terminal does: all of them hear it
@@ -629,6 +629,11 @@ def test_ctrl_c_ends_the_processes_and_says_that_it_goes_on(tmp_path, done, line
         until(lambda: not of_group(client.pid))
     scara_iso.fleet(source, tmp_path / "o", workers=1)
     assert results(tmp_path / "o") == results(out)
+
+
+def hears_ctrl_c():
+    """Hear it although these tests run in the background, where a shell has it ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def text_of(path):
