@@ -1,5 +1,6 @@
 """Many robots: found and ranked, each part done once, whoever dies on the way."""
 
+import io
 import json
 import os
 import shutil
@@ -18,6 +19,7 @@ import numpy as np
 import openpyxl
 import pytest
 from hypothesis import given, strategies as st
+from rich.console import Console
 
 import scara_iso
 from scara_iso.cli import main
@@ -30,6 +32,7 @@ from scara_iso.fleets.parts import tables_in
 from scara_iso.fleets.work import PartResult, whole_part
 from scara_iso.library import engines
 from scara_iso.library.engines import open_processes
+from scara_iso.render import track
 
 ROOT = Path(scara_iso.__file__).parents[1]
 HEAD = "# unit: mm\n# resolution: 0.001\nrobot,test,cycle,X,Y\n"
@@ -486,6 +489,12 @@ def test_duckdb_draws_nothing_where_results_are_printed():
     )  # by -c DuckDB takes the process for a person's
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
     assert done.stdout == "False\n"
+
+
+def test_no_bar_is_drawn_where_nothing_is_to_be_done():
+    shown = io.StringIO()
+    assert list(track([], 0, Console(file=shown, force_terminal=True))) == []
+    assert shown.getvalue() == ""
 
 
 def raised(words):

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import wait
 from threading import Thread, current_thread, main_thread
 from types import ModuleType
@@ -85,6 +84,8 @@ def _ctrl_c_later() -> Iterator[None]:
 
 def _start_deaf() -> None:
     """Start the server of processes so that it and they leave Ctrl-C to this one."""
+    from multiprocessing import forkserver, resource_tracker  # not of every system
+
     resource_tracker.ensure_running()  # it would undo what is blocked
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
