@@ -303,7 +303,9 @@ def calibrated(pool, runs):
                     for kind, size in OUTSIDE],
     }  # fmt: skip
     for i, (group, cells) in enumerate(groups.items()):
-        tasks = [(*cell, [SEED, 11 + i, run]) for cell in cells for run in range(runs)]
+        tasks = [
+            (*cell, [SEED, 11 + i, c, run]) for c, cell in enumerate(cells) for run in range(runs)
+        ]
         found = np.array([one for one in tabled(pool, stated, tasks) if one])
         for right in (1, 2) if group == "outside" else (1,):
             print(f"{group}: right {100 * found[:, right].mean():.1f} %; "

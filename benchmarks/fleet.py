@@ -1,11 +1,10 @@
 """Many robots: what is found among 1,000 of which 30 are ill, and what each engine takes.
 
-    python benchmarks/fleet.py [--robots 1000] [--ill 30] [--compared 100]
-    python benchmarks/fleet.py --robots 0          only what each engine takes
-    python benchmarks/fleet.py --sums 1e6 1e7 1e8  only RP of so many readings
-    python benchmarks/fleet.py --drift 20          only whose RP grows, in so many fleets
-    python benchmarks/fleet.py --dated 1e5 1e6 1e7 only the drift of so many dated tests
+    python benchmarks/fleet.py                      every table, one after the other
+    python benchmarks/fleet.py --only sums dated    some of them
+    python benchmarks/fleet.py --sums 1e6 --robots 500 --compared 50 --fleets 2 --dated 1e5  smaller
 
+Found: what stands out. Engines: the same tables by one process, two, and Dask.
 One table of 31 cycles and three axes for each robot; the ill have a step of four standard
 deviations in one axis. Times are of one run. Beside them stand seconds of processor of the busiest
 process, whose ratio is what the work can be shared where the cores have no other. Memory is the
@@ -50,6 +49,9 @@ SIGMA, STEP, PART = 0.003, 4, 25
 TABLES, READINGS = 107_526, 93
 """Tables of a Parquet file, readings of a table."""
 DATES = 24
+GROWTHS = ((4, 0.1), (12, 0.0), (12, 0.02), (12, 0.05), (24, 0.02))
+"""Dates, and the share by which the scatter grows in a month."""
+TABLES_MADE = ("found", "engines", "sums", "drift", "dated")
 NORMAL = f"round({SIGMA} * sqrt(-2 * ln(1 - random())) * cos(2 * pi() * random()), 3)"
 MANY = f"""SELECT 'R' || (k // 20) AS robot, 't' || (k % 20) AS test, c::INTEGER AS cycle,
     {NORMAL} AS X, {NORMAL} AS Y, {NORMAL} AS Z FROM range(?, ?) a(k), range(1, 32) b(c)
@@ -182,8 +184,10 @@ def compare(folder: Path, robots: int, ill: int) -> None:
     same = len({digest(folder / name) for name in ("one", "two", "dask")}) == 1
     print(f"{robots} robots in {-(-robots // PART)} parts, {ill} of them with a step; "
           f"equal results: {same}")  # fmt: skip
-    print(f"  bare DuckDB, sums only  {bare(source):7.2f} s")
     one, busy = found["1 process"]
+    without = bare(source)
+    print(f"  bare DuckDB, sums only  {without:7.2f} s  {one / without:.0f} times as fast as one "
+          "process")  # fmt: skip
     for name, (taken, used) in found.items():
         wall = f"{taken:7.2f} s  {robots / taken:5.1f} tables/s  {one / taken:.2f} x"
         print(f"  {name:22}  {wall}; busiest process {used:6.2f} s of processor  "
@@ -218,6 +222,7 @@ def by_query(source: Path, to: Path, sql: str) -> None:
     """Write what a bare query gives."""
     connection = duckdb.connect()
     connection.execute("SET threads = 2")
+    connection.execute("SET enable_progress_bar = false")
     connection.execute(f"CREATE VIEW readings AS FROM '{source}/*.parquet'")
     connection.execute(f"COPY ({sql}) TO '{to}.parquet'")
 
@@ -324,35 +329,36 @@ def differing(source: Path, to: Path, sample: int = 50) -> str:
     return f"{sample} of them differ from analyze by at most {worst:.0e} of a figure"
 
 
+def in_a_folder(work: Callable[..., None], *given: object) -> None:
+    """Print what some work takes, with a folder that ends with it."""
+    with tempfile.TemporaryDirectory() as name:
+        work(Path(name), *given)
+
+
 def main() -> None:
     """Print what is found, and what it takes."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--robots", type=int, default=1000)
+    parser.add_argument("--only", nargs="+", choices=TABLES_MADE, default=TABLES_MADE)
+    parser.add_argument("--sums", type=float, nargs="*", default=(1e6, 1e7, 1e8), help="readings")
+    parser.add_argument("--compared", type=int, default=100, help="robots, by each engine")
+    parser.add_argument("--robots", type=int, default=1000, help="of the fleet, and a tenth")
     parser.add_argument("--ill", type=int, default=30)
-    parser.add_argument("--compared", type=int, default=100)
-    parser.add_argument("--drift", type=int, default=0, metavar="FLEETS")
-    parser.add_argument("--dated", type=float, nargs="*", default=(), metavar="TESTS")
-    parser.add_argument("--sums", type=float, nargs="*", metavar="READINGS")
+    parser.add_argument("--fleets", type=int, default=10, help="whose RP moves")
+    parser.add_argument("--dated", type=float, nargs="*", default=(1e5, 1e6, 1e7), help="tests")
     given = parser.parse_args()
-    for dates, growth in ((4, 0.1), (12, 0.0), (12, 0.02), (12, 0.05), (24, 0.02)):
-        if given.drift:
-            with tempfile.TemporaryDirectory() as name:
-                drifting(Path(name), given.drift, dates, growth, 1000, 30 if growth else 0)
-    for readings in given.sums or ():
-        with tempfile.TemporaryDirectory() as name:
-            sums(Path(name), int(readings))
-    for tests in given.dated:
-        with tempfile.TemporaryDirectory() as name:
-            dated(Path(name), int(tests))
-    if given.sums is not None or given.drift or given.dated:
-        return
-    asked = [(given.robots, given.ill), (given.robots // 10, 1)] if given.robots else []
-    for robots, ill in asked:
-        with tempfile.TemporaryDirectory() as name:
-            find(Path(name), robots, ill)
-    for ill in (0, given.compared // 4):
-        with tempfile.TemporaryDirectory() as name:
-            compare(Path(name), given.compared // (4 if ill else 1), ill)
+    few, tenth = given.compared // 4, given.robots // 10
+    tables: dict[str, list[tuple[object, ...]]] = {
+        "sums": [(sums, int(readings)) for readings in given.sums],
+        "engines": [(compare, given.compared, 0), (compare, few, few)],
+        "found": [(find, given.robots, given.ill), (find, tenth, 1)],
+        "drift": [(drifting, given.fleets, dates, growth, 1000, 30 if growth else 0)
+                  for dates, growth in GROWTHS],
+        "dated": [(dated, int(tests)) for tests in given.dated],
+    }  # fmt: skip
+    for name in given.only:
+        print(f"\n{name}", flush=True)
+        for row in tables[name]:
+            in_a_folder(*row)
 
 
 if __name__ == "__main__":

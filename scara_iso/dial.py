@@ -20,8 +20,8 @@ _WIDEST_DEG = 45.0
 """Beyond this angle a plunger measures another axis."""
 _OFF_STEP = 0.02
 """Share of a step by which a reading may lie beside its multiple."""
-_COARSE = (2.0, 25.0)
-"""Divisions of a dial whose resolution is stated too fine: 0.005 or 0.01 for 0.001, 0.0005 inch."""
+_COARSE = (2.0, 26.0)
+"""Divisions of a dial stated too fine, at 0.001 mm: 0.005 mm, or 0.0005 and 0.001 inch."""
 _FEWEST_LEVELS = 3
 _ROUNDED_FROM = 4.0
 """Of finer steps than so many divisions, readings that are rounded again would fill the grid."""
@@ -54,7 +54,8 @@ def seen_step(axis: Axis) -> float:
     division = step_of(axis)
     if not division:
         return 0.0
-    levels = np.unique(np.rint((axis.shown - axis.shown[0]) / division))
+    shown = np.rint((axis.shown - axis.shown[0]) / division)
+    levels = np.unique(shown, return_index=True)[0]  # without: imports masked arrays
     if len(levels) < _FEWEST_LEVELS or np.diff(levels).min() < _COARSE[0]:
         return division
     step, off = _spaced(levels)

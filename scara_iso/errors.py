@@ -171,3 +171,9 @@ class WriteError(ScaraIsoError):
     """An output that failed while being written; exit code 74."""
 
     exit_code = 74
+
+
+class StoppedError(ScaraIsoError):
+    """Stopped by the user, and some of the work is kept; exit code 130."""
+
+    exit_code = 130

@@ -2,12 +2,14 @@
 
 import inspect
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from scara_iso.iso9283 import checks
 from scara_iso.iso9283.analysis import analyze
+from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.trend import mann_kendall
 from scara_iso.iso9283.results import Finding
 from scara_iso.plugins import find_modules
@@ -192,9 +194,12 @@ def test_resolution_not_stated(rng):
 @pytest.mark.parametrize(
     ("step", "stated", "said"),
     [
-        (0.01, 0.001, "multiples of 0.01 mm"),
-        (0.005, 0.001, "multiples of 0.005 mm"),
-        (0.002, 0.001, None),
+        (0.01, 0.001, "on steps of 0.01 mm; uncertainty and interval rest on it"),
+        (0.005, 0.001, "on steps of 0.005 mm"),
+        (0.002, 0.001, "on steps of 0.002 mm"),
+        (0.05, 0.001, "on steps of 0.05 mm"),
+        (0.001, 0.001, None),
+        (0.0015, 0.001, "between its divisions"),
         (0.01, 0.01, None),
         (0.001, 0.01, "between its divisions"),
         (0.01, 1e-300, None),
@@ -209,6 +214,31 @@ def test_readings_on_another_grid_than_stated(rng, step, stated, said):
     ]
     assert len(found) == (said is not None)
     assert all(said in message for message in found)
+
+
+@pytest.mark.parametrize("step", [0.0127, 0.0254])
+def test_a_dial_of_inches_stated_in_mm_is_seen_where_its_steps_are_rounded(rng, step):
+    """Their distances in divisions, 12 and 13, have no common divisor."""
+    readings = np.round(step * np.array([*range(7), *rng.integers(0, 7, 24)]), 3)
+    (found,) = [
+        one
+        for one in analyze(clean_run(rng, X=x_axis(readings))).findings
+        if one.code == "doubtful-resolution"
+    ]
+    assert found.severity == "warning"
+    assert f"all readings lie on steps of {step:g} mm" in found.message
+    assert found.advice.endswith(f"if these are its steps, state {step:g} mm")
+
+
+def test_scatter_on_few_divisions_is_no_coarser_dial():
+    """30 readings: none of 2,000 axes with scatters of 0.3 to 5 divisions is doubted."""
+    rng = np.random.default_rng(5)
+    for scatter in (0.3, 0.5, 0.7, 1.0, 2.0, 5.0):
+        for _ in range(330):
+            shown = 0.001 * np.rint(rng.normal(rng.uniform(), scatter, 30))
+            axis = Axis("X", shown, resolution=0.001)
+            measured = SimpleNamespace(run=Run(np.arange(30), {"X": axis}))
+            assert not list(doubtful_resolution.check(measured))
 
 
 def test_three_levels_are_too_few_to_doubt_a_resolution(rng):

@@ -311,7 +311,7 @@ def test_interrupted(call, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("scara_iso.library.inputs.read_table", interrupted)
-    assert call("analyze", TABLE_1)[0] == 130
+    assert call("analyze", TABLE_1) == (130, "", "scara-iso: interrupted\n")
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,16 @@
 """Many robots: found and ranked, each part done once, whoever dies on the way."""
 
+import io
 import json
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -16,6 +19,7 @@ import numpy as np
 import openpyxl
 import pytest
 from hypothesis import given, strategies as st
+from rich.console import Console
 
 import scara_iso
 from scara_iso.cli import main
@@ -28,6 +32,7 @@ from scara_iso.fleets.parts import tables_in
 from scara_iso.fleets.work import PartResult, whole_part
 from scara_iso.library import engines
 from scara_iso.library.engines import open_processes
+from scara_iso.render import track
 
 ROOT = Path(scara_iso.__file__).parents[1]
 HEAD = "# unit: mm\n# resolution: 0.001\nrobot,test,cycle,X,Y\n"
@@ -156,9 +161,10 @@ def test_what_is_done_is_not_done_again(done, capsys):
 
 def test_a_manifest_of_another_version_or_other_options_is_refused(tmp_path, done, capsys):
     source, out, _ = done
-    for change, said in (
-        (b'"version": "0.', b'"version": "9.'),
-        (b'"unit": null', b'"unit": "um"'),
+    now = scara_iso.__version__
+    for change, said, words in (
+        (b'"version": "0.', b'"version": "9.', f"version was 9{now[1:]} and is {now}"),
+        (b'"unit": null', b'"unit": "um"', "unit was um and is None"),
     ):
         other = tmp_path / f"other{len(said)}"
         other.mkdir()
@@ -167,7 +173,8 @@ def test_a_manifest_of_another_version_or_other_options_is_refused(tmp_path, don
         assert main(["fleet", str(source), "-o", str(other), "--json"]) == 65
         captured = capsys.readouterr()
         assert captured.out == ""
-        assert "was begun with" in captured.err
+        assert f"was begun otherwise: {words}\n" in captured.err
+        assert captured.err.endswith(f"or remove {other}\n")
 
 
 def test_outputs_that_would_be_lost_are_refused(tmp_path, done):
@@ -236,7 +243,7 @@ def test_a_part_that_changed_between_its_pieces_is_left_to_the_next_run():
 
 @given(count=st.integers(0, 50), pieces=st.integers(1, 30))
 def test_shares_hold_everything_once_in_its_order(count, pieces):
-    shares = Engine(open_processes, pieces).shares_of_each(2)
+    shares = Engine(open_processes, lambda: pieces).shares_of_each(2)
     own = [share.take(range(count)) for share in shares]
     assert [one for several in own for one in several] == list(range(count))
     assert max(map(len, own)) - min(map(len, own)) <= 1
@@ -310,9 +317,9 @@ def test_micrometres_that_may_be_grouped_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        ("R1,t1,1,0.1\n", "line 4: Expected Number of Columns: 5 Found: 4"),
-        ("R1,t1,1,0.1,0.2,0.3\n", "line 4: Expected Number of Columns: 5 Found: 6"),
-        ('"R1,t1,1,0.1,0.2\n', "line 4: Value with unterminated quote"),
+        ("R1,t1,1,0.1\n", "line 4: 4 cells, and the header has 5"),
+        ("R1,t1,1,0.1,0.2,0.3\n", "line 4: 6 cells, and the header has 5"),
+        ('"R1,t1,1,0.1,0.2\n', "line 4: a quotation mark opens or closes in the wrong place"),
         ("", "holds no rows"),
     ],
 )
@@ -321,6 +328,31 @@ def test_one_row_that_cannot_be_read_is_said_by_its_line(tmp_path, rows, said):
     part.write_text(HEAD + rows, encoding="utf-8")
     with pytest.raises(DataError, match=said):
         list(tables_in(part, ReadAs()))
+
+
+NAMES = ("R1", "#2", "3\u00e9")
+ROWS = [f"{name},t1,{k},{k % 7 / 1000:.3f},0.1" for name in NAMES for k in range(40)]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        (HEAD + "\n".join(ROWS)).encode("utf-8-sig"),
+        (HEAD + "\n".join(ROWS)).encode("utf-16"),
+        (HEAD + "\n".join(ROWS)).encode("cp1252"),
+        (HEAD + "\r\n".join(ROWS)).encode(),
+        (HEAD + "\n".join(ROWS[:50]) + "\r\n" + "\r".join(ROWS[50:])).encode(),
+        (HEAD + "\n".join(ROWS[:50]) + "\n# a note\n\n" + "\n".join(ROWS[50:])).encode(),
+        (HEAD + "\n".join(ROWS).replace("#2,", '" #2 ",')).encode(),
+    ],
+    ids=["BOM", "UTF-16", "cp1252", "header of other ends", "mixed ends", "comment", "quotes"],
+)
+def test_text_of_several_robots_is_read_in_every_form_of_a_table(tmp_path, content):
+    """A robot whose name begins as a comment does is not lost."""
+    (tmp_path / "a.csv").write_bytes(content)
+    found = {one.robot: one.run for one in tables_in(tmp_path / "a.csv", ReadAs())}
+    assert tuple(found) == NAMES
+    assert all(len(run) == 40 and run.axes["X"].unit == "mm" for run in found.values())
 
 
 def test_two_tests_of_one_name_are_said_to_be_that(tmp_path, in_this_process):
@@ -337,7 +369,6 @@ def test_two_tests_of_one_name_are_said_to_be_that(tmp_path, in_this_process):
 @pytest.mark.parametrize(
     ("text", "encoding", "said"),
     [
-        ("# unit: mm\nrobot,X\nR1,1\n", "utf-16", "is in UTF-16"),
         ("# unit: mm\n# resolution: fine\nrobot,X\nR1,1\n", "utf-8", "'fine', which is no number"),
     ],
 )
@@ -384,6 +415,54 @@ def test_a_robot_stated_by_name_and_by_serial_number_is_one(tmp_path, in_this_pr
     assert "R8 is the name of serial numbers 1, 2" in shown
 
 
+def named(tmp_path, stated):
+    """Return the summary of tables that state a name, a serial number or both."""
+    X = np.random.default_rng(1).normal(0, 0.003, 12)
+    rows = "cycle,X\n" + "".join(f"{k},{x:.3f}\n" for k, x in enumerate(X, 1))
+    (tmp_path / "parts").mkdir()
+    for k, (name, serial) in enumerate(stated):
+        head = f"# robot: {name}\n" if name else ""
+        head += f"# serial_number: {serial}\n" if serial else ""
+        (tmp_path / "parts" / f"{k}.csv").write_text(f"# unit: mm\n{head}{rows}", encoding="utf-8")
+    found = scara_iso.fleet_figures(tmp_path / "parts", tmp_path / "o", unit="mm", cycles=12)
+    assert not found.failed
+    return found
+
+
+@pytest.mark.parametrize(
+    ("stated", "robots", "said"),
+    [
+        ([("G", "n/a"), ("H", "N/A"), ("I", "-"), ("J", "-")], {"G", "H", "I", "J"}, None),
+        ([("G", "0815"), ("H", "0815")], {"0815"}, "0815 stands with the names G, H"),
+        ([("B", "C"), ("C", None)], {"C"}, "C stands with the names B, C: they are taken for one"),
+        ([("A", "1"), ("A", "2")], {"1", "2"}, None),
+        ([("E", "007"), ("F", "7")], {"007", "7"}, "007, 7 are alike but for"),
+        ([("D", "77"), ("d ", None)], {"77", "d"}, "D, d are alike but for"),
+        ([("K 1", None), ("K01", None)], {"K 1", "K01"}, "K 1, K01 are alike but for"),
+        ([("K10", None), ("K1", None)], {"K10", "K1"}, None),
+        ([("SCARA", "1"), ("Scara", "2")], {"1", "2"}, None),
+    ],
+)
+def test_names_that_leave_open_which_robot_it_is_are_said(
+    tmp_path, in_this_process, stated, robots, said
+):
+    found = named(tmp_path, stated)
+    assert {one.robot for one in found.worst} == robots
+    assert len(found.several_names) + len(found.alike) == (said is not None)
+    assert (said or f"of {len(robots)} robots") in found._repr_html_()
+
+
+def test_only_the_first_doubts_are_shown_unless_all_are_asked_for(tmp_path, capsys):
+    named(tmp_path, [(letter, None) for letter in "ABCDEFGHIJKLabcdefghijkl"])
+    command = ["fleet", str(tmp_path / "parts"), "-o", str(tmp_path / "o"), "--figures",
+               "--unit", "mm", "--cycles", "12"]  # fmt: skip
+    for more, shown in ([], 10), (["--full"], 12):
+        assert main([*command, *more]) == 0
+        said = capsys.readouterr().out
+        assert said.count("are alike but") == shown
+        assert ("and 2 more like that: --full" in said) == (not more)
+
+
 def test_one_row_below_a_header_in_quotes_is_read(tmp_path):
     part = tmp_path / "a.csv"
     part.write_text('# unit: mm\n"robot","X",\n"R1","0.1",\n', encoding="utf-8")
@@ -410,6 +489,12 @@ def test_duckdb_draws_nothing_where_results_are_printed():
     )  # by -c DuckDB takes the process for a person's
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
     assert done.stdout == "False\n"
+
+
+def test_no_bar_is_drawn_where_nothing_is_to_be_done():
+    shown = io.StringIO()
+    assert list(track([], 0, Console(file=shown, force_terminal=True))) == []
+    assert shown.getvalue() == ""
 
 
 def raised(words):
@@ -462,7 +547,7 @@ def dying(part, marks):
 
 
 def test_killed_processes_lose_and_double_nothing(tmp_path):
-    engine = Engine(partial(open_processes, 2), 4)
+    engine = Engine(partial(open_processes, 2), lambda: 4)
     parts = ["a", "b", "once", "c", "always", "d", "e"]
     found = list(done_by(engine, partial(dying, marks=tmp_path), parts))
     assert sorted(part for part, _ in found) == sorted(parts)
@@ -531,6 +616,50 @@ def test_a_killed_client_goes_on_where_it_stopped(tmp_path, done):
     assert results(tmp_path / "o") == results(out)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Ctrl-C of a process alone")
+@pytest.mark.parametrize("lines", [1, 3], ids=["at the start", "in the middle"])
+def test_ctrl_c_ends_the_processes_and_says_that_it_goes_on(tmp_path, done, lines):
+    source, out, _ = done
+    words = ["-m", "scara_iso", "fleet", str(source), "-o", str(tmp_path / "o"), "--workers", "1"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        [sys.executable, *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, start_new_session=True, preexec_fn=hears_ctrl_c,  # noqa: PLW1509
+    ) as client:  # fmt: skip
+        until(lambda: lines_of(tmp_path / "o" / "manifest.jsonl") >= lines)
+        os.killpg(client.pid, signal.SIGINT)  # as a terminal does: all of them hear it
+        said = client.communicate(timeout=60)
+        assert client.returncode == 130
+        assert said[0] == ""
+        assert said[1].splitlines() == [
+            "scara-iso: interrupted",
+            "  the parts that are done are kept; the same command goes on where it stopped",
+        ]
+        until(lambda: not of_group(client.pid))
+    scara_iso.fleet(source, tmp_path / "o", workers=1)
+    assert results(tmp_path / "o") == results(out)
+
+
+def hears_ctrl_c():
+    """Hear it although these tests run in the background, where a shell has it ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def text_of(path):
+    try:
+        return path.read_text()
+    except OSError:
+        return ""
+
+
+def of_group(group):
+    """Return the processes of a group that are alive, as far as this system shows them."""
+    fields = [
+        stat.rpartition(")")[2].split() for stat in map(text_of, Path("/proc").glob("[0-9]*/stat"))
+    ]
+    return [own for own in fields if own and own[2] == str(group) and own[0] != "Z"]
+
+
 def alive(pid):
     try:
         os.kill(pid, 0)
@@ -557,6 +686,26 @@ def test_processes_end_with_the_one_that_started_them():
         assert alive(worker)
         client.kill()
     until(lambda: not alive(worker))
+
+
+@pytest.mark.cluster
+def test_what_only_listens_is_no_scheduler(tmp_path, done):
+    pytest.importorskip("distributed")
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        place = f"dask://127.0.0.1:{silent.getsockname()[1]}"
+        with pytest.raises(ServiceError, match="no Dask scheduler answers"):
+            scara_iso.fleet(done[0], tmp_path / "o", engine=place)
+
+
+@pytest.mark.cluster
+def test_a_scheduler_without_workers_is_not_waited_for_without_end(tmp_path, done, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(engines, "_FIRST_WORKER", 1)
+    with distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster:
+        place = cluster.scheduler_address.removeprefix("tcp://")
+        with pytest.raises(ServiceError, match="has had no worker for 1 s") as found:
+            scara_iso.fleet(done[0], tmp_path / "o", engine=f"dask://{place}")
+    assert f"dask worker {place}" in found.value.remedy
 
 
 @pytest.mark.cluster
@@ -593,6 +742,43 @@ def test_a_cluster_whose_worker_and_client_are_killed_gives_the_same(tmp_path):
         for process in reversed(processes):
             process.kill()
             process.wait()
+
+
+def test_a_cluster_that_goes_away_is_no_defect():
+    def gone():
+        raise ServiceError("nobody is left")
+
+    class Cluster(ThreadPoolExecutor):
+        def submit(self, *_):
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    for engine, said in (
+        (Engine(partial(Cluster, 1), lambda: 1), "the cluster has gone away"),
+        (Engine(partial(Cluster, 1), gone), "nobody is left"),
+    ):
+        with pytest.raises(ServiceError, match=said):
+            list(done_by(engine, str, ["a"]))
+
+
+def test_more_is_under_way_as_a_cluster_grows():
+    sizes, most = iter([1, 1, 4, 4, 4, 4, 4, 4, 4]), []
+
+    def size():
+        most.append(next(sizes))
+        return most[-1]
+
+    gate = threading.Barrier(4, timeout=60)
+
+    def work(item):
+        if item >= 2:
+            gate.wait()  # ends only where four are at work
+        return item
+
+    found = dict(done_by(Engine(partial(ThreadPoolExecutor, 4), size), work, range(6)))
+    assert found == {k: k for k in range(6)}
 
 
 def test_another_version_on_a_worker_is_refused(tmp_path, done, monkeypatch):

@@ -170,5 +170,5 @@ def test_the_page_and_its_object(done, tmp_path, capsys):
     assert said["tables"] == found.tables == len(frames) - len(found.failed)
     assert said["worst"][0]["robot"] == rows.loc[rows["RP_XY"].idxmax(), "robot"]
     assert main(["fleet", str(source), "-o", str(out), "--unit", "mm"]) == 65  # of other options
-    assert "was begun with" in capsys.readouterr().err
+    assert "figures was True and is None" in capsys.readouterr().err
     assert main(["fleet", str(tmp_path), "-o", str(tmp_path / "o"), "--figures"]) == 66

@@ -261,6 +261,13 @@ def test_what_makes_no_study_is_refused(tmp_path, capsys, text, said):
     assert said in captured.err
 
 
+def test_a_table_that_is_named_twice_would_count_twice(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "t.csv").write_text("# unit: mm\nX\n" + "0.1\n0.2\n" * 10, encoding="utf-8")
+    assert main(["gauge-study", "t.csv", str(tmp_path / "t.csv")]) == 2
+    assert "t.csv is named twice" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("options", "code"),
     [

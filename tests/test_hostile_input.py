@@ -25,6 +25,7 @@ from scara_iso.cli.keyboard import Lines
 from scara_iso.effects import find_effects
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.iso9283 import checks
+from scara_iso.library import inputs
 from scara_iso.plugins import find_modules
 
 ROOT = Path(__file__).parents[1]
@@ -312,3 +313,14 @@ def test_a_sweep_beyond_any_drive_is_refused(tmp_path, capsys, ratio):
     command = ["backlash", "--Im", "1", "--IL", "2", "--arcmin", "3", "--measured"]
     assert main([*command, str(tmp_path / "s.csv")]) == 65
     assert "beyond any drive" in capsys.readouterr().err
+
+
+def test_a_folder_that_is_gone_while_it_is_looked_through(tmp_path, monkeypatch, capsys):
+    """Such as those of processes in /proc: there is no table, and nothing was to be written."""
+
+    def gone(folder):
+        raise FileNotFoundError(2, "No such file or directory", str(folder / "gone"))
+
+    monkeypatch.setattr(inputs, "folders_below", gone)
+    assert main(["diagnose", str(tmp_path)]) == 66
+    assert "no table is there" in capsys.readouterr().err

@@ -128,6 +128,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _call(arguments)
 
 
+def _parsed(arguments: Sequence[str]) -> object:
+    code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
+    if code == INTERRUPTED:  # what the parser makes of Ctrl-C
+        raise KeyboardInterrupt
+    return code
+
+
 def _call(arguments: Sequence[str]) -> int:
     try:
         _refuse_what_names_nothing(arguments)
@@ -135,10 +142,9 @@ def _call(arguments: Sequence[str]) -> int:
             raise OSError("standard output is closed")
         if set(arguments) <= set(_ANYWHERE) and not _completing():
             sys.stdout.write(WELCOME)
-            code = 0
+            code: object = 0
         else:
-            app = build_app(arguments)
-            code = app(args=arguments, prog_name="scara-iso", standalone_mode=False)
+            code = _parsed(arguments)
         sys.stdout.flush()
     except SystemExit as leaving:
         if isinstance(leaving.__context__, OSError):  # the parser's answer to a closed pipe

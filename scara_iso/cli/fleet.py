@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,11 +22,13 @@ from scara_iso.cli.options import (
     UnitOfTable,
 )
 from scara_iso.cli.output import settings, write_json, write_report
+from scara_iso.errors import StoppedError
 
 if TYPE_CHECKING:
     from scara_iso.fleets import FleetFigures, FleetSummary
 
 UNREADABLE = 65
+_KEPT = "the parts that are done are kept; the same command goes on where it stopped"
 Source = Annotated[
     str,
     typer.Argument(
@@ -81,6 +84,8 @@ def fleet_command(
     def watched(each: Iterator[Any], count: int) -> Iterator[Any]:
         return iter(track(each, count, open_console(sys.stderr, no_color=settings.no_color)))
 
+    if not settings.debug:
+        logging.disable()  # of Dask: what a person should know is said here
     options: dict[str, Any] = {
         "engine": engine, "workers": workers, "unit": unit, "resolution": resolution,
         "decimal": decimal,
@@ -88,10 +93,13 @@ def fleet_command(
         "all_count": all_count, "allow_gaps": allow_gaps, "track": watched,
     }  # fmt: skip
     found: FleetSummary | FleetFigures
-    if figures:
-        found = fleet_figures(source, output, **options)
-    else:
-        found = fleet(source, output, level=level, **options)
+    try:
+        if figures:
+            found = fleet_figures(source, output, **options)
+        else:
+            found = fleet(source, output, level=level, **options)
+    except KeyboardInterrupt as error:
+        raise StoppedError("interrupted", remedy=_KEPT) from error
     _say(found, full=full, json=json)
     if found.failed or found.run.failed:
         raise typer.Exit(UNREADABLE)

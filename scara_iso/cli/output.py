@@ -160,10 +160,10 @@ def _typed(name: str, value: object) -> str:
 
 def named(tables: Sequence[str]) -> list[str]:
     """Return the files of tables that are named, and all that is read of a folder and its own."""
-    from scara_iso.library import EVENTS, folders_below, tables_in
+    from scara_iso.library import EVENTS, folders_seen, tables_in
 
     folders = [Path(one) for one in tables if Path(one).is_dir()]
-    within = [inner for folder in folders for inner in (folder, *folders_below(folder))]
+    within = [inner for folder in folders for inner in (folder, *folders_seen(folder))]
     files = [path for folder in within for path in (*tables_in(folder), folder / EVENTS)]
     return [*tables, *map(str, files)]
 

@@ -24,12 +24,12 @@ if TYPE_CHECKING:
         FiguresTask as FiguresTask,
         run_figures as run_figures,
     )
+    from scara_iso.fleets.names import NameAlone as NameAlone, SeveralNames as SeveralNames
     from scara_iso.fleets.parts import ReadAs as ReadAs
     from scara_iso.fleets.runs import FleetRun as FleetRun, run_fleet as run_fleet
     from scara_iso.fleets.summary import (
         FailedTable as FailedTable,
         FleetSummary as FleetSummary,
-        NameAlone as NameAlone,
         RobotResult as RobotResult,
         summarise as summarise,
     )

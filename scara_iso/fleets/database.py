@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
@@ -16,7 +15,6 @@ from scara_iso.errors import DataError, ScaraIsoError, UsageError, WriteError, w
 Query = Callable[..., list[Any]]
 """SQL and its parameters to rows."""
 
-_OF_A_ROW = re.compile(r"CSV Error on Line: (?P<line>\d+)\n.*\n+(?P<reason>\S.*)")
 _ROOM = "make room, or name another folder by TMPDIR"
 _FEWER = "split the part in two, or a folder of many parts into several fleets"
 _DISK_IS_FULL = ("'max_temp_directory_size'", "No space left on device")
@@ -55,16 +53,6 @@ def fetched(sql: str, parameters: Sequence[object], where: str) -> Any:
         connection.close()
 
 
-def fetched_csv(path: Path, delimiter: str, names: Sequence[str]) -> Any:
-    """Return a CSV file of these columns as a pandas table of text: nothing of it is guessed."""
-    sql = (
-        "SELECT * FROM read_csv(?, auto_detect=false, header=true, columns=?, delim=?, "
-        "quote='\"', escape='\"', comment='#')"
-    )
-    columns = {name or f"column {k}": "VARCHAR" for k, name in enumerate(names, 1)}
-    return fetched(sql, [str(path), columns, delimiter], str(path))
-
-
 @contextmanager
 def results_in(folder: Path, memory: str = _MEMORY) -> Iterator[Query]:
     """Yield how ``fleet`` is queried, which is all Parquet files of a folder: the SQL to its rows.
@@ -96,11 +84,8 @@ def results_in(folder: Path, memory: str = _MEMORY) -> Iterator[Query]:
 
 
 def _brief(error: Exception) -> str:
-    """Return what is wrong in one line: of a CSV the line and the reason, without its text."""
-    text = str(error)
-    row = _OF_A_ROW.search(text)
-    said = text if row is None else f"line {row['line']}: {row['reason']}"
-    return " ".join(said.split())[:200]
+    """Return what is wrong in one line."""
+    return " ".join(str(error).split())[:200]
 
 
 @contextmanager

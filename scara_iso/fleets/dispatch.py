@@ -9,15 +9,27 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    wait,
+)
 from typing import TypeVar
 
+from scara_iso.errors import ServiceError
 from scara_iso.fleets.pieces import Share
 from scara_iso.frozen import dataclass
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 _TRIES = 2
+_GONE = "the cluster has gone away"
+_GO_ON = "start it again; the same command then goes on where it stopped"
+_LOOK_AGAIN = 10
+"""Seconds after which it is looked who is there, where nothing is done meanwhile."""
 _ROUNDS = 2
 """At least so often all that can be under way is: more evens the load, and reads a part oftener."""
 
@@ -27,11 +39,12 @@ class Engine:
     """Where the work is done: how an executor of it is opened, and how much is under way."""
 
     open: Callable[[], Executor]
-    under_way: int
+    under_way: Callable[[], int]
+    """Of the moment: a cluster grows and shrinks. Raises `ServiceError` where nobody is left."""
 
     def shares_of_each(self, several: int) -> list[Share]:
         """Return the shares in which each of several is given out, so that nobody waits long."""
-        count = math.ceil(_ROUNDS * self.under_way / max(several, 1))
+        count = math.ceil(_ROUNDS * self.under_way() / max(several, 1))
         return [Share(number, count) for number in range(count)]
 
 
@@ -42,25 +55,33 @@ def done_by(
     waiting = deque(items)
     while waiting:
         with engine.open() as executor:
-            suspects = yield from _until_broken(executor, engine.under_way, work, waiting)
+            try:
+                suspects = yield from _until_broken(executor, engine.under_way, work, waiting)
+            except ServiceError:
+                executor.shutdown(wait=False)  # nobody is left to wait for
+                raise
         for item in suspects:
             yield item, _alone(engine, work, item)
 
 
 def _until_broken(
-    executor: Executor, under_way: int, work: Callable[[Item], Result], waiting: deque[Item]
+    executor: Executor,
+    under_way: Callable[[], int],
+    work: Callable[[Item], Result],
+    waiting: deque[Item],
 ) -> Generator[tuple[Item, Result | Exception], None, list[Item]]:
     """Yield what is done; return what was under way where the executor broke, else nothing."""
     running: dict[Future[Result], Item] = {}
     broken = False
     while running or (waiting and not broken):
-        while waiting and len(running) < under_way and not broken:
+        room = under_way()
+        while waiting and len(running) < room and not broken:
             try:
                 running[executor.submit(work, waiting[0])] = waiting[0]
                 waiting.popleft()
             except BrokenExecutor:
                 broken = True
-        finished, _ = wait(running, return_when=FIRST_COMPLETED)
+        finished, _ = wait(running, _LOOK_AGAIN, return_when=FIRST_COMPLETED)
         outcomes: dict[Future[Result], Result | Exception] = {}
         for future in finished:
             outcome = _outcome(future)
@@ -72,7 +93,10 @@ def _until_broken(
 
 
 def _outcome(future: Future[Result]) -> Result | Exception:
-    error = future.exception()
+    try:
+        error = future.exception()
+    except CancelledError as gone:  # nothing here cancels
+        raise ServiceError(_GONE, remedy=_GO_ON) from gone
     if error is None:
         return future.result()
     if isinstance(error, Exception):
@@ -84,10 +108,8 @@ def _alone(engine: Engine, work: Callable[[Item], Result], item: Item) -> Result
     failed: Exception = RuntimeError("not tried")
     for _ in range(_TRIES):
         with engine.open() as executor:
-            try:
-                return executor.submit(work, item).result()
-            except BrokenExecutor as error:
-                failed = error
-            except Exception as error:  # noqa: BLE001 - of the item, and reported with it
-                return error
+            found = _outcome(executor.submit(work, item))
+        if not isinstance(found, BrokenExecutor):
+            return found
+        failed = found
     return failed

@@ -9,16 +9,21 @@ from typing import TYPE_CHECKING
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
 from scara_iso.fleets.drift import FleetDrift, fleet_drift
+from scara_iso.fleets.names import (
+    NameAlone,
+    SeveralNames,
+    TwiceThere,
+    names_alone,
+    robots_alike,
+    several_names,
+    tables_twice,
+)
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.summary import (
     LEVEL,
     FailedTable,
-    NameAlone,
-    TwiceThere,
     failed_tables,
-    names_alone,
     quantiles_of_RP,
-    tables_twice,
 )
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
@@ -66,6 +71,10 @@ class FleetFigures(Displayed):
     """How RP moves over the dates of the tests; None where no robot has several."""
     names_alone: tuple[NameAlone, ...] = ()
     """Names that stand with a serial number and without."""
+    several_names: tuple[SeveralNames, ...] = ()
+    """Serial numbers that stand with several names."""
+    alike: tuple[tuple[str, ...], ...] = ()
+    """Names that differ in case, blanks and zeros in front only, of several robots."""
 
     def __repr__(self) -> str:
         return f"<FleetFigures of {self.robots} robots: {self.tables} tables>"
@@ -101,6 +110,8 @@ def summarise_figures(run: FleetRun) -> FleetFigures:
             twice=tables_twice(query, "robot, test, pose"),
             drift=fleet_drift(query, LEVEL),
             names_alone=names_alone(query),
+            several_names=several_names(query),
+            alike=robots_alike(query),
         )
 
 

@@ -18,7 +18,6 @@ from scara_iso.frozen import dataclass
 
 SCHEMA = "scara-iso/fleet-manifest/4"
 NAME = "manifest.jsonl"
-_ANOTHER = "name another folder with -o, or remove this one"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +41,7 @@ class PartLedger:
         where it cannot be there or another run has it.
         """
         self._disk, self._path = SystemDisk(), folder / NAME
+        self._another = f"name another folder with -o, or remove {folder}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = self._disk.open(self._path, new=False)
@@ -79,19 +79,19 @@ class PartLedger:
             if head.get("schema") != SCHEMA:
                 raise DataError(
                     f"is no manifest of this form, but {head.get('schema')!r}",
-                    where=str(self._path), remedy=_ANOTHER,
+                    where=str(self._path), remedy=self._another,
                 )  # fmt: skip
             found = {row["part"]: PartDone(**row) for row in rows}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise DataError(
-                f"is no manifest: {error}", where=str(self._path), remedy=_ANOTHER
+                f"is no manifest: {error}", where=str(self._path), remedy=self._another
             ) from error
-        for key, mine in (("version", version), ("options", options)):
-            if head.get(key) != mine:
-                raise DataError(
-                    f"was begun with {key} {head.get(key)}, and this is {mine}",
-                    where=str(self._path), remedy=_ANOTHER,
-                )  # fmt: skip
+        begun = {"version": head.get("version"), **head.get("options", {})}
+        other = _differing(begun, {"version": version, **options})
+        if other:
+            raise DataError(
+                f"was begun otherwise: {other}", where=str(self._path), remedy=self._another
+            )
         if len(whole) < len(data):  # a line that a kill left unfinished
             os.truncate(self._path, len(whole))
         return found
@@ -118,3 +118,9 @@ class PartLedger:
     def close(self) -> None:
         """Let another run have it."""
         self._disk.close(self._file)
+
+
+def _differing(begun: Mapping[str, Any], mine: Mapping[str, Any]) -> str:
+    """Return in words what is not the same."""
+    names = [name for name in {**begun, **mine} if begun.get(name) != mine.get(name)]
+    return "; ".join(f"{name} was {begun.get(name)} and is {mine.get(name)}" for name in names)

@@ -7,9 +7,7 @@ workbook too.
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -17,9 +15,11 @@ from typing import Any
 
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import open_file
-from scara_iso.fleets.database import Query, fetched, fetched_csv, workspace
+from scara_iso.fleets.database import Query, fetched, workspace
 from scara_iso.fleets.decimal_marks import refuse_groups, settle_marks
 from scara_iso.fleets.pieces import WHOLE, Share
+from scara_iso.fleets.text_rows import text_rows
+from scara_iso.frames import make_frame
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import parse_number
@@ -27,10 +27,8 @@ from scara_iso.run import AXES, Run
 from scara_iso.tables import read_table
 
 _ENDINGS = (".csv", ".parquet", ".tsv", ".txt", ".xlsx")
-_DELIMITERS = (",", ";", "\t")
-_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
-_HEAD, _BLOCK = 64_000, 1 << 20
-_STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
+_BLOCK = 1 << 20
+_NO_NUMBER = ("n/a", "na", "n.a.", "nil", "none", "tbd", "unknown")
 _NAMES = {name.lower(): name for name in AXES}
 
 TableName = tuple[str, str]
@@ -135,16 +133,13 @@ def _several(path: Path, only: Collection[TableName] | None) -> _Several | None:
         return _Several(_parquet_rows(path, only), {}, grouped=False)
     if path.suffix.lower() == ".xlsx":
         return None
-    statements, header, encoding = _head(path)
-    for delimiter in _DELIMITERS:
-        names = [name.strip() for name in next(csv.reader([header], delimiter=delimiter), [])]
-        if "robot" in map(str.lower, names):
-            _refuse_twice(names, path)
-            if encoding != "utf-8-sig":
-                raise DataError("is in UTF-16", where=str(path), remedy="save it as UTF-8")
-            frame = fetched_csv(path, delimiter, names)
-            return _Several(frame, statements, grouped=delimiter == ";")
-    return None
+    rows = text_rows(path)
+    if rows is None:
+        return None
+    _refuse_twice(list(rows.names), path)
+    cells = zip(rows.names, rows.columns, strict=True)
+    columns = {name or f"column {k}": own for k, (name, own) in enumerate(cells, 1)}
+    return _Several(make_frame(columns, {}), rows.statements, grouped=rows.delimiter == ";")
 
 
 def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
@@ -180,24 +175,14 @@ def _single(path: Path, reading: ReadAs) -> FleetTable:
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
     name = run.metadata.get("robot")
-    robot = run.metadata.get("serial_number") or name or path.stem
+    number = run.metadata.get("serial_number", "")
+    robot = (number if _is_number(number) else "") or name or path.stem
     return FleetTable(robot, run.metadata.get("test", path.stem), run, name)
 
 
-def _head(path: Path) -> tuple[dict[str, str], str, str]:
-    """Return the ``# key: value`` lines in front of a table, its header, and the encoding."""
-    with open_file(path) as file:
-        data = file.read(_HEAD)
-    encoding = "utf-16" if data.startswith(_UTF_16) else "utf-8-sig"
-    text = data.decode(encoding, "replace")
-    found: dict[str, str] = {}
-    for line in text.splitlines():
-        stated = _STATEMENT.match(line)
-        if stated:
-            found[stated[1].lower().replace(" ", "_")] = stated[2].strip()
-        elif line.strip() and not line.startswith("#"):
-            return found, line, encoding
-    return found, "", encoding
+def _is_number(stated: str) -> bool:
+    """Say whether a serial number is one, and no word or mark that stands for none."""
+    return stated.lower() not in _NO_NUMBER and any(map(str.isalnum, stated))
 
 
 def _settled(several: _Several, path: Path, reading: ReadAs) -> dict[str, Any]:

@@ -13,6 +13,15 @@ from typing import TYPE_CHECKING
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
 from scara_iso.fleets.drift import FleetDrift, fleet_drift, quantiles_of_rows
+from scara_iso.fleets.names import (
+    NameAlone,
+    SeveralNames,
+    TwiceThere,
+    names_alone,
+    robots_alike,
+    several_names,
+    tables_twice,
+)
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
@@ -60,30 +69,6 @@ class FailedTable:
     """Why."""
 
 
-@dataclass(frozen=True, slots=True)
-class TwiceThere:
-    """A test of a robot that several tables claim to be."""
-
-    robot: str
-    """Its name."""
-    test: str
-    """Which of its tests."""
-    parts: tuple[str, ...]
-    """The files that hold it."""
-
-
-@dataclass(frozen=True, slots=True)
-class NameAlone:
-    """A robot's name that stands with a serial number in some tables, and alone in others."""
-
-    name: str
-    """As it is stated."""
-    serial_numbers: tuple[str, ...]
-    """With which it stands: of one, the tables with the name alone are counted to it."""
-    tables: int
-    """How many have the name alone."""
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class FleetSummary(Displayed):
     """The fleet: robots by how far they stand out, effects by how many robots show them."""
@@ -108,6 +93,10 @@ class FleetSummary(Displayed):
     """How RP moves over the dates of the tests; None where no robot has several."""
     names_alone: tuple[NameAlone, ...] = ()
     """Names that stand with a serial number and without."""
+    several_names: tuple[SeveralNames, ...] = ()
+    """Serial numbers that stand with several names."""
+    alike: tuple[tuple[str, ...], ...] = ()
+    """Names that differ in case, blanks and zeros in front only, of several robots."""
 
     @property
     def found(self) -> tuple[RobotResult, ...]:
@@ -157,6 +146,8 @@ def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
             twice=tables_twice(query),
             drift=fleet_drift(query, level),
             names_alone=names_alone(query),
+            several_names=several_names(query),
+            alike=robots_alike(query),
         )
 
 
@@ -197,29 +188,6 @@ def failed_tables(query: Query) -> tuple[FailedTable, ...]:
         "ORDER BY part, robot, test"
     )
     return tuple(FailedTable(*row) for row in rows)
-
-
-def tables_twice(query: Query, row: str = "robot, test") -> tuple[TwiceThere, ...]:
-    """Return the tests that are there more than once, where each ``row`` should be of its own."""
-    rows = query(
-        "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "  # noqa: S608
-        f"WHERE error IS NULL GROUP BY {row} HAVING count(*) > 1)) "
-        "SELECT robot, test, string_agg(DISTINCT part, ',' ORDER BY part) FROM fleet "
-        "SEMI JOIN twice USING (robot, test) WHERE error IS NULL GROUP BY robot, test "
-        "ORDER BY robot, test"
-    )
-    return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
-
-
-def names_alone(query: Query) -> tuple[NameAlone, ...]:
-    """Return the names that stand with a serial number in some tables, and alone in others."""
-    rows = query(
-        "WITH alone AS (SELECT name, count(DISTINCT (test, part)) AS tables FROM fleet "
-        "SEMI JOIN named USING (name) WHERE as_read = name AND error IS NULL GROUP BY name) "
-        "SELECT name, list(serial ORDER BY serial), any_value(tables) FROM named "
-        "JOIN alone USING (name) GROUP BY name ORDER BY name"
-    )
-    return tuple(NameAlone(name, tuple(serials), tables) for name, serials, tables in rows)
 
 
 def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802 - the symbol

@@ -89,7 +89,7 @@ def result_of(path: Path, made: Callable[[Path], tuple[int, int, bytes]]) -> Par
     except WriteError:
         raise
     except ScaraIsoError as error:
-        return PartResult(path.name, sha256, __version__, 0, 0, b"", str(error))
+        return PartResult(path.name, sha256, __version__, 0, 0, b"", in_one_line(error))
 
 
 def whole_part(pieces: Sequence[PartResult]) -> PartResult:
@@ -170,7 +170,8 @@ def refused(error: ScaraIsoError, run: Run) -> str:
 
 
 def in_one_line(error: ScaraIsoError) -> str:
-    """Return an error with the first of its faults on one line."""
+    """Return an error, the first of its faults and what to do about it on one line."""
     lines = [line.strip() for line in str(error).splitlines()]
     more = [f"and {len(lines) - _LINES} more"] if len(lines) > _LINES else []
-    return "; ".join((*lines[:_LINES], *more))
+    remedy = [error.remedy] if error.remedy else []
+    return "; ".join((*lines[:_LINES], *more, *remedy))

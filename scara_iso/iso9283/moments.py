@@ -10,7 +10,7 @@ from scara_iso.iso9283.checks._stated import first, parse_moment
 from scara_iso.iso9283.checks.calibration_date import TEST_DATES
 from scara_iso.run import Run
 
-__all__ = ["moment_in_name", "moment_of_test", "parse_moment"]
+__all__ = ["moment_in_name", "moment_of_test", "parse_moment", "zoned_moment_of_test"]
 
 _DAY_IN_NAME = re.compile(r"(?<![0-9])[0-9]{4}-[0-9]{2}-[0-9]{2}(?![0-9])")
 
@@ -23,6 +23,16 @@ def moment_of_test(run: Run) -> datetime | None:
     """
     line = first(run, TEST_DATES)
     return None if line is None else parse_moment(line.text)
+
+
+def zoned_moment_of_test(run: Run) -> datetime | None:
+    """Return the same with its time zone, None where none is stated."""
+    line = first(run, TEST_DATES)
+    try:
+        found = None if line is None else datetime.fromisoformat(line.text.strip())
+    except ValueError:
+        return None
+    return found if found is not None and found.tzinfo is not None else None
 
 
 def moment_in_name(run: Run) -> datetime | None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         Table as Table,
         TableOptions as TableOptions,
         Tables as Tables,
-        folders_below as folders_below,
+        folders_seen as folders_seen,
         tables_in as tables_in,
     )
     from scara_iso.library.joined import join_reports as join_reports

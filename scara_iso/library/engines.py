@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import multiprocessing
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import wait
-from threading import Thread
+from threading import Thread, current_thread, main_thread
 from types import ModuleType
 from typing import Any, ParamSpec, TypeVar
 
@@ -23,12 +25,18 @@ LOCAL, DASK = "local", "dask://"
 _SLOW_TO_IMPORT = ("duckdb", "pandas", "scipy.special", "scara_iso.diagnosis.closed_loop")
 _AHEAD = 2
 """Parts under way for each process, so that none waits for the next."""
-_PATIENCE = "10s"
+_PATIENCE = 10
+"""Seconds in which a scheduler is to answer."""
+_FIRST_WORKER = 60
+"""Seconds in which it is to have a worker."""
 _REMEDY = "use local, or dask://HOST:PORT of a scheduler"
 
 
 class _Processes(ProcessPoolExecutor):
-    """A pool whose processes do not run the user's script, which need not be guarded for that."""
+    """A pool whose processes do not run the user's script, which need not be guarded for that.
+
+    Left by Ctrl-C or an error it ends them: what they were at is done again by the next run.
+    """
 
     def submit(
         self, work: Callable[Given, Answer], /, *args: Given.args, **options: Given.kwargs
@@ -37,9 +45,15 @@ class _Processes(ProcessPoolExecutor):
         script = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
         try:
-            return super().submit(work, *args, **options)
+            with _ctrl_c_later():
+                return super().submit(work, *args, **options)
         finally:
             sys.modules["__main__"] = script
+
+    def __exit__(self, kind: type[BaseException] | None, *raised: Any) -> bool | None:
+        for process in list((self._processes or {}).values()) if kind is not None else []:
+            process.terminate()
+        return super().__exit__(kind, *raised)
 
 
 def open_processes(workers: int | None = None) -> Executor:
@@ -48,7 +62,36 @@ def open_processes(workers: int | None = None) -> Executor:
     methods = multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     context.set_forkserver_preload(["scara_iso.fleets.work", *_SLOW_TO_IMPORT])
+    if "forkserver" in methods:
+        _start_deaf()
     return _Processes(workers, mp_context=context, initializer=_leave_with_parent)
+
+
+@contextmanager
+def _ctrl_c_later() -> Iterator[None]:
+    """Hear Ctrl-C at the end only: nobody would end a process that is half begun."""
+    heard: list[Any] = []
+    deaf = current_thread() is not main_thread()
+    before = None if deaf else signal.signal(signal.SIGINT, lambda *one: heard.append(one))
+    try:
+        yield
+    finally:
+        if not deaf:
+            signal.signal(signal.SIGINT, before)
+    if heard and callable(before):
+        before(*heard[0])
+
+
+def _start_deaf() -> None:
+    """Start the server of processes so that it and they leave Ctrl-C to this one."""
+    from multiprocessing import forkserver, resource_tracker  # not of every system
+
+    resource_tracker.ensure_running()  # it would undo what is blocked
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _leave_with_parent() -> None:
@@ -72,7 +115,7 @@ def engine_of(name: str, workers: int | None = None) -> Iterator[Engine]:
     """
     if name == LOCAL:
         count = workers or os.cpu_count() or 1
-        yield Engine(partial(open_processes, count), _AHEAD * count)
+        yield Engine(partial(open_processes, count), lambda: _AHEAD * count)
     elif name.startswith(DASK):
         with _cluster(name.removeprefix(DASK)) as engine:
             yield engine
@@ -87,7 +130,7 @@ def threads_of(name: str, workers: int | None = None) -> Iterator[tuple[Engine, 
     ``local`` is this process: what adds up in threads of its own needs no other.
     """
     if name == LOCAL:
-        yield Engine(partial(ThreadPoolExecutor, 1), 1), workers or os.cpu_count() or 1
+        yield Engine(partial(ThreadPoolExecutor, 1), lambda: 1), workers or os.cpu_count() or 1
     else:
         with engine_of(name) as engine:
             yield engine, 1
@@ -102,19 +145,38 @@ def _cluster(address: str) -> Iterator[Engine]:
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal():
         raise UsageError(f"`engine={DASK}{address}`", remedy=_REMEDY)
+    start = "start one: dask scheduler, and dask worker HOST:PORT on each machine"
     try:
+        with ThreadPoolExecutor(1) as apart:  # a notebook has a loop of its own
+            apart.submit(asyncio.run, _met(f"tcp://{address}")).result()
         client = Client(f"tcp://{address}", timeout=_PATIENCE, set_as_default=False)
-    except (OSError, TimeoutError) as error:
-        raise ServiceError(
-            "no Dask scheduler answers", where=address,
-            remedy="start one: dask scheduler, and dask worker HOST:PORT on each machine",
-        ) from error  # fmt: skip
+    except Exception as error:
+        raise ServiceError("no Dask scheduler answers", where=address, remedy=start) from error
     try:
-        yield Engine(lambda: client.get_executor(pure=False), _AHEAD * _threads(client))
+        open_executor = partial(client.get_executor, pure=False)
+        yield Engine(open_executor, lambda: _AHEAD * _threads(client, address))
     finally:
         client.close(timeout=_PATIENCE)
 
 
-def _threads(client: Any) -> int:
-    """Return how many tables the cluster works on at once, as far as it has come up."""
-    return max(sum(map(int, client.nthreads().values())), 1)
+async def _met(address: str) -> None:
+    """Return once a scheduler has spoken: a client would wait for what only listens."""
+    from distributed.comm import connect
+
+    line = await asyncio.wait_for(connect(address, timeout=_PATIENCE), _PATIENCE)
+    await line.close()
+
+
+def _threads(client: Any, address: str) -> int:
+    """Return how many tables the cluster works on at once, as far as it has come up.
+
+    Raises `ServiceError` where it has no worker for a minute.
+    """
+    try:
+        client.wait_for_workers(1, timeout=_FIRST_WORKER)
+        return max(sum(map(int, client.nthreads().values())), 1)
+    except (OSError, TimeoutError) as error:
+        raise ServiceError(
+            f"the scheduler has had no worker for {_FIRST_WORKER} s", where=address,
+            remedy=f"start some: dask worker {address}; the same command then goes on",
+        ) from error  # fmt: skip

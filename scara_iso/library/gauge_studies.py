@@ -45,6 +45,7 @@ def gauge_study(
     words = [rule.value for rule in DecisionRule]
     if decision not in words:
         raise UsageError(f"decision {decision!r}", remedy=f"use {' or '.join(words)}")
+    _refuse_twice(table)
     write = None if to is None else find_format(Path(to).name, Path(to).suffix)
     read = read_gauge_tables(
         tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
@@ -59,6 +60,15 @@ def gauge_study(
     if to is not None and write is not None:
         write_file(Path(to), write(Document("Gauge study", gauge_study_report(found), found)))
     return found
+
+
+def _refuse_twice(table: Tables) -> None:
+    paths = [Path(path).resolve() for path in paths_of(table)]
+    twice = [path for k, path in enumerate(paths) if path in paths[:k]]
+    if twice:
+        raise UsageError(
+            f"{twice[0].name} is named twice", remedy="name it once: its readings would count twice"
+        )
 
 
 def _positive(sizes: Mapping[str, float]) -> Mapping[str, float]:

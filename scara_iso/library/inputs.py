@@ -132,18 +132,29 @@ def tables_of(tables: Tables) -> list[Table]:
         return [tables]  # type: ignore[list-item]  # a sequence is a list or a tuple
     if not found:
         where = "" if isinstance(tables, list | tuple) else str(tables)
-        below = folders_below(Path(where)) if where else []
-        remedy = f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
-        raise NoInputError("no table is there", where=where, remedy=remedy)
+        raise NoInputError("no table is there", where=where, remedy=_where_tables_are(where))
     if sum(isinstance(one, str) and one == "-" for one in found) > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     return found
+
+
+def _where_tables_are(folder: str) -> str:
+    below = folders_seen(Path(folder)) if folder else []
+    return f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
 
 
 def folders_below(folder: Path) -> list[Path]:
     """Return the folders that hold tables, in a folder and in those in it; 10 stands behind 9."""
     below = [deeper for path in _folders_in(folder) for deeper in (path, *_folders_in(path))]
     return [path for path in below if tables_in(path)]
+
+
+def folders_seen(folder: Path) -> list[Path]:
+    """Return `folders_below` for who need not read them: none where one is closed, or is gone."""
+    try:
+        return folders_below(folder)
+    except OSError:
+        return []
 
 
 def _folders_in(folder: Path) -> list[Path]:

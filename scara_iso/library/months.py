@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
-from scara_iso.iso9283 import Analysis, analyze, moment_in_name, moment_of_test
+from scara_iso.iso9283 import (
+    Analysis,
+    analyze,
+    moment_in_name,
+    moment_of_test,
+    zoned_moment_of_test,
+)
 from scara_iso.library.inputs import (
     EVENTS,
     Table,
@@ -232,4 +238,23 @@ def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
             remedy="write '# date: 2026-05-12' above the header of each, or name it 2026-05-12.csv",
             faults=[Fault(name) for name in missing],
         )
+    _refuse_other_order(found)
     return found
+
+
+def _refuse_other_order(tests: Sequence[DatedAnalysis]) -> None:
+    """Raise `DataError` where local times of several zones are in another order than the tests."""
+    ordered = sorted(tests, key=lambda test: test.when)
+    zoned = [(zoned_moment_of_test(one.analysis.run), one.source) for one in ordered]
+    known = [(moment, source) for moment, source in zoned if moment is not None]
+    faults = [
+        Fault(f"{b_source} ({b.isoformat()}) was before {a_source} ({a.isoformat()})")
+        for (a, a_source), (b, b_source) in pairwise(known)
+        if b < a
+    ]
+    if faults:
+        raise DataError(
+            "time zones differ, and local times are in another order than the tests",
+            remedy="state the dates of all tests in one zone, '# date: 2026-05-12T14:30'",
+            faults=faults,
+        )

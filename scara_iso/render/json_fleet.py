@@ -24,6 +24,8 @@ def fleet_json(found: FleetSummary) -> Json:
         "robots": each(found.robots, _ROBOT),
         "twice": each(found.twice, "robot test parts"),
         "names_alone": each(found.names_alone, "name serial_numbers tables"),
+        "several_names": each(found.several_names, "robot names"),
+        "alike": [list(robots) for robots in found.alike],
         "failed": each(found.failed, "part robot test error"),
         "drift": _drift(found.drift),
     }
@@ -42,6 +44,8 @@ def fleet_figures_json(found: FleetFigures) -> Json:
         "worst": each(found.worst, "robot tables RP"),
         "twice": each(found.twice, "robot test parts"),
         "names_alone": each(found.names_alone, "name serial_numbers tables"),
+        "several_names": each(found.several_names, "robot names"),
+        "alike": [list(robots) for robots in found.alike],
         "failed": each(found.failed, "part robot test error"),
         "drift": _drift(found.drift),
     }

@@ -26,7 +26,7 @@ def fleet_report(found: FleetSummary, *, full: bool = False) -> Report:
 
     ``full`` lists every robot and every failure; else the worst of them.
     """
-    sections = [Section("", tuple(_answer(found)))]
+    sections = [Section("", tuple(_answer(found, full=full)))]
     shown = found.robots if full else found.robots[: max(_WORST, 0)]
     if not full:
         shown = tuple(one for one in shown if one.found) or shown[:5]
@@ -41,7 +41,7 @@ def fleet_report(found: FleetSummary, *, full: bool = False) -> Report:
 
 def fleet_figures_report(found: FleetFigures, *, full: bool = False) -> Report:
     """Return which robots scatter most; ``full`` lists every failure, else the first of them."""
-    sections = [Section("", tuple(_counts(found)))]
+    sections = [Section("", tuple(_counts(found, full=full)))]
     shown = found.worst if full else found.worst[:_WORST]
     if shown:
         left = found.robots - len(shown)
@@ -59,11 +59,11 @@ def _cells(one: RobotFigures, names: list[str]) -> Iterator[Cell]:
         yield "" if value is None else Number(value, ".4f")
 
 
-def _counts(found: FleetFigures) -> Iterator[Block]:
+def _counts(found: FleetFigures, *, full: bool) -> Iterator[Block]:
     said = f"RP of {found.tables} tables of {found.robots} robots"
     yield Text(said, "good" if found.robots else "warn")
     yield Text(f"{_parts(found.run)}; the figures of every pose are in {found.files}")
-    yield from _troubles(found)
+    yield from _troubles(found, full=full)
 
 
 def _of_both(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Section]:
@@ -75,13 +75,11 @@ def _of_both(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Sect
     if failures:
         most = len(failures) if full else _FAILURES
         more = len(failures) - most
-        rows = tuple(failures[:most])
-        note = f"and {more} more: `full=`" if more > 0 else ""
-        table = Table(("part", "robot", "test", "why"), rows, note)
-        yield Section("Nothing of these", (table,))
+        note = [Text(f"and {more} more: `full=`", "quiet")] if more > 0 else []
+        yield Section("Nothing of these", (*failures[:most], *note))
 
 
-def _answer(found: FleetSummary) -> Iterator[Block]:
+def _answer(found: FleetSummary, *, full: bool) -> Iterator[Block]:
     named = len(found.found)
     said = f"Found: {named} of {len(found.robots)} robots"
     yield Text(said, "warn" if named or not found.robots else "good")
@@ -90,11 +88,10 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
         yield Text(f"of them {false:.1f} by chance at most, on average: false discovery rate "
                    f"{found.level:g}", "quiet")  # fmt: skip
     yield Text(f"{found.tables} tables in {_parts(found.run)}; results in {found.run.folder}")
-    yield from _troubles(found)
+    yield from _troubles(found, full=full)
     if found.undecided:
-        names = [one.robot for one in found.undecided]
-        more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-        yield Text(f"! {', '.join(names[:_NAMED])}{more}: nothing drawn came as far, and too "
+        names = _some(tuple(one.robot for one in found.undecided))
+        yield Text(f"! {names}: nothing drawn came as far, and too "
                    "little was drawn to name them among so many: look at them", "warn")  # fmt: skip
 
 
@@ -103,15 +100,32 @@ def _parts(run: FleetRun) -> str:
     return f"{run.parts} parts{done}"
 
 
-def _troubles(found: FleetSummary | FleetFigures) -> Iterator[Text]:
+def _troubles(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Text]:
     count = len(found.failed) + len(found.run.failed)
     if count:
         yield Text(f"! {count} could not be used: they are listed below", "warn")
-    for one in found.twice[:_FAILURES]:
-        yield Text(f"! {one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
-                   "count; remove the one that is too much", "warn")  # fmt: skip
-    for name in found.names_alone[:_FAILURES]:
-        yield Text(f"! {_alone(name)}", "warn")
+    for doubts in _doubts(found):
+        shown = doubts if full else doubts[:_FAILURES]
+        yield from (Text(f"! {said}", "warn") for said in shown)
+        if len(shown) < len(doubts):
+            yield Text(f"and {len(doubts) - len(shown)} more like that: `full=`", "warn")
+
+
+def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:
+    """Yield what the names leave open, kind by kind."""
+    yield [f"{one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
+           "count; remove the one that is too much" for one in found.twice]  # fmt: skip
+    yield [_alone(one) for one in found.names_alone]
+    yield [f"serial number {one.robot} stands with the names {_some(one.names)}: they are taken "
+           "for one robot; if they are several, state the serial number of each"
+           for one in found.several_names]  # fmt: skip
+    yield [f"{_some(names)} are alike but for case, blanks or zeros in front, and count as several "
+           "robots; if they are one, write it in one way" for names in found.alike]  # fmt: skip
+
+
+def _some(names: tuple[str, ...]) -> str:
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f"{', '.join(names[:_NAMED])}{more}"
 
 
 def _alone(one: NameAlone) -> str:
@@ -180,6 +194,6 @@ def _percent(share: float) -> str:
     return f"{100 * share:+.1f} %"
 
 
-def _failures(found: FleetSummary | FleetFigures) -> Iterator[tuple[Cell, ...]]:
-    yield from ((part, "", "", error) for part, error in sorted(found.run.failed.items()))
-    yield from ((one.part, one.robot, one.test, one.error) for one in found.failed)
+def _failures(found: FleetSummary | FleetFigures) -> Iterator[Text]:
+    each = [*sorted(found.run.failed.items()), *((one.part, one.error) for one in found.failed)]
+    yield from (Text(said if part in said else f"{part}: {said}") for part, said in each)

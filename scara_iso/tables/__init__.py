@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         stated_unit as stated_unit,
     )
     from scara_iso.tables.statements import is_of_axes as is_of_axes
+    from scara_iso.tables.text import decode_text as decode_text
     from scara_iso.tables.write import write_table as write_table
 else:
     __getattr__ = face(__name__)

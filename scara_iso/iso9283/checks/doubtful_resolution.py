@@ -1,8 +1,9 @@
 """The stated resolution is not that of the readings.
 
-Where all readings lie on a grid five or more times as coarse as the stated resolution, the dial's
-step is larger than stated, and its uncertainty is computed too small; where they fall between the
-divisions, the dial is finer than stated, or the readings were converted or averaged. Correct
+Where all readings lie on steps twice as coarse as the stated resolution or coarser, the dial's step
+is larger than stated, and its uncertainty is computed too small: 0.0005 inch (0.0127 mm) stated as
+0.001 mm, or a last digit that only shows 0 and 5. Where they fall between the divisions, the dial
+is finer than stated, or the readings were converted or averaged. Look at the dial, and correct
 ``# resolution`` (it is in the table's unit unless one stands behind it).
 """
 
@@ -12,13 +13,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from scara_iso.dial import seen_step
 from scara_iso.iso9283.results import Finding, Measured
-from scara_iso.run import FloatArray
+from scara_iso.run import Axis, FloatArray
 
 CODE = "doubtful-resolution"
 BRIEF = "resolution is not as stated"
-_FEWEST_LEVELS = 4  # of random numbers, four differ by multiples of five or more once in fifty
-_COARSER = 5
+_FEWEST_LEVELS = 4  # fewer lie evenly by chance (benchmarks/coarse_dial.py)
+_COARSER = 2
 _TOLERANCE = 0.02
 _MOST_DIVISIONS = 1e9  # no dial counts farther, and beyond them a double loses the divisions
 
@@ -31,9 +33,10 @@ def check(measured: Measured) -> Iterator[Finding]:
         shifted = (axis.shown - axis.shown[0]) / axis.resolution
         divisions = np.unique(shifted, return_index=True)[0]  # without: imports masked arrays
         if np.any(np.abs(divisions - np.rint(divisions)) > _TOLERANCE):
-            seen = "readings fall between its divisions"
-        elif (step := _common_step(divisions)) >= _COARSER:
-            seen = f"all readings differ by multiples of {step * axis.resolution:g} {axis.unit}"
+            seen, advice = "readings fall between its divisions", ""
+        elif len(divisions) >= _FEWEST_LEVELS and (step := _step(axis, divisions)):
+            seen = f"all readings lie on steps of {step:.3g} {axis.unit}"
+            advice = f"look at the dial; if these are its steps, state {step:.3g} {axis.unit}"
         else:
             continue
         yield Finding(
@@ -42,11 +45,13 @@ def check(measured: Measured) -> Iterator[Finding]:
             f"a resolution of {axis.resolution:g} {axis.unit} is stated, and {seen}; "
             "uncertainty and interval rest on it",
             axis.name,
+            advice=advice,
         )
 
 
-def _common_step(divisions: FloatArray) -> int:
-    """Return the greatest common divisor of the readings' distances, 1 where they are too few."""
-    if len(divisions) < _FEWEST_LEVELS:
-        return 1
-    return int(np.gcd.reduce(np.rint(divisions).astype(np.int64)))
+def _step(axis: Axis, divisions: FloatArray) -> float:
+    """Return the step on which all readings lie if it is coarser than stated, else 0."""
+    stated = axis.resolution or 0.0
+    common = int(np.gcd.reduce(np.rint(divisions).astype(np.int64)))
+    step = max(seen_step(axis), common * stated)
+    return step if step > stated * (_COARSER - _TOLERANCE) else 0.0
