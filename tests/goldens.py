@@ -39,6 +39,7 @@ EFFECTS = {
     "random_walk": "random_walk@X:size=0.01",
     "outlier": "outlier@Y:size=0.2,at_cycle=9",
     "scatter_change": "scatter_change@X:ratio=4,at_cycle=16,scatter=0.004",
+    "overcorrection": "overcorrection@X:size=0.01,share=1",
 }
 DIALECTS = (
     "opto-rs232", "mitutoyo-mux", "mitutoyo-idh", "mitutoyo-uwave", "digimatic-hex",

@@ -145,7 +145,7 @@ def _beside_scatter(fitted: Fit) -> float:
     """Return how many times as wide as scatter it is together with the random courses."""
     drawn = [term.form.covariance for term in fitted.terms if isinstance(term.form, Process)]
     means = [covariance.trace() - covariance.mean() * len(covariance) for covariance in drawn]
-    return float(1 + sum(means) / max(1, len(fitted.predicted) - 1)) ** 0.5
+    return float(np.sqrt(1 + sum(means) / max(1, len(fitted.predicted) - 1)))
 
 
 def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:

@@ -134,6 +134,8 @@ def diagnose_problem(
         found_effects(problem, fitted, stages, problem.effects),
         _named(problem.residual, median(drawn)),
     )
+    stated = _stated_otherwise(problem, seed, level)
+    diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *stated))
     if diagnosis.verdict is Verdict.UNEXPLAINED:
         last = stages[-1].choice
         form = last.forms.get(UNKNOWN) if last and last.best == UNKNOWN else None
@@ -166,7 +168,6 @@ def _diagnosis(
         notes=(
             *problem.residual.notes,
             *_coarse(shares),
-            *_other_scatter(problem, fitted),
             *_misfit(problem, fitted, stages),
             *_next(problem, stages),
         ),
@@ -262,12 +263,16 @@ def _coarse(shares: Mapping[str, Shares]) -> list[str]:
     return [f"{', '.join(coarse)}: {said} of the variance is the dial's rounding: use a finer one"]
 
 
-def _other_scatter(problem: SearchProblem, fitted: Fit) -> list[str]:
-    """Return a note for each axis whose remaining scatter is not the one that was stated."""
-    left = (problem.residual.values - fitted.predicted).std(axis=0, ddof=1) * fitted.wider
-    known = np.zeros_like(left) if problem.sigma is None else problem.sigma
+def _stated_otherwise(problem: SearchProblem, seed: int, level: float) -> list[str]:
+    """Return a note for each axis whose scatter, where none is stated, is not the stated one."""
+    if problem.sigma is None or not problem.sigma.any():
+        return []
+    values = problem.residual.values
+    terms = find(replace(problem, sigma=None), np.random.default_rng(seed), level=level)[0]
+    fitted = fit(terms, values, problem.rows, len(problem.residual.conditions))
+    left = (values - fitted.predicted).std(axis=0, ddof=1) * fitted.wider
     return [
         f"{axis}: scatter {scatter:.3g}, not {stated:.3g} as stated: leave the stated one out"
-        for axis, scatter, stated in zip(problem.residual.axes, left, known, strict=True)
+        for axis, scatter, stated in zip(problem.residual.axes, left, problem.sigma, strict=True)
         if stated and not 1 / SAME_SCATTER < scatter / stated < SAME_SCATTER
     ]

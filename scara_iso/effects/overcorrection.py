@@ -19,7 +19,7 @@ def _left_alone(*, share: float) -> float:
 
 def _filtered(innovations: FloatArray, *, share: float) -> FloatArray:
     """Return readings whose variance becomes 1."""
-    course = np.sqrt(_left_alone(share=share)) * np.asarray(innovations, dtype=np.float64)
+    course: FloatArray = np.sqrt(_left_alone(share=share)) * innovations
     correction = np.zeros(course.shape[1:])
     for j in range(len(course)):
         course[j] += correction
