@@ -9,6 +9,8 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from functools import partial
+from multiprocessing import Pool
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +25,7 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from undeclared import FAMILIES, OUTCOMES, Family, outcome
 from undeclared.probe import DIVISION, Window, windows
 
-SEEDS = 40
+SEEDS = 300
 PAGE = page.DOCS / "appendix" / "diagnosis-undeclared.md"
 
 
@@ -32,7 +34,8 @@ def families() -> Iterator[str]:
     yield f"| made by | right names | {' | '.join(OUTCOMES)} | held-out error, after / before |"
     yield f"|---|---|{'---|' * (len(OUTCOMES) + 1)}"
     for family in FAMILIES:
-        found = [_diagnosed(family, seed) for seed in range(SEEDS)]
+        with Pool(2) as pool:
+            found = pool.map(partial(_diagnosed, family), range(SEEDS))
         counts = Counter(outcome(family, one) for one in found)
         shares = (f"{100 * counts[name] / SEEDS:.0f}" for name in OUTCOMES)
         names = ", ".join(sorted(family.names)) or ("nothing" if family.silent else "unexplained")

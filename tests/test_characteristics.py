@@ -255,7 +255,7 @@ def test_accuracy_of_an_axis_has_students_interval(rng):
 
 @given(st.integers(4, 400))
 def test_students_quantile(freedom):
-    assert _student(freedom) == pytest.approx(t.ppf(0.975, freedom), rel=0.004)
+    assert _student(freedom) == pytest.approx(t.ppf(0.975, freedom), rel=4e-4)
 
 
 def test_limits_by_code_and_by_pair(rng):

@@ -12,6 +12,7 @@ from scara_iso.tables import read_table
 from scara_iso.validation.result import ReferenceCheck
 
 _SOURCE = "ISO 9283 7.2: 30 cycles; the paper's 31st, run first and discarded"
+_FEW = "docs/repeatability.md: fewer than five cycles have no interval"
 _GONE = {"first_cycle_discarded": True}
 
 _GAP = [*range(1, 10), *range(12, 32)]
@@ -25,6 +26,10 @@ _CASES: tuple[tuple[str, Sequence[int], Mapping[str, Any], str], ...] = (
     ("30 run, rows from 2", range(2, 32), {"cycles": 30, **_GONE}, "none discarded, 30 used"),
     ("30 run, all count", range(1, 31), {"all_count": True}, "none discarded, 30 used"),
     ("20 run", range(1, 21), {"cycles": 20}, "1 discarded, 19 used"),
+    ("one cycle missing", [*range(1, 10), *range(11, 32)], {}, "refused: cycle 10 is missing"),
+    ("one cycle left", [1, 2], {"cycles": 2},
+     "refused: 1 cycle counts: no scatter can be computed"),
+    ("two cycles left", [1, 2, 3], {"cycles": 3}, "1 discarded, 2 used"),
     ("a gap", _GAP, {}, "refused: cycles 10 to 11 are missing"),
     ("a gap, allowed", _GAP, {"allow_gaps": True}, "1 discarded, 28 used, 10 to 11 missing"),
     ("from 4, gaps allowed", range(4, 32), {"allow_gaps": True},
@@ -40,6 +45,11 @@ def rule_checks() -> Iterator[ReferenceCheck]:
         if expected.startswith("refused") and expected in obtained:
             obtained = expected
         yield ReferenceCheck("procedure", name, _SOURCE, expected, obtained)
+    for n, expected in ((4, "none"), (5, "an interval")):
+        (pose,) = analyze(read_table(_table(range(1, n + 2))), cycles=n + 1).poses
+        interval = pose.axes["X"].RP_interval
+        obtained = "none" if interval is None else "an interval"
+        yield ReferenceCheck("procedure", f"interval of {n} cycles", _FEW, expected, obtained)
     for limit, verdict in ((0.05, "pass"), (0.01, "not-provable"), (0.002, "fail")):
         (check,) = analyze(read_table(_table(range(1, 32))), limits={"X": limit}).limits
         name = f"RP X against {limit:g} mm"

@@ -7,6 +7,7 @@ tests/oracles/vectors.py made it, in plain Python that shares nothing with the p
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -49,6 +50,8 @@ def _compared(
         wanted += [(", low", figure["interval"][0], low), (", high", figure["interval"][1], high)]
     if figure["u"] is not None:
         wanted.append((", u", figure["u"], None if one is None else one.estimate.u))
+        parts = None if one is None else math.hypot(*one.estimate.parts.values())
+        wanted.append((", its parts", figure["u"], parts))
     for part, expected, obtained in wanted:
         yield ReferenceCheck(
             "characteristics",

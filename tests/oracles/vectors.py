@@ -159,6 +159,20 @@ def one_pose():
     return {"one_pose.csv": table(head, columns)}, None, found
 
 
+def five_readings():
+    """As few as have an interval: RP, and AP with Student's quantile of four degrees of freedom."""
+    counts = [12, 3, -4, 9, 1]
+    used = [count / 1000 for count in counts]
+    columns = {"cycle": [str(k) for k in range(1, 7)], "X": texts([40, *counts])}
+    reading_u = 0.001 / math.sqrt(12)
+    ends = student_mean(used, reading_u, mean(used))
+    found = [scatter("X", [used], [0.001]),
+             figure("AP", "X", mean(used), ends, of_mean(used, reading_u), clause="7.2.1",
+                    tolerance=4e-6)]  # fmt: skip
+    head = ["unit: mm", "resolution: 0.001", "dial_zero: command", "command_X: 0"]
+    return {"five_readings.csv": table(head, columns)}, 6, found
+
+
 def two_poses_in_inches():
     """P1 and P2 in each cycle on one scale, in inches: RD and AD."""
     rng = random.Random(2)
@@ -461,6 +475,12 @@ def push_with_scatter():
         found.append(figure(code, "reading", value, (value - reach, value + reach),
                             math.hypot(error, added), unit=unit, clause="10 and service manuals",
                             tolerance=2e-6 * abs(value)))  # fmt: skip
+    by_reading = {one["code"]: one for one in found}["compliance"]
+    C, u, (low, high) = (by_reading[name] for name in ("value", "u", "interval"))
+    whole = 100 * 0.25 / (60 * math.degrees(1 / 250))
+    found.append(figure("stiffness", "joint", whole / C, (whole / high, whole / low),
+                        whole * u / C**2, unit="N m/arcmin", clause="10 and service manuals",
+                        tolerance=2e-6 * whole / C))  # fmt: skip
     head = ["unit: mm", "resolution: 0.001"]
     return {"push_with_scatter.csv": table(head, columns)}, None, found
 
@@ -470,7 +490,7 @@ def _along(covariance, slope):
     return math.sqrt(sum(slope[j] * covariance[j][k] * slope[k] for j in size for k in size))
 
 
-VECTORS = (one_pose, two_poses_in_inches, three_directions, two_directions, drift,
+VECTORS = (one_pose, five_readings, two_poses_in_inches, three_directions, two_directions, drift,
            drift_of_scatter, arrivals, force,
            robots, coarse_dial, past_a_full_turn, push, push_with_scatter)  # fmt: skip
 

@@ -39,6 +39,24 @@ def zeroed_again(rng):
         return replace(read_table(Path(folder) / "run.csv"), metadata={})
 
 
+def zeroed_each_time(rng):
+    """Somebody presses the zero key after every reading: each is how far it is from the last."""
+    attained = rng.normal(0, SCATTER, CYCLES + 1)
+    return on_dial(rng, {"X": np.diff(attained)}, scatter=0.0)
+
+
+def taught_again(rng):
+    """The pose is taught again after every reading, by what it was off to 2 um; X and Z are."""
+    courses = {}
+    for name in "XZ":
+        taught, shown = 0.0, []
+        for scatter in rng.normal(0, 2 * SCATTER, CYCLES):
+            shown.append(taught + scatter)
+            taught -= 0.002 * np.round(shown[-1] / 0.002)
+        courses[name] = np.array(shown)
+    return on_dial(rng, courses, scatter=0.0)
+
+
 def digit_slip(rng):
     """One reading written down with its second decimal wrong, or two digits exchanged."""
     run = on_dial(rng, {"X": np.zeros(CYCLES), "Z": np.zeros(CYCLES)})

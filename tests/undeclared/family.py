@@ -56,6 +56,8 @@ FAMILIES = (
     ),
     _of(thermal.thermostat, "periodic"),
     _of(bench_work.zeroed_again, "step"),
+    _of(bench_work.zeroed_each_time, "overcorrection"),
+    _of(bench_work.taught_again, "overcorrection"),
     _of(bench_work.digit_slip, "outlier"),
     _of(chance.scatter_doubles, "scatter_change"),
     _of(chance.comes_loose, "scatter_change"),
