@@ -27,6 +27,8 @@ _CASES: tuple[tuple[str, Sequence[int], Mapping[str, Any], str], ...] = (
     ("30 run, all count", range(1, 31), {"all_count": True}, "none discarded, 30 used"),
     ("20 run", range(1, 21), {"cycles": 20}, "1 discarded, 19 used"),
     ("one cycle missing", [*range(1, 10), *range(11, 32)], {}, "refused: cycle 10 is missing"),
+    ("one cycle missing, allowed", [*range(1, 10), *range(11, 32)], {"allow_gaps": True},
+     "1 discarded, 29 used, 10 to 10 missing"),
     ("one cycle left", [1, 2], {"cycles": 2},
      "refused: 1 cycle counts: no scatter can be computed"),
     ("two cycles left", [1, 2, 3], {"cycles": 3}, "1 discarded, 2 used"),
