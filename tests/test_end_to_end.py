@@ -78,6 +78,7 @@ CASES = (
     Case("compliance@Y:size=0.007", ("payload_kg",)),
     Case("coast_in_gap@X,Y:size=0.03,full_at=60", ("speed", "payload_kg")),
     Case("random_walk@X,Y:size=0.012", (), CHANCE, carries_over=False, seeds=(5, 10)),
+    Case("overcorrection@X,Y:size=0.016,share=1", (), CHANCE, carries_over=False, seeds=(4, 9)),
     Case("outlier@X:size=0.3,at_cycle=9", (), "does not hold the outlier", carries_over=False),
     Case("scatter_change@X,Y:at_cycle=15,ratio=8,scatter=0.006", (), CHANCE, carries_over=False),
     Case("resolution@X,Y:division=0.002", (), "none was found to declare"),

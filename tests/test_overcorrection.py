@@ -73,6 +73,29 @@ def test_readings_that_nobody_corrects_repeat_better_by_as_much_as_theory_says()
     assert np.mean(shares) == pytest.approx(0.5, abs=0.1)
 
 
+@pytest.mark.parametrize("name", ["overcorrection", "random_walk"])
+def test_a_random_course_is_of_the_axes_that_show_it(name):
+    alone = 0
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        moved = corrected(rng, 1.0, 60) if name == "overcorrection" else 3 * rng.normal(size=60)
+        moved = np.cumsum(moved) if name == "random_walk" else moved
+        other = 4 * rng.normal(size=60)
+        axes = {"X": moved + rng.normal(size=60), "Z": other}
+        run = Run(
+            np.arange(2, 62), {n: Axis(n, np.round(y), resolution=1.0) for n, y in axes.items()}
+        )
+        found = diagnose_readings(run)
+        if [one.effect for one in found.effects] != [name]:
+            continue
+        alone += found.effects[0].axes == ("X",)
+        assert set(found.effects[0].parameters["size"]) == set(found.effects[0].axes)
+        if found.effects[0].axes == ("X",):
+            assert found.shares["Z"].effects == pytest.approx(0, abs=1e-9)
+            assert found.scatter["Z"] == pytest.approx(np.round(other).std(ddof=1), rel=0.2)
+    assert alone >= 3
+
+
 @pytest.mark.parametrize(
     ("name", "filtered"),
     [

@@ -141,11 +141,14 @@ def scatter_draws(
     return np.stack(found, axis=1) / shown
 
 
-def _beside_scatter(fitted: Fit) -> float:
-    """Return how many times as wide as scatter it is together with the random courses."""
-    drawn = [term.form.covariance for term in fitted.terms if isinstance(term.form, Process)]
-    means = [covariance.trace() - covariance.mean() * len(covariance) for covariance in drawn]
-    return float(np.sqrt(1 + sum(means) / max(1, len(fitted.predicted) - 1)))
+def _beside_scatter(fitted: Fit) -> FloatArray:
+    """Return how many times as wide as scatter (axes,) it is together with the random courses."""
+    n, variance = len(fitted.predicted), np.ones(fitted.predicted.shape[1])
+    for term in fitted.terms:
+        if isinstance(term.form, Process):
+            drawn = term.form.covariance
+            variance += term.moves * (drawn.trace() - drawn.mean() * n) / max(1, n - 1)
+    return np.sqrt(variance)
 
 
 def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:

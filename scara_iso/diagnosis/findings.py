@@ -124,7 +124,7 @@ def _parameters(
             return dict(form.parameters)
         case Process():
             size = left.std(axis=0, ddof=1) * form.scale * form.amplitude
-            sized = dict(zip(residual.axes, map(float, size), strict=True))
+            sized = {residual.axes[a]: float(size[a]) for a in np.flatnonzero(term.moves)}
             return {**form.parameters, effect.size_name: sized}
         case _:
             return {}

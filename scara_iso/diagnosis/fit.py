@@ -16,6 +16,7 @@ from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _SWEEPS = 20
+_TINY = 1e-300
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -60,13 +61,18 @@ class Fit:
 def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
     """Return the term with the axes that ``form`` moves in ``values`` (rows, axes).
 
-    An axis takes part where its own Bayes factor speaks for it; the one with the largest always
-    does.
+    An axis takes part where its own Bayes factor speaks for it, of a course under the g-prior, of
+    a random one by its restricted likelihood; the one with the largest always does.
     """
-    axes = values.shape[1]
-    if not isinstance(form, Shape):
-        return Term(effect, form, np.ones(axes, dtype=bool))
-    log_bf = log_bayes_of_course(form.columns[rows], basis, values)
+    if isinstance(form, Shape):
+        log_bf = log_bayes_of_course(form.columns[rows], basis, values)
+    elif isinstance(form, Process):
+        free, among = _beside(form.covariance[np.ix_(rows, rows)], values, basis)
+        share = _squares(among, free) / np.maximum((free**2).sum(axis=0), _TINY)
+        nu, log_size = len(rows) - basis.shape[1], np.linalg.slogdet(among)[1]
+        log_bf = -nu / 2 * np.log(np.maximum(share, _TINY)) - log_size / 2
+    else:
+        return Term(effect, form, np.ones(values.shape[1], dtype=bool))
     return Term(effect, form, (log_bf > np.log(TAKES_PART)) | (log_bf == log_bf.max()))
 
 
@@ -126,9 +132,12 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
     wider = cured = np.ones(axes)
     for i, term in enumerate(terms):
         if isinstance(term.form, Process):
-            parts[i] = _kriged(term.form.covariance, left, rows)
-            wider = _wider(term.form.covariance, left, parts[i], rows, fitted_basis(terms, rows))
-            cured = wider * (1 + term.form.variance * term.form.stays) ** 0.5
+            parts[i] = _kriged(term.form.covariance, left, rows) * term.moves
+            among = term.form.covariance[np.ix_(rows, rows)]
+            much = _wider(among, left, parts[i][rows], fitted_basis(terms, rows))
+            wider = np.where(term.moves, much, 1.0)
+            stays = 1 + term.form.variance * term.form.stays
+            cured = wider * np.where(term.moves, stays, 1.0) ** 0.5
     predicted = pose + sum(parts, np.zeros((n, axes)))
     return Fit(tuple(terms), predicted, tuple(coefficients), tuple(parts), wider, cured)
 
@@ -202,19 +211,29 @@ def _kriged(covariance: FloatArray, left: FloatArray, rows: IntArray) -> FloatAr
     return np.asarray(covariance[:, rows] @ np.linalg.solve(among, left))
 
 
+def _beside(
+    covariance: FloatArray, values: FloatArray, basis: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what of values (rows, axes) and of I + a covariance is beside ``basis``."""
+    free = values - basis @ (basis.T @ values)
+    among = covariance - basis @ (basis.T @ covariance)
+    return free, among - (among @ basis) @ basis.T + np.eye(len(values))
+
+
+def _squares(among: FloatArray, free: FloatArray) -> FloatArray:
+    """Return the squares (axes,) of values (rows, axes) of covariance ``among``, made even."""
+    return np.asarray((free * np.linalg.solve(among, free)).sum(axis=0))
+
+
 def _wider(
-    covariance: FloatArray, left: FloatArray, course: FloatArray, rows: IntArray, basis: FloatArray
+    covariance: FloatArray, left: FloatArray, course: FloatArray, basis: FloatArray
 ) -> FloatArray:
     """Return how many times as wide (axes,) scatter is as what a random course leaves.
 
     ``left`` (rows, axes) is what the known courses leave, which ``basis`` holds. The scatter is
     that of the largest restricted likelihood (Patterson and Thompson 1971).
     """
-    free = left - basis @ (basis.T @ left)
-    among = covariance[np.ix_(rows, rows)]
-    among = among - basis @ (basis.T @ among)
-    among = among - (among @ basis) @ basis.T + np.eye(len(rows))
-    squares = (free * np.linalg.solve(among, free)).sum(axis=0)
-    narrow = left - course[rows]
+    free, among = _beside(covariance, left, basis)
+    narrow = left - course
     narrow = narrow - narrow.mean(axis=0)
-    return np.asarray(np.sqrt(squares / np.maximum((narrow**2).sum(axis=0), 1e-300)))
+    return np.asarray(np.sqrt(_squares(among, free) / np.maximum((narrow**2).sum(axis=0), _TINY)))
