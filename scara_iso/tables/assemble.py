@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.condition_columns import UNITS, unit_of_condition
 from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
@@ -15,7 +16,7 @@ from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.header import called, check_header_names, said_sizes
+from scara_iso.tables.header import called, check_header_names, said_sizes, said_units
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import Column, Kind
@@ -25,10 +26,6 @@ from scara_iso.tables.statements import Scale, is_of_axes, read_scales
 from scara_iso.tables.text import Row
 
 _NOTES = 50
-_IN_NAMES = frozenset(
-    ["N", "kN", "kg", "g", "C", "K", "s", "ms", "min", "h", "mm", "um", "bar", "V", "A", "Nm"]
-)
-"""Units that end the name of a covariate, as in force_N."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +63,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
     notes += [f"{called(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
+    notes += said_units(layout)
     notes += said_sizes(layout)
     notes += columns.beside[:_NOTES] + body.notes
     understood = "; ".join(
@@ -96,9 +94,9 @@ def _field(column: Column, layout: Layout, units: Mapping[str, str]) -> TableFie
 
 def _check_covariates(columns: Columns, faults: Faults) -> None:
     for column, seen in columns.units.items():
-        named = column.name.rpartition("_")[2]
-        other = [unit for unit in seen if unit and unit.lstrip("° ") != named]
-        if column.kind is Kind.COVARIATE and named in _IN_NAMES and other:
+        named = unit_of_condition(column.unit)
+        other = [unit for unit in seen if unit and unit_of_condition(unit) != named]
+        if column.kind is Kind.COVARIATE and named in UNITS and other:
             faults.add(
                 f"{column.name}: {quoted(other[0])} behind a value",
                 seen[other[0]],
@@ -140,7 +138,7 @@ def _run(
 ) -> Run:
     layout = columns.layout
     metadata = {key: s.value for key, s in statements.items() if not is_of_axes(key)}
-    covariates = {c.name: columns.numbers(c) for c in layout.of(Kind.COVARIATE)}
+    covariates = {c.name: _recorded(c, columns) for c in layout.of(Kind.COVARIATE)}
     pose = find_pose(columns, covariates)
     commands = find_commands(columns, scales, pose, metadata, faults)
     axes = {
@@ -163,6 +161,11 @@ def _run(
         origin=Origin(faults.where),
         direction=direction,
     ).unwrapped()
+
+
+def _recorded(column: Column, columns: Columns) -> FloatArray:
+    values = columns.numbers(column)
+    return values if column.condition is None else column.condition.to_base(values)
 
 
 def _corrected(run: Run, faults: Faults) -> Run:

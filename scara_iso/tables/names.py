@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from enum import Enum
 from functools import lru_cache
 
+from scara_iso.condition_columns import (
+    UNITS,
+    RecordedCondition,
+    find_condition,
+    unit_in_heading,
+    unit_of_condition,
+)
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES, read_direction
 from scara_iso.quantities import Unit, find_unit
@@ -44,6 +51,8 @@ class Column:
     name: str
     unit: str = ""
     position: int = 0
+    condition: RecordedCondition | None = None
+    """What a covariate records, where its name or its unit says so."""
 
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
@@ -84,19 +93,7 @@ _KINDS = {
         Kind.COMMENT,
     ),
 }  # fmt: skip
-_COVARIATES = {
-    "time_s": "time_s", "t_s": "time_s", "zeit_s": "time_s", "temperature_c": "temperature_C",
-    "temperatur_c": "temperature_C", "payload_kg": "payload_kg",
-    "speed": "speed",
-}  # fmt: skip
-_LIKE_COVARIATES = {
-    **dict.fromkeys(("temp_c", "t_c", "raumtemperatur_c", "lufttemperatur_c",
-                     "umgebungstemperatur_c", "ambient temperature_c"), "temperature_C"),
-    **dict.fromkeys(("load_kg", "last_kg", "nutzlast_kg"), "payload_kg"),
-}  # fmt: skip
-"""Names that mean a covariate where no other column does."""
-_CELSIUS = re.compile(r"(?:deg|grad) ?c(?:elsius)?|celsius")
-COVARIATES = frozenset(_COVARIATES.values())
+COVARIATES = frozenset({"time_s", "temperature_C", "payload_kg", "speed"})
 """Covariates that have a meaning, so their cells must be numbers."""
 _SPLITS = (
     re.compile(r"(.*?) ?[\[({<]([^\[\](){}<>]*)[\])}>]"),
@@ -174,22 +171,26 @@ def _one_of(unit: str, below: str) -> str:
 def _other_column(text: str, unit_below: str) -> Column:
     match = _SPLITS[0].fullmatch(text)
     stem, unit = (match[1], match[2]) if match else (text, "")
-    unit = (unit or unit_below).replace("°", "").strip(" -")
-    known = next((_COVARIATES[k] for k in _keys(text, unit_below) if k in _COVARIATES), None)
-    if known:
-        return Column(Kind.COVARIATE, known)
+    unit = (unit or unit_below).strip(" -")
+    stated = _condition_unit(text, unit_below)
+    condition = find_condition(text, unit_below)
+    if condition and condition.sure:
+        return Column(Kind.COVARIATE, condition.name, stated, condition=condition)
     kind = _KINDS.get(re.sub(r"[ ._:-]+", " ", stem.lower()).strip())
     if kind is None or (kind is Kind.OPEN and unit):
-        return Column(Kind.COVARIATE, re.sub(rf"^'(?=['{re.escape(FORMULA)}])", "", text))
+        name = "speed" if text.lower() == "speed" else text
+        name = re.sub(rf"^'(?=['{re.escape(FORMULA)}])", "", name)
+        return Column(Kind.COVARIATE, name, stated)
     return Column(kind, kind.value)
 
 
-def _keys(text: str, unit_below: str) -> Iterator[str]:
-    """Yield name and unit as ``temperature_c``, of each way to part them."""
-    found = [match.groups() for pattern in _SPLITS if (match := pattern.fullmatch(text))]
-    for name, stated in [*found, (text, unit_below)]:
-        stem, unit = name.lower().rstrip(". "), stated.replace("°", "").strip(" -").lower()
-        yield f"{stem}_{'c' if _CELSIUS.fullmatch(unit) else unit}" if unit else stem
+def _condition_unit(text: str, below: str) -> str:
+    """Return the unit of a covariate, of its heading or the unit row; both where they differ."""
+    unit = unit_in_heading(text)
+    both = [unit_of_condition(unit), unit_of_condition(below)]
+    if unit and both[1] in UNITS and both[0] != both[1]:
+        return f"{unit} over {below}"
+    return unit or below
 
 
 def read_names(cells: list[str], units: list[str]) -> list[Column]:
@@ -211,7 +212,6 @@ def read_names(cells: list[str], units: list[str]) -> list[Column]:
             else c
             for c in columns
         ]
-    columns = _with_likely(columns, cells, units)
     poses = [c.position for c in columns if c.kind is Kind.POSE]
     proper = [k for k in poses if clean(cells[k]).lower().startswith("pose")]
     if len(poses) > 1 and len(proper) == 1:
@@ -220,32 +220,42 @@ def read_names(cells: list[str], units: list[str]) -> list[Column]:
     return columns
 
 
-def _with_likely(columns: list[Column], cells: list[str], units: list[str]) -> list[Column]:
-    """Return the columns with a name like ``Temp (C)`` as what it means, where no other is that."""
-    likely = {
-        c.position: _LIKE_COVARIATES[key]
-        for c in columns if c.kind is Kind.COVARIATE
-        for key in _keys(clean(cells[c.position]), clean(units[c.position]))
-        if key in _LIKE_COVARIATES
-    }  # fmt: skip
-    found = Counter([*(c.name for c in columns), *likely.values()])
-    sure = {k: name for k, name in likely.items() if found[name] == 1}
-    return [replace(c, name=sure.get(c.position, c.name)) for c in columns]
-
-
 def settle(column: Column, name: str, first: str) -> Column:
-    """Return what a column that is left open is, by its first cell: numbers, stamps or a note."""
+    """Return what a column that is left open is, by its first cell: numbers, stamps or a note.
+
+    A covariate without a unit has the one behind its first number.
+    """
     if column.kind is Kind.APPROACH:
         labelled = read_direction(first) is not None
         return replace(column, kind=Kind.DIRECTION if labelled else Kind.COVARIATE)
-    if column.kind is Kind.TIMESTAMP and parse_cell(first) is None:
-        return column
+    number = parse_cell(first)
+    if number is not None and column.kind is Kind.COVARIATE and not column.condition:
+        return replace(column, unit=column.unit or number.unit)
     if column.kind not in (Kind.OPEN, Kind.TIMESTAMP):
         return column
-    if parse_cell(first) is not None:
-        return replace(column, kind=Kind.COVARIATE, name=clean(name))
+    if number is not None:
+        return replace(column, kind=Kind.COVARIATE, name=clean(name), unit=number.unit)
+    if column.kind is Kind.TIMESTAMP:
+        return column
     kind = Kind.TIMESTAMP if read_timestamp(first) else Kind.COMMENT
     return replace(column, kind=kind, name=clean(name))
+
+
+def with_likely(columns: Sequence[Column], cells: Sequence[str]) -> tuple[Column, ...]:
+    """Return the columns with a name like ``Temp (C)`` as what it means, where no other is that."""
+    likely = {
+        k: condition
+        for k, (c, cell) in enumerate(zip(columns, cells, strict=True))
+        if c.kind is Kind.COVARIATE and c.condition is None
+        if (condition := find_condition(clean(cell), c.unit))
+    }  # fmt: skip
+    others = ("time_s" if c.kind is Kind.TIMESTAMP else c.name for c in columns)
+    found = Counter([*others, *(one.name for one in likely.values())])
+    sure = {k: one for k, one in likely.items() if found[one.name] == 1}
+    return tuple(
+        replace(c, name=sure[k].name, condition=sure[k]) if k in sure else c
+        for k, c in enumerate(columns)
+    )  # fmt: skip
 
 
 _GERMAN = re.compile(

@@ -1,0 +1,81 @@
+"""A column of time, temperature or load is in seconds, °C or kg in a run, whatever its unit was."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from scara_iso import Run, read_table
+from scara_iso.errors import DataError
+from scara_iso.tables import write_table
+
+
+def table(heading, below="", cell="{}", step=1.0):
+    rows = "".join(f"{k},0.1{k:02},{cell.format(round(step * k, 6))}\n" for k in range(1, 32))
+    return f"cycle,X,{heading}\n,mm,{below}\n{rows}".encode()
+
+
+@pytest.mark.parametrize(
+    ("heading", "below", "cell", "name", "first", "last"),
+    [
+        ("time [min]", "", "{}", "time_s", 60, 1860),
+        ("Zeit", "min", "{}", "time_s", 60, 1860),
+        ("time_min", "", "{}", "time_s", 60, 1860),
+        ("Elapsed (ms)", "", "{}", "time_s", 0.001, 0.031),
+        ("Zeit in h", "", "{}", "time_s", 3600, 31 * 3600),
+        ("t", "Sekunden", "{}", "time_s", 1, 31),
+        ("Zeit", "", "{} min", "time_s", 60, 1860),
+        ("time_s", "sec", "{}", "time_s", 1, 31),
+        ("temperature_F", "", "{}", "temperature_C", -31 / 1.8, -1 / 1.8),
+        ("Temperature", "°F", "{}", "temperature_C", -31 / 1.8, -1 / 1.8),
+        ("Raumtemperatur", "", "{} °F", "temperature_C", -31 / 1.8, -1 / 1.8),
+        ("temperature_base_F", "", "{}", "temperature_base_C", -31 / 1.8, -1 / 1.8),
+        ("Temperatur [K]", "", "{}", "temperature_C", 1 - 273.15, 31 - 273.15),
+        ("payload", "g", "{}", "payload_kg", 0.001, 0.031),
+        ("time_s", "-", "{}", "time_s", 1, 31),
+        ("force_N", "N", "{}", "force_N", 1, 31),
+        ("Sensor A", "V", "{}", "Sensor A", 1, 31),
+    ],
+)
+def test_a_condition_is_converted_to_the_unit_of_a_run(heading, below, cell, name, first, last):
+    run = read_table(table(heading, below, cell))
+    assert list(run.covariates) == [name]
+    assert run.covariates[name][[0, -1]] == pytest.approx([first, last])
+    said = any("is converted to" in note for note in run.origin.notes)
+    assert said == (first not in (1, 31))
+
+
+@pytest.mark.parametrize(
+    ("heading", "below", "cell", "said"),
+    [
+        ("time_s", "min", "{}", "line 1, column 3: 'time_s' is in s, the unit row says min"),
+        ("time [min]", "s", "{}", "'time \\[min\\]' is in min, the unit row says s"),
+        ("temperature_C", "°F", "{}", "is in C, the unit row says °F"),
+        ("force [N]", "kN", "{}", "is in N, the unit row says kN"),
+        ("time [min]", "", "{} s", "line 3, column 3: time_s: 's' behind a value"),
+        ("Temperature", "°C", "{} °F", "'°F' behind a value"),
+    ],
+)
+def test_two_units_of_one_condition_are_refused(heading, below, cell, said):
+    with pytest.raises(DataError) as refused:
+        read_table(table(heading, below, cell))
+    text = " ".join([str(refused.value), *refused.value.fault_lines()])
+    assert re.search(said, text), text
+
+
+def test_of_two_columns_of_time_the_one_in_seconds_is_the_clock():
+    rows = "".join(f"{k},0.1{k:02},{k},{k / 60:.4f}\n" for k in range(1, 32))
+    run = read_table(f"cycle,X [mm],time_s,Zeit [min]\n{rows}".encode())
+    assert [*run.covariates] == ["time_s", "Zeit [min]"]
+    assert read_table(write_table(run).encode()).covariates.keys() == run.covariates.keys()
+
+
+def test_a_data_frame_is_converted_too():
+    frame = pd.DataFrame({"X": np.arange(31) / 1000, "time_min": np.arange(31.0),
+                          "temperature_F": np.full(31, 68.0)})  # fmt: skip
+    run = Run.from_frame(frame, unit="mm")
+    assert run.covariates["time_s"][-1] == 1800
+    assert run.covariates["temperature_C"][0] == pytest.approx(20)
+    with pytest.raises(DataError, match="'time_min' is time_s too"):
+        Run.from_frame(frame.assign(time_s=1.0), unit="mm")
