@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -26,6 +27,8 @@ from scara_iso.tables.statements import Scale, is_of_axes, read_scales
 from scara_iso.tables.text import Row
 
 _NOTES = 50
+_DIRECTION = re.compile("direction|richtung")
+_SIGNS = (-1, 0, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +53,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     sizes = [stated.value for key, stated in statements.items() if is_of_axes(key)]
     check_marks(columns, options.decimal, faults, sizes)
     _check_covariates(columns, faults)
+    _check_directions(columns, faults)
     body.check_blocks()
     lines = columns.all_lines()
     if not len(lines) and not faults.total:
@@ -111,6 +115,20 @@ def _check_covariates(columns: Columns, faults: Faults) -> None:
                 line,
                 column.position + 1,
                 remedy="write the unit once, in the column's name, and plain numbers below it",
+            )
+
+
+def _check_directions(columns: Columns, faults: Faults) -> None:
+    """Refuse an axis called a direction whose numbers are nothing but signs."""
+    for column in columns.layout.of(Kind.AXIS):
+        heading = columns.layout.header[column.position]
+        if _DIRECTION.search(heading.lower()) and np.isin(columns.numbers(column), _SIGNS).all():
+            faults.add(
+                f"{quoted(heading)} holds +1, 0 and -1 only: directions, no readings",
+                columns.layout.header_line,
+                column.position + 1,
+                remedy=f"call it approach where it says from which side; {column.name} "
+                "where these are readings",
             )
 
 

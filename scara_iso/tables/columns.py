@@ -179,6 +179,8 @@ class Columns:
         return number.value
 
     def _remedy(self, column: Column, cell: str) -> str:
+        if column.kind is Kind.COVARIATE and read_direction(cell):
+            return "call the column approach"
         if column.kind is Kind.COVARIATE:
             return "remove the column, or call it comment"
         numbered = bool(self.layout.of(Kind.CYCLE))

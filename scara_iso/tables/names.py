@@ -81,7 +81,8 @@ _CYCLE = _CYCLE_PROPER | {
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),
     **dict.fromkeys(POSE_NAMES, Kind.POSE),
-    "approach": Kind.APPROACH,
+    **dict.fromkeys(("approach", "approach direction", "direction of approach", "anfahrrichtung"),
+                    Kind.APPROACH),
     **dict.fromkeys(("timestamp", "time stamp", "zeitstempel", "datetime", "date time"),
                     Kind.TIMESTAMP),
     **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit", "fecha", "hora", "日期", "时间"),

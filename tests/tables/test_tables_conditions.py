@@ -79,3 +79,26 @@ def test_a_data_frame_is_converted_too():
     assert run.covariates["temperature_C"][0] == pytest.approx(20)
     with pytest.raises(DataError, match="'time_min' is time_s too"):
         Run.from_frame(frame.assign(time_s=1.0), unit="mm")
+
+
+@pytest.mark.parametrize("heading", ["X direction", "X-Richtung [mm]"])
+def test_signs_under_a_heading_of_a_direction_are_no_readings(heading):
+    def with_cells(cells):
+        rows = "".join(f"{k},{cells[k % 2]},0.1{k:02}\n" for k in range(1, 32))
+        return f"# unit: mm\ncycle,{heading},Y\n{rows}".encode()
+
+    with pytest.raises(DataError) as refused:
+        read_table(with_cells(["+1", "-1"]))
+    assert "line 2, column 2" in "".join(refused.value.fault_lines())
+    assert "call it approach" in refused.value.remedy
+    assert [*read_table(with_cells(["0.9", "-1"])).axes] == ["X", "Y"]
+
+
+def test_a_direction_of_approach_is_one_by_its_german_name():
+    rows = "".join(f"{k},{'+-'[k % 2]}x,0.1{k:02}\n" for k in range(1, 32))
+    run = read_table(f"# unit: mm\ncycle,Anfahrrichtung,X\n{rows}".encode())
+    assert set(run.direction) == {"+x", "-x"}
+    called = f"# unit: mm\ncycle,direction,X\n{rows}".encode()
+    with pytest.raises(DataError) as refused:
+        read_table(called)
+    assert refused.value.remedy == "call the column approach"
