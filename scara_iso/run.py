@@ -254,10 +254,10 @@ class Run(Displayed):
         the readings as poses do.
         """
         kept = frame.attrs.get("axes", {})
-        check_axes(frame, AXES, kept, unit)
-        given = {"unit": unit, "resolution": resolution}
         values = {str(name): frame[name] for name in frame.columns}
         named = pose_column(values)
+        check_axes(frame, AXES, kept, unit)
+        given = {"unit": unit, "resolution": resolution}
         pose = None if named is None else values.pop(named).to_numpy(dtype=str)
         direction = pop_direction(values)
         numbers = of_base_units({name: numbers_of(name, column) for name, column in values.items()})
