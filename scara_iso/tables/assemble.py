@@ -23,7 +23,7 @@ from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
-from scara_iso.tables.statements import Scale, is_of_axes, read_scales
+from scara_iso.tables.statements import Scale, is_of_axes, of_no_axis, read_scales
 from scara_iso.tables.text import Row
 
 _NOTES = 50
@@ -67,6 +67,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
     notes += [f"{called(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
+    notes += of_no_axis(statements, run.axes)
     notes += said_units(layout)
     notes += said_sizes(layout)
     notes += columns.beside[:_NOTES] + body.notes

@@ -1,4 +1,7 @@
-"""A column of time, temperature or load is in seconds, °C or kg in a run, whatever its unit was."""
+"""What a column of time, temperature or signs means in a run, and a size of what no axis is in.
+
+A condition is in seconds, °C or kg there, whatever its unit was.
+"""
 
 import re
 
@@ -102,3 +105,33 @@ def test_a_direction_of_approach_is_one_by_its_german_name():
     with pytest.raises(DataError) as refused:
         read_table(called)
     assert refused.value.remedy == "call the column approach"
+
+
+@pytest.mark.parametrize(
+    ("head", "axis"),
+    [
+        ("# resolution: 0.01 deg\n# unit: mm", "X"),
+        ("# indicator_uncertainty: 0.01 deg\n# unit: mm", "X"),
+        ("# resolution: 0.001 mm\n# unit: deg", "theta"),
+    ],
+)
+def test_a_size_in_a_unit_that_no_axis_is_in_is_refused(head, axis):
+    rows = "".join(f"{k},0.1{k:02}\n" for k in range(1, 32))
+    with pytest.raises(DataError, match="no axis is in such a unit") as refused:
+        read_table(f"{head}\ncycle,{axis}\n{rows}".encode())
+    assert "line 1" in "".join(refused.value.fault_lines())
+
+
+def test_a_size_of_the_option_in_a_unit_that_no_axis_is_in_is_refused():
+    rows = "".join(f"{k},0.1{k:02}\n" for k in range(1, 32))
+    with pytest.raises(DataError) as refused:
+        read_table(f"cycle,X [mm]\n{rows}".encode(), unit="deg", resolution=0.01)
+    assert "let `unit=` be a unit of the readings" in refused.value.remedy
+
+
+def test_a_statement_about_an_axis_that_is_not_there_is_said():
+    rows = "".join(f"{k},0.1{k:02}\n" for k in range(1, 32))
+    head = "# unit: mm\n# resolution_Y: 0.001\n# command_z[P2]: 3\n# resolution_X: 0.001\n"
+    notes = read_table(f"{head}cycle,X\n{rows}".encode()).origin.notes
+    assert notes == ("resolution_y not used: there is no axis Y",
+                     "command_z[p2] not used: there is no axis Z")  # fmt: skip
