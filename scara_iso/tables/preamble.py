@@ -163,14 +163,21 @@ def _as_one(values: Sequence[str], text: str) -> str:
 
 
 def _own_size(text: str) -> tuple[str, str] | None:
-    """Return key and value of a resolution with its unit that is all of a text, without a colon."""
+    """Return key and value that are all of a text without a colon, as ``Unit mm``.
+
+    A number without a unit is a resolution's where it has decimals.
+    """
+    if word := _OWN_WORD.fullmatch(text):
+        return word[1], word[2]
+    unit = _OWN_UNIT.fullmatch(text)
+    if unit and read_unit(unit[3]):
+        return unit[1], unit[3]
     size = _SIZE.fullmatch(text)
-    return (size[1], size[3]) if size and _unit_of(size[3]) else None
-
-
-def _unit_of(value: str) -> str:
-    number = parse_cell(value)
-    return number.unit if number and read_unit(number.unit) else ""
+    number = parse_cell(size[3]) if size else None
+    if size is None or number is None:
+        return None
+    sure = read_unit(number.unit) if number.unit else number.value % 1
+    return (size[1], size[3]) if sure else None
 
 
 def _normal(key: str, value: str) -> tuple[str, str]:
@@ -219,7 +226,12 @@ _KEYS = {key: re.compile(f"(?:{names}){_OF_AXIS}") for key, names in _NAMES.item
 _RESOLUTION = re.compile(rf"{_KEYS[RESOLUTION].pattern}(?: ?[\[(][^\[\]()]+[\])])?")
 _NAMED = f"((?:{_NAMES[RESOLUTION]}){_OF_AXIS})"
 _VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
-_SIZE = re.compile(f"{_NAMED} {_VALUE}", re.IGNORECASE)
+_SIZE = re.compile(f"{_NAMED} {_VALUE.replace('+)', '*)')}", re.IGNORECASE)
+_OWN_WORD = re.compile(
+    "(first_cycle_discarded|first_cycle|dial_zero) (true|false|yes|no|counts|command)",
+    re.IGNORECASE,
+)
+_OWN_UNIT = re.compile(rf"((?:{_NAMES['unit']}){_OF_AXIS}) (\S.{{0,20}})", re.IGNORECASE)
 _IN_WORDS = re.compile(f"{_NAMED}[ ,;:=]*{_VALUE}", re.IGNORECASE)
 _OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
 _UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")

@@ -230,7 +230,7 @@ class _Sizes:
         size = self._read(stated, key) if stated else None
         unit = (size[1] if size else None) or self._common_unit()
         if unit is None:
-            if size or option is not None:
+            if self.units and (size or option is not None):
                 self.faults.add(
                     f"{key}: the axes have different units",
                     stated.line if stated else None,

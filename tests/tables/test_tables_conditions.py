@@ -135,3 +135,27 @@ def test_a_statement_about_an_axis_that_is_not_there_is_said():
     notes = read_table(f"{head}cycle,X\n{rows}".encode()).origin.notes
     assert notes == ("resolution_y not used: there is no axis Y",
                      "command_z[p2] not used: there is no axis Z")  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("head", "resolution", "notes"),
+    [
+        ("Robot FUM-1\nResolution 0.01\nUnit mm\n", 0.01, ["line 1: 'Robot FUM-1' not used"]),
+        ("# Resolution 0.01\n# unit mm\n", 0.01, []),
+        ("Auflösung X 10\nEinheit µm\n", None, ["line 1: 'Auflösung X 10' not used"]),
+        ("Auflösung X 10 µm\nEinheit mm\n", 0.01, []),
+        ("Unit mm\nPage 1 of 3\n", None, ["line 2: 'Page 1 of 3' not used"]),
+        ("Unit mm\nUnit number 7\n", None, ["line 2: 'Unit number 7' not used"]),
+    ],
+)
+def test_lines_of_a_form_without_colons_are_read_where_they_are_sure(head, resolution, notes):
+    rows = "".join(f"{k},0.{k:02}\n" for k in range(1, 32))
+    run = read_table(f"{head}cycle,X\n{rows}".encode())
+    assert run.axes["X"].resolution == resolution
+    assert [note for note in run.origin.notes if "not used" in note] == notes
+
+
+def test_what_decides_about_the_first_cycle_is_read_without_a_colon():
+    rows = "".join(f"{k},0.{k:02}\n" for k in range(1, 31))
+    run = read_table(f"unit mm\nfirst_cycle_discarded true\ncycle,X\n{rows}".encode())
+    assert run.metadata == {"first_cycle_discarded": "true"}
