@@ -67,9 +67,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
     notes += [f"{called(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
-    notes += of_no_axis(statements, run.axes)
-    notes += said_units(layout)
-    notes += said_sizes(layout)
+    notes += [*of_no_axis(statements, run.axes), *said_units(layout), *said_sizes(layout)]
     notes += columns.beside[:_NOTES] + body.notes
     understood = "; ".join(
         part

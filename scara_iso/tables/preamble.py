@@ -218,7 +218,8 @@ _GERMAN = {
     "luftfeuchtigkeit": "humidity", "messuhr": "dial", "messmittel": "instrument",
     "messgerät": "instrument", "kalibrierdatum": "calibration_date",
     "kalibriert_am": "calibration_date", "kalibriert_bis": "calibration_due",
-    "kalibrierschein": "calibration_certificate",
+    "kalibrierschein": "calibration_certificate", "toleranz": "tolerance",
+    "referenz": "reference", "referenzwert": "reference",
 }  # fmt: skip
 """Keys that a report asks for, as German forms call them."""
 _OF_AXIS = rf"(?:[ _]({'|'.join(AXES).lower()}))?"
