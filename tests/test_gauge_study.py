@@ -428,7 +428,7 @@ def test_what_a_form_says_besides_is_named_and_numbers_above_the_header_are_refu
     rows = "".join(f"{5 + (k % 5 - 2) / 1000:.3f}\n" for k in range(50))
     tables = read_gauge_tables([f"Page 1 of 3\nunit: mm\nX\n{rows}".encode()])
     assert any("'Page 1 of 3' not used" in note for note in tables.notes)
-    with pytest.raises(DataError, match="tolerance is .* here and"):
+    with pytest.raises(DataError, match="here and"):
         read_gauge_tables([f"unit: mm\ntolerance: 0.1\ntolerance: 0.2\nX\n{rows}".encode()])
     with pytest.raises(DataError, match="two tables in one file"):
         read_gauge_tables([b"unit: mm\n5.001,5.002\npart,X\n1,5.001\n2,5.002\n"])

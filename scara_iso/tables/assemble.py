@@ -14,6 +14,7 @@ from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.body import Body
+from scara_iso.tables.clocks import seconds_of_stamps, with_clock
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
@@ -60,20 +61,19 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
     scales = _scales(columns, statements, options, faults)
     faults.check()
-    run = _corrected(_run(columns, lines, scales, statements, faults), faults)
+    run, clocks = with_clock(_run(columns, lines, scales, statements, faults), columns)
+    run = _corrected(run, faults)
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()
-    texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
+    comments = layout.of(Kind.COMMENT)
+    texts = {layout.header[c.position]: columns.labels(c) for c in comments}
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
-    notes += [f"{called(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
+    notes += [clocks.get(c, f"{called(layout, c)} not used") for c in comments]
     notes += [*of_no_axis(statements, run.axes), *said_units(layout), *said_sizes(layout)]
     notes += columns.beside[:_NOTES] + body.notes
-    understood = "; ".join(
-        part
-        for part in (how, _said_columns(run, scales, lines, faults.row), run.origin.understood)
-        if part
-    )
+    parts = (how, _said_columns(run, scales, lines, faults.row), run.origin.understood)
+    understood = "; ".join(filter(None, parts))
     notes[:0] = _said_numbers(columns, run)
     units = {name: scales[name].unit.name for name in run.axes}
     origin = Origin(
@@ -163,7 +163,7 @@ def _run(
         for c in layout.of(Kind.AXIS)
     }
     for column in layout.of(Kind.TIMESTAMP):
-        covariates["time_s"] = _seconds(column, columns, lines, metadata, faults)
+        covariates["time_s"] = seconds_of_stamps(column, columns, lines, metadata, faults)
     faults.check()
     counters = layout.of(Kind.CYCLE)
     counted = columns.numbers(counters[0]) if counters else None
@@ -221,29 +221,6 @@ def _axis(
         )
     stated = scale.resolution, scale.uncertainty, command
     return Axis(column.name, readings, scale.unit.dimension, *stated)
-
-
-def _seconds(
-    column: Column,
-    columns: Columns,
-    lines: IntArray,
-    metadata: dict[str, str],
-    faults: Faults,
-) -> FloatArray:
-    """Return seconds from the first row's instant, which is kept as ``timestamp_start``."""
-    stamps = [stamp for stamp in columns.stamps(column) if stamp is not None]
-    start = stamps[0]
-    for line, stamp in zip(lines.tolist(), stamps, strict=True):
-        if (stamp.tzinfo is None) != (start.tzinfo is None):
-            faults.add(
-                "some times state their offset from UTC and some do not",
-                line,
-                column.position + 1,
-                remedy="write all times with their offset, as +01:00, or all without",
-            )
-            return np.zeros(len(lines))
-    metadata.setdefault("timestamp_start", start.isoformat())
-    return np.array([(stamp - start).total_seconds() for stamp in stamps])
 
 
 def _check_repeats(run: Run, lines: IntArray, repeats: list[int], faults: Faults) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from scara_iso.quantities import Dimension
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout
-from scara_iso.tables.names import Column, Kind, read_name, unit_behind
+from scara_iso.tables.names import CLOCKS, Column, Kind, read_name, unit_behind
 from scara_iso.tables.pose_names import pose_and_name
 
 
@@ -71,8 +71,10 @@ def _check_units(layout: Layout, faults: Faults) -> None:
 
 
 def said_units(layout: Layout) -> Iterator[str]:
-    """Name each column of another unit of time, temperature or load than that of a run."""
+    """Name each column of another unit of time, temperature or load than that of a run, or none."""
     for column in layout.of(Kind.COVARIATE):
+        if column.name.lower() in CLOCKS and not column.unit:
+            yield f"{called(layout, column)} states no unit, not used as the time: call it time_s"
         if column.condition and column.condition.converts:
             yield f"{called(layout, column)} in {column.unit} is converted to {column.name}"
 

@@ -78,15 +78,19 @@ _CYCLE = _CYCLE_PROPER | {
     "lauf", "lauf nr", "wiederholung", "repetition", "run", "run no", "run nr", "run #", "trial no",
     "trial nr", "trial #", "ciclo", "nº", "n°", "essai", "序号", "编号", "次数",
 }  # fmt: skip
+DATES = ("date", "datum", "fecha", "日期")
+_TIMES = ("time", "zeit", "uhrzeit", "clock", "time of day", "hora", "heure", "时间")
+_STAMPS = ("timestamp", "time stamp", "zeitstempel", "zeitpunkt", "datetime", "date time",
+           "date/time", "datum zeit", "datum/zeit", "datum uhrzeit", "datum/uhrzeit")  # fmt: skip
+CLOCKS = frozenset((*_TIMES, *_STAMPS))
+"""Names of a column that may hold times of day, as `plain_key` gives them."""
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),
     **dict.fromkeys(POSE_NAMES, Kind.POSE),
     **dict.fromkeys(("approach", "approach direction", "direction of approach", "anfahrrichtung"),
                     Kind.APPROACH),
-    **dict.fromkeys(("timestamp", "time stamp", "zeitstempel", "datetime", "date time"),
-                    Kind.TIMESTAMP),
-    **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit", "fecha", "hora", "日期", "时间"),
-                    Kind.OPEN),
+    **dict.fromkeys(_STAMPS, Kind.TIMESTAMP),
+    **dict.fromkeys((*DATES, *_TIMES), Kind.OPEN),
     **dict.fromkeys(
         ("comment", "comments", "remark", "remarks", "note", "notes", "bemerkung", "bemerkungen",
          "anmerkung", "kommentar", "notiz", "operator", "bediener", "prüfer", "inspector",
@@ -177,12 +181,18 @@ def _other_column(text: str, unit_below: str) -> Column:
     condition = find_condition(text, unit_below)
     if condition and condition.sure:
         return Column(Kind.COVARIATE, condition.name, stated, condition=condition)
-    kind = _KINDS.get(re.sub(r"[ ._:-]+", " ", stem.lower()).strip())
-    if kind is None or (kind is Kind.OPEN and unit):
+    kind = _KINDS.get(plain_key(stem))
+    if kind is None or (kind is Kind.OPEN and unit and ":" not in unit):
         name = "speed" if text.lower() == "speed" else text
         name = re.sub(rf"^'(?=['{re.escape(FORMULA)}])", "", name)
         return Column(Kind.COVARIATE, name, stated)
     return Column(kind, kind.value)
+
+
+def plain_key(name: str) -> str:
+    """Return a name in lower case, without what stands in brackets, blanks for its points."""
+    match = _SPLITS[0].fullmatch(name)
+    return re.sub(r"[ ._:-]+", " ", (match[1] if match else name).lower()).strip()
 
 
 def _condition_unit(text: str, below: str) -> str:
@@ -236,9 +246,8 @@ def settle(column: Column, name: str, first: str) -> Column:
         return column
     if number is not None:
         return replace(column, kind=Kind.COVARIATE, name=clean(name), unit=number.unit)
-    if column.kind is Kind.TIMESTAMP:
-        return column
-    kind = Kind.TIMESTAMP if read_timestamp(first) else Kind.COMMENT
+    sure = column.kind is Kind.TIMESTAMP and not re.match("[0-9]{1,2}:", first.strip(BLANKS))
+    kind = Kind.TIMESTAMP if sure or read_timestamp(first) else Kind.COMMENT
     return replace(column, kind=kind, name=clean(name))
 
 
@@ -275,23 +284,3 @@ def read_timestamp(text: str) -> datetime | None:
         return datetime.fromisoformat(text) if text.isascii() and len(text) > 10 else None
     except ValueError:
         return None
-
-
-_FOOTERS = """
-mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev sd
-stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max maximum
-range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
-wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
-tolerance toleranz result results ergebnis rms
-stabw stabwn stabwa stdv cv rsd kurtosis skewness
-"""
-_WORDS = frozenset(_FOOTERS.split())
-_SHORT = frozenset(["s", "n", "r", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])
-_FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
-
-
-def names_a_footer(label: str, *, short: bool = False) -> bool:
-    """Return whether a label begins as a footer's; ``short``: also as ``s`` or ``n``."""
-    match = _FIRST_WORD.search(label.lower())
-    word = match[0] if match else ""
-    return word in _WORDS or (short and word in _SHORT)

@@ -9,8 +9,9 @@ from typing import TypeVar
 from scara_iso.frozen import dataclass
 from scara_iso.run import AXES
 from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.footers import names_a_footer
 from scara_iso.tables.layout import is_comment, is_rule
-from scara_iso.tables.names import clean, names_a_footer, read_unit
+from scara_iso.tables.names import clean, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.text import Row
 

@@ -4,6 +4,7 @@ A condition is in seconds, °C or kg there, whatever its unit was.
 """
 
 import re
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pandas as pd
@@ -159,3 +160,68 @@ def test_what_decides_about_the_first_cycle_is_read_without_a_colon():
     rows = "".join(f"{k},0.{k:02}\n" for k in range(1, 31))
     run = read_table(f"unit mm\nfirst_cycle_discarded true\ncycle,X\n{rows}".encode())
     assert run.metadata == {"first_cycle_discarded": "true"}
+
+
+def clocked(cells, heading="Uhrzeit", beside=None):
+    pairs = zip(cells, beside or [""] * len(cells), strict=True)
+    rows = "".join(f"{k};0,1{k:02};{a};{b}\n" for k, (a, b) in enumerate(pairs, 1))
+    return read_table(f"cycle;X [mm];{heading};Datum\n{rows}".encode())
+
+
+def times(seconds, shown="%H:%M:%S"):
+    first = datetime(2026, 3, 1, 23, 50, tzinfo=UTC)
+    return [(first + timedelta(seconds=s)).strftime(shown) for s in seconds]
+
+
+STEADY = [10 * k for k in range(31)]
+PAST_MIDNIGHT = [40 * k for k in range(31)]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "shown", "heading"),
+    [
+        (STEADY, "%H:%M:%S", "Uhrzeit"),
+        (STEADY, "%H:%M:%S", "Time"),
+        (STEADY, "%H:%M:%S", "timestamp"),
+        (STEADY, "%I:%M:%S %p", "Time of day"),
+        (STEADY, "%H:%M:%S,500", "Zeit [hh:mm:ss]"),
+        (PAST_MIDNIGHT, "%H:%M:%S", "Zeit"),
+    ],
+)
+def test_a_clock_that_goes_on_is_the_time_of_each_row(seconds, shown, heading):
+    run = clocked(times(seconds, shown), heading)
+    assert run.covariates["time_s"].tolist() == seconds
+    assert any("is the time of each row" in note for note in run.origin.notes)
+
+
+@pytest.mark.parametrize(
+    ("cells", "beside", "said"),
+    [
+        (times([0, 20, *STEADY[:29]]), None, "it goes back in line 4; write date"),
+        (times([30_000 * k for k in range(31)]), None, "it passes midnight"),
+        (times(STEADY), ["1.3.2026"] * 20 + ["2.3.2026"] * 11, "the date changes at other rows"),
+        (times(PAST_MIDNIGHT), ["1.3.2026"] * 31, "the date changes at other rows"),
+        (times(STEADY, "%H:%M"), None, "line 2 holds no time such as 14:03:22"),
+        (times([0] * 31), None, "it stands still"),
+    ],
+)
+def test_a_clock_that_does_not_tell_the_time_for_sure_is_said(cells, beside, said):
+    run = clocked(cells, beside=beside)
+    assert "time_s" not in run.covariates
+    assert any(f"'Uhrzeit' not used as the time: {said}" in note for note in run.origin.notes)
+
+
+def test_a_clock_beside_another_time_and_a_time_without_a_unit_are_said():
+    rows = "".join(f"{k},0.1{k:02},{20 * k},{cell}\n" for k, cell in enumerate(times(STEADY), 1))
+    run = read_table(f"cycle,X [mm],time_s,Uhrzeit\n{rows}".encode())
+    assert run.covariates["time_s"][-1] == 620
+    assert any("there is another time" in note for note in run.origin.notes)
+    run = read_table(f"cycle,X [mm],Zeit,comment\n{rows}".encode())
+    assert any("states no unit, not used as the time" in note for note in run.origin.notes)
+
+
+def test_a_clock_of_rows_sorted_by_pose_goes_on_within_each():
+    rows = "".join(f"P{p},{k},0.1{k:02},{times([20 * k + 10 * p])[0]}\n"
+                   for p in (1, 2) for k in range(1, 15))  # fmt: skip
+    run = read_table(f"pose,cycle,X [mm],Uhrzeit\n{rows}".encode())
+    assert run.covariates["time_s"][[1, 14, 15]].tolist() == [20, 10, 30]
