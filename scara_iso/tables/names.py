@@ -68,6 +68,7 @@ _INSTRUMENT = re.compile(
     r"(?:dial|gauge|indicator|probe|sensor|channel|ch|messuhr|taster|kanal) ?[0-9]{0,3}"
     r" ?[\[(]([^\[\]()]*)[\])]"
 )
+_FOOTNOTE = re.compile(r" ?(?:[\u00b9\u00b2\u00b3]\)|\*{1,3}\)?|†)$")
 _COMMAND = re.compile(r"command[ _]([^ _].*)", re.IGNORECASE)
 _CYCLE_PROPER = {"cycle", "zyklus"}
 _CYCLE = _CYCLE_PROPER | {
@@ -162,6 +163,7 @@ def read_name(text: str, unit_below: str = "") -> Column:
 
 def _axis(name: str) -> str | None:
     """Return the axis that a name without its unit means: ``x``, ``messwert x``, ``dial 1 (x)``."""
+    name = _FOOTNOTE.sub("", name)
     instrument = _INSTRUMENT.fullmatch(name)
     return _AXES.get(_AXIS_WORD.sub("", instrument[1] if instrument else name, count=1))
 

@@ -225,3 +225,21 @@ def test_a_clock_of_rows_sorted_by_pose_goes_on_within_each():
                    for p in (1, 2) for k in range(1, 15))  # fmt: skip
     run = read_table(f"pose,cycle,X [mm],Uhrzeit\n{rows}".encode())
     assert run.covariates["time_s"][[1, 14, 15]].tolist() == [20, 10, 30]
+
+
+def test_ordinals_number_cycles_beside_decimal_commas():
+    rows = "".join(f"{k}.;0,1{k:02}\n" for k in range(1, 32))
+    run = read_table(f"Zyklus;X [mm]\n{rows}".encode())
+    assert run.cycle.tolist() == [*range(1, 32)]
+    assert run.axes["X"].readings[0] == 0.101
+
+
+@pytest.mark.parametrize("heading", ["X¹)", "X*", "X**) [mm]", "Messwert X †"])
+def test_a_footnote_at_a_heading_takes_no_axis_away(heading):
+    rows = "".join(f"{k},0.1{k:02},0.2{k:02}\n" for k in range(1, 32))
+    assert [*read_table(f"# unit: mm\ncycle,{heading},Y\n{rows}".encode()).axes] == ["X", "Y"]
+
+
+def test_a_dash_is_a_minus():
+    rows = "".join(f"{k},\u20130.1{k:02}\n" for k in range(1, 32))
+    assert read_table(f"cycle,X [mm]\n{rows}".encode()).axes["X"].readings[0] == -0.101
