@@ -24,6 +24,7 @@ from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
+from scara_iso.tables.slips import check_counts, check_factors, check_metres
 from scara_iso.tables.statements import Scale, is_of_axes, of_no_axis, read_scales
 from scara_iso.tables.text import Row
 
@@ -55,6 +56,8 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     check_marks(columns, options.decimal, faults, sizes)
     _check_covariates(columns, faults)
     _check_directions(columns, faults)
+    check_counts(columns, faults)
+    check_factors(statements, faults)
     body.check_blocks()
     lines = columns.all_lines()
     if not len(lines) and not faults.total:
@@ -210,6 +213,9 @@ def _axis(
     command: Commanded,
     faults: Faults,
 ) -> Axis:
+    if scale.unit.name == "m":
+        place = columns.layout.header_line, column.position + 1
+        check_metres(columns.numbers(column), column.name, place, faults)
     with np.errstate(over="ignore"):
         readings = scale.unit.to_base(columns.numbers(column))
     for k in np.flatnonzero(~(np.abs(readings) <= FARTHEST)).tolist():

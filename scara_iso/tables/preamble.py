@@ -173,6 +173,9 @@ def _own_size(text: str) -> tuple[str, str] | None:
     unit = _OWN_UNIT.fullmatch(text)
     if unit and read_unit(unit[3]):
         return unit[1], unit[3]
+    values = _UNIT_OF_VALUES.fullmatch(text)
+    if values and read_unit(values[1]):
+        return "unit", values[1]
     size = _SIZE.fullmatch(text)
     number = parse_cell(size[3]) if size else None
     if size is None or number is None:
@@ -231,6 +234,11 @@ _VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
 _SIZE = re.compile(f"{_NAMED} {_VALUE.replace('+)', '*)')}", re.IGNORECASE)
 _OWN_WORD = re.compile(
     "(first_cycle_discarded|first_cycle|dial_zero) (true|false|yes|no|counts|command)",
+    re.IGNORECASE,
+)
+_UNIT_OF_VALUES = re.compile(
+    r"(?:all |alle )?(?:mess|ist)?(?:werte?|readings?|values|measurements|daten|data|maße)"
+    r"(?: are| sind)?(?: in |: in | ?[\[(]| / )([^\[\]()]{1,12})[\])]?",
     re.IGNORECASE,
 )
 _OWN_UNIT = re.compile(rf"((?:{_NAMES['unit']}){_OF_AXIS}) (\S.{{0,20}})", re.IGNORECASE)

@@ -243,3 +243,64 @@ def test_a_footnote_at_a_heading_takes_no_axis_away(heading):
 def test_a_dash_is_a_minus():
     rows = "".join(f"{k},\u20130.1{k:02}\n" for k in range(1, 32))
     assert read_table(f"cycle,X [mm]\n{rows}".encode()).axes["X"].readings[0] == -0.101
+
+
+def refusal(text, **options):
+    with pytest.raises(DataError) as refused:
+        read_table(text.encode(), **options)
+    return f"{refused.value} {refused.value.remedy}"
+
+
+@pytest.mark.parametrize("heading", ["x,y", "Z,X", "X,Y"])
+@pytest.mark.parametrize("first", [0, 1])
+def test_an_axis_that_counts_the_rows_is_no_axis(heading, first):
+    rows = "".join(f"{k + first},0.1{k % 7}\n" for k in range(31))
+    assert "counts the rows" in refusal(f"# unit: mm\n{heading}\n{rows}")
+    with_cycles = "".join(f"{k + 1},{k + first},0.1{k % 7}\n" for k in range(31))
+    assert len(read_table(f"# unit: mm\ncycle,{heading}\n{with_cycles}".encode()).axes) == 2
+
+
+@pytest.mark.parametrize("beside", ["comment", "temperature_C", "Bemerkung", "u"])
+def test_decimal_commas_that_parted_a_number_into_two_columns_are_refused(beside):
+    rows = "".join(f"{k},0,1{k:02}\n" for k in range(1, 32))
+    text = f"# unit: mm\ncycle,X,{beside}\n{rows}"
+    assert f"X never changes and {beside} is whole: split decimal commas?" in refusal(text)
+    assert read_table(text.encode(), decimal=".").axes["X"].readings[0] == 0
+
+
+@pytest.mark.parametrize("cells", ["{k}12", "{k}1.5"])
+def test_metres_that_were_micrometres_are_refused(cells):
+    rows = "".join(f"{k},{cells.format(k=k)}\n" for k in range(1, 32))
+    assert "was its unit µm?" in refusal(f"cycle,X [ m]\n{rows}")
+    near = "".join(f"{k},1.1{k:02}\n" for k in range(1, 32))
+    assert read_table(f"cycle,X [m]\n{near}".encode()).axes["X"].readings[0] == 1101
+
+
+@pytest.mark.parametrize("head", ["Faktor: 0,01", "# scale factor: 10"])
+def test_a_factor_is_refused_and_one_of_1_is_none(head):
+    rows = "".join(f"{k};0,1{k:02}\n" for k in range(1, 32))
+    assert "multiplied by no factor" in refusal(f"{head}\ncycle;X [mm]\n{rows}")
+    read_table(f"Faktor: 1\ncycle;X [mm]\n{rows}".encode())
+
+
+@pytest.mark.parametrize(
+    ("title", "factor"),
+    [("Alle Werte in µm", 1000), ("Messwerte [1/100 mm]", 100), ("Values (mm)", 1),
+     (";Messwerte in mm;", 1)],
+)  # fmt: skip
+def test_a_title_states_the_unit_of_all_values(title, factor):
+    rows = "".join(f"{k};{k};0,1\n" for k in range(1, 32))
+    run = read_table(f"{title}\ncycle;X;Y\n{rows}".encode())
+    assert run.axes["X"].readings[-1] == 31 / factor
+    assert "unit" in refusal(f"{title}\ncycle;X [inch];Y\n{rows}")
+
+
+@pytest.mark.parametrize("head", ["", "# resolution: 1\n"])
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_points_that_may_group_thousands_of_micrometres_are_refused(head, mark):
+    rows = "".join(f"{k}{mark}1.1{k:02}\n" for k in range(1, 32))
+    text = f"# unit: um\n{head}cycle{mark}X\n{rows}"
+    assert "group thousands" in refusal(text)
+    fine = text.replace("# resolution: 1", "# resolution: 0.001")
+    if head:
+        assert read_table(fine.encode()).axes["X"].readings[0] == pytest.approx(0.001101)
