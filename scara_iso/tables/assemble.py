@@ -24,7 +24,7 @@ from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
-from scara_iso.tables.slips import check_counts, check_factors, check_metres
+from scara_iso.tables.slips import check_counts, check_factors, check_metres, ends_in_mean
 from scara_iso.tables.statements import Scale, is_of_axes, of_no_axis, read_scales
 from scara_iso.tables.text import Row
 
@@ -199,6 +199,9 @@ def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
     counters = columns.layout.of(Kind.CYCLE)
     if not counters and run.pose is None:
         yield f"no cycle column: rows numbered 1 to {len(run)} in their order"
+        if ends_in_mean(run):
+            last = f"{columns.faults.row} {columns.all_lines()[-1]}"
+            yield f"{last} is the mean of those above: a reading?"
     elif not counters:
         yield "no cycle column: the n-th row of a pose is its cycle n"
     elif not np.array_equal(columns.numbers(counters[0]), run.cycle):

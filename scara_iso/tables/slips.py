@@ -6,17 +6,20 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import Kind
-from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.preamble import Statement
 
 _FACTORS = {"factor", "scale_factor", "multiplier", "faktor", "skalenfaktor", "umrechnungsfaktor",
             "multiplikator"}  # fmt: skip
 _FEWEST = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
+_MOST = 500
+"""Rows beyond which a table is a stream, that no mean was typed below."""
+_MEAN_BY_CHANCE = 0.01
 _WIDEST_M = 20.0
 """No robot that is tested moves its dial by as much [m]."""
 
@@ -68,3 +71,20 @@ def _counts(values: FloatArray) -> bool:
     return (
         len(values) >= _FEWEST and bool(np.all(values - values[0] == rows)) and values[0] in (0, 1)
     )
+
+
+def ends_in_mean(run: Run) -> bool:
+    """Say whether the last row is the rounded mean of those above, on every axis.
+
+    It is said where readings are so by chance in less than one table of a hundred.
+    """
+    if not _FEWEST < len(run) <= _MOST:
+        return False
+    chance = 1.0
+    for axis in run.axes.values():
+        *above, last = axis.shown.tolist()
+        places = max((count_decimals(repr(x)) or 0 for x in (*above, last)), default=0)
+        if round(sum(above) / len(above), places) != last:
+            return False
+        chance *= (1 + above.count(last)) / (1 + len(above))
+    return chance < _MEAN_BY_CHANCE
