@@ -56,7 +56,7 @@ class Number:
         hidden = self.spec.endswith(f".{MOST_PLACES}f") and abs(self.value) > _NOISE
         if hidden and float(said) == 0:
             said = f"{self.value:{self.spec.removesuffix(f'.{MOST_PLACES}f')}.1e}"
-        if "e" not in said:
+        elif not self.spec.endswith("e"):
             return said
         mantissa, exponent = said.split("e")
         return f"{mantissa}e{int(exponent)}"
