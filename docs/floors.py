@@ -13,7 +13,7 @@ ROLES = {
     "#cfe3f3": ("cli", "library", "acquisition", "render", "tables", "disk", "files"),
     "#f6e3c5": ("reporting", "diagnosis", "comparison"),
     "#dcebd5": ("robot", "effects"),
-    "#eeeeee": ("iso9283", "run", "dial", "pose_columns", "quantities"),
+    "#eeeeee": ("iso9283", "run", "dial", "pose_columns", "condition_columns", "quantities"),
 }
 KEY = {
     "#cfe3f3": "meets the world",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
+from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,11 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
+from scara_iso.quantities import find_unit
 
 if TYPE_CHECKING:
     import pandas as pd
     from typing_extensions import TypeIs
 
+_WITH_UNIT = re.compile(r"(.+?)(?: ?[\[(](.+)[\])]|[_ ]([^_ ]+))")
 FRAME = "data frame"
 """Where errors and reports say that a run is from."""
 
@@ -79,18 +83,24 @@ def numbers_of(name: str, column: pd.Series) -> npt.NDArray[np.float64]:
 def check_axes(
     frame: pd.DataFrame, axes: Sequence[str], with_unit: Container[str], unit: str | None
 ) -> None:
-    """Raise `DataError` for no axis, for one in other letters, and for one without a unit."""
+    """Raise `DataError` for no axis, one in other letters or with its unit, and one without any."""
     columns = [str(name) for name in frame.columns]
+    twice = [name for name, count in Counter(columns).items() if count > 1]
+    if twice:
+        what = f"several columns are called {', '.join(twice)}"
+        raise DataError(what, where=FRAME, remedy="name each apart")
     known = {axis.casefold(): axis for axis in axes}
-    other = {name: known.get(name.strip().casefold(), name) for name in columns}
+    other = {name: known.get(_bare(name).casefold(), name) for name in columns}
     wrong = {name: axis for name, axis in other.items() if name != axis}
     found = [axis for axis in axes if axis in columns]
     if wrong or not found:
+        both = [name for name, axis in wrong.items() if axis in columns]
         renamed = wrong or {columns[0] if columns else "reading": axes[0]}
+        rename = f"frame.drop(columns={both})" if both else f"frame.rename(columns={renamed})"
         raise DataError(
             f"no axis is called {', '.join(wrong or columns) or 'anything'}",
             where=FRAME,
-            remedy=f"axes are {', '.join(axes)}: frame.rename(columns={renamed})",
+            remedy=f"axes are {', '.join(axes)}: {rename}",
         )
     silent = [axis for axis in found if axis not in with_unit]
     if silent and unit is None:
@@ -99,6 +109,12 @@ def check_axes(
             where=FRAME,
             remedy='state it, such as unit="mm"',
         )
+
+
+def _bare(name: str) -> str:
+    """Return a column's name without a unit behind it: ``X`` of ``X [um]`` and ``X_um``."""
+    found = _WITH_UNIT.fullmatch(name.strip())
+    return found[1] if found and find_unit(found[2] or found[3]) else name.strip()
 
 
 def is_frame(found: object) -> TypeIs[pd.DataFrame]:

@@ -29,13 +29,30 @@ POSE_NAMES = frozenset({
 })  # fmt: skip
 """What people call the column of poses, in lower case."""
 
+_NUMBERED = r"(?:p|pose|point|punkt)[ _.-]?[0-9]{1,3}"
+_AXIS = r"(?:x|y|z|theta)"
+_OF_A_POSE = re.compile(
+    rf"(?:{_NUMBERED}[ _:.-]+{_AXIS}|{_AXIS}[ _:.-]+{_NUMBERED})(?: ?[\[(/,].*|[ _][^ _]+)?",
+    re.IGNORECASE,
+)
+"""A column of one axis at one pose: ``P2 X``, ``X_P2 [mm]``."""
 _FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
 _SAMPLE = 999  # rows that show whether a column has few values
 _FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
 
 
 def pose_column(names: Iterable[str]) -> str | None:
-    """Return which column holds the poses: ``pose``, or else the one with another name for it."""
+    """Return which column holds the poses: ``pose``, or else the one with another name for it.
+
+    Raises `DataError` for two of them, and where poses stand beside each other as columns.
+    """
+    names = list(names)
+    wide = [name for name in names if _OF_A_POSE.fullmatch(name.strip())]
+    if wide:
+        raise DataError(
+            f"columns {', '.join(map(repr, wide[:6]))} name a pose each",
+            remedy="put the rows of the poses below each other, with a column 'pose'",
+        )
     found = [name for name in names if name.strip().lower().replace("_", " ") in POSE_NAMES]
     if len(found) > 1 and "pose" not in found:
         raise DataError(

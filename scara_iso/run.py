@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.condition_columns import of_base_units
 from scara_iso.display import Displayed
 from scara_iso.errors import DataError
 from scara_iso.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
@@ -245,20 +246,21 @@ class Run(Displayed):
 
         Columns X, Y, Z and theta are axes, ``cycle`` (see `number_cycles`), ``pose`` (or another
         of `POSE_NAMES`, in any case), ``approach`` (+1/-1, or ``+x`` and the like) and
-        ``command_X`` are what they say, any other numeric one is a covariate. ``unit`` (``mm``,
+        ``command_X`` are what they say, any other numeric one is a covariate, in seconds or °C
+        where its name ends in another unit of time or temperature. ``unit`` (``mm``,
         ``deg``, ``0.01 mm`` ...) and ``resolution`` (in that unit) hold for every axis, unless
         `to_frame` left others in ``attrs``. Raises `DataError` without an axis or its unit, for a
         value that is missing or not finite, naming column and row, and for a column that parts
         the readings as poses do.
         """
         kept = frame.attrs.get("axes", {})
-        check_axes(frame, AXES, kept, unit)
-        given = {"unit": unit, "resolution": resolution}
         values = {str(name): frame[name] for name in frame.columns}
         named = pose_column(values)
+        check_axes(frame, AXES, kept, unit)
+        given = {"unit": unit, "resolution": resolution}
         pose = None if named is None else values.pop(named).to_numpy(dtype=str)
         direction = pop_direction(values)
-        numbers = {name: numbers_of(name, column) for name, column in values.items()}
+        numbers = of_base_units({name: numbers_of(name, column) for name, column in values.items()})
         counted = numbers.pop("cycle", None)
         if counted is not None and np.any(counted != np.round(counted)):
             raise DataError("column 'cycle' holds a number that is not whole")

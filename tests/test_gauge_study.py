@@ -9,11 +9,13 @@ import pytest
 from aqdefreader import DfqFile
 from capstat_core import bias, gage_rr, gage_rr_range, linearity, xbar_s_chart
 from hypothesis import given, settings, strategies as st
+from openpyxl import Workbook
 from scipy.stats import t as student
 
 import scara_iso
 from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
+from scara_iso.measurement_system.table import read_gauge_tables
 
 FIXTURES = Path(__file__).parent / "fixtures" / "gauge"
 CROSSED, LINEARITY, BIAS = (FIXTURES / f"aiag_{n}.csv" for n in ("crossed", "linearity", "bias"))
@@ -401,3 +403,44 @@ def test_categories_are_whole_in_german_columns_too(tmp_path, capsys, size):
     assert f"ndc {crossed['ndc']} " in shown.replace("\n", " ")
     row = next(line for line in shown.splitlines() if line.split()[:1] == ["ndc"] and ">=" in line)
     assert row.split()[1] == str(crossed["ndc"])
+
+
+ALIKE = {
+    "comments": "# unit: mm\n# tolerance: 0.1\n# reference: 5\nn,X\n",
+    "colons": "unit: mm\ntolerance: 0.1\nReference: 5\nn,X\n",
+    "cells": "Unit,mm\nTolerance,0.1\nReference,5\nOperator,Anna\nn,X\n",
+    "German": "Messmittel Prüfung\nEinheit,mm\nToleranz,0.1 mm\nReferenzwert,5\nn,Messwert\n",
+    "below a title": "Gauge study of dial 3\n\nunit: mm\ntolerance: 0.1\nreference: 5\nn,X\n",
+}
+
+
+@pytest.mark.parametrize("head", ALIKE.values(), ids=ALIKE)
+def test_a_form_above_the_table_states_what_comments_state(head):
+    rows = "".join(f"{k},{5 + (k % 5 - 2) / 1000:.3f}\n" for k in range(50))
+    tables = read_gauge_tables([f"{head}{rows}".encode()])
+    (dial,) = tables.dials
+    assert [*tables.tolerances.values()] == [0.1]
+    assert set(dial.reference) == {5.0}
+    assert len(dial.values) == 50
+
+
+def test_what_a_form_says_besides_is_named_and_numbers_above_the_header_are_refused():
+    rows = "".join(f"{5 + (k % 5 - 2) / 1000:.3f}\n" for k in range(50))
+    tables = read_gauge_tables([f"Page 1 of 3\nunit: mm\nX\n{rows}".encode()])
+    assert any("'Page 1 of 3' not used" in note for note in tables.notes)
+    with pytest.raises(DataError, match="here and"):
+        read_gauge_tables([f"unit: mm\ntolerance: 0.1\ntolerance: 0.2\nX\n{rows}".encode()])
+    with pytest.raises(DataError, match="two tables in one file"):
+        read_gauge_tables([b"unit: mm\n5.001,5.002\npart,X\n1,5.001\n2,5.002\n"])
+
+
+def test_statements_in_a_workbook_are_read(tmp_path):
+    book = Workbook()
+    for row in [("# tolerance: 0.1", None), ("Einheit", "mm"), ("Referenz", 5.0), ("n", "X")]:
+        book.active.append(row)
+    for k in range(50):
+        book.active.append((k, 5 + (k % 5 - 2) / 1000))
+    book.save(tmp_path / "study.xlsx")
+    tables = read_gauge_tables([tmp_path / "study.xlsx"])
+    assert tables.tolerances == {"X": 0.1}
+    assert set(tables.dials[0].reference) == {5.0}

@@ -71,11 +71,25 @@ def test_a_frame_s_poses_go_by_the_names_that_a_table_s_go_by(name):
         ({"speed": [1.0, 2.0]}, "no axis is called speed"),
         ({"X": []}, "at least one cycle"),
         ({"X": [1.0, 1e300]}, "beyond any dial"),
+        ({"X": [1.0, 2.0], "P2 X": [5.0, 6.0]}, "'P2 X' name a pose each"),
+        ({"X": [1.0, 2.0], "Y_Pose 2 [mm]": [5.0, 6.0]}, "name a pose each"),
+        ({"P1_X": [1.0, 2.0], "P2_X_mm": [5.0, 6.0]}, "'P1_X', 'P2_X_mm' name a pose each"),
+        ({"X": [1.0, 2.0], "Y [mm]": [5.0, 6.0]}, "no axis is called Y .mm."),
+        ({"X": [1.0, 2.0], "Y_mm": [5.0, 6.0]}, "no axis is called Y_mm"),
     ],
 )
 def test_a_frame_that_is_no_run_is_refused(frame, said):
     with pytest.raises(DataError, match=said):
         Run.from_frame(pd.DataFrame(frame), unit="mm")
+
+
+def test_columns_of_a_frame_that_mean_one_axis_are_refused():
+    frame = pd.DataFrame([[1.0, 2.0], [1.0, 3.0]], columns=["X", "X"])
+    with pytest.raises(DataError, match="several columns are called X"):
+        Run.from_frame(frame, unit="mm")
+    with pytest.raises(DataError) as refused:
+        Run.from_frame(frame.set_axis(["X", "X_um"], axis=1), unit="mm")
+    assert "drop(columns=['X_um'])" in refused.value.remedy
 
 
 def test_a_plain_frame_without_a_unit_is_refused():

@@ -132,9 +132,9 @@ def read_gauge_tables(
         },
         statements=_agreed(tables),
         notes=tuple(
-            f"{table.source}: column {name!r} not used"
+            f"{table.source}: {note}"
             for table in tables
-            for name in table.left_out
+            for note in (*table.notes, *(f"column {name!r} not used" for name in table.left_out))
         ),
     )  # fmt: skip
 

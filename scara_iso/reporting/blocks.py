@@ -30,6 +30,12 @@ class Text:
     tone: Tone = "plain"
 
 
+MOST_PLACES = 9
+"""Decimal places at most; what they would show as zero is a power of ten."""
+_NOISE = 1e-15
+"""Below this is the rounding of a computer."""
+
+
 @dataclass(frozen=True, slots=True)
 class Number:
     """A number with all its digits, and how it is shown: `str` rounds it.
@@ -47,7 +53,10 @@ class Number:
     def digits(self) -> str:
         """The number as it is shown, without its unit."""
         said = f"{self.value:{self.spec}}"
-        if not self.spec.endswith("e"):
+        hidden = self.spec.endswith(f".{MOST_PLACES}f") and abs(self.value) > _NOISE
+        if hidden and float(said) == 0:
+            said = f"{self.value:{self.spec.removesuffix(f'.{MOST_PLACES}f')}.1e}"
+        elif not self.spec.endswith("e"):
             return said
         mantissa, exponent = said.split("e")
         return f"{mantissa}e{int(exponent)}"

@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from decimal import ROUND_UP, Context
 from typing import Protocol
 
-from scara_iso.reporting.blocks import Interval, Number
+from scara_iso.reporting.blocks import MOST_PLACES, Interval, Number
 
 _SIGNIFICANT = 3
-_MOST_PLACES = 9
 _UNKNOWN = 4
 _MOST_TO_DECIDE = 15
 
@@ -23,7 +22,7 @@ def decimals(figures: Sequence[float]) -> int:
     sizes = [abs(figure) for figure in figures if figure != 0 and math.isfinite(figure)]
     if not sizes:
         return _SIGNIFICANT
-    return min(max(_SIGNIFICANT - 1 - math.floor(math.log10(min(sizes))), 0), _MOST_PLACES)
+    return min(max(_SIGNIFICANT - 1 - math.floor(math.log10(min(sizes))), 0), MOST_PLACES)
 
 
 class Tested(Protocol):
@@ -91,7 +90,7 @@ def places(U: float) -> int:
     if not (U > 0 and math.isfinite(U)):
         return _UNKNOWN
     exponent = int(f"{U:.1e}".partition("e")[2])
-    return min(max(1 - exponent, 0), _MOST_PLACES)
+    return min(max(1 - exponent, 0), MOST_PLACES)
 
 
 def four_digits(value: float, unit: str = "") -> Number:

@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.condition_columns import UNITS, unit_of_condition
 from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.body import Body
+from scara_iso.tables.clocks import seconds_of_stamps, with_clock
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.header import called, check_header_names, said_sizes
+from scara_iso.tables.header import called, check_header_names, said_sizes, said_units
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
-from scara_iso.tables.statements import Scale, is_of_axes, read_scales
+from scara_iso.tables.slips import check_counts, check_factors, check_metres, ends_in_mean
+from scara_iso.tables.statements import Scale, is_of_axes, of_no_axis, read_scales
 from scara_iso.tables.text import Row
 
 _NOTES = 50
-_IN_NAMES = frozenset(
-    ["N", "kN", "kg", "g", "C", "K", "s", "ms", "min", "h", "mm", "um", "bar", "V", "A", "Nm"]
-)
-"""Units that end the name of a covariate, as in force_N."""
+_DIRECTION = re.compile("direction|richtung")
+_SIGNS = (-1, 0, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,26 +55,28 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     sizes = [stated.value for key, stated in statements.items() if is_of_axes(key)]
     check_marks(columns, options.decimal, faults, sizes)
     _check_covariates(columns, faults)
+    _check_directions(columns, faults)
+    check_counts(columns, faults)
+    check_factors(statements, faults)
     body.check_blocks()
     lines = columns.all_lines()
     if not len(lines) and not faults.total:
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
     scales = _scales(columns, statements, options, faults)
     faults.check()
-    run = _corrected(_run(columns, lines, scales, statements, faults), faults)
+    run, clocks = with_clock(_run(columns, lines, scales, statements, faults), columns)
+    run = _corrected(run, faults)
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()
-    texts = {layout.header[c.position]: columns.labels(c) for c in layout.of(Kind.COMMENT)}
+    comments = layout.of(Kind.COMMENT)
+    texts = {layout.header[c.position]: columns.labels(c) for c in comments}
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
-    notes += [f"{called(layout, c)} not used" for c in layout.of(Kind.COMMENT)]
-    notes += said_sizes(layout)
+    notes += [clocks.get(c, f"{called(layout, c)} not used") for c in comments]
+    notes += [*of_no_axis(statements, run.axes), *said_units(layout), *said_sizes(layout)]
     notes += columns.beside[:_NOTES] + body.notes
-    understood = "; ".join(
-        part
-        for part in (how, _said_columns(run, scales, lines, faults.row), run.origin.understood)
-        if part
-    )
+    parts = (how, _said_columns(run, scales, lines, faults.row), run.origin.understood)
+    understood = "; ".join(filter(None, parts))
     notes[:0] = _said_numbers(columns, run)
     units = {name: scales[name].unit.name for name in run.axes}
     origin = Origin(
@@ -96,9 +100,9 @@ def _field(column: Column, layout: Layout, units: Mapping[str, str]) -> TableFie
 
 def _check_covariates(columns: Columns, faults: Faults) -> None:
     for column, seen in columns.units.items():
-        named = column.name.rpartition("_")[2]
-        other = [unit for unit in seen if unit and unit.lstrip("° ") != named]
-        if column.kind is Kind.COVARIATE and named in _IN_NAMES and other:
+        named = unit_of_condition(column.unit)
+        other = [unit for unit in seen if unit and unit_of_condition(unit) != named]
+        if column.kind is Kind.COVARIATE and named in UNITS and other:
             faults.add(
                 f"{column.name}: {quoted(other[0])} behind a value",
                 seen[other[0]],
@@ -113,6 +117,20 @@ def _check_covariates(columns: Columns, faults: Faults) -> None:
                 line,
                 column.position + 1,
                 remedy="write the unit once, in the column's name, and plain numbers below it",
+            )
+
+
+def _check_directions(columns: Columns, faults: Faults) -> None:
+    """Refuse an axis called a direction whose numbers are nothing but signs."""
+    for column in columns.layout.of(Kind.AXIS):
+        heading = columns.layout.header[column.position]
+        if _DIRECTION.search(heading.lower()) and np.isin(columns.numbers(column), _SIGNS).all():
+            faults.add(
+                f"{quoted(heading)} holds +1, 0 and -1 only: directions, no readings",
+                columns.layout.header_line,
+                column.position + 1,
+                remedy=f"call it approach where it says from which side; {column.name} "
+                "where these are readings",
             )
 
 
@@ -140,7 +158,7 @@ def _run(
 ) -> Run:
     layout = columns.layout
     metadata = {key: s.value for key, s in statements.items() if not is_of_axes(key)}
-    covariates = {c.name: columns.numbers(c) for c in layout.of(Kind.COVARIATE)}
+    covariates = {c.name: _recorded(c, columns) for c in layout.of(Kind.COVARIATE)}
     pose = find_pose(columns, covariates)
     commands = find_commands(columns, scales, pose, metadata, faults)
     axes = {
@@ -148,7 +166,7 @@ def _run(
         for c in layout.of(Kind.AXIS)
     }
     for column in layout.of(Kind.TIMESTAMP):
-        covariates["time_s"] = _seconds(column, columns, lines, metadata, faults)
+        covariates["time_s"] = seconds_of_stamps(column, columns, lines, metadata, faults)
     faults.check()
     counters = layout.of(Kind.CYCLE)
     counted = columns.numbers(counters[0]) if counters else None
@@ -165,6 +183,11 @@ def _run(
     ).unwrapped()
 
 
+def _recorded(column: Column, columns: Columns) -> FloatArray:
+    values = columns.numbers(column)
+    return values if column.condition is None else column.condition.to_base(values)
+
+
 def _corrected(run: Run, faults: Faults) -> Run:
     found, wrong = corrected(run)
     for fault in wrong:
@@ -176,6 +199,9 @@ def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
     counters = columns.layout.of(Kind.CYCLE)
     if not counters and run.pose is None:
         yield f"no cycle column: rows numbered 1 to {len(run)} in their order"
+        if ends_in_mean(run):
+            last = f"{columns.faults.row} {columns.all_lines()[-1]}"
+            yield f"{last} is the mean of those above: a reading?"
     elif not counters:
         yield "no cycle column: the n-th row of a pose is its cycle n"
     elif not np.array_equal(columns.numbers(counters[0]), run.cycle):
@@ -190,6 +216,9 @@ def _axis(
     command: Commanded,
     faults: Faults,
 ) -> Axis:
+    if scale.unit.name == "m":
+        place = columns.layout.header_line, column.position + 1
+        check_metres(columns.numbers(column), column.name, place, faults)
     with np.errstate(over="ignore"):
         readings = scale.unit.to_base(columns.numbers(column))
     for k in np.flatnonzero(~(np.abs(readings) <= FARTHEST)).tolist():
@@ -201,29 +230,6 @@ def _axis(
         )
     stated = scale.resolution, scale.uncertainty, command
     return Axis(column.name, readings, scale.unit.dimension, *stated)
-
-
-def _seconds(
-    column: Column,
-    columns: Columns,
-    lines: IntArray,
-    metadata: dict[str, str],
-    faults: Faults,
-) -> FloatArray:
-    """Return seconds from the first row's instant, which is kept as ``timestamp_start``."""
-    stamps = [stamp for stamp in columns.stamps(column) if stamp is not None]
-    start = stamps[0]
-    for line, stamp in zip(lines.tolist(), stamps, strict=True):
-        if (stamp.tzinfo is None) != (start.tzinfo is None):
-            faults.add(
-                "some times state their offset from UTC and some do not",
-                line,
-                column.position + 1,
-                remedy="write all times with their offset, as +01:00, or all without",
-            )
-            return np.zeros(len(lines))
-    metadata.setdefault("timestamp_start", start.isoformat())
-    return np.array([(stamp - start).total_seconds() for stamp in stamps])
 
 
 def _check_repeats(run: Run, lines: IntArray, repeats: list[int], faults: Faults) -> None:

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from scara_iso.tables.columns import Cell, is_words
 from scara_iso.tables.faults import KEPT, Faults, quoted
+from scara_iso.tables.footers import names_a_footer
 from scara_iso.tables.layout import Layout, header_cells, is_comment, is_rule, names_an_axis
-from scara_iso.tables.names import Kind, names_a_footer
+from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import BLANKS, parse_cell
 from scara_iso.tables.preamble import read_statement, read_statements
 from scara_iso.tables.statements import is_of_axes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from scara_iso.tables.faults import quoted
-from scara_iso.tables.names import names_a_footer
+from scara_iso.tables.footers import names_a_footer
 from scara_iso.tables.numbers import BLANKS, parse_cell
 
 _LABEL = 64

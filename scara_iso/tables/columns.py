@@ -104,7 +104,7 @@ class Columns:
             case Kind.AXIS | Kind.COMMAND | Kind.COVARIATE:
                 return self._clean_numbers(column, cells)
             case Kind.CYCLE:
-                part = parse_clean(cells, self.decimal)
+                part = parse_clean(_ordinals(cells), self.decimal)
                 return (*part, "") if part is not None and _are_counts(part[0]) else None
             case Kind.POSE | Kind.COMMENT | Kind.DIRECTION:
                 labels = _clean_labels(column.kind, cells)
@@ -179,6 +179,8 @@ class Columns:
         return number.value
 
     def _remedy(self, column: Column, cell: str) -> str:
+        if column.kind is Kind.COVARIATE and read_direction(cell):
+            return "call the column approach"
         if column.kind is Kind.COVARIATE:
             return "remove the column, or call it comment"
         numbered = bool(self.layout.of(Kind.CYCLE))
@@ -197,7 +199,7 @@ class Columns:
     def _count(self, column: Column, cell: Cell, line: int) -> float:
         value = cell if isinstance(cell, float) else 0.5
         if isinstance(cell, str):
-            number = parse_cell(cell, self.decimal)
+            number = parse_cell(_ordinals([cell])[0], self.decimal)
             if number is not None and not number.unit:
                 value = number.value
                 self._note_mark(column, number, cell, line)
@@ -270,6 +272,13 @@ def _clean_labels(kind: Kind, cells: Sequence[str]) -> npt.NDArray[np.str_] | No
     labels = [cell.strip(BLANKS)[: _REMARK if remark else None] for cell in cells]
     clean = remark or not any(label_fault(x) or x[0] == "'" for x in set(labels))
     return np.array(labels) if clean else None
+
+
+def _ordinals(cells: Sequence[str]) -> Sequence[str]:
+    """Return the counts of cells such as ``3.``, as German writes a third."""
+    if not any(cell.rstrip(BLANKS).endswith(".") for cell in cells[:1]):
+        return cells
+    return [cell.rstrip(BLANKS).removesuffix(".") for cell in cells]
 
 
 def _is_sized(column: Column) -> bool:

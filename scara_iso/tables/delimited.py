@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from scara_iso.frozen import dataclass
-from scara_iso.run import Run
+from scara_iso.run import FloatArray, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.marks import check_groups
-from scara_iso.tables.names import Kind
+from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.numbers import Mark, count_decimals
 from scara_iso.tables.preamble import RESOLUTION, read_preamble
 from scara_iso.tables.text import Delimiter, Row, split_lines
 
 _ABOVE = 200
+_TENTHS = 10
+"""Two digits behind a comma."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,7 @@ class Delimited:
         """Refuse numbers that are others where the delimiter, or a point, is the other locale's."""
         if self.delimiter is Delimiter.COMMA and not columns.marks:
             _check_split(run, columns)
-        if self.delimiter is Delimiter.SEMICOLON:
+        if self.delimiter in (Delimiter.SEMICOLON, Delimiter.TAB):
             check_groups(columns, run, columns.faults)
 
     def said(self, columns: Columns, decimal: str | None) -> str:
@@ -96,15 +97,32 @@ def _decimals(row: Sequence[Cell], position: int) -> int | None:
 
 
 def _check_split(run: Run, columns: Columns) -> None:
-    """Refuse whole millimetres beside a column that never changes: 0,112 may have been one number.
+    """Refuse a whole number that never changes beside digits that do: 0,112 may have been one.
 
-    A header with as many names as commas left fields lets split decimals pass for two axes.
+    A header with as many names as commas left fields lets split decimals pass for two columns.
     """
-    axes = sorted(columns.layout.of(Kind.AXIS), key=lambda column: column.position)
-    for left, right in pairwise(axes):
-        first, second = (run.axes[column.name].readings for column in (left, right))
-        whole = np.array_equal(first, np.round(first)) and np.array_equal(second, np.round(second))
-        if whole and np.ptp(first) == 0 and np.abs(second).max() >= 10:
-            message = f"{left.name} never changes and {right.name} is whole: split decimal commas?"
+    by_position = {column.position: column for column in columns.layout.columns}
+    for axis in columns.layout.of(Kind.AXIS):
+        first, beside = run.axes[axis.name].readings, by_position.get(axis.position + 1)
+        if beside is None or np.ptp(first) > 0 or not np.array_equal(first, np.round(first)):
+            continue
+        second = _whole_numbers(beside, columns)
+        if second is not None and second.max() >= _TENTHS:
+            message = f"{axis.name} never changes and {_called(beside, columns)} is whole: "
             remedy = "say `decimal=.` if the numbers are whole"
-            raise refuse(columns.faults.where, message, remedy=remedy)
+            raise refuse(columns.faults.where, f"{message}split decimal commas?", remedy=remedy)
+
+
+def _called(column: Column, columns: Columns) -> str:
+    return column.name if column.kind is Kind.AXIS else columns.layout.header[column.position]
+
+
+def _whole_numbers(column: Column, columns: Columns) -> FloatArray | None:
+    """Return the whole numbers that a column holds, in sizes; None for another or the time."""
+    if column.kind is Kind.COMMENT:
+        labels = columns.labels(column).tolist()
+        return np.array(labels, dtype=np.float64) if all(map(str.isdecimal, labels)) else None
+    if column.kind not in (Kind.AXIS, Kind.COVARIATE) or column.name == "time_s":
+        return None
+    values = np.abs(columns.numbers(column))
+    return values if np.array_equal(values, np.round(values)) else None

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from scara_iso.quantities import Dimension
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import COLUMNS, Layout
-from scara_iso.tables.names import Column, Kind, read_name, unit_behind
+from scara_iso.tables.names import CLOCKS, Column, Kind, read_name, unit_behind
 from scara_iso.tables.pose_names import pose_and_name
 
 
@@ -17,6 +17,7 @@ def check_header_names(layout: Layout, faults: Faults) -> None:
         what = f"{layout.width} columns, more than {COLUMNS}"
         faults.add(what, layout.header_line, remedy="leave the columns of the readings only")
     _check_poses(layout, faults)
+    _check_units(layout, faults)
     first: dict[tuple[Kind, str], Column] = {}
     for column in layout.columns:
         field = column.position + 1
@@ -53,6 +54,29 @@ def _check_poses(layout: Layout, faults: Faults) -> None:
                 remedy="head each axis with its pose, as P1_X and P2_X; "
                 "call a column of no readings comment",
             )
+
+
+def _check_units(layout: Layout, faults: Faults) -> None:
+    """Add each covariate whose heading states another unit than the unit row."""
+    for column in layout.of(Kind.COVARIATE):
+        heading, _, below = column.unit.partition(" over ")
+        if below:
+            what = f"in {heading}, the unit row says {below}"
+            faults.add(
+                f"{quoted(layout.header[column.position])} is {what}",
+                layout.header_line,
+                column.position + 1,
+                remedy="let the heading and the unit row state the same unit",
+            )
+
+
+def said_units(layout: Layout) -> Iterator[str]:
+    """Name each column of another unit of time, temperature or load than that of a run, or none."""
+    for column in layout.of(Kind.COVARIATE):
+        if column.name.lower() in CLOCKS and not column.unit:
+            yield f"{called(layout, column)} states no unit, not used as the time: call it time_s"
+        if column.condition and column.condition.converts:
+            yield f"{called(layout, column)} in {column.unit} is converted to {column.name}"
 
 
 def said_sizes(layout: Layout) -> Iterator[str]:

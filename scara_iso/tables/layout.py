@@ -17,6 +17,7 @@ from scara_iso.tables.names import (
     read_names,
     read_unit,
     settle,
+    with_likely,
 )
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.text import Row
@@ -148,10 +149,11 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
     if names[0] == "#" and _trimmed(cells) == len(names) - 1:
         names = names[1:]  # "# X Y Z" over three columns of blanks, as numpy writes it
     first = _padded(cells, len(names))
-    columns = tuple(
+    settled = [
         settle(column, names[column.position], first[column.position])
         for column in read_names(names, _padded(units, len(names)))
-    )
+    ]
+    columns = with_likely(settled, names)
     columns = tuple(_remarks(c, rows[below:] if below is not None else []) for c in columns)
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(parse_cell(cell) for cell in cells)

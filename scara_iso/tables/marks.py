@@ -72,7 +72,7 @@ def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
     """Refuse 1.512 um between semicolons, which may be 1512: few dials show such a small step."""
     for column in columns.layout.of(Kind.AXIS) if Mark.POINT in columns.marks else ():
         values, unit = np.abs(columns.numbers(column)), run.origin.units[column.name]
-        if unit == "um" and run.axes[column.name].resolution is None and may_be_grouped(values):
+        if unit == "um" and not _on_divisions(run, column.name) and may_be_grouped(values):
             faults.add(
                 f"{values[values != np.round(values)][0]:.3f} um could have a decimal point or "
                 "group thousands: `decimal=.` or `decimal=,` says which",
@@ -81,6 +81,15 @@ def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
                 remedy=f"{WHICH_MARK}; or state the dial's resolution",
             )
     faults.check()
+
+
+def _on_divisions(run: Run, name: str) -> bool:
+    """Say whether the readings are multiples of a resolution that is stated."""
+    axis = run.axes[name]
+    if axis.resolution is None:
+        return False
+    divisions = axis.shown / axis.resolution
+    return bool(np.allclose(divisions, np.round(divisions), rtol=0, atol=1e-3))
 
 
 def may_be_grouped(values: FloatArray) -> bool:

@@ -14,15 +14,14 @@ from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, listed, quoted, refuse
-from scara_iso.tables.layout import is_comment
+from scara_iso.tables.forms import Line, count_known, find_header, is_comment_row, read_form
+from scara_iso.tables.layout import HEAD, is_comment
 from scara_iso.tables.marks import WHICH_MARK, are_mixed, are_undecided, refuse_other_marks
 from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
-from scara_iso.tables.preamble import in_english, read_statement
 from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     Delimiter,
-    Row,
     decode_text,
     split_head,
     split_lines,
@@ -33,7 +32,7 @@ _SMALLEST = 1e-30
 _MOST_ROWS = 100_000
 _WITH_UNIT = re.compile(r"(.+?)(?: ?[\[(](.+)[\])]|[_ ]([^_ ]+))")
 
-_Rows = list[tuple[int, Sequence[Cell]]]
+_Rows = list[Line]
 _Marks = dict[Mark, tuple[int, int, str]]
 
 
@@ -87,6 +86,8 @@ class NamedColumns:
     """The columns of names, as text."""
     decimal: str | None = None
     """The decimal mark that was named, if one was."""
+    notes: tuple[str, ...] = ()
+    """What above the header was not used, a line each."""
 
 
 def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = None) -> NamedColumns:
@@ -97,17 +98,16 @@ def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = No
     """
     refuse_other_marks(decimal)
     data, where = read_bytes(source)
-    statements: dict[str, str] = {}
-    if data.startswith(WORKBOOK):
-        found = _of_workbook(data, where, names)
-    else:
-        found, statements = _of_text(data, where, names)
-    rows = [(line, cells) for line, cells in found if _is_row(cells)]
-    if not 2 <= len(rows) <= _MOST_ROWS:
-        raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
+    found = (_of_workbook if data.startswith(WORKBOOK) else _of_text)(data, where, names)
     faults = Faults(where, names.what)
-    (header_line, header), *body = rows
-    found_names = _named(rows[0], names, faults)
+    place = find_header(found, names.count)
+    body = [row for row in found[place + 1 :] if not is_comment_row(row[1])]
+    comments = [row for row in found[place + 1 :] if is_comment_row(row[1])]
+    if not body or len(body) >= _MOST_ROWS or is_comment_row(found[place][1]):
+        raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
+    statements, notes = read_form([*found[:place], *comments], faults)
+    header_line, header = found[place]
+    found_names = _named(found[place], names, faults)
     whole = [row for row in body if _is_whole(row, len(header), faults)]
     values = _columns(whole, found_names, names, faults, decimal)
     labels = _labels(whole, found_names, names, faults)
@@ -122,44 +122,31 @@ def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = No
         left_out=tuple(clean(str(c)) for c in header if names.find(c)[0] is None),
         labels=labels,
         decimal=decimal,
+        notes=tuple(notes),
     )
 
 
-def _of_text(data: bytes, where: str, names: ColumnNames) -> tuple[_Rows, dict[str, str]]:
+def _of_text(data: bytes, where: str, names: ColumnNames) -> _Rows:
     if data.startswith(OLD_WORKBOOK):
         raise refuse(where, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
     text, _ = decode_text(data, where)
-    lines = list(enumerate(text.split("\n"), 1))
-    sep = stated_delimiter(lines[0][1])
+    lines = [(k, line) for k, line in enumerate(text.split("\n"), 1) if line.strip(BLANKS)]
+    sep = stated_delimiter(lines[0][1]) if lines else None
     lines = lines[bool(sep) :]
+    head = [line for _, line in lines[:HEAD]]
+    heads = {d: [(row.line, row.cells) for row in split_head(head, d)] for d in Delimiter}
+    delimiter = sep or max(heads, key=lambda d: count_known(heads[d], names.count))
     faults = Faults(where, names.what)
-    statements = _statements(lines, faults)
-    lines = [(k, line) for k, line in lines if _is_row([line])]
-    if not lines:
-        return [], statements
-    header = lines[0][1]
-    named = {d: names.count(split_head([header], d)[0].cells) for d in Delimiter}
-    delimiter = sep or max(named, key=lambda d: named[d])
     rows: _Rows = []
     for k, line in lines:
+        comment = line.strip(BLANKS).strip('"')
         try:
-            rows.append((k, split_lines([line], delimiter)[0]))
+            cells = [comment] if is_comment(comment) else split_lines([line], delimiter)[0]
+            rows.append((k, cells))
         except csv.Error as error:
             faults.add(f"{error}: {quoted(line)}", k, remedy="close or remove the quote")
     faults.check()
-    return rows, statements
-
-
-def _statements(lines: Sequence[tuple[int, str]], faults: Faults) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for k, line in lines:
-        text = line.strip(BLANKS).strip('"')
-        statement = read_statement(Row(k, [text], text, k)) if is_comment(text) else None
-        if statement is not None and found.setdefault(*statement) != statement[1]:
-            before = quoted(found[statement[0]])
-            what = f"{statement[0]} is {quoted(statement[1])} here and {before} above"
-            faults.add(what, k, remedy="leave one of them")
-    return in_english(found)
+    return [(k, cells) for k, cells in rows if _is_row(cells)]
 
 
 def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
@@ -168,7 +155,7 @@ def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
     found: dict[str, _Rows] = {}
     for title, cells in read_sheets(data, where):
         numbered: _Rows = [(k, row) for k, row in enumerate(cells, 1) if _is_row(row)]
-        if numbered and names.count(numbered[0][1]) >= len(names.needed):
+        if numbered and count_known(numbered, names.count) >= len(names.needed):
             found[title] = numbered
     if len(found) != 1:
         which = f"sheets {listed(map(quoted, found))} hold" if found else "no sheet holds"
@@ -178,8 +165,7 @@ def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
 
 
 def _is_row(cells: Sequence[Cell]) -> bool:
-    texts = [cell.strip(BLANKS) if isinstance(cell, str) else "0" for cell in cells]
-    return any(texts) and not is_comment(texts[0].lstrip('"'))
+    return any(not isinstance(cell, str) or cell.strip(BLANKS) for cell in cells)
 
 
 def _named(

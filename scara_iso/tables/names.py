@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from enum import Enum
 from functools import lru_cache
 
+from scara_iso.condition_columns import (
+    UNITS,
+    RecordedCondition,
+    find_condition,
+    unit_in_heading,
+    unit_of_condition,
+)
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES, read_direction
 from scara_iso.quantities import Unit, find_unit
@@ -44,6 +51,8 @@ class Column:
     name: str
     unit: str = ""
     position: int = 0
+    condition: RecordedCondition | None = None
+    """What a covariate records, where its name or its unit says so."""
 
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
@@ -59,6 +68,7 @@ _INSTRUMENT = re.compile(
     r"(?:dial|gauge|indicator|probe|sensor|channel|ch|messuhr|taster|kanal) ?[0-9]{0,3}"
     r" ?[\[(]([^\[\]()]*)[\])]"
 )
+_FOOTNOTE = re.compile(r" ?(?:[\u00b9\u00b2\u00b3]\)|\*{1,3}\)?|†)$")
 _COMMAND = re.compile(r"command[ _]([^ _].*)", re.IGNORECASE)
 _CYCLE_PROPER = {"cycle", "zyklus"}
 _CYCLE = _CYCLE_PROPER | {
@@ -69,14 +79,19 @@ _CYCLE = _CYCLE_PROPER | {
     "lauf", "lauf nr", "wiederholung", "repetition", "run", "run no", "run nr", "run #", "trial no",
     "trial nr", "trial #", "ciclo", "nº", "n°", "essai", "序号", "编号", "次数",
 }  # fmt: skip
+DATES = ("date", "datum", "fecha", "日期")
+_TIMES = ("time", "zeit", "uhrzeit", "clock", "time of day", "hora", "heure", "时间")
+_STAMPS = ("timestamp", "time stamp", "zeitstempel", "zeitpunkt", "datetime", "date time",
+           "date/time", "datum zeit", "datum/zeit", "datum uhrzeit", "datum/uhrzeit")  # fmt: skip
+CLOCKS = frozenset((*_TIMES, *_STAMPS))
+"""Names of a column that may hold times of day, as `plain_key` gives them."""
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),
     **dict.fromkeys(POSE_NAMES, Kind.POSE),
-    "approach": Kind.APPROACH,
-    **dict.fromkeys(("timestamp", "time stamp", "zeitstempel", "datetime", "date time"),
-                    Kind.TIMESTAMP),
-    **dict.fromkeys(("date", "time", "datum", "zeit", "uhrzeit", "fecha", "hora", "日期", "时间"),
-                    Kind.OPEN),
+    **dict.fromkeys(("approach", "approach direction", "direction of approach", "anfahrrichtung"),
+                    Kind.APPROACH),
+    **dict.fromkeys(_STAMPS, Kind.TIMESTAMP),
+    **dict.fromkeys((*DATES, *_TIMES), Kind.OPEN),
     **dict.fromkeys(
         ("comment", "comments", "remark", "remarks", "note", "notes", "bemerkung", "bemerkungen",
          "anmerkung", "kommentar", "notiz", "operator", "bediener", "prüfer", "inspector",
@@ -84,19 +99,7 @@ _KINDS = {
         Kind.COMMENT,
     ),
 }  # fmt: skip
-_COVARIATES = {
-    "time_s": "time_s", "t_s": "time_s", "zeit_s": "time_s", "temperature_c": "temperature_C",
-    "temperatur_c": "temperature_C", "payload_kg": "payload_kg",
-    "speed": "speed",
-}  # fmt: skip
-_LIKE_COVARIATES = {
-    **dict.fromkeys(("temp_c", "t_c", "raumtemperatur_c", "lufttemperatur_c",
-                     "umgebungstemperatur_c", "ambient temperature_c"), "temperature_C"),
-    **dict.fromkeys(("load_kg", "last_kg", "nutzlast_kg"), "payload_kg"),
-}  # fmt: skip
-"""Names that mean a covariate where no other column does."""
-_CELSIUS = re.compile(r"(?:deg|grad) ?c(?:elsius)?|celsius")
-COVARIATES = frozenset(_COVARIATES.values())
+COVARIATES = frozenset({"time_s", "temperature_C", "payload_kg", "speed"})
 """Covariates that have a meaning, so their cells must be numbers."""
 _SPLITS = (
     re.compile(r"(.*?) ?[\[({<]([^\[\](){}<>]*)[\])}>]"),
@@ -160,6 +163,7 @@ def read_name(text: str, unit_below: str = "") -> Column:
 
 def _axis(name: str) -> str | None:
     """Return the axis that a name without its unit means: ``x``, ``messwert x``, ``dial 1 (x)``."""
+    name = _FOOTNOTE.sub("", name)
     instrument = _INSTRUMENT.fullmatch(name)
     return _AXES.get(_AXIS_WORD.sub("", instrument[1] if instrument else name, count=1))
 
@@ -174,22 +178,32 @@ def _one_of(unit: str, below: str) -> str:
 def _other_column(text: str, unit_below: str) -> Column:
     match = _SPLITS[0].fullmatch(text)
     stem, unit = (match[1], match[2]) if match else (text, "")
-    unit = (unit or unit_below).replace("°", "").strip(" -")
-    known = next((_COVARIATES[k] for k in _keys(text, unit_below) if k in _COVARIATES), None)
-    if known:
-        return Column(Kind.COVARIATE, known)
-    kind = _KINDS.get(re.sub(r"[ ._:-]+", " ", stem.lower()).strip())
-    if kind is None or (kind is Kind.OPEN and unit):
-        return Column(Kind.COVARIATE, re.sub(rf"^'(?=['{re.escape(FORMULA)}])", "", text))
+    unit = (unit or unit_below).strip(" -")
+    stated = _condition_unit(text, unit_below)
+    condition = find_condition(text, unit_below)
+    if condition and condition.sure:
+        return Column(Kind.COVARIATE, condition.name, stated, condition=condition)
+    kind = _KINDS.get(plain_key(stem))
+    if kind is None or (kind is Kind.OPEN and unit and ":" not in unit):
+        name = "speed" if text.lower() == "speed" else text
+        name = re.sub(rf"^'(?=['{re.escape(FORMULA)}])", "", name)
+        return Column(Kind.COVARIATE, name, stated)
     return Column(kind, kind.value)
 
 
-def _keys(text: str, unit_below: str) -> Iterator[str]:
-    """Yield name and unit as ``temperature_c``, of each way to part them."""
-    found = [match.groups() for pattern in _SPLITS if (match := pattern.fullmatch(text))]
-    for name, stated in [*found, (text, unit_below)]:
-        stem, unit = name.lower().rstrip(". "), stated.replace("°", "").strip(" -").lower()
-        yield f"{stem}_{'c' if _CELSIUS.fullmatch(unit) else unit}" if unit else stem
+def plain_key(name: str) -> str:
+    """Return a name in lower case, without what stands in brackets, blanks for its points."""
+    match = _SPLITS[0].fullmatch(name)
+    return re.sub(r"[ ._:-]+", " ", (match[1] if match else name).lower()).strip()
+
+
+def _condition_unit(text: str, below: str) -> str:
+    """Return the unit of a covariate, of its heading or the unit row; both where they differ."""
+    unit = unit_in_heading(text)
+    both = [unit_of_condition(unit), unit_of_condition(below)]
+    if unit and both[1] in UNITS and both[0] != both[1]:
+        return f"{unit} over {below}"
+    return unit or below
 
 
 def read_names(cells: list[str], units: list[str]) -> list[Column]:
@@ -211,7 +225,6 @@ def read_names(cells: list[str], units: list[str]) -> list[Column]:
             else c
             for c in columns
         ]
-    columns = _with_likely(columns, cells, units)
     poses = [c.position for c in columns if c.kind is Kind.POSE]
     proper = [k for k in poses if clean(cells[k]).lower().startswith("pose")]
     if len(poses) > 1 and len(proper) == 1:
@@ -220,32 +233,41 @@ def read_names(cells: list[str], units: list[str]) -> list[Column]:
     return columns
 
 
-def _with_likely(columns: list[Column], cells: list[str], units: list[str]) -> list[Column]:
-    """Return the columns with a name like ``Temp (C)`` as what it means, where no other is that."""
-    likely = {
-        c.position: _LIKE_COVARIATES[key]
-        for c in columns if c.kind is Kind.COVARIATE
-        for key in _keys(clean(cells[c.position]), clean(units[c.position]))
-        if key in _LIKE_COVARIATES
-    }  # fmt: skip
-    found = Counter([*(c.name for c in columns), *likely.values()])
-    sure = {k: name for k, name in likely.items() if found[name] == 1}
-    return [replace(c, name=sure.get(c.position, c.name)) for c in columns]
-
-
 def settle(column: Column, name: str, first: str) -> Column:
-    """Return what a column that is left open is, by its first cell: numbers, stamps or a note."""
+    """Return what a column that is left open is, by its first cell: numbers, stamps or a note.
+
+    A covariate without a unit has the one behind its first number.
+    """
     if column.kind is Kind.APPROACH:
         labelled = read_direction(first) is not None
         return replace(column, kind=Kind.DIRECTION if labelled else Kind.COVARIATE)
-    if column.kind is Kind.TIMESTAMP and parse_cell(first) is None:
-        return column
+    number = parse_cell(first)
+    if number is not None and column.kind is Kind.COVARIATE and not column.condition:
+        return replace(column, unit=column.unit or number.unit)
     if column.kind not in (Kind.OPEN, Kind.TIMESTAMP):
         return column
-    if parse_cell(first) is not None:
-        return replace(column, kind=Kind.COVARIATE, name=clean(name))
-    kind = Kind.TIMESTAMP if read_timestamp(first) else Kind.COMMENT
+    if number is not None:
+        return replace(column, kind=Kind.COVARIATE, name=clean(name), unit=number.unit)
+    sure = column.kind is Kind.TIMESTAMP and not re.match("[0-9]{1,2}:", first.strip(BLANKS))
+    kind = Kind.TIMESTAMP if sure or read_timestamp(first) else Kind.COMMENT
     return replace(column, kind=kind, name=clean(name))
+
+
+def with_likely(columns: Sequence[Column], cells: Sequence[str]) -> tuple[Column, ...]:
+    """Return the columns with a name like ``Temp (C)`` as what it means, where no other is that."""
+    likely = {
+        k: condition
+        for k, (c, cell) in enumerate(zip(columns, cells, strict=True))
+        if c.kind is Kind.COVARIATE and c.condition is None
+        if (condition := find_condition(clean(cell), c.unit))
+    }  # fmt: skip
+    others = ("time_s" if c.kind is Kind.TIMESTAMP else c.name for c in columns)
+    found = Counter([*others, *(one.name for one in likely.values())])
+    sure = {k: one for k, one in likely.items() if found[one.name] == 1}
+    return tuple(
+        replace(c, name=sure[k].name, condition=sure[k]) if k in sure else c
+        for k, c in enumerate(columns)
+    )  # fmt: skip
 
 
 _GERMAN = re.compile(
@@ -264,23 +286,3 @@ def read_timestamp(text: str) -> datetime | None:
         return datetime.fromisoformat(text) if text.isascii() and len(text) > 10 else None
     except ValueError:
         return None
-
-
-_FOOTERS = """
-mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev sd
-stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max maximum
-range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
-wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
-tolerance toleranz result results ergebnis rms
-stabw stabwn stabwa stdv cv rsd kurtosis skewness
-"""
-_WORDS = frozenset(_FOOTERS.split())
-_SHORT = frozenset(["s", "n", "r", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])
-_FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
-
-
-def names_a_footer(label: str, *, short: bool = False) -> bool:
-    """Return whether a label begins as a footer's; ``short``: also as ``s`` or ``n``."""
-    match = _FIRST_WORD.search(label.lower())
-    word = match[0] if match else ""
-    return word in _WORDS or (short and word in _SHORT)

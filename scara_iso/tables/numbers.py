@@ -1,8 +1,8 @@
 """The grammar of a number in a table: stricter than ``float``, wider than one locale.
 
 ``float`` takes ``nan``, ``inf``, ``1_0`` and Arabic digits and knows no decimal comma. Here a
-number is an optional sign (``+``, ``-`` or U+2212), ASCII digits with at most one decimal mark,
-an optional exponent, and an optional unit behind it.
+number is an optional sign (``+``, ``-``, U+2212 or U+2013), ASCII digits with at most one decimal
+mark, an optional exponent, and an optional unit behind it.
 """
 
 from __future__ import annotations
@@ -45,6 +45,8 @@ _CELL = re.compile(
     r"([+-]?)([0-9.,]*[0-9][.,]?)([eE][+-]?[0-9]+)?"
     rf"[{BLANKS}]*([^0-9{BLANKS}\s.,+=()-][^0-9=]{{0,19}})?"
 )
+_MINUSES = str.maketrans({MINUS: "-", "\u2013": "-"})
+"""The signs of a negative number besides ``-``: the minus of Unicode, and the dash of a text."""
 _ONE_MARK = re.compile(r"[0-9]*\.?[0-9]*")
 _GROUP_COMMA = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
 _GROUPED = {
@@ -62,7 +64,7 @@ def parse_cell(text: str, decimal: str | None = None) -> CellNumber | None:
     `CellNumber.mark`; thousands groups are read only when ``decimal`` says which mark is which. The
     value may be infinite (``1e400``): the caller checks. A number with both marks has value 0.
     """
-    match = _CELL.fullmatch(text.strip(BLANKS).replace(MINUS, "-"))
+    match = _CELL.fullmatch(text.strip(BLANKS).translate(_MINUSES))
     if match is None:
         return None
     sign, digits, exponent, unit = match.groups("")
@@ -90,7 +92,7 @@ def _mark_of(digits: str) -> Mark:
 
 def count_decimals(text: str) -> int | None:
     """Return the digits behind a number's decimal mark; None with an exponent, or for no number."""
-    match = _CELL.fullmatch(text.strip(BLANKS).replace(MINUS, "-"))
+    match = _CELL.fullmatch(text.strip(BLANKS).translate(_MINUSES))
     if match is None or match[3]:
         return None
     return len(match[2].replace(",", ".").partition(".")[2])

@@ -9,8 +9,9 @@ from typing import TypeVar
 from scara_iso.frozen import dataclass
 from scara_iso.run import AXES
 from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.footers import names_a_footer
 from scara_iso.tables.layout import is_comment, is_rule
-from scara_iso.tables.names import clean, names_a_footer, read_unit
+from scara_iso.tables.names import clean, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.text import Row
 
@@ -163,14 +164,24 @@ def _as_one(values: Sequence[str], text: str) -> str:
 
 
 def _own_size(text: str) -> tuple[str, str] | None:
-    """Return key and value of a resolution with its unit that is all of a text, without a colon."""
+    """Return key and value that are all of a text without a colon, as ``Unit mm``.
+
+    A number without a unit is a resolution's where it has decimals.
+    """
+    if word := _OWN_WORD.fullmatch(text):
+        return word[1], word[2]
+    unit = _OWN_UNIT.fullmatch(text)
+    if unit and read_unit(unit[3]):
+        return unit[1], unit[3]
+    values = _UNIT_OF_VALUES.fullmatch(text)
+    if values and read_unit(values[1]):
+        return "unit", values[1]
     size = _SIZE.fullmatch(text)
-    return (size[1], size[3]) if size and _unit_of(size[3]) else None
-
-
-def _unit_of(value: str) -> str:
-    number = parse_cell(value)
-    return number.unit if number and read_unit(number.unit) else ""
+    number = parse_cell(size[3]) if size else None
+    if size is None or number is None:
+        return None
+    sure = read_unit(number.unit) if number.unit else number.value % 1
+    return (size[1], size[3]) if sure else None
 
 
 def _normal(key: str, value: str) -> tuple[str, str]:
@@ -211,7 +222,8 @@ _GERMAN = {
     "luftfeuchtigkeit": "humidity", "messuhr": "dial", "messmittel": "instrument",
     "messgerät": "instrument", "kalibrierdatum": "calibration_date",
     "kalibriert_am": "calibration_date", "kalibriert_bis": "calibration_due",
-    "kalibrierschein": "calibration_certificate",
+    "kalibrierschein": "calibration_certificate", "toleranz": "tolerance",
+    "referenz": "reference", "referenzwert": "reference",
 }  # fmt: skip
 """Keys that a report asks for, as German forms call them."""
 _OF_AXIS = rf"(?:[ _]({'|'.join(AXES).lower()}))?"
@@ -219,7 +231,17 @@ _KEYS = {key: re.compile(f"(?:{names}){_OF_AXIS}") for key, names in _NAMES.item
 _RESOLUTION = re.compile(rf"{_KEYS[RESOLUTION].pattern}(?: ?[\[(][^\[\]()]+[\])])?")
 _NAMED = f"((?:{_NAMES[RESOLUTION]}){_OF_AXIS})"
 _VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
-_SIZE = re.compile(f"{_NAMED} {_VALUE}", re.IGNORECASE)
+_SIZE = re.compile(f"{_NAMED} {_VALUE.replace('+)', '*)')}", re.IGNORECASE)
+_OWN_WORD = re.compile(
+    "(first_cycle_discarded|first_cycle|dial_zero) (true|false|yes|no|counts|command)",
+    re.IGNORECASE,
+)
+_UNIT_OF_VALUES = re.compile(
+    r"(?:all |alle )?(?:mess|ist)?(?:werte?|readings?|values|measurements|daten|data|maße)"
+    r"(?: are| sind)?(?: in |: in | ?[\[(]| / )([^\[\]()]{1,12})[\])]?",
+    re.IGNORECASE,
+)
+_OWN_UNIT = re.compile(rf"((?:{_NAMES['unit']}){_OF_AXIS}) (\S.{{0,20}})", re.IGNORECASE)
 _IN_WORDS = re.compile(f"{_NAMED}[ ,;:=]*{_VALUE}", re.IGNORECASE)
 _OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
 _UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")

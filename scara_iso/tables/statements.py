@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 
 from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import Commanded
@@ -20,6 +20,7 @@ OF_AXES = ("unit", "resolution", "indicator_uncertainty")
 COMMAND = "command"
 """Key of the command pose, with ``_X`` and the like behind, and ``[P3]`` for one of several."""
 _OF_A_POSE = re.compile(rf"{COMMAND}_({'|'.join(AXES).lower()})\[([^\[\]]+)\]")
+_OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +40,15 @@ def is_of_axes(key: str) -> bool:
         or any(key in _keys(name) for name in (*OF_AXES, COMMAND))
         or _OF_A_POSE.fullmatch(key) is not None
     )
+
+
+def of_no_axis(statements: Iterable[str], axes: Container[str]) -> Iterator[str]:
+    """Yield the statements about an axis that is not among those of a table."""
+    for key in filter(is_of_axes, statements):
+        found = _OF_ONE.fullmatch(key)
+        axis = next((name for name in AXES if found and name.lower() == found[1]), None)
+        if axis is not None and axis not in axes:
+            yield f"{key} not used: there is no axis {axis}"
 
 
 def _keys(name: str) -> list[str]:
@@ -220,7 +230,7 @@ class _Sizes:
         size = self._read(stated, key) if stated else None
         unit = (size[1] if size else None) or self._common_unit()
         if unit is None:
-            if size or option is not None:
+            if self.units and (size or option is not None):
                 self.faults.add(
                     f"{key}: the axes have different units",
                     stated.line if stated else None,
@@ -239,7 +249,15 @@ class _Sizes:
             value = asked
         if value is None:
             return {}
-        return {axis: value for axis, u in self.units.items() if u.dimension is unit.dimension}
+        found = {axis: value for axis, u in self.units.items() if u.dimension is unit.dimension}
+        if self.units and not found:
+            other = next(iter(self.units.values())).dimension.value
+            remedy = f"state {key} in the unit of the readings, as '# {key}: 0.001 {other}'"
+            if option is not None:
+                remedy = "leave `resolution=` out, or let `unit=` be a unit of the readings"
+            what = f"{key} in {unit.name}, and no axis is in such a unit"
+            self.faults.add(what, stated.line if stated else None, remedy=remedy)
+        return found
 
     def _common_unit(self) -> Unit | None:
         """Return the unit that a bare size is in: the stated one, else the one of all lengths."""

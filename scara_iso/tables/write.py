@@ -20,7 +20,7 @@ from scara_iso.tables.locale import (
     text_cell,
     write_rows,
 )
-from scara_iso.tables.names import Kind, read_name
+from scara_iso.tables.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.preamble import normal_key
 from scara_iso.tables.statements import COMMAND, is_of_axes
 
@@ -51,7 +51,10 @@ def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:
 
 def _check_names(run: Run) -> None:
     axes = [name for name in run.axes if name not in AXES]
-    wrong = [n for n in run.covariates if not _names_a_covariate(n)]
+    names = [text_cell(name) for name in run.covariates]
+    read = with_likely([read_name(name) for name in names], names)
+    wrong = [name for name, found in zip(run.covariates, read, strict=True)
+             if not _is_as_read(name, found)]  # fmt: skip
     if axes or wrong:
         raise DataError(
             f"a table cannot hold columns named {', '.join(map(repr, axes + wrong))}",
@@ -59,11 +62,12 @@ def _check_names(run: Run) -> None:
         )
 
 
-def _names_a_covariate(name: str) -> bool:
-    read = read_name(text_cell(name))
+def _is_as_read(name: str, read: Column) -> bool:
+    """Say whether a covariate's column is read as it is written."""
     if read.kind in (Kind.OPEN, Kind.TIMESTAMP):  # of numbers, so it is read as numbers again
         return True
-    return read.name == name and read.kind in (Kind.COVARIATE, Kind.APPROACH) and not read.unit
+    converts = read.condition is not None and read.condition.converts
+    return read.name == name and read.kind in (Kind.COVARIATE, Kind.APPROACH) and not converts
 
 
 def _preamble(run: Run) -> Iterator[str]:

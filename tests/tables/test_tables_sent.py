@@ -399,7 +399,7 @@ def test_whole_numbers_of_two_poses_are_read():
         ("Temp (C);Last [kg]", ["temperature_C", "payload_kg"]),
         ("Temperatur in °C;T [°C]", ["temperature_C", "T [°C]"]),
         ("Temp (C);T (C)", ["Temp (C)", "T (C)"]),
-        ("Temperature (F);u", ["Temperature (F)", "u"]),
+        ("Temperature (F);u", ["temperature_C", "u"]),
         ("Ambient temperature;Time\n;µm;µm;°C;s", ["temperature_C", "time_s"]),
     ],
 )
