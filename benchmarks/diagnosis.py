@@ -41,7 +41,7 @@ from diagnosis_rivals import RIVALS
 
 from scara_iso.diagnosis import LEVEL, UNKNOWN
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.held_out import search_cross_validated
+from scara_iso.diagnosis.gain.held_out import search_cross_validated
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.diagnosis.search import chosen, find, tested

@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from scara_iso.diagnosis import choice as module
-from scara_iso.diagnosis.choice import (
+from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, views_of
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
+from scara_iso.diagnosis.likelihood.hypothesis_set import build, constant
+from scara_iso.diagnosis.likelihood.two_state import two_levels
+from scara_iso.diagnosis.naming import choice as module
+from scara_iso.diagnosis.naming.choice import (
     Choice,
     Weighed,
     choose,
     posterior,
     two_states,
 )
-from scara_iso.diagnosis.evidence import Views, joint_evidence, views_of
-from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.hypothesis_set import build, constant
-from scara_iso.diagnosis.stated import as_often_right, beside_near_rivals
+from scara_iso.diagnosis.naming.stated import as_often_right, beside_near_rivals
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNDECIDED, UNKNOWN, UNSURE
-from scara_iso.diagnosis.two_state import two_levels
 from scara_iso.effects import Chain, Process, Shape
 
 N = 16

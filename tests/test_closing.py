@@ -9,7 +9,7 @@ import pytest
 import scara_iso
 from scara_iso.cli import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
-from scara_iso.diagnosis.planning import PlannedRun, smallest_effects
+from scara_iso.diagnosis.next_test.planning import PlannedRun, smallest_effects
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.quantities import Dimension

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from scara_iso.cli import main
-from scara_iso.diagnosis.course_formula import formula_for
-from scara_iso.diagnosis.course_words import in_words, levels_in_words
+from scara_iso.diagnosis.unexplained.course_formula import formula_for
+from scara_iso.diagnosis.unexplained.course_words import in_words, levels_in_words
 from scara_iso.effects import parse_formula
 
 TABLE = str(Path(__file__).parents[1] / "examples" / "unexplained.csv")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.likelihood.evidence import (
     LARGEST_LOG,
     Views,
     bayes_factors,
@@ -13,8 +13,8 @@ from scara_iso.diagnosis.evidence import (
     log_bayes_of_course,
     views_of,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.hypothesis_set import build, constant
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
+from scara_iso.diagnosis.likelihood.hypothesis_set import build, constant
 from scara_iso.effects import Process, Shape, Spread
 
 N = 10

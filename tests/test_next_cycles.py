@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.next_cycles import _foretold, right_after
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
 from scara_iso.diagnosis.readings import diagnose_readings
+from scara_iso.diagnosis.rivals.next_cycles import _foretold, right_after
 from scara_iso.effects import Shape
 from scara_iso.run import Axis, Run
 

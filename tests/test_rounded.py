@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.special import ndtr, stdtr
 
-from scara_iso.diagnosis.hypothesis_set import constant
+from scara_iso.diagnosis.likelihood.hypothesis_set import constant
+from scara_iso.diagnosis.likelihood.rounded import DialCourse, fitted_courses, scatter_alone
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
-from scara_iso.diagnosis.rounded import DialCourse, fitted_courses, scatter_alone
 from scara_iso.diagnosis.tuning import LEAST_ON_DIAL
 from scara_iso.run import Axis, Run
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import search as module
-from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.fit import Term
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.marginal import MarginalTests
-from scara_iso.diagnosis.permutation import OrderTest
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.naming.choice import Choice
 from scara_iso.diagnosis.problem import SearchProblem, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import Stage, chosen, find, find_again
+from scara_iso.diagnosis.significance.marginal import MarginalTests
+from scara_iso.diagnosis.significance.permutation import OrderTest
 from scara_iso.diagnosis.tuning import UNKNOWN
 from scara_iso.effects import Chain, Conditions, Process, Shape, Spread, find_effects
 

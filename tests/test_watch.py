@@ -36,9 +36,10 @@ from scara_iso.acquisition import (
 from scara_iso.cli import main
 from scara_iso.cli.keyboard import Keys
 from scara_iso.cli.record_screen import Screen
-from scara_iso.diagnosis import ALARM, Monitor, monitoring
-from scara_iso.diagnosis.e_process import EProcess, _bet, _normal, _step_table
-from scara_iso.diagnosis.looks import is_look, look, normal_scores
+from scara_iso.diagnosis import ALARM, Monitor
+from scara_iso.diagnosis.live import monitoring
+from scara_iso.diagnosis.live.e_process import EProcess, _bet, _normal, _step_table
+from scara_iso.diagnosis.live.looks import is_look, look, normal_scores
 from scara_iso.library import Watcher
 from scara_iso.render.live import LiveScreen, draw
 from scara_iso.reporting.watching import warning

@@ -9,15 +9,12 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis.all_poses import AllPoses as AllPoses, whole_cycles as whole_cycles
-    from scara_iso.diagnosis.choice import posterior as posterior
     from scara_iso.diagnosis.closed_loop import (
         CyclesWanted as CyclesWanted,
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
     )
-    from scara_iso.diagnosis.evidence import log_bayes as log_bayes
-    from scara_iso.diagnosis.held_out import HeldOut as HeldOut
-    from scara_iso.diagnosis.hypothesis_set import HypothesisSet as HypothesisSet
+    from scara_iso.diagnosis.gain.held_out import HeldOut as HeldOut
     from scara_iso.diagnosis.joint_scatter import (
         FollowedInJoints as FollowedInJoints,
         JointCorrelation as JointCorrelation,
@@ -29,12 +26,13 @@ if TYPE_CHECKING:
         SourceOfScatter as SourceOfScatter,
         with_joint_scatter as with_joint_scatter,
     )
-    from scara_iso.diagnosis.looks import ALARM as ALARM
-    from scara_iso.diagnosis.marginal import marginal_tests as marginal_tests
-    from scara_iso.diagnosis.monitoring import Monitor as Monitor, Suspicion as Suspicion
-    from scara_iso.diagnosis.next_cycles import NextCycles as NextCycles
-    from scara_iso.diagnosis.permutation import order_test as order_test
-    from scara_iso.diagnosis.planning import (
+    from scara_iso.diagnosis.likelihood.evidence import log_bayes as log_bayes
+    from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet as HypothesisSet
+    from scara_iso.diagnosis.likelihood.two_state import two_levels as two_levels
+    from scara_iso.diagnosis.live.looks import ALARM as ALARM
+    from scara_iso.diagnosis.live.monitoring import Monitor as Monitor, Suspicion as Suspicion
+    from scara_iso.diagnosis.naming.choice import posterior as posterior
+    from scara_iso.diagnosis.next_test.planning import (
         Alike as Alike,
         Change as Change,
         Design as Design,
@@ -43,12 +41,20 @@ if TYPE_CHECKING:
         design as design,
         planned_columns as planned_columns,
     )
-    from scara_iso.diagnosis.planning_poses import (
+    from scara_iso.diagnosis.next_test.planning_poses import (
         ChangeOfPoses as ChangeOfPoses,
         DesignOfPoses as DesignOfPoses,
         PlannedPosesTest as PlannedPosesTest,
         design_of_poses as design_of_poses,
         like_test as like_test,
+    )
+    from scara_iso.diagnosis.next_test.separating import (
+        GIVEN as GIVEN,
+        PROPOSED as PROPOSED,
+        STANDARD as STANDARD,
+        PosesApart as PosesApart,
+        SeparatingPlan as SeparatingPlan,
+        separating_plan as separating_plan,
     )
     from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
     from scara_iso.diagnosis.poses_result import (
@@ -81,6 +87,7 @@ if TYPE_CHECKING:
         diagnose_sweep as diagnose_sweep,
         read_sweep as read_sweep,
     )
+    from scara_iso.diagnosis.rivals.next_cycles import NextCycles as NextCycles
     from scara_iso.diagnosis.saving import save_model as save_model
     from scara_iso.diagnosis.screening import (
         Screened as Screened,
@@ -88,14 +95,8 @@ if TYPE_CHECKING:
         floor_of as floor_of,
         screen as screen,
     )
-    from scara_iso.diagnosis.separating import (
-        GIVEN as GIVEN,
-        PROPOSED as PROPOSED,
-        STANDARD as STANDARD,
-        PosesApart as PosesApart,
-        SeparatingPlan as SeparatingPlan,
-        separating_plan as separating_plan,
-    )
+    from scara_iso.diagnosis.significance.marginal import marginal_tests as marginal_tests
+    from scara_iso.diagnosis.significance.permutation import order_test as order_test
     from scara_iso.diagnosis.tuning import (
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,
@@ -105,7 +106,6 @@ if TYPE_CHECKING:
         SEED as SEED,
         UNKNOWN as UNKNOWN,
     )
-    from scara_iso.diagnosis.two_state import two_levels as two_levels
     from scara_iso.diagnosis.verdict import (
         Rival as Rival,
         Verdict as Verdict,

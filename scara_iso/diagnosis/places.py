@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from scara_iso.diagnosis.all_poses import PoseAxis
-from scara_iso.diagnosis.evidence import shrunk
-from scara_iso.diagnosis.hypothesis_set import extended
+from scara_iso.diagnosis.likelihood.evidence import shrunk
+from scara_iso.diagnosis.likelihood.hypothesis_set import extended
 from scara_iso.diagnosis.tuning import GAIN, MISFIT, PLACE_NAMED, PLACE_RIVAL, PLACES
 from scara_iso.frozen import dataclass
 from scara_iso.robot import Arm

@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
-from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit, Term
+from scara_iso.diagnosis.likelihood.evidence import ManyPoses
 from scara_iso.diagnosis.places import BOTH, JOINTS, Place, places_of, separation
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation
 from scara_iso.diagnosis.problem import SearchProblem, problem_of

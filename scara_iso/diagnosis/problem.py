@@ -10,11 +10,11 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.evidence import ManyPoses, Views, views_of
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
-from scara_iso.diagnosis.on_dial import DialReadings
+from scara_iso.diagnosis.likelihood.evidence import ManyPoses, Views, views_of
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build
+from scara_iso.diagnosis.likelihood.on_dial import DialReadings
 from scara_iso.diagnosis.places import Place
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import NEIGHBOURS

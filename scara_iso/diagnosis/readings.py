@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.beyond import courses_of
-from scara_iso.diagnosis.completed import foretold, scatter_draws
-from scara_iso.diagnosis.every_axis import courses_of_axes, standing_of
-from scara_iso.diagnosis.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.held_out import HeldOut, on_second_run, search_cross_validated
-from scara_iso.diagnosis.misfit import is_slow
-from scara_iso.diagnosis.next_conditions import next_conditions
+from scara_iso.diagnosis.gain.completed import foretold, scatter_draws
+from scara_iso.diagnosis.gain.every_axis import courses_of_axes, standing_of
+from scara_iso.diagnosis.gain.findings import found_effects, groups_of, repeatabilities, shares_of
+from scara_iso.diagnosis.gain.held_out import HeldOut, on_second_run, search_cross_validated
+from scara_iso.diagnosis.gain.unseen import of_other_half, of_second_run
+from scara_iso.diagnosis.naming.misfit import is_slow
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
@@ -27,6 +26,7 @@ from scara_iso.diagnosis.result import (
     Shares,
     UnseenRP,
 )
+from scara_iso.diagnosis.rivals.next_conditions import next_conditions
 from scara_iso.diagnosis.search import Stage, find
 from scara_iso.diagnosis.tuning import (
     FLAG_LEVEL,
@@ -36,7 +36,7 @@ from scara_iso.diagnosis.tuning import (
     SEED,
     UNKNOWN,
 )
-from scara_iso.diagnosis.unseen import of_other_half, of_second_run
+from scara_iso.diagnosis.unexplained.courses import courses_of
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError

@@ -14,12 +14,12 @@ import numpy as np
 
 from scara_iso.diagnosis.all_poses import whole_cycles
 from scara_iso.diagnosis.closed_loop import CyclesWanted
-from scara_iso.diagnosis.findings import groups_of, repeatabilities
-from scara_iso.diagnosis.permutation import order_test
+from scara_iso.diagnosis.gain.findings import groups_of, repeatabilities
 from scara_iso.diagnosis.poses import problem_of_poses
 from scara_iso.diagnosis.problem import SearchProblem, problem_of, remainder
 from scara_iso.diagnosis.readings import verdict_of
 from scara_iso.diagnosis.search import find, in_order
+from scara_iso.diagnosis.significance.permutation import order_test
 from scara_iso.diagnosis.tuning import ORDER_SHARE, PERMUTATIONS
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import find_effects

@@ -7,19 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.choice import Choice, choose, two_states
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
-from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
-from scara_iso.diagnosis.levels import with_levels
-from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests
-from scara_iso.diagnosis.misfit import without_misfit
-from scara_iso.diagnosis.pairs import pairs
-from scara_iso.diagnosis.permutation import OrderTest, order_statistic, order_test
-from scara_iso.diagnosis.persistence import Emissions, emissions_of
+from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, log_bayes
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build
+from scara_iso.diagnosis.naming.choice import Choice, choose, two_states
+from scara_iso.diagnosis.naming.levels import with_levels
+from scara_iso.diagnosis.naming.misfit import without_misfit
+from scara_iso.diagnosis.naming.pairs import pairs
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
+from scara_iso.diagnosis.significance.marginal import MarginalTests, marginal_tests
+from scara_iso.diagnosis.significance.permutation import OrderTest, order_statistic, order_test
+from scara_iso.diagnosis.significance.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.tuning import (
     FEWEST_ON_A_LEVEL,
     FURTHER_LEVEL,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.choice import Choice, posterior
+from scara_iso.diagnosis.naming.choice import Choice, posterior
 from scara_iso.diagnosis.reversals.fit import (
     Family,
     Fitted,

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from scara_iso.diagnosis.likelihood.two_state import log_likelihood
 from scara_iso.diagnosis.tuning import FEWEST_ON_A_LEVEL, LEAST_SCATTER
-from scara_iso.diagnosis.two_state import log_likelihood
 from scara_iso.effects import Chain
 from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray

@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.evidence import Views, bayes_factors, mean_evidence
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet
-from scara_iso.diagnosis.persistence import Emissions
+from scara_iso.diagnosis.likelihood.evidence import Views, bayes_factors, mean_evidence
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.significance.persistence import Emissions
+from scara_iso.diagnosis.significance.widening import widening
 from scara_iso.diagnosis.tuning import (
     ENOUGH,
     ENOUGH_FURTHER,
@@ -26,7 +27,6 @@ from scara_iso.diagnosis.tuning import (
     PERSISTENCE_SHARE,
     WIDENING_SHARE,
 )
-from scara_iso.diagnosis.widening import widening
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import quantiles
 from scara_iso.run import FloatArray, IntArray

@@ -17,8 +17,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
-from scara_iso.diagnosis.laplace import FAMILIES, WIDTH_OF_SHAPES, CoursesOfLikeWidth
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, extended
+from scara_iso.diagnosis.likelihood.laplace import FAMILIES, WIDTH_OF_SHAPES, CoursesOfLikeWidth
 from scara_iso.diagnosis.tuning import (
     AMPLITUDES,
     GAIN,

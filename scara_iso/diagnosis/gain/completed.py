@@ -14,8 +14,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.hypothesis_set import constant, extended
-from scara_iso.diagnosis.normal import normal_cdf
+from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
+from scara_iso.diagnosis.likelihood.normal import normal_cdf
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Foretold

@@ -13,8 +13,8 @@ from math import comb
 
 import numpy as np
 
-from scara_iso.diagnosis.hypotheses import Hypothesis, levels_of
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, levels_of
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.problem import Remainder
 from scara_iso.diagnosis.tuning import (
     BEST_LEVELS_SHARE,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
 from scara_iso.effects import Process, Shape, Spread
 from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray

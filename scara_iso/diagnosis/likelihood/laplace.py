@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.normal import normal_cdf
+from scara_iso.diagnosis.likelihood.normal import normal_cdf
 from scara_iso.diagnosis.tuning import MISFIT
 from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median

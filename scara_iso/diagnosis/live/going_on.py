@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant
 from scara_iso.diagnosis.tuning import PAUSE
 from scara_iso.effects import Conditions, Process, Shape, Spread, find_effects
 from scara_iso.run import IntArray

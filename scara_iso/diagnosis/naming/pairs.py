@@ -12,17 +12,17 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.choice import Weighed
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.likelihood.evidence import (
     LARGEST_LOG,
     Views,
     joint_evidence,
     log_bayes,
     log_bayes_amplified,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, extended
-from scara_iso.diagnosis.rounded import DialCourse, course_beside, course_of
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, extended
+from scara_iso.diagnosis.likelihood.rounded import DialCourse, course_beside, course_of
+from scara_iso.diagnosis.naming.choice import Weighed
 from scara_iso.diagnosis.tuning import (
     AMPLITUDES,
     PAIR_EFFECTS,

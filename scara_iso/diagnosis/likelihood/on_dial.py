@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import LARGEST_LOG, Views
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet
-from scara_iso.diagnosis.rounded import (
+from scara_iso.diagnosis.likelihood.evidence import LARGEST_LOG, Views
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.likelihood.rounded import (
     DialCourse,
     DialLikelihoods,
     course_of,

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, extended
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, extended
 from scara_iso.diagnosis.tuning import AMPLITUDES, GAIN, KNOWN_FROM
 from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray

@@ -19,7 +19,7 @@ from math import lgamma
 
 import numpy as np
 
-from scara_iso.diagnosis.normal import normal_cdf
+from scara_iso.diagnosis.likelihood.normal import normal_cdf
 from scara_iso.diagnosis.tuning import KNOWN_FROM, SPLIT_SCALE
 from scara_iso.effects import Chain
 from scara_iso.frozen import dataclass

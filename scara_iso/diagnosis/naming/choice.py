@@ -9,20 +9,20 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.likelihood.evidence import (
     LARGEST_LOG,
     Views,
     joint_evidence,
     log_bayes_amplified,
     log_bayes_of_course,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet
-from scara_iso.diagnosis.on_dial import DialReadings, on_dial
-from scara_iso.diagnosis.rounded import DialCourse, course_beside
-from scara_iso.diagnosis.stated import Near, as_stated
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.likelihood.on_dial import DialReadings, on_dial
+from scara_iso.diagnosis.likelihood.rounded import DialCourse, course_beside
+from scara_iso.diagnosis.likelihood.two_state import TwoLevels, between_levels, can_show_two
+from scara_iso.diagnosis.naming.stated import Near, as_stated
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS
-from scara_iso.diagnosis.two_state import TwoLevels, between_levels, can_show_two
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.frozen import dataclass

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.choice import Choice
 from scara_iso.diagnosis.direction import Match, match
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.hypothesis_set import constant, extended
+from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
+from scara_iso.diagnosis.naming.choice import Choice
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import ByAxis, Found, Shares

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from scara_iso.diagnosis.fit import Term
-from scara_iso.diagnosis.hypothesis_set import extended
+from scara_iso.diagnosis.likelihood.hypothesis_set import extended
 from scara_iso.diagnosis.problem import Remainder, SearchProblem
 from scara_iso.diagnosis.tuning import (
     LEAST_OF_COURSES,

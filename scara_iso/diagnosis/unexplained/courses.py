@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.diagnosis.course_formula import formula_for
-from scara_iso.diagnosis.course_words import in_words, levels_in_words
 from scara_iso.diagnosis.fit import Fit
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import UnexplainedCourse
 from scara_iso.diagnosis.tuning import LEVEL
+from scara_iso.diagnosis.unexplained.course_formula import formula_for
+from scara_iso.diagnosis.unexplained.course_words import in_words, levels_in_words
 from scara_iso.effects import Form, Shape
 
 

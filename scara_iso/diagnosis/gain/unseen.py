@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.completed import foretold, scatter_draws
-from scara_iso.diagnosis.findings import repeatabilities
 from scara_iso.diagnosis.fit import Fit, fit
+from scara_iso.diagnosis.gain.completed import foretold, scatter_draws
+from scara_iso.diagnosis.gain.findings import repeatabilities
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import SECOND, UnseenRP

@@ -16,12 +16,11 @@ from itertools import product
 import numpy as np
 
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
-from scara_iso.diagnosis.hypotheses import hypotheses_of
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
 from scara_iso.diagnosis.joint_scatter.poses import PLANE, Joints
 from scara_iso.diagnosis.joint_scatter.tracing import SOURCES, patterns_of, rounding_of, trace
-from scara_iso.diagnosis.places import JOINTS
-from scara_iso.diagnosis.planning import (
+from scara_iso.diagnosis.likelihood.hypotheses import hypotheses_of
+from scara_iso.diagnosis.next_test.planning import (
     Alike,
     PlannedRun,
     Smallest,
@@ -30,7 +29,8 @@ from scara_iso.diagnosis.planning import (
     other_conditions,
     smallest_effects,
 )
-from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
+from scara_iso.diagnosis.next_test.separating import PosesApart, poses_apart, separating_plan
+from scara_iso.diagnosis.places import JOINTS
 from scara_iso.diagnosis.tuning import SEED
 from scara_iso.dial import step_of
 from scara_iso.effects import Conditions, Effect, find_effects

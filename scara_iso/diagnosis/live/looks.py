@@ -12,10 +12,10 @@ from statistics import NormalDist
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import views_of
-from scara_iso.diagnosis.hypotheses import hypotheses_of
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant
-from scara_iso.diagnosis.permutation import order_test
+from scara_iso.diagnosis.likelihood.evidence import views_of
+from scara_iso.diagnosis.likelihood.hypotheses import hypotheses_of
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant
+from scara_iso.diagnosis.significance.permutation import order_test
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.run import FloatArray, IntArray

@@ -10,12 +10,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.choice import Choice, choose
-from scara_iso.diagnosis.e_process import EProcess
-from scara_iso.diagnosis.evidence import views_of
-from scara_iso.diagnosis.going_on import begun, named_over
-from scara_iso.diagnosis.looks import ALARM, MOST_PLANNED, is_look, look
-from scara_iso.diagnosis.next_cycles import NextCycles, right_after
+from scara_iso.diagnosis.likelihood.evidence import views_of
+from scara_iso.diagnosis.live.e_process import EProcess
+from scara_iso.diagnosis.live.going_on import begun, named_over
+from scara_iso.diagnosis.live.looks import ALARM, MOST_PLANNED, is_look, look
+from scara_iso.diagnosis.naming.choice import Choice, choose
+from scara_iso.diagnosis.rivals.next_cycles import NextCycles, right_after
 from scara_iso.diagnosis.tuning import GROSS
 from scara_iso.effects import Form, Shape
 from scara_iso.frozen import dataclass

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.choice import Choice
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.next_cycles import right_after
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.naming.choice import Choice
+from scara_iso.diagnosis.rivals.next_cycles import right_after
 from scara_iso.diagnosis.tuning import SEED
 from scara_iso.effects import CLOCK, Chain, Conditions, Effect, Form, Process
 from scara_iso.run import FloatArray

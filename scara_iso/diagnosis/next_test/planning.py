@@ -10,9 +10,9 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import evidence_of_runs
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant, extended
+from scara_iso.diagnosis.likelihood.evidence import evidence_of_runs
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant, extended
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.errors import DataError

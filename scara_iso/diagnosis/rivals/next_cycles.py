@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import evidence_of_runs
-from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.hypothesis_set import HypothesisSet, build, constant
+from scara_iso.diagnosis.likelihood.evidence import evidence_of_runs
+from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant
 from scara_iso.diagnosis.tuning import AMPLITUDES
 from scara_iso.effects import Process, Shape, Spread
 from scara_iso.frozen import dataclass

@@ -1,0 +1,1 @@
+"""What the named effects bring: error on unseen cycles, RP, shares of the variance."""

@@ -1,0 +1,1 @@
+"""How likely the readings are under each hypothesis, as read on the dial."""

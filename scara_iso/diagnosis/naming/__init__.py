@@ -1,0 +1,1 @@
+"""Which effect it is, and what else it could be."""

@@ -1,0 +1,1 @@
+"""Which cycles would tell rivals apart."""

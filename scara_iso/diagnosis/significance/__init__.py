@@ -1,0 +1,1 @@
+"""Is there anything? Tests against other orders of the cycles, and against simulated scatter."""

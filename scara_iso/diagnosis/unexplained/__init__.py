@@ -1,0 +1,1 @@
+"""What no known effect explains: its course in words and as a formula."""
