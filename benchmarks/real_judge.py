@@ -133,15 +133,12 @@ def walk_bic(y: np.ndarray) -> float:
     too: no step is taken for likelier than such a walk can make it.
     """
     x, width = _positions(y)
-    lag = np.subtract.outer(x, x)
     moved = max(float(np.diff(y).std()), 0.3)
     best = -np.inf
     for s in np.unique(np.maximum(moved * np.array([0.1, 0.2, 0.35, 0.5, 0.7, 1.0]), LEAST)):
         p = _emission(y, x, s)
         for step in np.unique(np.maximum(moved * np.geomspace(0.03, 1.5, 9), 0.4 * width)):
-            kernel = np.exp(-0.5 * (lag / step) ** 2)
-            kernel /= kernel.sum(axis=1, keepdims=True)
-            total, ahead = _backward(p, kernel)
+            total, ahead = _backward(p, _moves(x, x, step))
             best = max(best, total + float(np.log((p[0] * ahead).max())))
     return float(-2 * best + 3 * np.log(len(y)))
 
@@ -157,9 +154,7 @@ def memory_bic(y: np.ndarray) -> float:
             for r in (0.15, 0.3, 0.45, 0.6, 0.75):
                 at = mean + r * (x - mean)
                 step = max(size * np.sqrt(1 - r**2), 0.4 * width)
-                kernel = np.exp(-0.5 * ((x - at[:, None]) / step) ** 2)
-                kernel /= kernel.sum(axis=1, keepdims=True)
-                total, ahead = _backward(p, kernel)
+                total, ahead = _backward(p, _moves(x, at, step))
                 best = max(best, total + float(np.log(start / start.sum() @ (p[0] * ahead))))
     return float(-2 * best + 3 * np.log(len(y)))
 
@@ -193,8 +188,19 @@ def taken_back_bic(y: np.ndarray) -> float:
 
 def _positions(y: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the points of the grid and their distance, in divisions."""
-    width = max(0.125, (float(np.ptp(y)) + 4) / 800)
-    return np.arange(y.min() - 2, y.max() + 2 + width, width), width
+    beyond = 2 + float(np.diff(y).std())
+    width = max(0.125, (float(np.ptp(y)) + 2 * beyond) / 800)
+    return np.arange(y.min() - beyond, y.max() + beyond + width, width), width
+
+
+def _moves(x: np.ndarray, at: np.ndarray, step: float) -> np.ndarray:
+    """Return the probability of each point (points, points) after a step from ``at``.
+
+    What steps over an end of the grid is lost: a walk is not held by what the readings reach.
+    """
+    kernel = np.exp(-0.5 * ((x - at[:, np.newaxis]) / step) ** 2)
+    inside = ndtr((x[-1] - at) / step) - ndtr((x[0] - at) / step)
+    return kernel * (inside / kernel.sum(axis=1))[:, np.newaxis]
 
 
 def _emission(y: np.ndarray, x: np.ndarray, s: float) -> np.ndarray:
