@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
-from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, log_bayes
+from scara_iso.diagnosis.likelihood.evidence import Views
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
-from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.naming.choice import Choice, choose, two_states
 from scara_iso.diagnosis.naming.levels import with_levels
 from scara_iso.diagnosis.naming.misfit import without_misfit
 from scara_iso.diagnosis.naming.pairs import pairs
+from scara_iso.diagnosis.naming.refined import refined, refined_courses
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.significance.marginal import MarginalTests, marginal_tests
@@ -255,36 +257,20 @@ def _choice(
     readings = None
     if log_change is None:
         hypotheses, readings = with_levels(hypotheses, left, len(residual)), left.readings
-    choice = choose(hypotheses, left.views, hidden, readings, log_change)
+    finer = partial(refined_courses, problem, left)
+    choice = choose(hypotheses, left.views, hidden, readings, log_change, finer)
     named_course = choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process)
     if named_course and not of_two:
         return choice
     both = pairs(hypotheses, left.views, left.rows)
-    return choose(hypotheses, left.views, [*hidden, *both], readings, log_change)
+    return choose(hypotheses, left.views, [*hidden, *both], readings, log_change, finer)
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remainder) -> Term:
-    form = _refined(problem, name, choice.forms[name], left)
+    form = refined(problem, name, choice.forms[name], left)
     if isinstance(form, Spread):
         return spread_term(name, form, left.values, left.rows)
     if problem.poses is not None and isinstance(form, Shape):
         data = (left.values, left.rows, left.basis)
         return located_term(name, form, *data, problem.places, problem.poses.of)
     return term_of(name, form, left.values, left.rows, left.basis)
-
-
-def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> Form:
-    """Return the likeliest of the forms near ``form``, where its effect knows nearer ones."""
-    if name not in problem.effects or not isinstance(form, Shape):
-        return form
-    near = problem.effects[name].near(problem.residual.conditions, form.parameters)
-    if not near:
-        return form
-    hypotheses = build([Hypothesis(name, one, 1.0) for one in near], left.rows, left.basis)
-    if left.views.poses is not None:
-        log_bf = log_bayes(hypotheses, left.views.columns)
-        likely = joint_evidence(log_bf[:, :, np.newaxis], left.views)[:, 0]
-    else:
-        log_bf = log_bayes(hypotheses, left.views.columns[:, : left.views.axes])
-        likely = log_bf.sum(axis=1)
-    return hypotheses.members[int(np.argmax(likely))].form

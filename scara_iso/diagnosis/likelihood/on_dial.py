@@ -107,15 +107,16 @@ class OnDial:
     readings: DialReadings
     basis: FloatArray
 
-    def near(self, best: str) -> dict[str, float]:
+    def near(self, best: str, finer: Sequence[tuple[str, DialCourse]] = ()) -> dict[str, float]:
         """Return other effects near the best one in BIC, and by how much they are behind.
 
-        Under either family. A course that resembles the best and fits more numbers comes near
-        whatever is true, and must be so much nearer. A random course of no name is a rival of
-        what chance has drawn only, one of several levels of all. Where the best moves fewer
-        readings than FEWEST_MOVED, what moves one of them is near: they may be gross, one by one.
+        Under either family; ``finer`` are shapes of effects between those that were seen. A course
+        that resembles the best and fits more numbers comes near whatever is true, and must be so
+        much nearer. A random course of no name is a rival of what chance has drawn only, one of
+        several levels of all. Where the best moves fewer readings than FEWEST_MOVED, what moves
+        one of them is near: they may be gross, one by one.
         """
-        seen = self._freely_fitted()
+        seen = self._freely_fitted(finer)
         own = [one for one in seen if one.effect == best]
         if not own:
             return {}
@@ -139,9 +140,10 @@ class OnDial:
         neighbours = bool(np.all(across < NEIGHBOURS * division))
         return RIVAL_BIC_OF_NEIGHBOURS if neighbours else RIVAL_BIC
 
-    def _freely_fitted(self) -> list[Seen]:
+    def _freely_fitted(self, finer: Sequence[tuple[str, DialCourse]]) -> list[Seen]:
         """Return what was seen, the shapes as large, and their scatter as small, as may be."""
         shapes = [one for one in self.seen if one.course.coefficients]
+        shapes += [Seen(name, course, np.zeros(2)) for name, course in finer]
         if not shapes:
             return list(self.seen)
         free = [one.course.as_large_as_may_be for one in shapes]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -18,7 +18,7 @@ from scara_iso.diagnosis.likelihood.evidence import (
 )
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
 from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet
-from scara_iso.diagnosis.likelihood.on_dial import DialReadings, on_dial
+from scara_iso.diagnosis.likelihood.on_dial import DialReadings, OnDial, on_dial
 from scara_iso.diagnosis.likelihood.rounded import DialCourse, course_beside
 from scara_iso.diagnosis.likelihood.two_state import TwoLevels, between_levels, can_show_two
 from scara_iso.diagnosis.naming.stated import Near, as_stated
@@ -30,6 +30,7 @@ from scara_iso.run import FloatArray, IntArray
 
 AnyForm = TypeVar("AnyForm")
 
+Finer = Callable[[Mapping[str, Form]], Sequence[tuple[str, DialCourse]]]
 _TINY = 1e-300
 _DIGITS = 9
 
@@ -94,13 +95,15 @@ def choose(
     beside: Sequence[Weighed] = (),
     readings: DialReadings | None = None,
     log_change: Mapping[str, float] | None = None,
+    finer: Finer | None = None,
 ) -> Choice[Form]:
     """Return the posterior over effects for the views of one residual.
 
     ``beside`` is what `two_states` and `pairs` found in the same residual; without it effects with
     hidden states are judged by their shapes alone. ``readings`` are those that the views show;
     without them they are taken for exact and their scatter for Gaussian, but for the ``log_change``
-    of each effect that another choice has found, and no rival is near.
+    of each effect that another choice has found, and no rival is near. ``finer`` gives courses
+    between those of the set, of the likeliest form of each effect: rivals may be near there.
     """
     log_bf = log_bayes_amplified(hypotheses, views.columns, views.known)
     log_evidence = _log_evidence(hypotheses, views, log_bf)
@@ -124,7 +127,12 @@ def choose(
             strongest[name] = weighed
     probability = {name: p for name, p in _posterior(total, SHARPNESS).items() if p > 0}
     forms = {name: weighed.form for name, weighed in strongest.items()}
-    return Choice(probability, forms, changed, seen.near if seen else None)
+    near = partial(_near, seen, forms, finer or (lambda _: ())) if seen else None
+    return Choice(probability, forms, changed, near)
+
+
+def _near(seen: OnDial, forms: Mapping[str, Form], finer: Finer, best: str) -> Mapping[str, float]:
+    return seen.near(best, finer(forms))
 
 
 def _log_evidence(hypotheses: HypothesisSet, views: Views, log_bf: FloatArray) -> FloatArray:
