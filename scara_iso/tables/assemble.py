@@ -57,7 +57,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     _check_covariates(columns, faults)
     _check_directions(columns, faults)
     check_counts(columns, faults)
-    check_factors(statements, faults)
+    check_factors(rows, statements, layout.header_line, faults)
     body.check_blocks()
     lines = columns.all_lines()
     if not len(lines) and not faults.total:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
+from scara_iso.condition_columns import UNITS, unit_of_condition
 from scara_iso.frozen import dataclass
 from scara_iso.tables.names import (
     COVARIATES,
@@ -207,5 +208,7 @@ def _is_unit_row(names: list[str], cells: list[str]) -> bool:
     if any(parse_cell(cell) for cell in found):
         return False
     axes = [k for k, n in enumerate(names[: len(found)]) if read_name(n).kind is Kind.AXIS]
-    units = [found[k] for k in axes if found[k]]
-    return bool(units) and any(read_unit(unit) for unit in units)
+    if any(read_unit(found[k]) for k in axes if found[k]):
+        return True
+    stated = [cell for cell in found if cell]
+    return bool(stated) and all(unit_of_condition(cell) in UNITS for cell in stated)

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from scara_iso.run import FloatArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.names import Kind
+from scara_iso.tables.names import Kind, clean
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.preamble import Statement
+from scara_iso.tables.text import Row
 
 _FACTORS = {"factor", "scale_factor", "multiplier", "faktor", "skalenfaktor", "umrechnungsfaktor",
             "multiplikator"}  # fmt: skip
+_POWER = re.compile(
+    r"(?:(?:all |alle )?(?:mess)?(?:werte?|readings?|values|data|daten) ?)?"
+    r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e)?[-\u2212+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]{1,2}[)}]?",
+    re.IGNORECASE,
+)
+"""A line that is a factor of all values: ``Werte x 10^-3``."""
 _FEWEST = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
 _MOST = 500
@@ -39,17 +47,21 @@ def check_counts(columns: Columns, faults: Faults) -> None:
             )
 
 
-def check_factors(statements: Mapping[str, Statement], faults: Faults) -> None:
-    """Add each factor that is stated: readings are multiplied by none."""
-    for key in _FACTORS & statements.keys():
-        value, line = statements[key].value, statements[key].line
-        number = parse_cell(value)
-        if number is not None and number.value != 1:
-            faults.add(
-                f"{key}: {quoted(value)}, and readings are multiplied by no factor",
-                line,
-                remedy="state it in the unit, as '# unit: 0.01 mm', and leave this line out",
-            )
+def check_factors(
+    rows: Sequence[Row], statements: Mapping[str, Statement], header_line: int, faults: Faults
+) -> None:
+    """Add each factor that is stated above the header: readings are multiplied by none."""
+    stated = [(f"{key}: {quoted(statements[key].value)}", statements[key].line)
+              for key in _FACTORS & statements.keys()
+              if (number := parse_cell(statements[key].value)) and number.value != 1]  # fmt: skip
+    alone = [(quoted(row.text), row.line) for row in rows if row.line < header_line
+             if _POWER.fullmatch(clean(row.text).strip("#,;\t :()[]"))]  # fmt: skip
+    for text, line in (*stated, *alone):
+        faults.add(
+            f"{text}, and readings are multiplied by no factor",
+            line,
+            remedy="state it in the unit, as '# unit: 0.01 mm', and leave this line out",
+        )
 
 
 def check_metres(readings: FloatArray, name: str, place: tuple[int, int], faults: Faults) -> None:

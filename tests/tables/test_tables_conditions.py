@@ -284,6 +284,25 @@ def test_a_factor_is_refused_and_one_of_1_is_none(head):
 
 
 @pytest.mark.parametrize(
+    "title", ["Werte x 10^-3", "# Werte x 10^-3", "×10⁻³;", "(x 10e-3)", "All values * 10**-3",
+              "Messwerte mal 10^(-3)"]
+)  # fmt: skip
+def test_a_power_of_ten_of_all_values_is_refused(title):
+    rows = "".join(f"{k};{k}.1\n" for k in range(1, 32))
+    with pytest.raises(DataError, match=r"line 1.*multiplied by no factor"):
+        read_table(f"{title}\ncycle;X [mm]\n{rows}".encode())
+    read_table(f"Objektiv 10x10 mm\ncycle;X [mm]\n{rows}".encode())
+
+
+@pytest.mark.parametrize("units", [",min,", ",s,C", ",,°F", ",Minuten,"])
+def test_a_unit_row_need_not_say_that_of_an_axis(units):
+    rows = "".join(f"0.1{k:02},{k},{k}\n" for k in range(1, 32))
+    run = read_table(f"# unit: mm\nX,time,temperature\n{units}\n{rows}".encode())
+    assert len(run) == 31
+    assert ("time_s" in run.covariates) == bool(units.split(",")[1])
+
+
+@pytest.mark.parametrize(
     ("title", "factor"),
     [("Alle Werte in µm", 1000), ("Messwerte [1/100 mm]", 100), ("Values (mm)", 1),
      (";Messwerte in mm;", 1)],
