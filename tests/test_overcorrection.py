@@ -61,6 +61,14 @@ def test_sides_that_alternate_are_no_overcorrection():
         assert choice.best == "contact_side"
 
 
+def test_sides_that_mostly_alternate_are_no_overcorrection():
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        sides = np.cumsum(rng.random(30) < 0.9) % 2
+        choice = choice_of(15 * sides + 3 * rng.normal(size=30))
+        assert choice.best == "contact_side"
+
+
 def test_readings_that_nobody_corrects_repeat_better_by_as_much_as_theory_says():
     left, shares = [], []
     for seed in range(3):

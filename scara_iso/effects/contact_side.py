@@ -1,7 +1,7 @@
 """Two levels: the load comes to rest on either flank of the gap.
 
-The side may alternate, stay for some cycles (sticky), or be drawn anew each time; a two-state
-Markov chain holds all three.
+The side may alternate, always or mostly, stay for some cycles (sticky), or be drawn anew each time;
+a two-state Markov chain holds them all.
 """
 
 from scara_iso.effects._chance import TwoStates
@@ -10,6 +10,8 @@ from scara_iso.effects._forms import Chain
 from scara_iso.effects._parameter import Parameter
 
 _STICKY = (0.1, 0.16, 0.24)
+_TURNS = 0.85
+"""A side that mostly alternates, which overcorrection would pass for (test_overcorrection)."""
 _SHARE_BELOW = (0.3, 0.4, 0.5, 0.6, 0.7)
 
 EFFECT = TwoStates(
@@ -34,6 +36,7 @@ EFFECT = TwoStates(
     test_weight=1.2,  # benchmarks/diagnosis.py, table power
     chains=(
         *(Chain(q, q, 1.3 / len(_STICKY)) for q in _STICKY),
+        Chain(_TURNS, _TURNS, 0.2),
         *(Chain(1 - below, below, 1 / len(_SHARE_BELOW)) for below in _SHARE_BELOW),
     ),
 )
