@@ -191,7 +191,7 @@ def test_outputs_that_would_be_lost_are_refused(tmp_path, done):
 def test_a_cluster_that_is_not_there(tmp_path, done, monkeypatch):
     pytest.importorskip("distributed")
     source, _, _ = done
-    monkeypatch.setattr("scara_iso.library.engines._PATIENCE", "1s")
+    monkeypatch.setattr("scara_iso.library.engines._PATIENCE", 1)
     with pytest.raises(ServiceError, match="no Dask scheduler"):
         scara_iso.fleet(source, tmp_path / "o", engine="dask://127.0.0.1:9")
     with pytest.raises(UsageError):
