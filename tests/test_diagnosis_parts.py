@@ -398,6 +398,11 @@ def test_scatter_between_limits_is_seldom_two_levels(kind, n):
     assert alarms <= 3
 
 
+def test_levels_with_an_empty_gap_are_no_vibration_between_limits(rng):
+    y = rng.permutation(np.repeat([0.0, 1.0, 6.0, 7.0], [5, 3, 10, 12]))
+    assert marginal_tests(y[:, None], np.ones(1), rng).two_levels < 0.001
+
+
 def test_axes_share_their_simulations():
     y = np.round(np.random.default_rng(1).standard_t(2, size=(30, 2)) * 3)
     both = marginal_tests(y, np.ones(2), np.random.default_rng(5))

@@ -94,7 +94,7 @@ def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> float:
         return 1.0
     scatter = _scatter(y) if on_dial else 0.0
     cases = [(level_statistic, name) for name in _TAILS]
-    cases += [(_beside_uniform, _UNIFORM), (_beside_arcsine, _ARCSINE)]
+    cases += [(_beside_uniform, _UNIFORM), (partial(_beside_arcsine, on_dial=on_dial), _ARCSINE)]
     return _p_value(cases, y, partial(_read, y=y, scatter=scatter, seed=seed), below)
 
 
@@ -162,11 +162,21 @@ def _beside_uniform(y: FloatArray) -> FloatArray:
     return _split(y)
 
 
-def _beside_arcsine(y: FloatArray) -> FloatArray:
-    """Return the log likelihood ratio, over n, of two levels to arcsine scatter."""
-    low, high = y.min(axis=0), y.max(axis=0)
-    place = (2 * y - low - high) / np.maximum(high - low, _TINY) * len(y) / (len(y) + 1)
-    return np.asarray(_split(y) + 0.5 * np.log(1 - place**2).mean(axis=0))
+def _beside_arcsine(y: FloatArray, *, on_dial: bool = False) -> FloatArray:
+    """Return the log likelihood ratio, over n, of two levels to arcsine scatter.
+
+    Its density has no bound at the limits: on a dial, y in divisions, it is the mean over each
+    reading's division.
+    """
+    n, low, high = len(y), y.min(axis=0), y.max(axis=0)
+    half = np.maximum(high - low, float(on_dial) or _TINY) / 2 * (n + 1) / n
+    place = (y - (low + high) / 2) / half
+    if on_dial:
+        end, begin = np.minimum(place + 0.5 / half, 1), np.maximum(place - 0.5 / half, -1)
+        density = np.log((np.arcsin(end) - np.arcsin(begin)) * half)
+    else:
+        density = -0.5 * np.log(1 - place**2)
+    return np.asarray(_split(y) - density.mean(axis=0))
 
 
 def outlier_statistic(y: FloatArray, least: float = 0.0) -> FloatArray:
