@@ -344,3 +344,25 @@ def test_an_unexplained_course_is_not_called_scatter(call, tmp_path):
     (tmp_path / "vee.csv").write_text(f"# unit: um\n# resolution: 1\ncycle,X\n{vee}\n")
     out = call("diagnose", tmp_path / "vee.csv", "--full")[1]
     assert "unexplained" in out.split("what RP is made of")[1].splitlines()[1]
+
+
+@pytest.mark.parametrize(
+    ("effect", "said"),
+    [
+        ("contact_side@X:size=0.06,switching=0.4", ["anew in every test"]),
+        ("contact_side@X,Y:size=0.06,switching=0.4", ["anew in every test; new on Y"]),
+        ("contact_side@X:size=0.18,switching=0.4", ["test; size X 0.18, declared 0.06"]),
+        ("contact_side@Y:size=0.06,switching=0.4", []),
+    ],
+)
+def test_what_chance_draws_anew_is_as_declared_on_the_axes_of_the_model(
+    call, tmp_path, effect, said
+):
+    table, model = simulated(call, tmp_path / "run.csv", effect), tmp_path / "known.toml"
+    known = '\n[[effect]]\nname = "contact_side"\nswitching = 0.4\nsize = {X = 0.06}\n'
+    model.write_text(MODEL.read_text() + known)
+    document = diagnosed(call, table, "--model", model)
+    assert [one["effect"] for one in document["effects"]] == ["contact_side"]
+    notes = [note for note in document["notes"] if "as declared" in note]
+    assert len(notes) == len(said)
+    assert all(note.endswith(end) for note, end in zip(notes, said, strict=True))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scara_iso import robot
+from scara_iso.diagnosis.as_declared import as_declared
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
@@ -109,7 +110,7 @@ def close_the_loop(
     from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
 
     reversals = diagnose_run_reversals(used, model, seed=seed)
-    notes = (*found.notes, *_as_declared(found, model), *_doubts(model, run))
+    notes = (*found.notes, *as_declared(found, model), *_doubts(model, run))
     found = replace(found, notes=notes, reversals=reversals)
     return _with_gone(found, model, used, seed=seed)
 
@@ -163,19 +164,6 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     notes = (said,) if others else ()
     reversals = replace(found.reversals, accounts_for=gone, notes=(*found.reversals.notes, *notes))
     return replace(found, reversals=reversals)
-
-
-def _as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
-    """Yield which effects the model declares already: chance draws them anew in every test."""
-    effects = {effect.name: effect for effect in find_effects(model.own)}
-    again = {one.effect for one in found.effects}
-    for one in model.effects:
-        effect = effects.get(one.name)
-        if one.name in again and effect and one.axes and robot.is_random(effect, one, one.axes[0]):
-            yield (
-                f"{one.name}: as declared; the model holds it, and chance draws it anew in every "
-                "test"
-            )
 
 
 def _doubts(model: Model, run: Run) -> Iterator[str]:
