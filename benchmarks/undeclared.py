@@ -25,7 +25,7 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from undeclared import FAMILIES, OUTCOMES, Family, outcome
 from undeclared.probe import DIVISION, Window, windows
 
-SEEDS = 100
+SEEDS = 300
 PAGE = page.DOCS / "appendix" / "diagnosis-undeclared.md"
 
 
