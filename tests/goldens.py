@@ -2,11 +2,13 @@
 
 ``python tests/goldens.py`` writes them all to tests/golden/ anew, ``python tests/goldens.py NAME``
 one of them; the difference that version control shows is the change of behaviour. The program is
-called by its command line only, so that no move of modules is seen.
+called by its command line only, so that no move of modules is seen. Numbers have ten significant digits
+and JSON one key a line, sorted: the same on any machine.
 """
 
 import contextlib
 import io
+import json
 import math
 import os
 import re
@@ -200,7 +202,29 @@ def _normal(text: str) -> str:
     text = text.replace(f"scara-iso {scara_iso.__version__}", "scara-iso VERSION")
     text = text.replace(f'"{scara_iso.__version__}"', '"VERSION"')
     text = re.sub(r"\b[0-9a-f]{64}\b", "SHA256", text)
+    text = re.sub(r'^\{".*\}$', lambda line: _keys(json.loads(line[0])), text, flags=re.MULTILINE)
+    text = re.sub(r"(?<![\w.])-?\d+\.\d+(e[-+]\d+)?(?![\w.])", _ten_digits, text)
     return re.sub(r"[ \t]+$", "", text, flags=re.MULTILINE)
+
+
+def _keys(value: object, indent: str = "") -> str:
+    """Return JSON with one sorted key a line; a list of plain values is one line."""
+    deeper = indent + "  "
+    match value:
+        case dict() if value:
+            items = (f"{deeper}{json.dumps(key)}: {_keys(value[key], deeper)}"
+                     for key in sorted(value))  # fmt: skip
+            return "{\n" + ",\n".join(items) + f"\n{indent}}}"
+        case list() if any(isinstance(item, dict | list) for item in value):
+            rows = (f"{deeper}{_keys(item, deeper)}" for item in value)
+            return "[\n" + ",\n".join(rows) + f"\n{indent}]"
+    return json.dumps(value)
+
+
+def _ten_digits(number: re.Match[str]) -> str:
+    """Return the number as it was said, or to ten significant digits where it has more."""
+    digits = number[0].partition("e")[0].replace(".", "").lstrip("-0")
+    return number[0] if len(digits) <= 10 else f"{round(float(number[0]), 15):.10g}"
 
 
 def write(names: list[str]) -> None:
