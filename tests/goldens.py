@@ -2,8 +2,8 @@
 
 ``python tests/goldens.py`` writes them all to tests/golden/ anew, ``python tests/goldens.py NAME``
 one of them; the difference that version control shows is the change of behaviour. The program is
-called by its command line only, so that no move of modules is seen. Numbers have ten significant digits
-and JSON one key a line, sorted: the same on any machine.
+called by its command line only, so that no move of modules is seen. Numbers have ten significant
+digits and JSON one key a line, sorted: the same on any machine.
 """
 
 import contextlib
