@@ -23,6 +23,7 @@ from scara_iso.reporting.diagnosis import (
     parameters_said,
     rivals_said,
     sureness,
+    unexplained_said,
     unit_of,
 )
 from scara_iso.reporting.digits import U_of_scatter, rounded
@@ -39,7 +40,7 @@ Again = Callable[..., str]
 
 def diagnosis_brief(diagnosis: Diagnosis, again: Again) -> Report:
     """Return a diagnosis in ten to twenty lines; ``again`` names its table."""
-    lines: list[Block] = [_answer(diagnosis), *_sizes_said(diagnosis), _repeatability(diagnosis)]
+    lines: list[Block] = [*_answer(diagnosis), *_sizes_said(diagnosis), _repeatability(diagnosis)]
     head = first_three([*lines, *_why(diagnosis), *doubts(diagnosis)], _next(diagnosis, again))
     return (
         Section("", head),
@@ -48,14 +49,13 @@ def diagnosis_brief(diagnosis: Diagnosis, again: Again) -> Report:
     )
 
 
-def _answer(diagnosis: Diagnosis) -> Headline:
-    match diagnosis.verdict:
-        case Verdict.EXPLAINED:
-            return Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
-        case Verdict.UNEXPLAINED:
-            said = "Unexplained: more than scatter, and no known effect fits it"
-            return Headline((said,), "warn")
-    return Headline(("Nothing besides scatter and the dial's division",), "good")
+def _answer(diagnosis: Diagnosis) -> Iterator[Headline]:
+    if diagnosis.verdict is Verdict.NOTHING:
+        yield Headline(("Nothing besides scatter and the dial's division",), "good")
+    if diagnosis.effects:
+        yield Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
+    if diagnosis.verdict is Verdict.UNEXPLAINED:
+        yield Headline((unexplained_said(diagnosis),), "warn")
 
 
 def _sizes_said(diagnosis: Diagnosis) -> Iterator[Text]:
@@ -157,15 +157,16 @@ def _courses(diagnosis: Diagnosis) -> Iterator[Block]:
     """Yield the axes that an effect moves, before and after; the others in one line."""
     series = diagnosis.series
     moved = {axis for axis in series.measured if any(axis in f.axes for f in diagnosis.effects)}
+    is_all = bool(moved) and diagnosis.verdict is Verdict.EXPLAINED
+    still = [axis for axis in series.measured if is_all and axis not in moved]
     for axis, measured in series.measured.items():
-        if moved and axis not in moved:
+        if axis in still:
             continue
         yield Strip(f"{axis} measured", series.cycle, measured, _spread(axis, measured))
         if axis in moved:
             left = (measured - series.predicted_after[axis]).round(12)
             yield Strip(f"{axis} left", series.cycle, left, _spread(axis, left))
-    still = [axis for axis in series.measured if axis not in moved]
-    if moved and still:
+    if still:
         yield Text(f"{', '.join(still)}: nothing besides scatter and the dial's division")
 
 

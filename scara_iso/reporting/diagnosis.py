@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from scara_iso.diagnosis import (
     SECOND,
     Diagnosis,
+    DiagnosisOfPoses,
     Found,
     Repeatabilities,
     Rival,
@@ -109,9 +110,18 @@ def diagnosis_in_words(found: Diagnosis | Failure) -> str:
     match found.verdict:
         case Verdict.EXPLAINED:
             return f"the readings show {'; '.join(map(sureness, found.effects))}"
+        case Verdict.UNEXPLAINED if found.effects:
+            named = "; ".join(map(sureness, found.effects))
+            return f"the readings show {named}, and besides more that no known effect accounts for"
         case Verdict.UNEXPLAINED:
             return "the readings show more than scatter, and no known effect accounts for it"
     return "nothing besides scatter and the dial's division was found"
+
+
+def unexplained_said(found: Diagnosis | DiagnosisOfPoses) -> str:
+    """Return that there is more than scatter, and more than the effects found."""
+    what = "what is left is more than scatter" if found.effects else "more than scatter"
+    return f"Unexplained: {what}, and no known effect fits it"
 
 
 def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
@@ -126,11 +136,12 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
             said = "; ".join(sureness(found) for found in diagnosis.effects)
             yield Text(f"explained: {said}", "strong")
         case Verdict.UNEXPLAINED:
-            yield Text(
-                f"unexplained: structure is there ({p_equals(diagnosis)}), and no known "
-                "effect accounts for it",
-                "warn",
-            )
+            if diagnosis.effects:
+                yield Text(f"found: {'; '.join(map(sureness, diagnosis.effects))}", "strong")
+                there = "what is left is more than scatter"
+            else:
+                there = f"structure is there ({p_equals(diagnosis)})"
+            yield Text(f"unexplained: {there}, and no known effect accounts for it", "warn")
             if diagnosis.candidates:
                 yield Text(f"nearest: {rivals_said(diagnosis.candidates)}")
             yield from map(Text, courses_said(diagnosis))

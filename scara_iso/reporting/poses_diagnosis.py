@@ -19,7 +19,13 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.brief import digits_of, first_three
 from scara_iso.reporting.brief_diagnosis import Again, doubts, is_explained
-from scara_iso.reporting.diagnosis import of_pose, parameters_said, rivals_said, sureness
+from scara_iso.reporting.diagnosis import (
+    of_pose,
+    parameters_said,
+    rivals_said,
+    sureness,
+    unexplained_said,
+)
 from scara_iso.reporting.digits import U_of_scatter, p_equals, rounded
 from scara_iso.reporting.joint_scatter import (
     followed_brief,
@@ -37,7 +43,7 @@ _MICRO = {"rad": "µrad", "1": "µm/m"}
 
 def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
     """Return what was found and where, a line for each pose, and what to do next."""
-    head = [_answer(found), *_places(found), *_why(found)]
+    head = [*_answer(found), *_places(found), *_why(found)]
     notes = [Text(f"- {note}", "quiet") for note in found.notes[:_MOST_NOTES]]
     more = len(found.notes) - _MOST_NOTES
     rest = f"{more} more notes, " if more > 0 else ""
@@ -61,7 +67,7 @@ def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
     head: tuple[Block, ...] = (
         Text(f"diagnosis of {title}", "strong"),
         *(Text(note, "quiet") for note in found.notes),
-        _answer(found),
+        *_answer(found),
         *_places(found),
         *_why(found),
         *_doubts(found),
@@ -72,17 +78,17 @@ def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
     return (Section("", head), *joints, *behind)
 
 
-def _answer(found: DiagnosisOfPoses) -> Headline:
-    match found.verdict:
-        case Verdict.EXPLAINED:
-            effects = "; ".join(
-                f"{sureness(one, on_axes=False)} {_where(one)}" for one in found.effects
-            )
-            return Headline((f"Found: {effects}",))
-        case Verdict.UNEXPLAINED:
-            none = "Unexplained: more than scatter, and no known effect fits it"
-            return Headline((none,), "warn")
-    return Headline(("Nothing besides scatter and the dial's division at any pose",), "good")
+def _answer(found: DiagnosisOfPoses) -> Iterator[Headline]:
+    if found.verdict is Verdict.NOTHING:
+        said = "Nothing besides scatter and the dial's division at any pose"
+        yield Headline((said,), "good")
+    if found.effects:
+        effects = "; ".join(
+            f"{sureness(one, on_axes=False)} {_where(one)}" for one in found.effects
+        )
+        yield Headline((f"Found: {effects}",))
+    if found.verdict is Verdict.UNEXPLAINED:
+        yield Headline((unexplained_said(found),), "warn")
 
 
 def _where(found: Found) -> str:

@@ -53,8 +53,9 @@ def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
     residual = problem.residual
     n, axes = residual.values.shape
     rows = np.tile(np.arange(n) if at is None else at, (_DRAWS, 1))
-    if rows.shape[1] != cycles:
-        rows = rng.integers(n, size=(_DRAWS, cycles))
+    if rows.shape[1] != cycles:  # neighbours together: sides that alternate stay even
+        first = rng.integers(n - 1, size=(_DRAWS, -(-cycles // 2)))
+        rows = np.stack([first, first + 1], axis=2).reshape(_DRAWS, -1)[:, :cycles]
     known = problem.rows if seen is None else seen
     course, width = _course(problem, fitted, effects, sigma * (n / len(known)) ** 0.5, rng)
     left = np.linalg.cholesky(_correlation((residual.values - fitted.predicted)[known]))
