@@ -157,7 +157,7 @@ def test_the_way_in_names_what_is_there_and_every_room():
     assert {room for room in rooms if f"`{room}`" not in text} == set()
 
 
-LONGEST_MODULE, LONGEST_FUNCTION = 300, 40
+LONGEST_MODULE, LONGEST_FUNCTION = 500, 40
 
 
 def functions_of(path):

@@ -14,11 +14,10 @@ from scipy.optimize import curve_fit
 from scipy.spatial.distance import pdist
 from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
-from scara_iso import compare, diagnose
+from scara_iso import analyze, compare, diagnose
 from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import characteristics
-from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.estimates import _student
 from scara_iso.iso9283.results import Measured

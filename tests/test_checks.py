@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from scara_iso import analyze
 from scara_iso.iso9283 import checks
-from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.trend import mann_kendall
 from scara_iso.iso9283.results import Finding

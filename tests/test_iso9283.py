@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scara_iso.errors import DataError, UsageError
-from scara_iso.iso9283.cycles import used_cycles
+from scara_iso.iso9283.cycles import Counting, used_cycles
 from scara_iso.run import Axis, Run
 
 
@@ -41,7 +41,7 @@ def run_of(numbers, *, pose=None, stated=None, lines=True):
     ],
 )
 def test_which_rows_count(numbers, stated, options, discarded, used):
-    chosen = used_cycles(run_of(numbers, stated=stated), **options)
+    chosen = used_cycles(run_of(numbers, stated=stated), Counting(**options))
     assert chosen.read == len(numbers)
     assert chosen.discarded == discarded
     assert chosen.used == used
@@ -50,7 +50,7 @@ def test_which_rows_count(numbers, stated, options, discarded, used):
 
 def refused(*args, options=None, **kwargs):
     with pytest.raises(DataError) as caught:
-        used_cycles(run_of(*args, **kwargs), **(options or {}))
+        used_cycles(run_of(*args, **kwargs), Counting(**(options or {})))
     return caught.value
 
 
@@ -139,7 +139,7 @@ def test_the_first_cycles_of_poses_numbered_apart():
 @pytest.mark.parametrize("cycles", [1, 0, -5])
 def test_a_number_of_cycles_that_is_none(cycles):
     with pytest.raises(UsageError, match=f"{cycles} cycles"):
-        used_cycles(run_of(range(1, 32)), cycles=cycles)
+        used_cycles(run_of(range(1, 32)), Counting(cycles=cycles))
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_a_number_of_cycles_that_is_none(cycles):
 def test_with_gaps_allowed_the_rest_counts_and_the_gap_is_listed(
     numbers, options, discarded, missing, used
 ):
-    chosen = used_cycles(run_of(numbers), allow_gaps=True, **options)
+    chosen = used_cycles(run_of(numbers), Counting(allow_gaps=True, **options))
     assert (chosen.discarded, chosen.missing, chosen.used) == (discarded, (missing,), used)
     assert chosen.read == len(list(numbers))
     assert not chosen.all_count
@@ -210,7 +210,7 @@ def test_a_repeat_or_an_order_that_goes_back_is_never_allowed(numbers, message, 
     ],
 )  # fmt: skip
 def test_where_every_cycle_counts_none_is_discarded(numbers, options):
-    chosen = used_cycles(run_of(numbers), all_count=True, **options)
+    chosen = used_cycles(run_of(numbers), Counting(all_count=True, **options))
     assert (chosen.discarded, chosen.used, chosen.read) == ((), len(numbers), len(numbers))
     assert chosen.all_count
 
@@ -243,9 +243,11 @@ def test_the_table_may_say_that_its_first_cycle_counts():
     with pytest.raises(DataError, match="first_cycle_discarded is 'maybe'"):
         used_cycles(stated(range(1, 31), first_cycle_discarded="maybe"))
     with pytest.raises(DataError, match="the option says that it is discarded"):
-        used_cycles(stated(range(1, 31), first_cycle_discarded="no"), first_cycle_discarded=True)
+        used_cycles(
+            stated(range(1, 31), first_cycle_discarded="no"), Counting(first_cycle_discarded=True)
+        )
     with pytest.raises(UsageError, match="every cycle counts, or the first is discarded"):
-        used_cycles(stated(range(1, 31)), all_count=True, first_cycle_discarded=True)
+        used_cycles(stated(range(1, 31)), Counting(all_count=True, first_cycle_discarded=True))
 
 
 def test_a_recording_that_was_cut_short_is_gone_on_with():
@@ -294,7 +296,7 @@ def test_visits_that_are_written_several_times_are_no_readings_of_their_own():
 def test_poses_of_unequal_length_are_computed_by_their_length():
     numbers = [*range(1, 32), *range(1, 10), *range(11, 32), *range(1, 32)]
     pose = ["A"] * 31 + ["B"] * 30 + ["C"] * 31
-    chosen = used_cycles(run_of(numbers, pose=pose), allow_gaps=True)
+    chosen = used_cycles(run_of(numbers, pose=pose), Counting(allow_gaps=True))
     assert chosen.missing == ((), ((10, 10),), ())
     assert (chosen.used, chosen.read) == (29, 30)
     together = list(chosen.of_equal_length())
@@ -312,8 +314,8 @@ def test_a_quarter_of_repeated_rows_is_let_pass_and_more_is_not(repeats, refused
     axes = {name: Axis(name, one) for name, one in zip("XYZ", values, strict=True)}
     run = Run(cycle=np.arange(1, 41), axes=axes)
     if not refused_:
-        assert used_cycles(run, cycles=40).used == 39
+        assert used_cycles(run, Counting(cycles=40)).used == 39
         return
     with pytest.raises(DataError) as written:
-        used_cycles(run, cycles=40)
+        used_cycles(run, Counting(cycles=40))
     assert "11 of 40 rows repeat" in written.value.faults[0].message

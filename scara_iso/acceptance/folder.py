@@ -16,7 +16,7 @@ from scara_iso.acquisition import check_manifest, raw_path, read_history
 from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.force_loop import read_loop
 from scara_iso.frozen import dataclass
-from scara_iso.iso9283 import CYCLES_RUN, DecisionRule, Finding, PushResult, push_test
+from scara_iso.iso9283 import CYCLES_RUN, Counting, DecisionRule, Finding, PushResult, push_test
 from scara_iso.run import Run
 from scara_iso.tables import converted, read_table
 
@@ -213,7 +213,7 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
             return PartState(part, FAULTY, recording, struck, why="; ".join(faults))
         run = completed(recording.run, part, test)
         cycles = None if part.beside else test.schedule.cycles_run
-        findings = analyze(run, cycles=cycles).findings
+        findings = analyze(run, Counting(cycles=cycles)).findings
     except ScaraIsoError as error:
         return PartState(part, FAULTY, recording, struck, why=_why(error))
     edited = tuple(Finding("edited", "warning", line) for line in recording.doubts)

@@ -12,27 +12,21 @@ from scara_iso import library, render, reporting
 from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
-    AllCount,
-    AllowGaps,
     AsJson,
-    ColumnsByPosition,
     ConditionName,
-    CyclesRun,
-    DecimalMark,
-    FirstDiscarded,
     Full,
     LimitRule,
     Limits,
-    ResolutionOfTable,
-    Sheet,
     Tables,
-    UnitOfTable,
     parse_limits,
+    takes_tables,
 )
 from scara_iso.cli.output import command_line, write_json, write_report
-from scara_iso.iso9283 import Analysis, Conformity, DecisionRule
+from scara_iso.iso9283 import Analysis, Conformity, Counting, DecisionRule
+from scara_iso.library import TableOptions
 
 
+@takes_tables
 def analyze_command(
     table: Tables,
     *,
@@ -41,15 +35,8 @@ def analyze_command(
     definitions: Annotated[
         bool, typer.Option("--definitions", help="Also half range, 2 s, 3 s and ISO 230-2.")
     ] = False,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    sheet: Sheet = None,
-    columns: ColumnsByPosition = None,
-    first_cycle_discarded: FirstDiscarded = False,
-    cycles: CyclesRun = None,
-    all_count: AllCount = False,
-    allow_gaps: AllowGaps = False,
+    reading: TableOptions,
+    counting: Counting,
     condition: ConditionName = None,
     full: Full = False,
     json: AsJson = False,
@@ -58,27 +45,25 @@ def analyze_command(
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
-    reading = library.TableOptions(unit, resolution, decimal, sheet, columns)
-    counted: dict[str, Any] = {
-        "first_cycle_discarded": first_cycle_discarded, "cycles": cycles, "all_count": all_count,
-        "allow_gaps": allow_gaps,
-    }  # fmt: skip
-    options = counted | {
-        "limits": parse_limits(limit or ()), "decision": decision.value,
+    options: dict[str, Any] = {
+        "limits": parse_limits(limit or ()),
+        "decision": decision.value,
         "other_definitions": definitions,
-    }  # fmt: skip
+    }
     if (folder := test_folder(table, condition, reading)) is not None:
         from scara_iso.cli.conditions import analyze_folder
 
+        options["counting"] = counting
         analyze_folder(folder, condition, options, as_json=json, full=full)
         return
-    analysis = library.analyze(table, **asdict(reading), **options)
+    read = asdict(reading) | asdict(counting)
+    analysis = library.analyze(table, **read, **options)
     if json:
         write_json(render.analysis_json(analysis))
     elif full:
         write_report(reporting.analysis_report(analysis))
     else:
-        _write_brief(analysis, table, asdict(reading) | counted, limit, decision)
+        _write_brief(analysis, table, read, limit, decision)
     if analysis.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)
 

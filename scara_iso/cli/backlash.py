@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from scara_iso import render, reporting
 from scara_iso.cli.options import (
-    AllCount,
-    AllowGaps,
     AsJson,
-    CyclesRun,
     DecimalMark,
-    FirstDiscarded,
+    takes_tables,
 )
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
+from scara_iso.iso9283 import Counting
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import GearDiagnosis
@@ -38,6 +37,7 @@ Measured = Annotated[
 ]
 
 
+@takes_tables
 def backlash_command(
     *,
     Im: MotorInertia,
@@ -48,10 +48,7 @@ def backlash_command(
     actual: Actual = None,
     measured: Measured = None,
     decimal: DecimalMark = None,
-    first_cycle_discarded: FirstDiscarded = False,
-    cycles: CyclesRun = None,
-    all_count: AllCount = False,
-    allow_gaps: AllowGaps = False,
+    counting: Counting,
     json: AsJson = False,
 ) -> None:
     """Deviation of the load through a gear's backlash, by the paper's model.
@@ -63,14 +60,7 @@ def backlash_command(
     result = backlash(Im=Im, IL=IL, arcmin=arcmin, arm=arm, ratio=ratio)
     pose = None
     if actual is not None:
-        pose = _one_pose(
-            actual,
-            decimal,
-            first_cycle_discarded=first_cycle_discarded,
-            cycles=cycles,
-            all_count=all_count,
-            allow_gaps=allow_gaps,
-        )
+        pose = _one_pose(actual, decimal, counting)
     closed = None if measured is None else _closed(measured, decimal)
     if json:
         write_json(render.backlash_json(result, pose, closed))
@@ -91,11 +81,11 @@ def _closed(sweep: str, decimal: str | None) -> GearDiagnosis:
     return replace(closed, notes=(*found.notes, *closed.notes))
 
 
-def _one_pose(table: str, decimal: str | None, **counted: Any) -> PoseResult:
-    """Return the figures of a table of one pose; ``counted`` as in `scara_iso.analyze`."""
+def _one_pose(table: str, decimal: str | None, counting: Counting) -> PoseResult:
+    """Return the figures of a table of one pose."""
     from scara_iso import analyze, read_table
 
-    poses = analyze(read_table(table, decimal=decimal), **counted).poses
+    poses = analyze(read_table(table, decimal=decimal), **asdict(counting)).poses
     if len(poses) > 1 or poses[0].XY is None:
         raise DataError(
             "--actual takes a table of one pose with X and Y as lengths",

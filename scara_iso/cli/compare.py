@@ -12,24 +12,17 @@ from scara_iso import library, render
 from scara_iso.acceptance import is_test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
-    AllCount,
-    AllowGaps,
     AsJson,
-    ColumnsByPosition,
     ConditionName,
-    CyclesRun,
-    DecimalMark,
-    FirstDiscarded,
     Full,
-    ResolutionOfTable,
-    Sheet,
-    UnitOfTable,
     parse_limits,
+    takes_tables,
 )
 from scara_iso.cli.output import check_outputs, command_line, named, write_json, write_picture
 from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import Conformity
+from scara_iso.iso9283 import Conformity, Counting
+from scara_iso.library import TableOptions
 
 Tables = Annotated[
     list[str],
@@ -43,19 +36,13 @@ Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="The picture, as
 Seed = Annotated[int, typer.Option(help="Seed of the permutations.", min=0)]
 
 
+@takes_tables
 def compare_command(
     tables: Tables,
     *,
     plot: Plot = None,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    sheet: Sheet = None,
-    columns: ColumnsByPosition = None,
-    first_cycle_discarded: FirstDiscarded = False,
-    cycles: CyclesRun = None,
-    all_count: AllCount = False,
-    allow_gaps: AllowGaps = False,
+    reading: TableOptions,
+    counting: Counting,
     exchangeability: Annotated[
         bool, typer.Option("--exchangeability", help="The tables are of several robots (7.7).")
     ] = False,
@@ -75,12 +62,8 @@ def compare_command(
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     check_outputs([plot], named(tables))
-    read: dict[str, Any] = {
-        **asdict(library.TableOptions(unit, resolution, decimal, sheet, columns)),
-        "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
-        "all_count": all_count, "allow_gaps": allow_gaps,
-    }  # fmt: skip
-    options = {
+    read = asdict(reading) | asdict(counting)
+    options: dict[str, Any] = {
         **read,
         "exchangeability": exchangeability,
         "limits": parse_limits(limit or ()),

@@ -14,18 +14,11 @@ from scara_iso import library, render, reporting
 from scara_iso.cli.diagnose_files import Files, refuse_beside_design
 from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
-    AllCount,
-    AllowGaps,
     AsJson,
     ConditionName,
-    CyclesRun,
-    DecimalMark,
-    FirstDiscarded,
     Full,
     OwnEffectsFile,
-    ResolutionOfTable,
-    Sheet,
-    UnitOfTable,
+    takes_tables,
 )
 from scara_iso.cli.output import (
     check_outputs,
@@ -37,6 +30,8 @@ from scara_iso.cli.output import (
     write_report,
 )
 from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import Counting
+from scara_iso.library import TableOptions
 
 if TYPE_CHECKING:
     from scara_iso.cli.conditions import Write
@@ -80,7 +75,12 @@ Plot = Annotated[
 ]
 Pose = Annotated[str | None, typer.Option(help="Which pose, where the table has several.")]
 Design = Annotated[
-    bool, typer.Option("--design", help="What a planned test will tell; needs no readings.")
+    bool,
+    typer.Option(
+        "--design",
+        help="What a planned test will tell; needs no readings. --columns are then the plan's: "
+        "approach,temperature_C.",
+    ),
 ]
 Sigma = Annotated[
     float | None,
@@ -88,17 +88,10 @@ Sigma = Annotated[
         help="Scatter of the readings where nothing acts [mm]: known, or planned (else 0.005)."
     ),
 ]
-Columns = Annotated[
-    str | None,
-    typer.Option(
-        metavar="X,Y,..",
-        help="What each field of a row is, where no header says it; - leaves one out. With "
-        "--design and no table: the plan's columns, approach,temperature_C.",
-    ),
-]
 Seed = Annotated[int, typer.Option(help="Seed of the shuffles.", min=0)]
 
 
+@takes_tables
 def diagnose_command(
     tables: Tables = None,
     *,
@@ -112,16 +105,9 @@ def diagnose_command(
     pose: Pose = None,
     design: Design = False,
     sigma: Sigma = None,
-    columns: Columns = None,
     seed: Seed = 9283,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    sheet: Sheet = None,
-    first_cycle_discarded: FirstDiscarded = False,
-    cycles: CyclesRun = None,
-    all_count: AllCount = False,
-    allow_gaps: AllowGaps = False,
+    reading: TableOptions,
+    counting: Counting,
     condition: ConditionName = None,
     full: Full = False,
     json: AsJson = False,
@@ -131,10 +117,9 @@ def diagnose_command(
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
     from scara_iso.diagnosis import CyclesWanted
-    from scara_iso.library import TableOptions, one_test
+    from scara_iso.library import one_test
 
-    reading = TableOptions(unit, resolution, decimal, sheet, columns)
-    wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
+    wanted = CyclesWanted(pose, counting)
     named = tables or []
     files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
     if design:
@@ -156,7 +141,7 @@ def diagnose_command(
         files.refuse_of_test()
         show_many(named, (model, effects), reading, wanted, seed=seed, as_json=json)
     else:
-        options = asdict(reading) | asdict(wanted) | {"effects": effects}
+        options = asdict(reading) | {"pose": pose} | asdict(counting) | {"effects": effects}
         how = show(partial(command_line, named, options))
         _diagnose_run(run, files, reading, wanted, how, seed=seed)
 
@@ -175,7 +160,7 @@ def _diagnose_folder(
     from scara_iso.cli.conditions import diagnose_folder
 
     def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
-        counting = wanted if wanted.cycles else replace(wanted, cycles=one.options["cycles"])
+        counting = replace(wanted, counting=one.counted(wanted.counting))
         options = {"condition": one.condition.name, "effects": files.effects}
         how = show(partial(command_line, [folder], options), write=write)
         _diagnose_run(run, files.under(one.condition.name), reading, counting, how, seed=seed)
@@ -213,7 +198,8 @@ def _diagnose_run(
     diagnosis = library.diagnose(
         run,
         files.model,
-        **asdict(wanted),
+        pose=wanted.pose,
+        **asdict(wanted.counting),
         hold_out=second,
         reach=files.map is not None,
         limit=files.limit_of_plane(),

@@ -127,7 +127,7 @@ def _scatter(readings: FloatArray) -> float:
 
 def _conditions(reading: TableOptions, wanted: CyclesWanted) -> Conditions:
     """Return the cycles that are planned, with the columns that are named."""
-    cycle = np.arange(2, (wanted.cycles or CYCLES_RUN) + 1)
+    cycle = np.arange(2, (wanted.counting.cycles or CYCLES_RUN) + 1)
     known = planned_columns(cycle)
     columns = str(reading.columns or "")
     names = [name.strip() for name in columns.split(",") if name.strip()]

@@ -5,24 +5,23 @@ from __future__ import annotations
 import logging
 import sys
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from scara_iso.cli.options import (
-    AllCount,
-    AllowGaps,
     AsJson,
-    CyclesRun,
     DecimalMark,
-    FirstDiscarded,
     Full,
     ResolutionOfTable,
     UnitOfTable,
+    takes_tables,
 )
 from scara_iso.cli.output import settings, write_json, write_report
 from scara_iso.errors import StoppedError
+from scara_iso.iso9283 import Counting
 
 if TYPE_CHECKING:
     from scara_iso.fleets import FleetFigures, FleetSummary
@@ -54,6 +53,7 @@ Figures = Annotated[
 Level = Annotated[float, typer.Option(help="False discovery rate among the robots named.")]
 
 
+@takes_tables
 def fleet_command(
     source: Source,
     output: Output,
@@ -65,10 +65,7 @@ def fleet_command(
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
-    first_cycle_discarded: FirstDiscarded = False,
-    cycles: CyclesRun = None,
-    all_count: AllCount = False,
-    allow_gaps: AllowGaps = False,
+    counting: Counting,
     full: Full = False,
     json: AsJson = False,
 ) -> None:
@@ -89,8 +86,7 @@ def fleet_command(
     options: dict[str, Any] = {
         "engine": engine, "workers": workers, "unit": unit, "resolution": resolution,
         "decimal": decimal,
-        "first_cycle_discarded": first_cycle_discarded, "cycles": cycles,
-        "all_count": all_count, "allow_gaps": allow_gaps, "track": watched,
+        "track": watched, **asdict(counting),
     }  # fmt: skip
     found: FleetSummary | FleetFigures
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -10,17 +11,11 @@ import typer
 from scara_iso import library, render, reporting
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
-    AllCount,
-    AllowGaps,
     AsJson,
-    CyclesRun,
-    DecimalMark,
-    FirstDiscarded,
     Full,
     Limits,
-    ResolutionOfTable,
-    UnitOfTable,
     parse_limits,
+    takes_tables,
 )
 from scara_iso.cli.output import (
     check_outputs,
@@ -30,6 +25,8 @@ from scara_iso.cli.output import (
     write_json,
     write_report,
 )
+from scara_iso.iso9283 import Counting
+from scara_iso.library import TableOptions
 
 TablesOfTests = Annotated[
     list[str],
@@ -51,6 +48,7 @@ Page = Annotated[
 ]  # fmt: skip
 
 
+@takes_tables
 def history_command(
     tables: TablesOfTests,
     *,
@@ -58,13 +56,8 @@ def history_command(
     robot: Robot = None,
     limit: Limits = None,
     output: Page = None,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    first_cycle_discarded: FirstDiscarded = False,
-    cycles: CyclesRun = None,
-    all_count: AllCount = False,
-    allow_gaps: AllowGaps = False,
+    reading: TableOptions,
+    counting: Counting,
     full: Full = False,
     json: AsJson = False,
 ) -> None:
@@ -77,11 +70,9 @@ def history_command(
     check_outputs([output], [*named(tables), None if events is None else str(events)])
     if output is not None:
         library.check_page(output)
-    found = library.history(
-        tables, events=events, robot=robot, limits=parse_limits(limit or ()), unit=unit,
-        resolution=resolution, decimal=decimal, first_cycle_discarded=first_cycle_discarded,
-        cycles=cycles, all_count=all_count, allow_gaps=allow_gaps,
-    )  # fmt: skip
+    read = asdict(reading) | asdict(counting)
+    limits = parse_limits(limit or ())
+    found = library.history(tables, events=events, robot=robot, limits=limits, **read)
     for name, why in found.unreadable:
         typer.echo(reporting.printable(f"scara-iso: left out: {name}: {why}"), err=True)
     if output is not None:
@@ -89,10 +80,7 @@ def history_command(
     if json:
         write_json(render.history_json(found))
     else:
-        given = {"unit": unit, "resolution": resolution, "decimal": decimal, "cycles": cycles,
-                 "first_cycle_discarded": first_cycle_discarded, "all_count": all_count,
-                 "allow_gaps": allow_gaps}  # fmt: skip
-        last = command_line([found.tests[-1].source], given)
+        last = command_line([found.tests[-1].source], read)
         following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
         write_report(
             reporting.history_report(found) if full else reporting.history_brief(found, following)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import inspect
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import StrEnum
-from typing import Annotated
+from functools import wraps
+from typing import Annotated, Any
 
 import typer
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283 import DecisionRule
+from scara_iso.iso9283 import Counting, DecisionRule
+from scara_iso.library import TableOptions
 
 NOT_WITHIN_LIMITS = 1
 _LIMIT_REMEDY = "write it in mm: --limit 0.02 for every length, or --limit XY=0.02"
@@ -42,28 +45,6 @@ ResolutionOfTable = Annotated[
 DecimalMark = Annotated[
     str | None, typer.Option("--decimal", help="',' or '.', where the table can be read two ways.")
 ]
-Sheet = Annotated[str | None, typer.Option("--sheet", help="Sheet of an .xlsx file.")]
-ColumnsByPosition = Annotated[
-    str | None,
-    typer.Option(
-        "--columns",
-        metavar="X,Y,..",
-        help="What each field of a row is, where no header says it; - leaves one out.",
-    ),
-]
-FirstDiscarded = Annotated[
-    bool, typer.Option("--first-cycle-discarded", help="The table lacks its first cycle already.")
-]
-CyclesRun = Annotated[
-    int | None, typer.Option("--cycles", help="Cycles run, the first counted, if not 31.", min=2)
-]
-AllCount = Annotated[
-    bool,
-    typer.Option("--all-count", help="Every cycle counts, none was discarded: the standard's 30."),
-]
-AllowGaps = Annotated[
-    bool, typer.Option("--allow-gaps", help="Use the rest where cycles are missing.")
-]
 Limits = Annotated[
     list[str] | None,
     typer.Option(
@@ -93,6 +74,70 @@ OwnEffectsFile = Annotated[
         "--effects", metavar="FILE", help="Effects of your own: name, formula, ranges; a TOML file."
     ),
 ]
+
+
+def _reading(
+    *,
+    unit: UnitOfTable = None,
+    resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
+    sheet: Annotated[str | None, typer.Option(help="Sheet of an .xlsx file.")] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,..",
+            help="What each field of a row is, where no header says it; - leaves one out.",
+        ),
+    ] = None,
+) -> TableOptions:
+    return TableOptions(unit, resolution, decimal, sheet, columns)
+
+
+def _counting(
+    *,
+    first_cycle_discarded: Annotated[
+        bool,
+        typer.Option("--first-cycle-discarded", help="The table lacks its first cycle already."),
+    ] = False,
+    cycles: Annotated[
+        int | None, typer.Option(help="Cycles run, the first counted, if not 31.", min=2)
+    ] = None,
+    all_count: Annotated[
+        bool,
+        typer.Option(
+            "--all-count", help="Every cycle counts, none was discarded: the standard's 30."
+        ),
+    ] = False,
+    allow_gaps: Annotated[
+        bool, typer.Option("--allow-gaps", help="Use the rest where cycles are missing.")
+    ] = False,
+) -> Counting:
+    return Counting(first_cycle_discarded, cycles, all_count, allow_gaps)
+
+
+_SHARED: dict[str, Callable[..., Any]] = {"reading": _reading, "counting": _counting}
+
+
+def takes_tables(command: Callable[..., None]) -> Callable[..., None]:
+    """Return a command whose parameters ``reading`` and ``counting`` are options of their own."""
+    own = inspect.signature(command, eval_str=True).parameters
+    shared = {
+        name: inspect.signature(_SHARED[name], eval_str=True).parameters
+        for name in own
+        if name in _SHARED
+    }
+
+    @wraps(command)
+    def called(**given: Any) -> None:
+        for name, options in shared.items():
+            given[name] = _SHARED[name](**{option: given.pop(option) for option in options})
+        command(**given)
+
+    spread = [
+        option for name, one in own.items() for option in shared.get(name, {name: one}).values()
+    ]
+    vars(called)["__signature__"] = inspect.Signature(spread)
+    return called
 
 
 class ExcelName(StrEnum):

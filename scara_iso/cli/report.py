@@ -14,23 +14,15 @@ from scara_iso import library, render, reporting
 from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
-    AllCount,
-    AllowGaps,
     AsJson,
-    ColumnsByPosition,
     ConditionName,
-    CyclesRun,
-    DecimalMark,
     ExcelLocale,
-    FirstDiscarded,
     LimitRule,
     Limits,
     OwnEffectsFile,
-    ResolutionOfTable,
-    Sheet,
     Tables,
-    UnitOfTable,
     parse_limits,
+    takes_tables,
 )
 from scara_iso.cli.output import (
     check_outputs,
@@ -42,7 +34,8 @@ from scara_iso.cli.output import (
     write_json,
 )
 from scara_iso.errors import DataError, UsageError
-from scara_iso.iso9283 import Analysis, Conformity, DecisionRule
+from scara_iso.iso9283 import Analysis, Conformity, Counting, DecisionRule
+from scara_iso.library import TableOptions
 
 if TYPE_CHECKING:
     from scara_iso.library import TestReport
@@ -81,6 +74,7 @@ Reason = Annotated[str | None, typer.Option(help="Why it does.")]
 Pose = Annotated[str | None, typer.Option(help="Only this pose, where the table has several.")]
 
 
+@takes_tables
 def report_command(
     table: Tables,
     *,
@@ -90,15 +84,8 @@ def report_command(
     pose: Pose = None,
     limit: Limits = None,
     decision: LimitRule = DecisionRule.INTERVAL,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    sheet: Sheet = None,
-    columns: ColumnsByPosition = None,
-    first_cycle_discarded: FirstDiscarded = False,
-    cycles: CyclesRun = None,
-    all_count: AllCount = False,
-    allow_gaps: AllowGaps = False,
+    reading: TableOptions,
+    counting: Counting,
     condition: ConditionName = None,
     excel_locale: ExcelLocale = None,
     meta: Meta = None,
@@ -112,17 +99,13 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    reading = library.TableOptions(unit, resolution, decimal, sheet, columns)
     options: dict[str, Any] = {
         "model": model,
         "own_effects": effects,
         "pose": pose,
         "limits": parse_limits(limit or ()),
         "decision": decision.value,
-        "first_cycle_discarded": first_cycle_discarded,
-        "cycles": cycles,
-        "all_count": all_count,
-        "allow_gaps": allow_gaps,
+        **asdict(counting),
         "excel_locale": excel_locale,
         "metadata": _metadata(meta or (), meta_file),
         "supersedes": supersedes,

@@ -9,30 +9,24 @@ import typer
 
 from scara_iso.cli.options import (
     AsJson,
-    ColumnsByPosition,
     ConditionName,
-    DecimalMark,
     ExcelLocale,
-    ResolutionOfTable,
-    Sheet,
     Tables,
-    UnitOfTable,
+    takes_tables,
 )
 from scara_iso.cli.output import check_outputs, write_json, write_report, write_text
+from scara_iso.library import TableOptions
 
 Output = Annotated[
     Path | None, typer.Option("-o", "--output", help="Write the table in its canonical form.")
 ]
 
 
+@takes_tables
 def tables_command(
     table: Tables,
     *,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    sheet: Sheet = None,
-    columns: ColumnsByPosition = None,
+    reading: TableOptions,
     output: Output = None,
     condition: ConditionName = None,
     excel_locale: ExcelLocale = None,
@@ -42,11 +36,10 @@ def tables_command(
 
     Example: scara-iso tables examples/fum_scara_table1.csv -o run.csv
     """
-    from scara_iso.library import TableOptions
     from scara_iso.tables import find_locale, write_table
 
     check_outputs([output], table)
-    run = TableOptions(unit, resolution, decimal, sheet, columns).read(table, condition)
+    run = reading.read(table, condition)
     if output is not None:
         write_text(write_table(run, find_locale(excel_locale)), output)
     if json:

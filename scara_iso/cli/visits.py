@@ -10,15 +10,12 @@ import typer
 
 from scara_iso.cli.options import (
     AsJson,
-    ColumnsByPosition,
-    DecimalMark,
     ExcelLocale,
     Full,
-    ResolutionOfTable,
-    Sheet,
-    UnitOfTable,
+    takes_tables,
 )
 from scara_iso.cli.output import check_outputs, command_line, write_json, write_report, write_text
+from scara_iso.library import TableOptions
 
 if TYPE_CHECKING:
     from scara_iso.run import Run
@@ -47,6 +44,7 @@ Output = Annotated[
 ]
 
 
+@takes_tables
 def visits_command(
     stream: Stream,
     *,
@@ -54,11 +52,7 @@ def visits_command(
     still: Still = None,
     band: Band = None,
     poses: Poses = None,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    sheet: Sheet = None,
-    columns: ColumnsByPosition = None,
+    reading: TableOptions,
     output: Output = None,
     excel_locale: ExcelLocale = None,
     full: Full = False,
@@ -68,11 +62,10 @@ def visits_command(
 
     Example: scara-iso visits examples/stream.csv --poses P1,- -o run.csv
     """
-    from scara_iso.library import TableOptions, visits
+    from scara_iso.library import visits
     from scara_iso.tables import find_locale, write_table
 
     check_outputs([output], [stream])
-    reading = TableOptions(unit, resolution, decimal, sheet, columns)
     found = visits(
         stream,
         dwell=dwell,

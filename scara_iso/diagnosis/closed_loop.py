@@ -17,7 +17,13 @@ from scara_iso.diagnosis.result import Diagnosis
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError
 from scara_iso.frozen import dataclass
-from scara_iso.iso9283 import UsedCycles, block_of_rows, used_cycles
+from scara_iso.iso9283 import (
+    AS_THE_TABLE_SAYS,
+    Counting,
+    UsedCycles,
+    block_of_rows,
+    used_cycles,
+)
 from scara_iso.origin import SIMULATED
 from scara_iso.pose_columns import no_such_pose
 from scara_iso.run import Run
@@ -32,13 +38,10 @@ _PLANE = ("X", "Y")
 
 @dataclass(frozen=True, slots=True)
 class CyclesWanted:
-    """Which rows of a table count, as in `iso9283.used_cycles`, and which pose."""
+    """Which rows of a table count, and which pose."""
 
     pose: str | None = None
-    first_cycle_discarded: bool = False
-    cycles: int | None = None
-    all_count: bool = False
-    allow_gaps: bool = False
+    counting: Counting = AS_THE_TABLE_SAYS
 
     def used(self, run: Run) -> UsedCycles:
         """Return the rows of every pose that count; `DataError` for a drift test."""
@@ -48,13 +51,7 @@ class CyclesWanted:
                 where=run.origin.source,
                 remedy="see it with scara-iso analyze; or call the column 'block' otherwise",
             )
-        return used_cycles(
-            run,
-            first_cycle_discarded=self.first_cycle_discarded,
-            cycles=self.cycles,
-            all_count=self.all_count,
-            allow_gaps=self.allow_gaps,
-        )
+        return used_cycles(run, self.counting)
 
     def take(self, run: Run) -> Run:
         """Return the rows of one pose that count; `DataError` where several poses are there."""

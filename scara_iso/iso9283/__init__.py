@@ -25,8 +25,11 @@ if TYPE_CHECKING:
         Limit as Limit,
     )
     from scara_iso.iso9283.cycles import (
+        AS_THE_TABLE_SAYS as AS_THE_TABLE_SAYS,
         CYCLES_RUN as CYCLES_RUN,
         CYCLES_USED as CYCLES_USED,
+        Counting as Counting,
+        CountingOptions as CountingOptions,
         UsedCycles as UsedCycles,
         used_cycles as used_cycles,
     )

@@ -15,7 +15,7 @@ from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
-from scara_iso.iso9283.cycles import Rows, UsedCycles, used_cycles
+from scara_iso.iso9283.cycles import AS_THE_TABLE_SAYS, Counting, Rows, UsedCycles, used_cycles
 from scara_iso.iso9283.estimates import largest_calibration, reading_uncertainty, scatter_estimates
 from scara_iso.iso9283.figures import AxisResult, PoseResult, RadialResult, ThetaAngle
 from scara_iso.iso9283.limits import binding, check_limits
@@ -43,19 +43,15 @@ _FEWEST_CYCLES = 2
 
 def analyze(
     run: Run,
+    counting: Counting = AS_THE_TABLE_SAYS,
     *,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
     limits: Mapping[str, float] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a run, with intervals and findings.
 
-    Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``first_cycle_discarded``, ``cycles``,
-    ``all_count`` and ``allow_gaps`` are as in `used_cycles`. ``limits`` are in mm (degrees for an
+    Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``limits`` are in mm (degrees for an
     angle) by figure (``X``, ``XY``...); the key `limits.EVERY_LENGTH` holds for every length.
     ``decision`` is ``interval`` (a limit is kept or broken where the whole 95 % interval says so,
     and not kept on an interval that a finding voids)
@@ -67,15 +63,10 @@ def analyze(
     run = run.unwrapped()
     block = block_of_rows(run)
     if block is None:
-        chosen = used_cycles(
-            run,
-            first_cycle_discarded=first_cycle_discarded,
-            cycles=cycles,
-            all_count=all_count,
-            allow_gaps=allow_gaps,
-        )
+        chosen = used_cycles(run, counting)
     else:
-        chosen = every_visit(run, block, asked=first_cycle_discarded or cycles is not None)
+        asked = counting.first_cycle_discarded or counting.cycles is not None
+        chosen = every_visit(run, block, asked=asked)
     if chosen.used < _FEWEST_CYCLES:
         raise DataError(
             f"{chosen.used} cycle counts: no scatter can be computed",

@@ -7,6 +7,7 @@ arrival happens to rest does not count. The standard (clause 6.9) knows 30 cycle
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +23,43 @@ _FEWEST_RUN = 2
 _MOST_REPEATED = 0.25  # of the rows: the interval is then too narrow by a seventh
 
 _TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+
+
+class CountingOptions(TypedDict, total=False):
+    """The fields of `Counting`, as a function takes them."""
+
+    first_cycle_discarded: bool
+    cycles: int | None
+    all_count: bool
+    allow_gaps: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Counting:
+    """What is stated of the cycles that count, beside what the table itself says."""
+
+    first_cycle_discarded: bool = False
+    """The first cycle is gone already."""
+    cycles: int | None = None
+    """How many were run where they are not 31, or 30 that all count."""
+    all_count: bool = False
+    """Every row counts, and none was discarded (``# first_cycle: counts`` in a table)."""
+    allow_gaps: bool = False
+    """Cycles that are there count where others are missing."""
+
+    def __post_init__(self) -> None:
+        """Raise `UsageError` for what cannot be meant."""
+        if self.cycles is not None and self.cycles < _FEWEST_RUN:
+            raise UsageError(
+                f"{self.cycles} cycles", remedy=f"say how many were run, {_FEWEST_RUN} or more"
+            )
+        if self.all_count and self.first_cycle_discarded:
+            raise UsageError(
+                "every cycle counts, or the first is discarded", remedy="say one of them"
+            )
+
+
+AS_THE_TABLE_SAYS = Counting()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -105,28 +143,14 @@ class _Rule:
         return tuple((int(padded[k]) + 1, int(padded[k + 1]) - 1) for k in holes)
 
 
-def used_cycles(
-    run: Run,
-    *,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
-) -> UsedCycles:
+def used_cycles(run: Run, counting: Counting = AS_THE_TABLE_SAYS) -> UsedCycles:
     """Return the rows of a run that count, by the cycle rule of docs/tables.md.
 
-    ``first_cycle_discarded`` states what the table does not say: that its first cycle is gone
-    already; ``all_count``, that every row counts and none was discarded (``# first_cycle: counts``
-    in a table). ``cycles`` accepts another number than 31, or 30 that all count. ``allow_gaps``
-    takes what is there of cycles that are missing. Raises `DataError` with every fault of every
-    pose: another number, a gap, a repeat, an order that goes back, or 30 cycles of which nobody
-    says whether the first is among them; and where visits are written several times.
+    Raises `DataError` with every fault of every pose: another number, a gap, a repeat, an order
+    that goes back, or 30 cycles of which nobody says whether the first is among them; and where
+    visits are written several times.
     """
-    if cycles is not None and cycles < _FEWEST_RUN:
-        raise UsageError(f"{cycles} cycles", remedy=f"say how many were run, {_FEWEST_RUN} or more")
-    if all_count and first_cycle_discarded:
-        raise UsageError("every cycle counts, or the first is discarded", remedy="say one of them")
-    rule = _rule(run, first_cycle_discarded, cycles, all_count=all_count, allow_gaps=allow_gaps)
+    rule = _rule(run, counting)
     found = [_of_one_pose(run, rule, label, rows) for label, rows in run.rows_by_pose()]
     if any(pose.faults for pose in found):
         raise _broken(run, rule, found)
@@ -184,11 +208,9 @@ def _of_one_pose(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> _P
     return _Pose(label, rows, missing=gaps)
 
 
-def _rule(
-    run: Run, first_cycle_discarded: bool, cycles: int | None, *, all_count: bool, allow_gaps: bool
-) -> _Rule:
-    gone = _first_gone(run, first_cycle_discarded)
-    text = run.metadata.get("first_cycle", "counts" if all_count else "")
+def _rule(run: Run, stated: Counting) -> _Rule:
+    gone = _first_gone(run, stated.first_cycle_discarded)
+    text = run.metadata.get("first_cycle", "counts" if stated.all_count else "")
     if text and text.strip().lower() != "counts":
         raise DataError(
             f"first_cycle is {text!r}", where=run.origin.source,
@@ -201,7 +223,9 @@ def _rule(
             remedy="correct the one that is wrong",
         )
     usual = CYCLES_USED if text else CYCLES_RUN
-    return _Rule(cycles or usual, cycles is not None, gone, bool(text), allow_gaps)
+    return _Rule(
+        stated.cycles or usual, stated.cycles is not None, gone, bool(text), stated.allow_gaps
+    )
 
 
 def _first_gone(run: Run, stated_by_user: bool) -> bool | None:

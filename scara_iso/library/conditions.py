@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scara_iso import iso9283
 from scara_iso.errors import NoInputError, UsageError
 from scara_iso.frozen import dataclass
-from scara_iso.iso9283 import Analysis, Beside
+from scara_iso.iso9283 import AS_THE_TABLE_SAYS, Analysis, Beside, Counting
 from scara_iso.library.beside import files_of, read_beside, tables_beside
 from scara_iso.run import Run
 
@@ -23,7 +23,7 @@ class ConditionRun:
     """The readings under one condition; ``run`` is None where no part of it is whole.
 
     `analyze`, `diagnose`, `report` and `compare` take it in place of a table. ``options`` are what
-    test.toml states for `analyze`: limits, decision, number of cycles.
+    test.toml states for `analyze`: limits and decision.
     """
 
     folder: Folder
@@ -77,7 +77,12 @@ class ConditionRun:
         given = {key: value for key, value in options.items() if value not in (None, {}, False)}
         if not given.get("limits"):
             given.pop("decision", None)
+        given["counting"] = self.counted(given.get("counting", AS_THE_TABLE_SAYS))
         return {**self.options, **given}
+
+    def counted(self, counting: Counting) -> Counting:
+        """Return which cycles count: those of the test unless their number is stated."""
+        return counting if counting.cycles else replace(counting, cycles=self.cycles)
 
 
 def read_conditions(
@@ -101,7 +106,6 @@ def read_conditions(
     options = {
         "limits": dict(found.test.limits),
         "decision": found.test.decision,
-        "cycles": found.test.schedule.cycles_run,
     }
     return tuple(
         ConditionRun(

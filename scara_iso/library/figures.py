@@ -7,13 +7,13 @@ from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import iso9283
 from scara_iso.errors import ScaraIsoError
 from scara_iso.frames import stacked
 from scara_iso.iso9283 import Analysis, DecisionRule
-from scara_iso.library.inputs import TableOptions, Tables, paths_of
+from scara_iso.library.inputs import Tables, TablesOptions, parted, paths_of
 from scara_iso.library.sizes import sizes_of
 
 if TYPE_CHECKING:
@@ -26,18 +26,10 @@ def analyze(
     table: Tables,
     *,
     condition: str | None = None,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
-    sheet: str | None = None,
-    columns: str | Sequence[str] | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
     limits: float | Mapping[str, float] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
+    **options: Unpack[TablesOptions],
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a table, with intervals and findings.
 
@@ -55,20 +47,17 @@ def analyze(
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet, columns)
-    options: dict[str, Any] = {
-        "first_cycle_discarded": first_cycle_discarded,
-        "cycles": cycles,
-        "all_count": all_count,
-        "allow_gaps": allow_gaps,
+    reading, counting = parted(**options)
+    wanted: dict[str, Any] = {
+        "counting": counting,
         "limits": sizes_of("limits", limits),
         "decision": decision,
         "other_definitions": other_definitions,
     }
     if (measured := reading.measured(table, condition)) is not None:
-        analysis = iso9283.analyze(measured.readings, **measured.merged_with(options))
+        analysis = iso9283.analyze(measured.readings, **measured.merged_with(wanted))
         return measured.beside.added_to(analysis)
-    analysis = iso9283.analyze(reading.read(table), **options)
+    analysis = iso9283.analyze(reading.read(table), **wanted)
     return compared_with_its_manifest(analysis, table)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.errors import UsageError
@@ -19,6 +19,7 @@ from scara_iso.fleets import (
     summarise,
     summarise_figures,
 )
+from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.library.engines import LOCAL, engine_of, threads_of
 from scara_iso.quantities import parse_unit
 
@@ -34,13 +35,10 @@ def fleet(
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
     level: float = LEVEL,
     seed: int = SEED,
     track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
+    **counting: Unpack[CountingOptions],
 ) -> FleetSummary:
     """Return which of many robots stand out, and leave a Parquet file for each part in ``to``.
 
@@ -56,7 +54,7 @@ def fleet(
     if not 0 < level < 1:
         raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
     _check(unit, decimal)
-    wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
+    wanted = CyclesWanted(counting=Counting(**counting))
     task = Task(ReadAs(unit, resolution, decimal), wanted, seed)
     with engine_of(engine, workers) as where:
         run = run_fleet(Path(source), Path(to), task, where, level=level, track=track)
@@ -72,11 +70,8 @@ def fleet_figures(
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
     track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
+    **counting: Unpack[CountingOptions],
 ) -> FleetFigures:
     """Return RP of many robots, and leave that of every pose in ``to``, without a diagnosis.
 
@@ -84,7 +79,7 @@ def fleet_figures(
     those of `analyze`. The other options, and what is raised, as of `fleet`.
     """
     _check(unit, decimal)
-    wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
+    wanted = CyclesWanted(counting=Counting(**counting))
     with threads_of(engine, workers) as (where, threads):
         task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
         run = run_figures(Path(source), Path(to), task, where, track=track)

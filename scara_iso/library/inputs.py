@@ -6,12 +6,13 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, TypeVar, Union
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, Unpack
 
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.frames import FRAME, is_frame
 from scara_iso.frozen import dataclass
+from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.library.conditions import ConditionRun, read_condition
 from scara_iso.run import Run
 from scara_iso.tables import PosePart, Source, listed, merge, read_table, together
@@ -35,6 +36,28 @@ _MOST_NAMED = 5
 _NAME_TABLES = "name tables, as P1.csv P2.csv, or a folder of .csv, .tsv, .txt or .xlsx"
 One = TypeVar("One")
 Other = TypeVar("Other")
+
+
+class ReadingOptions(TypedDict, total=False):
+    """The fields of `TableOptions`, as a function takes them."""
+
+    unit: str | None
+    resolution: float | None
+    decimal: str | None
+    sheet: str | None
+    columns: str | Sequence[str] | None
+
+
+class TablesOptions(ReadingOptions, CountingOptions, total=False):
+    """How tables are read, and which of their cycles count."""
+
+
+def parted(**options: Unpack[TablesOptions]) -> tuple[TableOptions, Counting]:
+    """Return how tables are read, and which of their cycles count; errors as of both."""
+    reading: dict[str, Any] = dict(options)
+    names = CountingOptions.__annotations__.keys() & reading.keys()
+    counting = {name: reading.pop(name) for name in names}
+    return TableOptions(**reading), Counting(**counting)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from scara_iso.effects import OwnEffect
 from scara_iso.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, poses_in_cycles
 from scara_iso.library.diagnoses import Diagnoses
-from scara_iso.library.inputs import TableOptions, Tables
+from scara_iso.library.inputs import TableOptions, Tables, TablesOptions, parted
 from scara_iso.library.model_files import OwnEffects, defined, described
 from scara_iso.reporting import Failure
 from scara_iso.run import Run
@@ -41,21 +41,13 @@ def diagnose(
     *,
     condition: str | None = None,
     pose: str | None = None,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
-    sheet: str | None = None,
-    columns: str | Sequence[str] | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
     hold_out: Tables | None = None,
     reach: bool = False,
     limit: float | None = None,
     sigma: float | None = None,
     seed: int = SEED,
     own_effects: OwnEffects = (),
+    **options: Unpack[TablesOptions],
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
@@ -70,10 +62,10 @@ def diagnose(
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet, columns)
+    reading, counting = parted(**options)
     if (measured := reading.measured(table, condition)) is not None:
-        table, cycles = measured.readings, cycles or measured.cycles
-    wanted = CyclesWanted(pose, first_cycle_discarded, cycles, all_count, allow_gaps)
+        table, counting = measured.readings, measured.counted(counting)
+    wanted = CyclesWanted(pose, counting)
     if limit is not None and not 0 < limit < np.inf:
         raise UsageError(
             f"`limit={limit:g}`: not a positive, finite length",
@@ -149,18 +141,10 @@ def diagnose_many(
     tables: Sequence[str | Path],
     model: str | Path | None = None,
     *,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
-    sheet: str | None = None,
-    columns: str | Sequence[str] | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
     seed: int = SEED,
     own_effects: str | Path | None = None,
     executor: Executor | None = None,
+    **options: Unpack[TablesOptions],
 ) -> Diagnoses:
     """Return the diagnosis of each of several unrelated tables, by number or by file name.
 
@@ -168,9 +152,9 @@ def diagnose_many(
     processes as there are cores; the result is the same. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects`` is a file.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet, columns)
-    wanted = CyclesWanted(None, first_cycle_discarded, cycles, all_count, allow_gaps)
+    reading, counting = parted(**options)
     files = (model, own_effects)
+    wanted = CyclesWanted(counting=counting)
     each = diagnose_each(tables, files, reading, wanted, seed=seed, executor=executor)
     return Diagnoses(tuple(map(str, tables)), tuple(each))
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise, product
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
@@ -22,7 +22,9 @@ from scara_iso.library.inputs import (
     Table,
     TableOptions,
     Tables,
+    TablesOptions,
     folders_below,
+    parted,
     tables_in,
     tables_of,
 )
@@ -45,13 +47,7 @@ def history(
     events: str | Path | None = None,
     robot: str | None = None,
     limits: float | Mapping[str, float] | None = None,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
+    **options: Unpack[TablesOptions],
 ) -> RobotHistory:
     """Return every test of one robot in time order: figures, control charts, trend, limit, service.
 
@@ -67,17 +63,10 @@ def history(
     `UsageError` for a limit of no figure.
     """
     limits = sizes_of("limits", limits)
-    reading = TableOptions(unit, resolution, decimal)
+    reading, counting = parted(**options)
     folders = _folders(tables)
     found = _tests(tables, folders, events, reading)
-    options: dict[str, Any] = {
-        "first_cycle_discarded": first_cycle_discarded,
-        "cycles": cycles,
-        "all_count": all_count,
-        "allow_gaps": allow_gaps,
-        "limits": limits,
-    }
-    analyses, failed = _analyses(found, reading, options)
+    analyses, failed = _analyses(found, reading, {"counting": counting, "limits": limits})
     if robot is not None:
         analyses = _of_robot(analyses, robot)
     if not analyses:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import iso9283
 from scara_iso.diagnosis import (
@@ -22,8 +22,9 @@ from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest
 from scara_iso.library.held import hold, named, read_held
 from scara_iso.library.inputs import (
-    TableOptions,
     Tables,
+    TablesOptions,
+    parted,
     paths_of,
 )
 from scara_iso.library.loop import diagnose_analysis
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-_OF_CYCLES = ("first_cycle_discarded", "cycles", "all_count", "allow_gaps")
 _PACKAGE = "scara-iso"
 
 
@@ -122,20 +122,12 @@ def report(
     pose: str | None = None,
     limits: float | Mapping[str, float] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
-    sheet: str | None = None,
-    columns: str | Sequence[str] | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
     excel_locale: str | None = None,
     metadata: Mapping[str, str] | None = None,
     supersedes: str | None = None,
     reason: str | None = None,
     command: str = "scara_iso.report",
+    **options: Unpack[TablesOptions],
 ) -> TestReport:
     """Return the report of a test: result, pictures, every intermediate value, diagnosis, raw data.
 
@@ -149,25 +141,20 @@ def report(
     """
     if to is not None:
         check_format(Path(to), excel_locale)
-    options: dict[str, Any] = {
-        "first_cycle_discarded": first_cycle_discarded,
-        "cycles": cycles,
-        "all_count": all_count,
-        "allow_gaps": allow_gaps,
-        "limits": sizes_of("limits", limits),
-        "decision": decision,
-    }
-    reading = TableOptions(unit, resolution, decimal, sheet, columns)
+    reading, counting = parted(**options)
+    wanted: dict[str, Any] = {
+        "counting": counting, "limits": sizes_of("limits", limits), "decision": decision,
+    }  # fmt: skip
     if (measured := reading.measured(table, condition)) is not None:
         run, held = measured.readings, tuple(hold(*file) for file in measured.files())
-        options = measured.merged_with(options)
+        wanted = measured.merged_with(wanted)
     else:
         run, held = read_held(table, reading)
     run, restated = restate(_at(run, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
     own = () if own_effects is None else read_effects(own_effects)
     described = None if model is None else read_model(model, own)
-    analysis = iso9283.analyze(run, **options)
+    analysis = iso9283.analyze(run, **wanted)
     for role, file in (("model", model), ("effects", own_effects)):
         held += () if file is None else (hold(role, Path(file)),)
     dossier = Dossier(
@@ -175,7 +162,9 @@ def report(
         provenance=Provenance(
             tuple(file for file, _ in held), version(_PACKAGE), command, restated
         ),
-        diagnoses=diagnose_analysis(analysis, described, _wanted(options), own),
+        diagnoses=diagnose_analysis(
+            analysis, described, CyclesWanted(counting=wanted["counting"]), own
+        ),
         gearboxes={} if described is None else _gearboxes(described),
         amendment=amendment,
     ).with_beside(measured.beside if measured and pose is None else Beside())
@@ -230,10 +219,6 @@ def _at(run: Run, pose: str | None) -> Run:
         raise no_such_pose(pose, rows, run.origin.source)
     run = run.take(rows[pose])
     return replace(run, metadata={**run.metadata, "pose": pose})
-
-
-def _wanted(options: Mapping[str, Any]) -> CyclesWanted:
-    return CyclesWanted(None, **{key: options[key] for key in _OF_CYCLES if key in options})
 
 
 def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias
+from typing import TypeAlias, Unpack
 
 from scara_iso import comparison, iso9283
 from scara_iso.acceptance import is_test_folder
@@ -12,7 +12,7 @@ from scara_iso.comparison import SEED, Comparison
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Analysis
 from scara_iso.library.conditions import ConditionRun
-from scara_iso.library.inputs import TableOptions, Tables, every
+from scara_iso.library.inputs import Tables, TablesOptions, every, parted
 from scara_iso.library.sizes import sizes_of
 
 _Set: TypeAlias = Tables | Analysis
@@ -21,18 +21,10 @@ _Set: TypeAlias = Tables | Analysis
 def compare(
     *tables: _Set | Sequence[_Set],
     condition: str | None = None,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
-    sheet: str | None = None,
-    columns: str | Sequence[str] | None = None,
-    first_cycle_discarded: bool = False,
-    cycles: int | None = None,
-    all_count: bool = False,
-    allow_gaps: bool = False,
     exchangeability: bool = False,
     limits: float | Mapping[str, float] | None = None,
     seed: int = SEED,
+    **options: Unpack[TablesOptions],
 ) -> Comparison:
     """Return every table against the first: means, RP and +/- 3 s of angles, with intervals.
 
@@ -44,23 +36,15 @@ def compare(
     ``exchangeability``, in mm. The method is that of docs/compare.md. Raises one error with the
     faults of all tables, and `UsageError` for fewer than two.
     """
-    reading = TableOptions(unit, resolution, decimal, sheet, columns)
+    reading, counting = parted(**options)
 
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
             return table
         named = condition if _is_test(table) else None
         if (measured := reading.measured(table, named)) is not None:
-            run, counted = measured.readings, cycles or measured.cycles
-        else:
-            run, counted = reading.read(table), cycles
-        return iso9283.analyze(
-            run,
-            first_cycle_discarded=first_cycle_discarded,
-            cycles=counted,
-            all_count=all_count,
-            allow_gaps=allow_gaps,
-        )
+            return iso9283.analyze(measured.readings, measured.counted(counting))
+        return iso9283.analyze(reading.read(table), counting)
 
     wanted = sizes_of("limits", limits)
     if not exchangeability:

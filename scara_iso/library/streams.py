@@ -6,8 +6,9 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Unpack
 
-from scara_iso.library.inputs import Table, TableOptions
+from scara_iso.library.inputs import ReadingOptions, Table, TableOptions
 from scara_iso.run import Run
 from scara_iso.streams import StreamVisits, Wanted, find_visits
 from scara_iso.tables import read_bytes
@@ -22,11 +23,7 @@ def visits(
     still: float | None = None,
     band: float | None = None,
     poses: str | Sequence[str] = (),
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
-    sheet: str | None = None,
-    columns: str | Sequence[str] | None = None,
+    **reading: Unpack[ReadingOptions],
 ) -> StreamVisits:
     """Return the visits of a stream: a row for each sample, time_s and the axes as columns.
 
@@ -34,14 +31,12 @@ def visits(
     shortest rest that is a visit [s]; ``still`` the largest range of the readings within a window
     at rest and ``band`` the half width of the limit band (7.4), both in mm (degrees where there are
     angles only); without them both are found from the stream. ``poses`` names the rests in turn,
-    ``-`` one that is no pose: ``"P1,-"``, or a sequence. ``unit``, ``resolution``, ``decimal``,
-    ``sheet`` and ``columns`` are as in `read_table`. Raises `DataError` for what cannot be read
-    or told apart.
+    ``-`` one that is no pose: ``"P1,-"``, or a sequence. ``reading`` is as in `read_table`.
+    Raises `DataError` for what cannot be read or told apart.
     """
     order = poses.split(",") if poses and isinstance(poses, str) else list(poses)
     wanted = Wanted(dwell, still, band, tuple(name.strip() for name in order))
-    options = TableOptions(unit, resolution, decimal, sheet, columns)
-    run, digest = _read(stream, options)
+    run, digest = _read(stream, TableOptions(**reading))
     found = find_visits(run, wanted)
     source = {} if digest is None else {"stream_sha256": digest}
     named = {"stream": Path(run.origin.source).name} if run.origin.source else {}

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from scara_iso.errors import DataError
-from scara_iso.iso9283 import analyze
+from scara_iso.iso9283 import Counting, analyze
 from scara_iso.tables import read_table
 from scara_iso.validation.result import ReferenceCheck
 
@@ -48,7 +48,7 @@ def rule_checks() -> Iterator[ReferenceCheck]:
             obtained = expected
         yield ReferenceCheck("procedure", name, _SOURCE, expected, obtained)
     for n, expected in ((4, "none"), (5, "an interval")):
-        (pose,) = analyze(read_table(_table(range(1, n + 2))), cycles=n + 1).poses
+        (pose,) = analyze(read_table(_table(range(1, n + 2))), Counting(cycles=n + 1)).poses
         interval = pose.axes["X"].RP_interval
         obtained = "none" if interval is None else "an interval"
         yield ReferenceCheck("procedure", f"interval of {n} cycles", _FEW, expected, obtained)
@@ -61,7 +61,7 @@ def rule_checks() -> Iterator[ReferenceCheck]:
 
 def _counted(numbers: Sequence[int], options: Mapping[str, Any]) -> str:
     try:
-        found = analyze(read_table(_table(numbers)), **options)
+        found = analyze(read_table(_table(numbers)), Counting(**options))
     except DataError as error:
         said = error.faults[0].message if error.faults else error.what
         return f"refused: {said[said.index('either') :] if 'either' in said else said}"

@@ -13,7 +13,7 @@ from typing import Any
 
 from scara_iso.comparison import exchangeability
 from scara_iso.force_loop import read_loop
-from scara_iso.iso9283 import Characteristic, analyze, find_characteristics, push_test
+from scara_iso.iso9283 import Characteristic, Counting, analyze, find_characteristics, push_test
 from scara_iso.tables import read_table
 from scara_iso.validation.references import references
 from scara_iso.validation.result import ReferenceCheck
@@ -67,5 +67,5 @@ def _characteristics(vector: Mapping[str, Any]) -> Sequence[Characteristic]:
     tables = [references("vectors", name).read_bytes() for name in vector["tables"]]
     if vector["name"].startswith("push"):
         return push_test(read_loop(tables[0]), arm_m=_ARM).characteristics
-    analyses = [analyze(read_table(table), cycles=vector["cycles"]) for table in tables]
+    analyses = [analyze(read_table(table), Counting(cycles=vector["cycles"])) for table in tables]
     return exchangeability(analyses, {}) if len(analyses) > 1 else analyses[0].characteristics
