@@ -11,12 +11,16 @@ from pathlib import Path
 
 from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.cli import COMMANDS
+from scara_iso.iso9283.published import PUBLISHED as ANALYZE
+from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
 from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour of this script
 
+PUBLISHED = {"analyze": ("analyze TABLE --json", *ANALYZE)}
+"""Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
 
@@ -31,6 +35,7 @@ def reference() -> dict[str, str]:
         "findings.md": ("Findings", _pages(findings)),
         "effects.md": ("Effects", _pages(effects)),
         "dialects.md": ("Dialects of indicators", _dialects()),
+        "fields.md": ("Fields of the JSON objects", _fields()),
         "schemas.md": ("JSON schemas", _schemas()),
         "modules.md": ("Modules", _modules()),
     }
@@ -147,10 +152,56 @@ def _schemas() -> Iterator[str]:
         "keys mean: [json.md](../json.md). A reference such as `analyze.json#/$defs/pose` leads to "
         "the file beside."
     )
-    schemas = sorted((DOCS / "schemas").glob("*.json"))
-    titles = [json.loads(path.read_text(encoding="utf-8"))["title"] for path in schemas]
-    links = [f"[{path.stem}](../schemas/{path.name})" for path in schemas]
+    paths = sorted((DOCS / "schemas").glob("*.json"))
+    titles = [json.loads(path.read_text(encoding="utf-8"))["title"] for path in paths]
+    links = [f"[{path.stem}](../schemas/{path.name})" for path in paths]
     yield _table(("schema", "written by"), zip(links, titles, strict=True))
+
+
+def schemas() -> dict[str, str]:
+    """Return the text of every schema that is made from classes, by its file name."""
+    made = {name: schema(title, *kinds) for name, (title, *kinds) in PUBLISHED.items()}
+    return {f"{name}.json": json.dumps(found, indent=2) + "\n" for name, found in made.items()}
+
+
+def _fields() -> Iterator[str]:
+    yield (
+        "What the keys mean: from the classes of which the objects and their schemas are made. A "
+        "key with `?` is not always there."
+    )
+    for name, (title, *kinds) in PUBLISHED.items():
+        found = schema(title, *kinds)["$defs"]
+        yield f"## `{name}`"
+        for kind in [one for one in found if "properties" in found[one]]:
+            yield f"### {kind}"
+            yield found[kind]["description"].replace("``", "`").partition("\n\n")[0]
+            yield _table(("key", "type", "unit", "meaning"), _keys(found[kind]))
+
+
+def _keys(kind: Json) -> Iterator[tuple[str, ...]]:
+    for name, field in kind["properties"].items():
+        always = "" if name in kind["required"] else " ?"
+        yield f"`{name}`{always}", _type(field), field.get("unit", ""), field["description"]
+
+
+def _type(field: Json) -> str:
+    """Return the type of a key as a person reads it."""
+    if "anyOf" in field:
+        return " or ".join(map(_type, field["anyOf"]))
+    if "$ref" in field:
+        return f"[{(name := field['$ref'].rpartition('/')[2])}](#{name.lower()})"
+    if "const" in field or "enum" in field:
+        return ", ".join(f"`{one}`" for one in field.get("enum", [field.get("const")]))
+    match field["type"]:
+        case "array" if "prefixItems" in field:
+            found = f"[{', '.join(map(_type, field['prefixItems']))}]"
+        case "array":
+            found = f"list of {_type(field['items'])}" if "items" in field else "list of numbers"
+        case "object":
+            found = f"{_type(field['additionalProperties'])} by name"
+        case found:
+            pass
+    return str(found)
 
 
 def _table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
@@ -160,6 +211,8 @@ def _table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
 
 if __name__ == "__main__":
     (DOCS / "reference").mkdir(exist_ok=True)
+    for name, text in schemas().items():
+        (DOCS / "schemas" / name).write_text(text, encoding="utf-8", newline="")
     for name, text in reference().items():
         (DOCS / "reference" / name).write_text(text, encoding="utf-8", newline="")
     (DOCS / "figures" / "floors.svg").write_text(picture(), encoding="utf-8", newline="")

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import Number
 
 FloatArray = npt.NDArray[np.float64]

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import Commanded
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, FloatArray, IntArray

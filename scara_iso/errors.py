@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import ClassVar
-
-from scara_iso.frozen import dataclass
 
 _MANY = 5
 """Faults that are alike from which on they are said in one line."""

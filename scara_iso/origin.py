@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
-
-from scara_iso.frozen import dataclass
+from dataclasses import dataclass, field
 
 SIMULATED = "SIMULATED readings: no robot was measured"
 """What is said of a run whose head states `simulated`."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
@@ -20,7 +20,6 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError, UsageError
-from scara_iso.frozen import dataclass
 
 Number = TypeVar("Number", float, npt.NDArray[np.float64])
 

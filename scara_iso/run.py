@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Iterator, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,6 @@ from scara_iso.condition_columns import of_base_units
 from scara_iso.display import Displayed
 from scara_iso.errors import DataError
 from scara_iso.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
-from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin
 from scara_iso.pose_columns import (
     Commanded,
@@ -33,6 +33,14 @@ from scara_iso.quantities import TURN, Dimension, parse_unit
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+def _read_only(values: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(values)
+
+
+# So a run's mappings go to another process too.
+copyreg.pickle(MappingProxyType, lambda one: (_read_only, (dict(one),)))
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -139,7 +139,9 @@ def test_contract(module, rng):
     more = {"stream": True} if make is two_poses else {}
     several = module.CODE == "exchangeability"
     analysis = analyze(make(rng, resolution=0.001, uncertainty=0.0005, **more))
-    measured = Measured(analysis.run, analysis.cycles, analysis.poses, analysis.block)
+    measured = Measured(
+        analysis.run, analysis.cycles, analysis.poses, analysis.block, analysis.drift
+    )
     analysis = of_two_robots(analysis, analyze(make(rng))) if several else measured
     found = list(module.compute(analysis))
     assert found, "a fitting run has it"
@@ -156,7 +158,9 @@ def test_contract(module, rng):
         assert estimate.u == pytest.approx(math.hypot(*estimate.parts.values()))
     few = analyze(make(rng, cycles=4), **({} if make is drift_test else {"cycles": 4}))
     few = (
-        of_two_robots(few, few) if several else Measured(few.run, few.cycles, few.poses, few.block)
+        of_two_robots(few, few)
+        if several
+        else Measured(few.run, few.cycles, few.poses, few.block, few.drift)
     )
     assert all(one.estimate.u is one.estimate.interval is None for one in module.compute(few))
 

@@ -14,7 +14,8 @@ import scara_iso
 from scara_iso import Run, read_table
 from scara_iso.cli import main
 from scara_iso.errors import DataError, NoInputError
-from scara_iso.render.json import pose_json
+from scara_iso.iso9283 import published_pose
+from scara_iso.published import to_json
 from scara_iso.run import Axis
 from scara_iso.tables import PosePart, merge, pose_in, write_table
 
@@ -105,7 +106,7 @@ def beside_one_cycle_column(folder):
 
 
 def of_one_pose(path):
-    found = pose_json(scara_iso.analyze(path).poses[0])
+    found = to_json(published_pose(scara_iso.analyze(path).poses[0]))
     return {key: value for key, value in found.items() if key != "pose"}
 
 
@@ -118,7 +119,7 @@ def test_the_figures_of_five_poses_are_those_of_five_tables_to_the_bit(folder, m
     together = scara_iso.analyze(given)
     assert [pose.label for pose in together.poses] == list(POSES)
     for pose in together.poses:
-        found = pose_json(pose)
+        found = to_json(published_pose(pose))
         assert found.pop("pose") == pose.label
         assert found == alone[pose.label]
 

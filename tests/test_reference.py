@@ -21,6 +21,12 @@ def test_a_page_is_up_to_date(name, made):
     assert text == made[name], "run: python docs/generate.py"
 
 
+@pytest.mark.parametrize(("name", "made"), GENERATE["schemas"]().items())
+def test_a_schema_is_up_to_date(name, made):
+    text = (DOCS / "schemas" / name).read_text(encoding="utf-8")
+    assert text == made, "run: python docs/generate.py"
+
+
 def test_there_is_no_other_page(made):
     assert PAGES == sorted(made)
 

@@ -265,6 +265,7 @@ def documents(tmp_path_factory):
     written("record", one, *gauge, "--part", "P1-v100-l100", "--repeat", "knocked")
     written("record", one, *gauge, "--part", "P3-v100-l100", "--meta", "temperature=35 C")
     status += written("test", "status", one)
+    poses_only = written("analyze", two)
     for of_it in (one, two):
         with_push_test(of_it)
     return {
@@ -278,6 +279,7 @@ def documents(tmp_path_factory):
             *written("analyze", from_three_sides(folder / "sides.csv"), "--limit", "vAP=1"),
             *written("analyze", one),
             *written("analyze", two),
+            *poses_only,
         ],
         "backlash": [
             *written(*JOINT),
@@ -366,7 +368,7 @@ def test_a_schema_is_one(name):
 def test_every_output_has_a_schema(documents):
     assert set(documents) == set(SCHEMAS)
     written = "".join(path.read_text("utf-8") for path in (ROOT / "scara_iso").rglob("*.py"))
-    named = set(re.findall(r'"schema": "scara-iso/([a-z-]+)/[12]"', written))
+    named = set(re.findall(r'schema(?:": |=)"scara-iso/([a-z-]+)/[12]"', written))
     assert set(SCHEMAS) == named | {"record"}
 
 
@@ -431,7 +433,8 @@ def test_a_schema_names_nothing_that_no_output_has(documents, name):
 
 @pytest.mark.parametrize("name", SCHEMAS)
 def test_the_page_names_every_key(name):
-    page = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+    pages = ("json.md", "reference/fields.md")
+    page = "".join((ROOT / "docs" / one).read_text(encoding="utf-8") for one in pages)
     said = set(re.findall(r"\w+", page))
     named = re.search(r'"const": "(scara-iso/[^"]+)"', json.dumps(SCHEMAS[name]))
     assert named is None or f"`{named[1]}`" in page

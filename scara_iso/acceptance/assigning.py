@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from scara_iso.acceptance.folder import FAULTY, UNFINISHED, Folder, PartState
@@ -12,7 +13,6 @@ from scara_iso.acceptance.whole_test import Part, Struck
 from scara_iso.acceptance.writing import strike
 from scara_iso.acquisition import Noticed, Said, Started, manifest_path, raw_path
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -15,7 +15,6 @@ from scara_iso.acceptance.whole_test import Condition, Part, Struck, WholeTest
 from scara_iso.acquisition import check_manifest, raw_path, read_history
 from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.force_loop import read_loop
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import CYCLES_RUN, Counting, DecisionRule, Finding, PushResult, push_test
 from scara_iso.run import Run
 from scara_iso.tables import converted, read_table

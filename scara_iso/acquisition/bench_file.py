@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -13,7 +14,6 @@ from scara_iso.acquisition.recorder import RobotLine, parse_gauges, parse_trigge
 from scara_iso.disk import write_file
 from scara_iso.errors import DataError, UsageError
 from scara_iso.files import read_toml
-from scara_iso.frozen import dataclass
 
 BENCH_FILE = "bench.toml"
 _HEAD = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 
 from scara_iso.acquisition.indicators import (
@@ -16,7 +17,6 @@ from scara_iso.acquisition.indicators import (
 )
 from scara_iso.acquisition.ports import Clock, Port, choose_clock, list_devices, open_port
 from scara_iso.errors import InstrumentError, UsageError
-from scara_iso.frozen import dataclass
 
 AUTO = "auto"
 """The driver of a gauge whose dialect is to be found."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from scara_iso.errors import CannotCreateError
-from scara_iso.frozen import dataclass
 
 SCHEMA = "scara-iso/manifest/1"
 _CHUNK = 1 << 18

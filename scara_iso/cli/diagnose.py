@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -29,7 +29,6 @@ from scara_iso.cli.output import (
     write_picture,
     write_report,
 )
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Counting
 from scara_iso.library import TableOptions
 

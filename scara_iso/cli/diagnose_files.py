@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scara_iso import render
 from scara_iso.cli.options import parse_limits
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 
 if TYPE_CHECKING:
     from scara_iso.run import Run

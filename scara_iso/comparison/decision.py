@@ -10,13 +10,13 @@ pairs share the level equally (Bonferroni).
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
 
 from scara_iso.comparison.dial import DialSpread, ratio_range
 from scara_iso.comparison.result import ContrastVerdict, Ends
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 LEVEL = 0.05

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 from statistics import NormalDist
 
 import numpy as np
 
 from scara_iso.comparison.spreads import spread
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import GAUSSIAN_RP, hidden, standard_deviation, two_divisions
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray

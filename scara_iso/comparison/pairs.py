@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,7 +20,6 @@ from scara_iso.comparison.matching import axes_in_common, poses_in_common, unlik
 from scara_iso.comparison.permutation import FigureColumns, mean_error, permute
 from scara_iso.comparison.result import Comparison, Contrast, Pair
 from scara_iso.errors import DataError, UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Analysis, Finding, PoseResult
 from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import Axis, FloatArray

@@ -10,11 +10,11 @@ of the two scatters differ (Janssen 1997 for means, Pauly 2011 for spreads).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.comparison.spreads import spread
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _BLOCK = 2_000_000  # readings permuted at a time

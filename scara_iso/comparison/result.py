@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.display import Plotted
 from scara_iso.frames import frame_of, or_nan
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Analysis, Characteristic, Finding
 
 if TYPE_CHECKING:

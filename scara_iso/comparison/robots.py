@@ -21,7 +21,7 @@ def exchangeability(
     _check(analyses)
     tests = [Measured(one.run, one.cycles, one.poses, one.block) for one in analyses]
     first, *others = tests
-    test = Measured(first.run, first.cycles, first.poses, first.block, tuple(others))
+    test = Measured(first.run, first.cycles, first.poses, first.block, robots=tuple(others))
     found = [
         one for compute in find_characteristics() for one in compute(test) if one.code == _CODE
     ]

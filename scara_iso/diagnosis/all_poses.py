@@ -6,11 +6,11 @@ What is common to the visits of a cycle then stays together whatever is done wit
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES
-from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +16,6 @@ from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import (
     AS_THE_TABLE_SAYS,
     Counting,

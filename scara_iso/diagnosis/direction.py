@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.diagnosis.tuning import FARTHEST_DEG
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 

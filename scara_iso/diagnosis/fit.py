@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,6 @@ from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
 from scara_iso.diagnosis.places import Located, Place, locate
 from scara_iso.diagnosis.tuning import TAKES_PART
 from scara_iso.effects import Form, Process, Shape, Spread
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _SWEEPS = 20

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from scara_iso.diagnosis.all_poses import PoseAxis
 from scara_iso.diagnosis.likelihood.evidence import shrunk
 from scara_iso.diagnosis.likelihood.hypothesis_set import extended
 from scara_iso.diagnosis.tuning import GAIN, MISFIT, PLACE_NAMED, PLACE_RIVAL, PLACES
-from scara_iso.frozen import dataclass
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray, IntArray
 

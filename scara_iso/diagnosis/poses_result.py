@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,6 @@ from scara_iso.diagnosis.result import Diagnosis, Error, Found
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.display import Plotted
 from scara_iso.frames import make_frame
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +20,6 @@ from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import NEIGHBOURS
 from scara_iso.effects import Chain, Effect, Shape, Spread
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray, Run
 
 _DUST = 1e-9

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,7 +40,6 @@ from scara_iso.diagnosis.unexplained.courses import courses_of
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import FloatArray, Run

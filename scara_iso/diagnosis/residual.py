@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,6 @@ from scara_iso.diagnosis.tuning import FEWEST_CYCLES, MOST_CYCLES
 from scara_iso.dial import seen_step
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, Run
 from scara_iso.transient_columns import is_transient
 

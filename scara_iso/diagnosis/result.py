@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.display import Plotted
 from scara_iso.frames import make_frame
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 if TYPE_CHECKING:

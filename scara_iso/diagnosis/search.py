@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -34,7 +34,6 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.effects import Chain, Form, Process, Shape, Spread
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 

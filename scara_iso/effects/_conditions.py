@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from types import MappingProxyType
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 CLOCK = "time_s"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from scara_iso.effects._parameter import Values
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 

@@ -12,13 +12,13 @@ from __future__ import annotations
 import ast
 import operator
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from scara_iso.effects._units import NUMBER, Unit, said_of, times
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 SIZE_NAME = "size"

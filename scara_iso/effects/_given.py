@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from scara_iso.effects._parameter import Grid
 from scara_iso.effects._units import Unit, unit_in
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 from scara_iso.toml_keys import KeyFaults, is_number, only
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.effects._parameter import Sizes
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 

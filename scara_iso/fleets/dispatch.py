@@ -17,11 +17,11 @@ from concurrent.futures import (
     Future,
     wait,
 )
+from dataclasses import dataclass
 from typing import TypeVar
 
 from scara_iso.errors import ServiceError
 from scara_iso.fleets.pieces import Share
-from scara_iso.frozen import dataclass
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

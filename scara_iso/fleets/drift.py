@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.fleets.database import Query
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)

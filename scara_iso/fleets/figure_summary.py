@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,7 +28,6 @@ from scara_iso.fleets.summary import (
 )
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
-from scara_iso.frozen import dataclass
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,7 +8,7 @@ other tables, and parts in other forms than Parquet, are read one by one as for 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -22,7 +22,6 @@ from scara_iso.fleets.parts import FleetTable, ReadAs, columns_of, tables_in
 from scara_iso.fleets.runs import FleetRun, Track, run_parts
 from scara_iso.fleets.sums import Summed, sum_up
 from scara_iso.fleets.work import FIGURES, PartResult, date_of, in_one_line, refused, result_of
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import AXES, Run
 

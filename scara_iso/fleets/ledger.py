@@ -9,12 +9,12 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from scara_iso.disk import SystemDisk, write_whole
 from scara_iso.errors import CannotCreateError, DataError, WriteError
-from scara_iso.frozen import dataclass
 
 SCHEMA = "scara-iso/fleet-manifest/4"
 NAME = "manifest.jsonl"

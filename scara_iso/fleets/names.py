@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from scara_iso.fleets.database import Query
-from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,6 @@ from scara_iso.fleets.decimal_marks import refuse_groups, settle_marks
 from scara_iso.fleets.pieces import WHOLE, Share
 from scara_iso.fleets.text_rows import text_rows
 from scara_iso.frames import make_frame
-from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES
 from scara_iso.quantities import parse_number
 from scara_iso.run import AXES, Run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,6 @@ from scara_iso.fleets.ledger import PartDone, PartLedger
 from scara_iso.fleets.parts import digest, parts_of
 from scara_iso.fleets.pieces import Piece, Share
 from scara_iso.fleets.work import PartResult, Task, examine, whole_part
-from scara_iso.frozen import dataclass
 
 RESULTS = "parts"
 

@@ -8,6 +8,7 @@ discovery rate, the share of false ones among those that are named, is held (Ben
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from scara_iso.display import Displayed
@@ -25,7 +26,6 @@ from scara_iso.fleets.names import (
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
-from scara_iso.frozen import dataclass
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,6 +8,7 @@ most, each once. In which order its rows stand does not matter then. The rest is
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,6 @@ from scara_iso.diagnosis import CyclesWanted
 from scara_iso.errors import ScaraIsoError
 from scara_iso.fleets.database import Query
 from scara_iso.fleets.parts import TableName
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import Dimension, Unit, parse_unit
 from scara_iso.run import AXES, FARTHEST, Axis, Run
 

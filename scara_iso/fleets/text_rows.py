@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
 from scara_iso.errors import DataError
 from scara_iso.files import open_file
-from scara_iso.frozen import dataclass
 from scara_iso.tables import decode_text
 
 DELIMITERS = (",", ";", "\t")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -12,7 +12,6 @@ from scara_iso.errors import ScaraIsoError, WriteError
 from scara_iso.fleets.database import Columns, as_parquet, joined_parquet, unnested
 from scara_iso.fleets.parts import FleetTable, ReadAs, digest, tables_in
 from scara_iso.fleets.pieces import Piece, Share
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import moment_of_test
 from scara_iso.run import Run
 

@@ -9,6 +9,7 @@ program: no clause states one.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from scara_iso.force_loop.loop import (
     transmitted,
     turns,
 )
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray
 

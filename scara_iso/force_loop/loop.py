@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 FEWEST_LOOPS = 2

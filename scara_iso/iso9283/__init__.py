@@ -60,6 +60,18 @@ if TYPE_CHECKING:
         visit_rows as visit_rows,
     )
     from scara_iso.iso9283.poses import make_plan as make_plan, planned_poses as planned_poses
+    from scara_iso.iso9283.published import (
+        BesidePoses as BesidePoses,
+        ConditionAnalysis as ConditionAnalysis,
+        FolderAnalysis as FolderAnalysis,
+        PublishedAnalysis as PublishedAnalysis,
+        PublishedCycles as PublishedCycles,
+        published_analysis as published_analysis,
+        published_characteristic as published_characteristic,
+        published_finding as published_finding,
+        published_limit as published_limit,
+        published_pose as published_pose,
+    )
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,

@@ -16,6 +16,7 @@ from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import AS_THE_TABLE_SAYS, Counting, Rows, UsedCycles, used_cycles
+from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.estimates import largest_calibration, reading_uncertainty, scatter_estimates
 from scara_iso.iso9283.figures import AxisResult, PoseResult, RadialResult, ThetaAngle
 from scara_iso.iso9283.limits import binding, check_limits
@@ -79,6 +80,8 @@ def analyze(
         poses=_pose_results(run, chosen, other_definitions=other_definitions),
         block=block,
     )
+    if block is not None:
+        measured = replace(measured, drift=tuple(drift_courses(run, measured.poses, block)))
     found = [one for compute in find_characteristics() for one in compute(measured)]
     measured = replace(measured, codes=frozenset(one.code for one in found))
     findings = tuple(finding for check in find_checks() for finding in check(measured))
@@ -91,6 +94,7 @@ def analyze(
         limits=binding(held),
         characteristics=held,
         block=block,
+        drift=measured.drift,
     )
 
 
@@ -144,20 +148,31 @@ def _axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
         AxisResult(
             name=axis.name,
             dimension=axis.dimension,
+            unit=axis.dimension.value,
             readings=readings[k],
+            n=readings.shape[1],
             mean=float(folded.mean[k, 0]),
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
             repeatability=RP[k],
+            RP=RP[k].value,
+            RP_interval=RP[k].interval,
             three_S=three_S[k],
+            three_sigma=three_S[k].value,
+            three_sigma_interval=three_S[k].interval,
             resolution=axis.resolution,
             uncertainty=uncertainty,
+            uncertainty_ratio=_ratio(uncertainty, RP[k].value),
             calibration=axis.uncertainty,
             accuracy=_accuracy(run, axis, chosen.poses[k], float(folded.mean[k, 0])),
             angle=_theta_angle(RP[k].value, three_S[k].value, radius),
         )
         for k in range(len(readings))
     ]
+
+
+def _ratio(uncertainty: float | None, RP: float) -> float | None:
+    return None if uncertainty is None or RP == 0 else uncertainty / RP
 
 
 def _accuracy(run: Run, axis: Axis, pose: str | None, mean: float) -> float | None:

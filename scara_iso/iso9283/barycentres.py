@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.dial import step_of
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283.estimates import FEWEST_FOR_INTERVAL
 from scara_iso.quantities import (
     Dimension,

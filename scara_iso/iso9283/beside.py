@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283.checks.parts_missing import not_recorded
 from scara_iso.iso9283.conformity import Conformity
 from scara_iso.iso9283.pushed_joint import PushResult

@@ -7,13 +7,13 @@ arrival happens to rest does not count. The standard (clause 6.9) knows 30 cycle
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError, Fault, UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283.repeats import REPEATED_BY_CHANCE, repeats_in
 from scara_iso.run import IntArray, Run
 

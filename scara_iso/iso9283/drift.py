@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283.barycentres import largest_distance
 from scara_iso.iso9283.blocks import visits_of_blocks
-from scara_iso.iso9283.figures import Interval, PoseResult
+from scara_iso.iso9283.figures import PoseResult
+from scara_iso.published import Interval
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
@@ -29,6 +30,7 @@ class DriftCourse:
     """One pose of a drift test; ``visits`` are the places of each block's rows in the pose's."""
 
     pose: PoseResult
+    """Its readings."""
     visits: Sequence[IntArray]
     hours: FloatArray | None
     """Mean time of each block since the first row of the test, shape (blocks,)."""
@@ -49,7 +51,9 @@ class DriftFit:
     """Block means of all lengths as limit + (start - limit) exp(-t / time constant)."""
 
     axes: tuple[str, ...]
+    """Those that are lengths."""
     time_constant_h: float
+    """Of all axes together."""
     interval_h: tuple[float, float | None]
     """95 %; None where no block of the test bounds it."""
     hours: FloatArray

@@ -6,13 +6,11 @@ Lengths are in mm; theta is in degrees where it was given as an angle.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from scara_iso.frozen import dataclass
+from scara_iso.published import Count, Interval, Size, Unit
 from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import FloatArray, IntArray
-
-Interval = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,85 +29,69 @@ class Definition:
 class ThetaAngle:
     """A theta read as a length, turned into an angle by the radius of the contact."""
 
-    radius_mm: float
+    radius_mm: Size
     """From the axis of theta to the contact [mm]."""
-    RP_deg: float
+    RP_deg: Size
     """Eq. 2-6 on the angles."""
-    three_sigma_deg: float
+    three_sigma_deg: Size
     """ISO 9283 7.2.2: RP_a = +/- 3 S_a."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class AxisResult:
-    """One indicator axis at one pose; see paper eq. 2-6 for the symbols."""
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class AxisFigures:
+    """What is published of one indicator axis at one pose; see paper eq. 2-6 for the symbols."""
+
+    unit: Unit
+    """Of every figure here."""
+    n: Count
+    """Number of cycles that count."""
+    mean: float
+    """Barycentre: mean of the readings, eq. 2, in `unit`."""
+    l_bar: Size
+    """Mean distance of the readings from their mean, eq. 3 to 4, in `unit`."""
+    S_l: Size
+    """Standard deviation of these distances with n - 1, eq. 5, in `unit`."""
+    RP: Size
+    """l_bar + 3 S_l, eq. 6, in `unit`."""
+    RP_interval: Interval | None
+    """95 %: chance, dial and calibration; None for fewer than five cycles, or where one reading
+    carries the figure."""
+    three_sigma: Size
+    """Three sample standard deviations, in `unit`; ISO 9283's RP_a for an angle."""
+    three_sigma_interval: Interval | None
+    """95 %, as of RP."""
+    resolution: Size | None
+    """Smallest step of the dial, in `unit`; None where not stated."""
+    uncertainty: Size | None
+    """Standard uncertainty of one reading, in `unit`: resolution and indicator combined (GUM
+    5.1.2)."""
+    uncertainty_ratio: Size | None
+    """Uncertainty over RP; None where either is missing or RP is 0."""
+    accuracy: float | None
+    """AP: mean minus command pose, ISO 9283 7.2.1, in `unit`; None where no command pose is stated,
+    or the dial's zero is not referred to it."""
+    angle: ThetaAngle | None = None
+    """Theta, read as a length, as an angle; not without ``theta_radius_mm``."""
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class AxisResult(AxisFigures):
+    """One indicator axis at one pose, with what its figures are made of."""
 
     name: str
     """``X``, ``Y``, ``Z`` or ``theta``."""
     dimension: Dimension
-    """Length or angle; it says the `unit` of all that follows."""
+    """Length or angle."""
     readings: FloatArray = field(repr=False)
     """The readings that count, shape (n,), in `unit`."""
-    mean: float
-    """Barycentre: mean of the readings, in `unit`."""
-    l_bar: float
-    """Mean distance of the readings from their mean, eq. 4, in `unit`."""
-    S_l: float
-    """Standard deviation of these distances with n - 1, eq. 5, in `unit`."""
     repeatability: Estimate
-    """l_bar + 3 S_l, eq. 6."""
+    """RP with its uncertainty."""
     three_S: Estimate  # noqa: N815 - the standard's symbol
-    """Three sample standard deviations; ISO 9283's RP_a for an angle."""
-    resolution: float | None
-    """Smallest step of the dial, in `unit`; None where not stated."""
-    uncertainty: float | None
-    """Standard uncertainty of one reading: resolution and indicator combined (GUM 5.1.2)."""
+    """Likewise three sample standard deviations."""
     calibration: float | None
     """Standard uncertainty of the indicator, as its certificate states it."""
-    accuracy: float | None = None
-    """Mean minus command pose, ISO 9283 7.2.1; None where no command pose is stated, or the dial's
-    zero is not referred to it."""
-    angle: ThetaAngle | None = None
-    """Theta as an angle; None without ``theta_radius_mm``."""
     definitions: tuple[Definition, ...] = ()
     """Other definitions of repeatability, where they were asked for."""
-
-    @property
-    def RP(self) -> float:  # noqa: N802 - the standard's symbol
-        """Value of `repeatability`."""
-        return self.repeatability.value
-
-    @property
-    def RP_interval(self) -> Interval | None:  # noqa: N802
-        """95 %: chance, dial and calibration.
-
-        None for fewer than five cycles, or where one reading carries the figure.
-        """
-        return self.repeatability.interval
-
-    @property
-    def three_sigma(self) -> float:
-        """Value of `three_S`."""
-        return self.three_S.value
-
-    @property
-    def three_sigma_interval(self) -> Interval | None:
-        """Likewise, of `three_S`."""
-        return self.three_S.interval
-
-    @property
-    def n(self) -> int:
-        """Number of cycles that count."""
-        return len(self.readings)
-
-    @property
-    def unit(self) -> str:
-        """Unit of every figure here: ``mm`` or ``deg``."""
-        return self.dimension.value
-
-    @property
-    def uncertainty_ratio(self) -> float | None:
-        """Uncertainty over RP; None where either is missing or RP is 0."""
-        return None if self.uncertainty is None or self.RP == 0 else self.uncertainty / self.RP
 
     @property
     def expanded_ratio(self) -> float | None:

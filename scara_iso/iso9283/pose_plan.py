@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
 from scara_iso.display import Plotted
 from scara_iso.errors import UsageError
 from scara_iso.frames import frame_of
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283.by_name import Poses
 from scara_iso.robot import Arm, Elbow, Rated
 from scara_iso.run import FloatArray

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,6 @@ from scara_iso.display import Displayed
 from scara_iso.errors import UsageError
 from scara_iso.force_loop import ForceLoop, LoopFit, fit_loop
 from scara_iso.frames import frame_of, or_nan
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule, Limit
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from scara_iso.frozen import dataclass
 
 if TYPE_CHECKING:
     from scara_iso.run import Run

@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.display import Displayed
 from scara_iso.frames import frame_of, or_nan
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
-from scara_iso.iso9283.figures import AxisResult, Interval, PoseResult, RadialResult
+from scara_iso.iso9283.drift import DriftCourse
+from scara_iso.iso9283.figures import AxisResult, PoseResult, RadialResult
+from scara_iso.published import Interval
 from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import IntArray, Run
 
@@ -52,6 +53,8 @@ class Measured:
     poses: Poses[PoseResult]
     block: IntArray | None = field(default=None, repr=False, compare=False)
     """Of a drift test (7.6): the block of each row, from 0, shape (rows,); None for another."""
+    drift: tuple[DriftCourse, ...] | None = field(default=None, repr=False, compare=False)
+    """Likewise: the course of each pose."""
     robots: tuple[Measured, ...] = ()
     """The same program on other robots."""
     codes: frozenset[str] = frozenset()
@@ -198,6 +201,8 @@ class Analysis(Displayed):
     """Every figure of the test, by clause."""
     block: IntArray | None = field(default=None, repr=False, compare=False)
     """Of a drift test, as in `Measured`."""
+    drift: tuple[DriftCourse, ...] | None = field(default=None, repr=False, compare=False)
+    """Of a drift test: the course of each pose by block; None for another."""
 
     def __repr__(self) -> str:
         of_it = self.run.origin.source or "a run"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from scara_iso.frozen import dataclass
+from dataclasses import dataclass
+
 from scara_iso.iso9283.characteristics import find_clauses, needs
 from scara_iso.iso9283.results import Analysis
 

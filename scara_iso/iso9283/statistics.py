@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Protocol
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray
 

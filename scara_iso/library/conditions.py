@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scara_iso import iso9283
 from scara_iso.errors import NoInputError, UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import AS_THE_TABLE_SAYS, Analysis, Beside, Counting
 from scara_iso.library.beside import files_of, read_beside, tables_beside
 from scara_iso.run import Run

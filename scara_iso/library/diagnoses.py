@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.display import Displayed
 from scara_iso.frames import frame_of
-from scara_iso.frozen import dataclass
 from scara_iso.reporting import Failure
 
 if TYPE_CHECKING:

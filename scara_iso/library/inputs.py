@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, Unpack
 
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.frames import FRAME, is_frame
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.library.conditions import ConditionRun, read_condition
 from scara_iso.run import Run

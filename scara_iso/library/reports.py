@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -16,7 +16,6 @@ from scara_iso.diagnosis import (
 from scara_iso.disk import write_file
 from scara_iso.display import Displayed
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Analysis, Beside, DecisionRule
 from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest

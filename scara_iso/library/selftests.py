@@ -5,13 +5,13 @@ from __future__ import annotations
 import platform
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
-from scara_iso.frozen import dataclass
 from scara_iso.library.killed import recorder_checks
 from scara_iso.library.pages import check_page, write_page
 from scara_iso.reporting import validation_document

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.measurement_system.pivots import between
 from scara_iso.measurement_system.readings import Interval
 from scara_iso.quantities import rounding_uncertainty

@@ -7,7 +7,8 @@ whole 95 % interval is on its side, and neither proven nor refuted where the lim
 
 from __future__ import annotations
 
-from scara_iso.frozen import dataclass
+from dataclasses import dataclass
+
 from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.measurement_system.readings import Interval
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.measurement_system.budget import Budget, budget, stated_parts
 from scara_iso.measurement_system.pivots import between, drawn_variance
 from scara_iso.measurement_system.ranges import (

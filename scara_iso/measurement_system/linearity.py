@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.measurement_system.budget import Budget, budget, rectangular, stated_parts
 from scara_iso.measurement_system.pivots import CONFIDENCE, drawn_variance, p_of_t
 from scara_iso.measurement_system.readings import GaugeReadings, Interval

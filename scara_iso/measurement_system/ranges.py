@@ -7,11 +7,11 @@ d2*, takes its place (Duncan 1974, appendix D3). AIAG takes d2 for more than 15 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _MANY = 15

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.measurement_system.pivots import p_of_t
 from scara_iso.measurement_system.readings import GaugeReadings, numbered
 from scara_iso.run import FloatArray, IntArray

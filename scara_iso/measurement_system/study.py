@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -10,7 +11,6 @@ import numpy as np
 
 from scara_iso.display import Plotted
 from scara_iso.frames import frame_of
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.measurement_system.budget import Budget
 from scara_iso.measurement_system.criteria import Criterion, worst

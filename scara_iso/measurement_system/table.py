@@ -7,13 +7,12 @@ A recording is such a table: its poses are the parts, and what its head states o
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 import numpy as np
 
 from scara_iso.errors import DataError, Fault, UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.measurement_system.readings import GaugeReadings
 from scara_iso.quantities import Unit
 from scara_iso.run import AXES, FloatArray

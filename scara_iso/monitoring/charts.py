@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 LAMBDA, WIDTH = 0.2, 2.86

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
 from scara_iso.errors import DataError, Fault
 from scara_iso.files import read_file
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import parse_moment
 from scara_iso.monitoring.days import is_plausible
 

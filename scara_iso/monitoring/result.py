@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.comparison import Comparison
 from scara_iso.display import Displayed
 from scara_iso.frames import frame_of, or_nan
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Analysis, Conformity
 from scara_iso.monitoring.charts import Cusum, Ewma, Individuals
 from scara_iso.monitoring.events import ServiceEvent

@@ -10,10 +10,10 @@ of them widens every interval. How often they hold: benchmarks/history.py.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _GROWTH = np.concatenate([np.linspace(-0.95, 3, 159), np.linspace(3.1, 20, 170)])

@@ -9,33 +9,19 @@ from enum import Enum
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+from scara_iso.iso9283 import published_analysis, published_characteristic, published_finding
+from scara_iso.published import Json, to_json
+
 if TYPE_CHECKING:
     from scara_iso.comparison import Comparison, Contrast
     from scara_iso.diagnosis import SeparatingPlan
-    from scara_iso.iso9283 import (
-        Analysis,
-        AxisResult,
-        Characteristic,
-        DriftCourse,
-        LimitCheck,
-        PosePlan,
-        PoseResult,
-    )
+    from scara_iso.iso9283 import Analysis, PosePlan
     from scara_iso.reporting import Page
     from scara_iso.run import Run
 
-Json = dict[str, Any]
 _HALF = re.compile("[\ud800-\udfff]")
 """Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
-FINDING = "code severity axis pose message=said"
-LIMIT = (
-    "figure pose RP interval limit verdict rule=decision interval_void cycles_wanted guard "
-    "inside clear"
-)
 APART = "angle_deg observability_index smallest_angle_deg between uncertainty"
-_RADIAL = (
-    "RP_radial=RP RP_radial_interval=RP_interval l_bar S_l uncertainty uncertainty_ratio accuracy"
-)
 
 
 def to_text(document: Mapping[str, Any]) -> str:
@@ -75,98 +61,8 @@ def each(found: Iterable[object], keys: str) -> list[Json]:
 
 def analysis_json(analysis: Analysis) -> Json:
     """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/2``."""
-    return {
-        "schema": "scara-iso/analyze/2",
-        "unit": "mm",
-        **_source(analysis.run),
-        "notes": list(analysis.run.origin.notes),
-        "metadata": dict(analysis.run.metadata),
-        "cycles": picked(analysis.cycles, "read discarded used"),
-        "poses": [pose_json(pose) for pose in analysis.poses],
-        "characteristics": [characteristic_json(one) for one in analysis.characteristics],
-        **_drift(analysis),
-        "limits": limits_json(analysis.limits),
-        "conformity": plain(analysis.conformity),
-        "deviations": each(analysis.deviations, "rule code message=said"),
-        "findings": each(analysis.findings, FINDING),
-    }
-
-
-def _source(run: Run) -> Json:
-    return picked(run, "source=origin.source read_as=origin.understood")
-
-
-def _drift(analysis: Analysis) -> Json:
-    """Return the course of each pose of a drift test; nothing of another test."""
-    from scara_iso.iso9283 import drift_courses  # noqa: PLC0415 - scipy, for drift tests only
-
-    if analysis.block is None:
-        return {}
-    courses = drift_courses(analysis.run, analysis.poses, analysis.block)
-    return {"drift": [_course(course) for course in courses]}
-
-
-def _course(course: DriftCourse) -> Json:
-    fit = course.fit
-    return {
-        "pose": course.pose.label,
-        "visits": [len(visits) for visits in course.visits],
-        "time_h": None if course.hours is None else course.hours.tolist(),
-        "mean": {name: means.tolist() for name, means in course.means.items()},
-        "fit": None
-        if fit is None
-        else {
-            "time_constant_h": fit.time_constant_h,
-            "time_constant_interval_h": fit.interval_h,
-            "steady": fit.is_steady,
-            "fitted": {name: values.tolist() for name, values in fit.fitted.items()},
-        },
-    }
-
-
-def pose_json(pose: PoseResult) -> Json:
-    """Return the figures of a pose."""
-    found: Json = {
-        "pose": pose.label,
-        "axes": {name: _axis(axis) for name, axis in pose.axes.items()},
-    }
-    if pose.XY is not None:
-        found["XY"] = picked(pose.XY, f"RP_rss RP_rss_interval {_RADIAL}")
-    if pose.XYZ is not None:
-        found["XYZ"] = picked(pose.XYZ, _RADIAL)
+    found: Json = to_json(published_analysis(analysis))
     return found
-
-
-def _axis(axis: AxisResult) -> Json:
-    found = picked(
-        axis,
-        "unit n mean l_bar S_l RP RP_interval three_sigma three_sigma_interval resolution "
-        "uncertainty uncertainty_ratio accuracy",
-    )
-    if axis.angle is not None:
-        found["angle"] = picked(axis.angle, "radius_mm RP_deg three_sigma_deg")
-    if axis.definitions:
-        found["definitions"] = {d.name: d.value for d in axis.definitions}
-    return found
-
-
-def characteristic_json(found: Characteristic) -> Json:
-    """Return a characteristic's object."""
-    return {
-        **picked(found, "code clause=estimate.clause pose of"),
-        **picked(found.estimate, "value unit u parts interval n"),
-        "limit": found.limit
-        and picked(found.limit, "limit verdict rule=decision") | _lower(found.limit),
-    }
-
-
-def limits_json(checks: Iterable[LimitCheck]) -> list[Json]:
-    """Return the objects of limits; ``lower`` where the smallest value is limited too."""
-    return [picked(check, LIMIT) | _lower(check) for check in checks]
-
-
-def _lower(check: LimitCheck) -> Json:
-    return {} if check.lower is None else {"lower": check.lower}
 
 
 def run_json(run: Run, *, seed: int) -> Json:
@@ -208,7 +104,7 @@ def separating_json(plan: SeparatingPlan) -> Json:
 
 def comparison_json(comparison: Comparison) -> Json:
     """Return the JSON object of ``compare``, schema ``scara-iso/compare/1``."""
-    found = [characteristic_json(one) for one in comparison.characteristics]
+    found = [to_json(published_characteristic(one)) for one in comparison.characteristics]
     return {
         "schema": "scara-iso/compare/1",
         "unit": "mm",
@@ -223,7 +119,7 @@ def comparison_json(comparison: Comparison) -> Json:
                 "after": _compared(pair.after),
                 "spreads": [_contrast(one) for one in pair.spreads],
                 "means": [_contrast(one) for one in pair.means],
-                "findings": each(pair.findings, FINDING),
+                "findings": [to_json(published_finding(one)) for one in pair.findings],
             }
             for pair in comparison.pairs
         ],
@@ -233,7 +129,10 @@ def comparison_json(comparison: Comparison) -> Json:
 
 def _compared(analysis: Analysis) -> Json:
     cycles = picked(analysis.cycles, "read used")
-    return {**_source(analysis.run), **picked(analysis.run, "metadata"), "cycles": cycles}
+    return {
+        **picked(analysis.run, "source=origin.source read_as=origin.understood metadata"),
+        "cycles": cycles,
+    }
 
 
 def _contrast(one: Contrast) -> Json:

@@ -6,7 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from scara_iso.render.json import APART, Json, each, picked, plain, pose_json
+from scara_iso.iso9283 import published_pose
+from scara_iso.published import Json, to_json
+from scara_iso.render.json import APART, each, picked, plain
 from scara_iso.render.json_joint_scatter import followed_json, joint_scatter_json
 
 if TYPE_CHECKING:
@@ -230,6 +232,6 @@ def backlash_json(
         **picked(result.as_given, _CROSSING),
         **picked(result, "arm_m free_play_mm"),
         "reflected": reflected,
-        **({} if actual is None else {"actual": pose_json(actual)}),
+        **({} if actual is None else {"actual": to_json(published_pose(actual))}),
         **(sweep or {}),
     }

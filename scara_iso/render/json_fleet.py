@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from scara_iso.render.json import Json, each, picked
+from scara_iso.published import Json
+from scara_iso.render.json import each, picked
 
 if TYPE_CHECKING:
     from scara_iso.fleets import FleetDrift, FleetFigures, FleetSummary

@@ -16,7 +16,8 @@ from scara_iso.monitoring import (
     date_on,
     moment_said,
 )
-from scara_iso.render.json import Json, comparison_json, picked
+from scara_iso.published import Json
+from scara_iso.render.json import comparison_json, picked
 
 
 def history_json(found: RobotHistory) -> Json:

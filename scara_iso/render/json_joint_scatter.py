@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from scara_iso.render.json import Json, picked
+from scara_iso.published import Json
+from scara_iso.render.json import picked
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import FollowedInJoints, JointScatter, PoseLeftOut, ReachMap

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from scara_iso.render.json import Json, characteristic_json, limits_json, picked, plain
+from scara_iso.iso9283 import published_characteristic, published_limit
+from scara_iso.published import Json, to_json
+from scara_iso.render.json import picked, plain
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import PushResult
@@ -26,8 +28,8 @@ def push_json(found: PushResult) -> Json:
         "misfit_mm": fit.misfit,
         "joint": _figures(found, "joint"),
         "reading": _figures(found, "reading"),
-        "characteristics": [characteristic_json(one) for one in found.characteristics],
-        "limits": limits_json(found.limits),
+        "characteristics": to_json(tuple(map(published_characteristic, found.characteristics))),
+        "limits": to_json(tuple(map(published_limit, found.limits))),
         "conformity": plain(found.conformity),
     }
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from scara_iso.render.json import Json, characteristic_json
+from scara_iso.iso9283 import published_characteristic
+from scara_iso.published import Json, to_json
 
 if TYPE_CHECKING:
     from scara_iso.streams import StreamVisits
@@ -31,5 +32,5 @@ def visits_json(found: StreamVisits) -> Json:
         ],
         "doubts": [asdict(doubt) for doubt in found.doubts],
         "notes": list(found.notes),
-        "characteristics": [characteristic_json(one) for one in found.characteristics],
+        "characteristics": to_json(tuple(map(published_characteristic, found.characteristics))),
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from scara_iso.render.json import Json
+from scara_iso.published import Json
 
 if TYPE_CHECKING:
     from scara_iso.run import Run

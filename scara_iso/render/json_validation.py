@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from scara_iso.render.json import Json, each, picked
+from scara_iso.published import Json
+from scara_iso.render.json import each, picked
 from scara_iso.validation import ReferenceCheck, Validation
 
 

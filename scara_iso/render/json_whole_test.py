@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Protocol
 
 from scara_iso.acceptance import (
@@ -13,15 +14,21 @@ from scara_iso.acceptance import (
     seconds_a_cycle,
     seconds_left,
 )
-from scara_iso.iso9283 import Analysis, Beside, Finding
-from scara_iso.render.json import (
-    FINDING,
-    analysis_json,
-    characteristic_json,
-    each,
-    limits_json,
-    plain,
+from scara_iso.iso9283 import (
+    Analysis,
+    Beside,
+    BesidePoses,
+    ConditionAnalysis,
+    Finding,
+    FolderAnalysis,
+    PublishedAnalysis,
+    PublishedCycles,
+    published_analysis,
+    published_characteristic,
+    published_finding,
+    published_limit,
 )
+from scara_iso.published import publish, to_json
 
 
 class OfCondition(Protocol):
@@ -49,54 +56,55 @@ def conditions_json(
     """
     if len(conditions) == 1 and analyses[0] is not None:
         analyses = [beside.added_to(analyses[0])]
-    documents = [
-        {**_analysed(source, one, analysis), "missing": list(one.missing)}
+    found = [
+        replace(_analysed(source, one, analysis), missing=tuple(one.missing))
         for one, analysis in zip(conditions, analyses, strict=True)
     ]
-    if len(documents) == 1:
+    if len(found) == 1:
         alone = beside_json(beside) if analyses[0] is None else {}
-        missing = [*documents[0]["missing"], *beside.missing]
-        return {**documents[0], **alone, "missing": missing}
-    shared = ("schema", "unit", "source")
-    return {
-        **{key: documents[0][key] for key in shared},
-        "conditions": [
-            {"velocity": one.condition.velocity, "load": one.condition.load,
-             **{key: value for key, value in document.items() if key not in shared}}
-            for one, document in zip(conditions, documents, strict=True)
-        ],
-        **beside_json(beside),
-    }  # fmt: skip
+        missing = [*conditions[0].missing, *beside.missing]
+        return {**to_json(found[0]), **alone, "missing": missing}
+    each = tuple(
+        publish(ConditionAnalysis, document, velocity=at.velocity, load=at.load)
+        for at, document in zip((one.condition for one in conditions), found, strict=True)
+    )
+    return {**to_json(publish(FolderAnalysis, found[0], conditions=each)), **beside_json(beside)}
 
 
 def beside_json(beside: Beside) -> dict[str, Any]:
     """Return the figures and findings of the tests beside the poses; nothing without any."""
     if not beside:
         return {}
-    return {
-        "characteristics": [characteristic_json(one) for one in beside.characteristics],
-        "limits": limits_json(beside.limits),
-        "conformity": plain(beside.conformity),
-        "findings": each(beside.findings(), FINDING),
-        "missing": list(beside.missing),
-    }
+    found = BesidePoses(
+        characteristics=tuple(map(published_characteristic, beside.characteristics)),
+        limits=tuple(map(published_limit, beside.limits)),
+        conformity=beside.conformity,
+        findings=tuple(map(published_finding, beside.findings())),
+        missing=beside.missing,
+    )
+    document: dict[str, Any] = to_json(found)
+    return document
 
 
-def _analysed(source: str, one: OfCondition, analysis: Analysis | None) -> dict[str, Any]:
+def _analysed(source: str, one: OfCondition, analysis: Analysis | None) -> PublishedAnalysis:
     if analysis is not None:
-        return analysis_json(analysis)
-    return {
-        "schema": "scara-iso/analyze/2",
-        "unit": "mm",
-        "source": source,
-        "read_as": f"no part of the test, {one.condition}",
-        "notes": [],
-        "metadata": {},
-        "cycles": {"read": 0, "discarded": [], "used": 0},
-        **dict.fromkeys(("poses", "characteristics", "limits", "deviations"), ()),
-        "conformity": None,
-        "findings": each([Finding("parts-missing", "warning", "no part is recorded")], FINDING),
-    }
+        return published_analysis(analysis)
+    missing = Finding("parts-missing", "warning", "no part is recorded")
+    return PublishedAnalysis(
+        schema="scara-iso/analyze/2",
+        unit="mm",
+        source=source,
+        read_as=f"no part of the test, {one.condition}",
+        notes=(),
+        metadata={},
+        cycles=PublishedCycles(read=0, discarded=(), used=0),
+        poses=(),
+        characteristics=(),
+        limits=(),
+        conformity=None,
+        deviations=(),
+        findings=(published_finding(missing),),
+    )
 
 
 def status_json(folder: Folder) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from rich.console import Console, Group, RenderableType
@@ -10,7 +11,6 @@ from rich.live import Live
 from rich.padding import Padding
 from rich.text import Text
 
-from scara_iso.frozen import dataclass
 from scara_iso.render.large_digits import large
 from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import encodes

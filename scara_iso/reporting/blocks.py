@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Severity
 from scara_iso.run import FloatArray, IntArray
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.dial import joined_axis
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import (
     Analysis,
     Characteristic,

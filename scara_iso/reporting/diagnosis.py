@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from scara_iso.diagnosis import (
     SECOND,
@@ -13,7 +14,6 @@ from scara_iso.diagnosis import (
     Rival,
     Verdict,
 )
-from scara_iso.frozen import dataclass
 from scara_iso.reporting.blocks import (
     Block,
     Cell,

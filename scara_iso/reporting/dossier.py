@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Analysis, Beside, not_measured
 from scara_iso.measurement_system import GaugeStudy
 from scara_iso.reporting.analysis import findings

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from scara_iso.iso9283 import Analysis, Characteristic, DriftCourse, drift_courses
+from scara_iso.iso9283 import Analysis, Characteristic, DriftCourse
 from scara_iso.reporting.blocks import (
     Block,
     Figure,
@@ -24,14 +24,14 @@ _WHOLE = ("XYZ", "XY")
 
 def drift_verdict(analysis: Analysis) -> Iterator[Text]:
     """Yield how far each pose of a drift test moves, and when it is steady."""
-    for course in _courses(analysis):
+    for course in analysis.drift or ():
         yield Text(", ".join(_moved(analysis, course)), "strong")
         yield Text(_steady(course))
 
 
 def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
     """Yield the same in lines that give up their second figure where room is short."""
-    for course in _courses(analysis):
+    for course in analysis.drift or ():
         yield Headline(tuple(_moved(analysis, course)))
         steady, _, constant = _steady(course).partition(": ")
         yield Headline((steady, *filter(None, [constant])), "plain")
@@ -47,7 +47,7 @@ def _moved(analysis: Analysis, course: DriftCourse) -> list[str]:
 
 def drift_sections(analysis: Analysis) -> Iterator[Section]:
     """Yield for each pose the course as strips, and block by block."""
-    for course in _courses(analysis):
+    for course in analysis.drift or ():
         label = course.pose.label or ""
         name = f"pose {label}: " if label else ""
         strips = tuple(_strips(course))
@@ -56,16 +56,10 @@ def drift_sections(analysis: Analysis) -> Iterator[Section]:
 
 def drift_pictures(analysis: Analysis) -> Iterator[Section]:
     """Yield for each pose the picture of its course, and the table of its blocks."""
-    for course in _courses(analysis):
+    for course in analysis.drift or ():
         label = course.pose.label
         blocks: list[Block] = [Text(_steady(course)), *_picture(course), _table(course)]
         yield Section("Drift" if label is None else f"Drift at pose {label}", tuple(blocks))
-
-
-def _courses(analysis: Analysis) -> Sequence[DriftCourse]:
-    if analysis.block is None:
-        return ()
-    return drift_courses(analysis.run, analysis.poses, analysis.block)
 
 
 def largest_of(found: Sequence[Characteristic], code: str) -> Characteristic | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
 from inspect import cleandoc
 from itertools import groupby
@@ -12,7 +13,6 @@ from scara_iso import effects
 from scara_iso.comparison import PAGES
 from scara_iso.effects import Effect, GearEffect, OwnEffect
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks, in_brief
 from scara_iso.plugins import find_modules
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Analysis, Finding
 from scara_iso.reporting.analysis import cycles_said, force_loop, is_force_loop
 from scara_iso.reporting.blocks import Block, Signature, Text

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from scara_iso.acquisition import DeviceNotice, Dialect, Event, Garbage, InstrumentFault, Reading
-from scara_iso.frozen import dataclass
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
-from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin
 from scara_iso.reporting.blocks import Block, Facts, Text
 

@@ -6,9 +6,8 @@ It is made from `Analysis.characteristics` alone, so that a new characteristic n
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck
 from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Result, Table
 from scara_iso.reporting.digits import U_of_scatter, places, places_that_decide

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Analysis, AxisResult, RadialResult
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.reporting.blocks import Block, Cell, Number, Table, Text

@@ -9,13 +9,13 @@ joint 4. Arrays hold poses along their leading dimensions.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 JOINTS = ("joint 1", "joint 2", "joint 3", "joint 4")

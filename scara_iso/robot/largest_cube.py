@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.robot.workspace import Workspace
 from scara_iso.run import FloatArray
 

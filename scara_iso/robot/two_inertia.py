@@ -9,12 +9,12 @@ crossing the gap moves each side about it in inverse proportion to its inertia (
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from scara_iso.display import Displayed
 from scara_iso.errors import UsageError
 from scara_iso.frames import frame_of, or_nan
-from scara_iso.frozen import dataclass
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.run import FloatArray
 

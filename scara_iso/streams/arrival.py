@@ -8,9 +8,10 @@ trade.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _NEAR_TOP = 0.9  # a swing differs there from a parabola by less than 0.1 % of it

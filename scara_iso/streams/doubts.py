@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 from scara_iso.streams.arrival import middle
 from scara_iso.streams.rests import Motion, Rest, find_rests

@@ -12,12 +12,12 @@ halving or doubling the threshold, and the other stretches, are for the caller t
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 FEWEST_IN_WINDOW = 5

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from scara_iso.display import Displayed
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import Characteristic
 from scara_iso.run import Run
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.errors import DataError, UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import arrival_characteristics
 from scara_iso.quantities import Dimension
 from scara_iso.run import FloatArray, Run

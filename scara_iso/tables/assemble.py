@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.condition_columns import UNITS, unit_of_condition
-from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
 from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run

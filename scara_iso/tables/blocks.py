@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from scara_iso.frozen import dataclass
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.layout import names_an_axis
 from scara_iso.tables.numbers import BLANKS, parse_cell

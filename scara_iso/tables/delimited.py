@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, Run
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Cell, Columns

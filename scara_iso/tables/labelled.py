@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
-from scara_iso.frozen import dataclass
 from scara_iso.tables.blocks import Line
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import Kind, read_name

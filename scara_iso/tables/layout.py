@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from scara_iso.condition_columns import UNITS, unit_of_condition
-from scara_iso.frozen import dataclass
 from scara_iso.tables.names import (
     COVARIATES,
     LONGEST_NAME,

@@ -7,9 +7,9 @@ import io
 import math
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
-from scara_iso.frozen import dataclass
 from scara_iso.tables.numbers import Mark, parse_cell
 
 FORMULA = "=+-@\uff1d\uff0b\uff0d\uff20"

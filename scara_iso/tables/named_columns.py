@@ -6,11 +6,10 @@ import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, listed, quoted, refuse

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
 from functools import lru_cache
@@ -17,7 +17,6 @@ from scara_iso.condition_columns import (
     unit_in_heading,
     unit_of_condition,
 )
-from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import POSE_NAMES, read_direction
 from scara_iso.quantities import Unit, find_unit
 from scara_iso.tables.locale import FORMULA

@@ -9,13 +9,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.dial import joined_axis
 from scara_iso.errors import DataError, Fault
-from scara_iso.frozen import dataclass
 from scara_iso.origin import Origin
 from scara_iso.pose_columns import Commanded
 from scara_iso.run import Axis, FloatArray, Run

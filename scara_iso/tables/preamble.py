@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeVar
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import AXES
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.footers import names_a_footer

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Container, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 
-from scara_iso.frozen import dataclass
 from scara_iso.pose_columns import Commanded
 from scara_iso.quantities import Dimension, Unit, parse_unit
 from scara_iso.run import AXES

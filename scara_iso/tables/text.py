@@ -7,9 +7,9 @@ import csv
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from enum import Enum
 
-from scara_iso.frozen import dataclass
 from scara_iso.tables.faults import Faults, refuse
 from scara_iso.tables.numbers import BLANKS
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from scara_iso.display import Displayed
-from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ import contextlib
 import time
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterable
+from dataclasses import dataclass
 from threading import Thread
 from typing import Any, Protocol, TypeVar
 
@@ -18,7 +19,6 @@ from scara_iso.acquisition.indicators import LinePulse
 from scara_iso.acquisition.ports.address import bluetooth_address
 from scara_iso.acquisition.ports.transfers import Transfers
 from scara_iso.errors import InstrumentError, UsageError, with_extra
-from scara_iso.frozen import dataclass
 
 CONNECT_S = 30.0
 _CLOSE_S = 5.0

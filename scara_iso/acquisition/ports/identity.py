@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from serial.tools.list_ports import comports
 
 from scara_iso.acquisition.ports.address import is_bluetooth, is_url
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from scara_iso.acquisition.indicators import DeviceNotice, Garbage, InstrumentFault, Reading
 from scara_iso.acquisition.ports import Clock
@@ -11,7 +12,6 @@ from scara_iso.acquisition.recorder.events import Noticed, Problem, ProblemKind,
 from scara_iso.acquisition.recorder.gauge import Gauge, no_unit
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.shown import DisplayChangedError
-from scara_iso.frozen import dataclass
 
 SETTLING_S = 10.0
 """Longest time that a value may take to settle, under the rule of equal readings [s]."""

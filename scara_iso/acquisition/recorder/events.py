@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields
 from typing import Literal, Protocol, TypeAlias
-
-from scara_iso.frozen import dataclass
 
 ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed"]
 """Why there is no reading."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
 
 from scara_iso.acquisition.indicators import (
     Decoder,
@@ -18,7 +19,6 @@ from scara_iso.acquisition.ports import Clock, Port
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.shown import DisplayChangedError, Shown
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import parse_unit
 
 _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")

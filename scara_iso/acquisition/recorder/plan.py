@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
@@ -11,7 +11,6 @@ from scara_iso.acquisition.ports import number_option, split_options
 from scara_iso.acquisition.recorder.spec import GaugeSpec
 from scara_iso.acquisition.recorder.tour import ONE_POSE, Tour
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 
 _SETTLED = {
     "rest": "seconds that the dial must stand still, default 1",

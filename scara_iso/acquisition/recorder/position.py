@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from scara_iso.acquisition.recorder.history import History
-from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from urllib.parse import quote
 
@@ -14,7 +14,6 @@ from scara_iso.acquisition.ports import is_device, is_keyboard, split_options
 from scara_iso.acquisition.recorder.sizes import wrong_sizes
 from scara_iso.errors import DataError, UsageError
 from scara_iso.files import read_toml
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import parse_unit
 from scara_iso.run import AXES
 

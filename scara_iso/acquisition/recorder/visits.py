@@ -10,9 +10,8 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import dataclass
 from statistics import median
-
-from scara_iso.frozen import dataclass
 
 _GAPS = 31
 

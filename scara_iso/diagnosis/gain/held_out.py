@@ -7,6 +7,7 @@ beforehand it would flatter.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from scara_iso.diagnosis.search import Stage, find_again
 from scara_iso.diagnosis.tuning import FOLDS, REPEATS, WORTH_CHAINS
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 

@@ -9,12 +9,12 @@ are tests, which are fitted side by side.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _MOST_STEPS, _SETTLED = 60, 1e-7

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,7 +31,6 @@ from scara_iso.diagnosis.joint_scatter.tracing import (
     trace,
 )
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray

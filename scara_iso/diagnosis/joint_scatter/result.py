@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _ALIKE = 9

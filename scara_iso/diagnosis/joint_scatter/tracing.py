@@ -9,6 +9,8 @@ by the root of that ratio (Birge 1932).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
@@ -21,7 +23,6 @@ from scara_iso.diagnosis.joint_scatter.covariances import (
     variance_intervals,
 )
 from scara_iso.diagnosis.joint_scatter.gaussian_rp import gaussian_rp
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray

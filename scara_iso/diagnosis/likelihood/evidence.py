@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, extended
 from scara_iso.diagnosis.tuning import AMPLITUDES, GAIN, KNOWN_FROM
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 LARGEST_LOG = 600.0

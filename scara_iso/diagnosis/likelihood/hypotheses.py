@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
 
@@ -23,7 +24,6 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.effects import CLOCK, Chain, Conditions, Effect, Form, OwnEffect, Process, Shape
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 

@@ -8,7 +8,7 @@ least the constant pose) is projected out of U.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import compress, pairwise
 from typing import Any
@@ -18,7 +18,6 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
 from scara_iso.effects import Process, Shape, Spread
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _TINY = 1e-9

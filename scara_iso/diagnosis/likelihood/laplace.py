@@ -7,13 +7,12 @@ prior is taken for a parabola (Tierney and Kadane 1986). The model is that of `r
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.diagnosis.likelihood.normal import normal_cdf
 from scara_iso.diagnosis.tuning import MISFIT
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 

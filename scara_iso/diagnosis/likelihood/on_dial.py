@@ -8,7 +8,7 @@ largest likelihoods of the same forms say which effects are within RIVAL_BIC of 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,7 +35,6 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.effects import Shape
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 

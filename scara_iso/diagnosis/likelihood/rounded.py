@@ -12,7 +12,7 @@ the readings' own: a course that meets every reading would else be as likely as 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +27,6 @@ from scara_iso.diagnosis.tuning import (
     LEAST_ON_DIAL,
 )
 from scara_iso.effects import Chain, Shape
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 

@@ -15,6 +15,7 @@ part is taken off in closed form.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import lgamma
 
 import numpy as np
@@ -22,7 +23,6 @@ import numpy as np
 from scara_iso.diagnosis.likelihood.normal import normal_cdf
 from scara_iso.diagnosis.tuning import KNOWN_FROM, SPLIT_SCALE
 from scara_iso.effects import Chain
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray
 

@@ -7,6 +7,7 @@ test martingale (`e_process`). All channels (axes at poses) count together.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +19,6 @@ from scara_iso.diagnosis.naming.choice import Choice, choose
 from scara_iso.diagnosis.rivals.next_cycles import NextCycles, right_after
 from scara_iso.diagnosis.tuning import GROSS
 from scara_iso.effects import Form, Shape
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Generic, TypeVar
 
@@ -25,7 +25,6 @@ from scara_iso.diagnosis.naming.stated import Near, as_stated
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS
 from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 AnyForm = TypeVar("AnyForm")

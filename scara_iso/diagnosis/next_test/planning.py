@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 
@@ -16,7 +16,6 @@ from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, 
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _TRAVELS = np.geomspace(0.6, 12.0, 14)

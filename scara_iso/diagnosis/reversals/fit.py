@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import cast
 
@@ -11,7 +11,6 @@ import numpy as np
 
 from scara_iso.diagnosis.tuning import SCATTER_POWERS
 from scara_iso.effects import GearEffect, Sizes, Sweep
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 Joint = int | None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,6 @@ from scara_iso.diagnosis.reversals.fit import Reversals
 from scara_iso.diagnosis.reversals.search import GearDiagnosis, diagnose_reversals
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Conditions
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import Dimension, rounding_uncertainty
 from scara_iso.robot import Model, lever_mm, predict, sweep_of
 from scara_iso.run import FloatArray, Run

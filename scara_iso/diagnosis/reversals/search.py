@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +29,6 @@ from scara_iso.diagnosis.tuning import FURTHER_LEVEL, LEVEL, SEED, UNKNOWN
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import GearEffect, Sweep, find_gear_effects
 from scara_iso.errors import DataError
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _FEWEST = 3

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from scara_iso.effects import Sweep
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 from scara_iso.tables import ColumnNames, Source, read_columns
 

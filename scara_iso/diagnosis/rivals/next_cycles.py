@@ -8,6 +8,7 @@ how often the likeliest name will be right.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
 from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant
 from scara_iso.diagnosis.tuning import AMPLITUDES
 from scara_iso.effects import Process, Shape, Spread
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray
 
 _DRAWS, _FEWEST_DRAWS = 200, 50

@@ -9,6 +9,7 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache, partial
 
 import numpy as np
@@ -26,7 +27,6 @@ from scara_iso.diagnosis.tuning import (
     SIMULATIONS,
     TWO_DIVISIONS,
 )
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -27,7 +27,6 @@ from scara_iso.diagnosis.tuning import (
     PERSISTENCE_SHARE,
     WIDENING_SHARE,
 )
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283 import quantiles
 from scara_iso.run import FloatArray, IntArray
 

@@ -7,13 +7,13 @@ of the order; `two_state` integrates over them.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.diagnosis.likelihood.two_state import log_likelihood
 from scara_iso.diagnosis.tuning import FEWEST_ON_A_LEVEL, LEAST_SCATTER
 from scara_iso.effects import Chain
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 

@@ -10,13 +10,13 @@ orders. Scatter that changes moves no mean and is left to its own effect.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from scara_iso.diagnosis.tuning import LEVEL
 from scara_iso.effects import as_column
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _FOLDS, _ORDERS = 5, 99

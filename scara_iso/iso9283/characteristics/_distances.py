@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
-from scara_iso.frozen import dataclass
 from scara_iso.iso9283.figures import PoseResult
 from scara_iso.iso9283.results import Measured, poses_in_cycles
 from scara_iso.quantities import Dimension

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.results import Characteristic, Measured
 from scara_iso.quantities import Estimate
 
@@ -27,9 +26,7 @@ NEEDS = (
 
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each pose of a drift test that comes to rest."""
-    if test.block is None:
-        return
-    for course in drift_courses(test.run, test.poses, test.block):
+    for course in test.drift or ():
         fit = course.fit
         if fit is None or fit.steady_interval_h is None or not fit.is_steady:
             continue

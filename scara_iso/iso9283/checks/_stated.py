@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from datetime import date, datetime
 
-from scara_iso.frozen import dataclass
 from scara_iso.run import Run
 
 Units = Mapping[str, float]

@@ -6,7 +6,8 @@ from dataclasses import asdict
 
 from scara_iso.errors import UsageError
 from scara_iso.measurement_system import GaugeStudy
-from scara_iso.render.json import Json, analysis_json, to_text
+from scara_iso.published import Json
+from scara_iso.render.json import analysis_json, to_text
 from scara_iso.render.json_diagnosis import backlash_json, diagnosis_json
 from scara_iso.render.json_gauge_study import gauge_study_json
 from scara_iso.reporting import Document, Dossier, Failure, head, uncertainty_budget

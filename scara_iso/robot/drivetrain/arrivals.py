@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from enum import Enum
 
 import numpy as np
 
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.robot.drivetrain.solution import Constants, Moving, run_events
 from scara_iso.robot.drivetrain.train import DriveTrain
 from scara_iso.run import FloatArray, IntArray

@@ -7,13 +7,13 @@ root of a line or a parabola. Friction and a motor held to its command keep it s
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 from scara_iso.run import FloatArray, IntArray
 
 _MOST_EVENTS = 100_000

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 from scara_iso.errors import UsageError
-from scara_iso.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from scara_iso.effects import OwnEffect
-from scara_iso.frozen import dataclass
 from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm
 from scara_iso.robot.two_inertia import Backlash, backlash
