@@ -181,7 +181,13 @@ def _fields() -> Iterator[str]:
 def _keys(kind: Json) -> Iterator[tuple[str, ...]]:
     for name, field in kind["properties"].items():
         always = "" if name in kind["required"] else " ?"
-        yield f"`{name}`{always}", _type(field), field.get("unit", ""), field["description"]
+        yield f"`{name}`{always}", _type(field), _unit(field), field["description"]
+
+
+def _unit(field: Json) -> str:
+    """Return the unit of a key, or of what it holds."""
+    held = [field, *field.get("anyOf", ()), field.get("items"), field.get("additionalProperties")]
+    return next((one["unit"] for one in held if isinstance(one, dict) and "unit" in one), "")
 
 
 def _type(field: Json) -> str:
@@ -196,7 +202,7 @@ def _type(field: Json) -> str:
         case "array" if "prefixItems" in field:
             found = f"[{', '.join(map(_type, field['prefixItems']))}]"
         case "array":
-            found = f"list of {_type(field['items'])}" if "items" in field else "list of numbers"
+            found = f"list of {_type(field['items'])}"
         case "object":
             found = f"{_type(field['additionalProperties'])} by name"
         case found:

@@ -11,11 +11,22 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from itertools import pairwise
-from typing import Annotated, Any, Literal, TypeAlias, TypeVar, get_args, get_type_hints
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    Literal,
+    TypeAlias,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 Json: TypeAlias = dict[str, Any]
 Published = TypeVar("Published")
@@ -66,10 +77,10 @@ def schema(title: str, *kinds: type[Any]) -> Json:
 
 
 def _of_array(kind: type[Any]) -> Json:
-    """Return the schema of an array of numbers, which is of any shape."""
+    """Return the schema of an array of numbers."""
     if kind.__module__ != "numpy":
         raise NotImplementedError(kind)
-    return {"type": "array"}
+    return {"type": "array", "items": {"type": "number"}}
 
 
 def _complete(found: Json, kind: type[Any]) -> None:
@@ -80,7 +91,7 @@ def _complete(found: Json, kind: type[Any]) -> None:
         if "default" in one:  # then it is left out, and never null
             del one["default"]
             _without_null(one)
-        one |= dict(_keywords(hints[name]))
+        _add_keywords(one, hints[name])
         if len(one.get("enum", ())) == 1:
             one["const"] = one.pop("enum")[0]
         if name in said:
@@ -92,13 +103,21 @@ def _without_null(found: Json) -> None:
     found |= kinds[0] if len(kinds) == 1 else {"anyOf": kinds} if kinds else {}
 
 
-def _keywords(hint: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the keywords of a type, or of one of those that it may be."""
-    for one in (hint, *get_args(hint)):
-        yield from getattr(one, "__metadata__", ())
+def _add_keywords(found: Json, hint: Any) -> None:
+    """Add the keywords of a type, of those that it may be, and of what it contains."""
+    found |= dict(getattr(hint, "__metadata__", ()))
+    bare = hint.__origin__ if hasattr(hint, "__metadata__") else hint
+    kinds = [one for one in get_args(bare) if one not in (NoneType, Ellipsis)]
+    if get_origin(bare) in (Union, UnionType):
+        within = [one for one in found.get("anyOf", [found]) if one != {"type": "null"}]
+    else:
+        held = [found.get("items"), found.get("additionalProperties")]
+        within = found.get("prefixItems") or [one for one in held if isinstance(one, dict)]
+    for one, kind in zip(within, kinds[len(kinds) - len(within) :], strict=True):
+        _add_keywords(one, kind)
 
 
-def _reached(kinds: Iterator[Any] | tuple[Any, ...]) -> set[type[Any]]:
+def _reached(kinds: tuple[Any, ...]) -> set[type[Any]]:
     """Return the classes among types, and those of their fields."""
     found: set[type[Any]] = set()
     for kind in kinds:
