@@ -1,0 +1,554 @@
+"""What a file states and is passed over: used, refused by name, or listed as not used."""
+
+import csv
+import re
+import shutil
+
+import numpy as np
+import openpyxl
+import pytest
+from asked import (
+    CYCLES,
+    HEAD,
+    READINGS,
+    ask,
+    fault,
+    given,
+    heard,
+    known,
+    names,
+    repeatability,
+    right,
+    table,
+)
+from openpyxl.styles import Font
+
+RP = repeatability(READINGS[1:])
+ODD = [0.55 if cycle == 7 else reading for cycle, reading in zip(CYCLES, READINGS, strict=True)]
+RP_WITHOUT_7 = repeatability(ODD[1:6] + ODD[7:])
+BESIDE = [round(r + 0.3 + 0.001 * (k % 3), 3) for k, r in enumerate(READINGS)]
+
+
+@pytest.fixture
+def path(folder):
+    return folder / "run.csv"
+
+
+# ---- a scale for all values
+
+SCALE_IGNORED = "a scale in the head is passed over"
+SCALES = [  # key, value, by which a reading is to be multiplied; None: it can be read two ways
+    ("scale", "0.01", 0.01), ("scaling", "0.01", 0.01), ("conversion", "0.01", 0.01),
+    ("divisor", "100", 0.01), ("Maßstab", "0.01", 0.01), ("mm_per_count", "0.01", 0.01),
+    ("gain", "10", None), ("lever_ratio", "2", None), ("conversion_factor", "0.01", 0.01),
+    ("calibration_factor", "0.98", 0.98), ("multiply by", "0.01", 0.01),
+    ("mm_per_digit", "0.01", 0.01), ("counts_per_mm", "100", 0.01), ("X_scale", "0.01", 0.01),
+    ("scale X", "0.01", 0.01), ("magnification", "10", None), ("amplification", "10", None),
+    ("sensitivity", "0.01", None), ("lever ratio", "1:2", None), ("Skalierung", "0.01", 0.01),
+    ("Umrechnung", "0.01", 0.01), ("Kalibrierfaktor", "0.98", 0.98), ("Verstärkung", "10", None),
+    ("Hebelverhältnis", "2", None), ("Teiler", "100", 0.01), ("échelle", "0.01", 0.01),
+    ("facteur", "0.01", 0.01), ("facteur d'échelle", "0.01", 0.01), ("diviseur", "100", 0.01),
+    ("scala", "0.01", 0.01), ("fattore di scala", "0.01", 0.01), ("guadagno", "10", None),
+    ("escala", "0.01", 0.01), ("factor de escala", "0.01", 0.01), ("ganancia", "10", None),
+]  # fmt: skip
+SCALES_KNOWN = [
+    "scale_factor", "factor", "multiplier", "Faktor", "Umrechnungsfaktor", "Multiplikator",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "factor"),
+    [
+        *(fault(*case, id=case[0], reason=SCALE_IGNORED) for case in SCALES),
+        *(right(key, "0.01", 0.01, id=key) for key in SCALES_KNOWN),
+    ],
+)
+def test_a_scale_is_used_or_refused(key, value, factor, path):
+    table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {key}: {value}"])
+    heard(path, [key], None if factor is None else {"X": RP * factor})
+
+
+@pytest.mark.parametrize(
+    ("line", "factor"),
+    [
+        fault("Table I (mm x 10^-2)", 0.01, id="times ten to the", reason=SCALE_IGNORED),
+        fault("Table I (mm × 10⁻²)", 0.01, id="times ten to the, typeset", reason=SCALE_IGNORED),
+        fault("values x 0.01 mm", 0.01, id="values x", reason=SCALE_IGNORED),
+        fault("Values multiplied by 100", 0.01, id="multiplied by", reason=SCALE_IGNORED),
+        fault("all values in hundredths of a mm", 0.01, id="hundredths", reason=SCALE_IGNORED),
+        fault("mesures en centièmes de mm", 0.01, id="centièmes", reason=SCALE_IGNORED),
+        fault("valori in centesimi di mm", 0.01, id="centesimi", reason=SCALE_IGNORED),
+        right("readings in 1/100 mm", 0.01, id="1/100 mm"),
+        right("readings in µm", 0.001, id="readings in µm"),
+        right("Messwerte in 1/100 mm", 0.01, id="Messwerte in"),
+    ],
+)  # fmt: skip
+def test_a_scale_in_a_line_without_a_key_is_used_or_refused(line, factor, path):
+    table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {line}"])
+    heard(path, [line[:12], "unit"], {"X": RP * factor})
+
+
+# ---- a unit under another key
+
+UNIT_IGNORED = "a unit in the head is passed over"
+UNITS = [
+    "X_unit", "X unit", "X.unit", "unitX", "unit-X", "unit(X)", "Unit of X", "dial_unit",
+    "indicator_unit", "gauge unit", "reading_unit", "readings_unit", "unit_of_readings",
+    "measurement unit", "length unit", "data unit", "engineering unit", "display_unit",
+    "output unit", "UoM", "values in", "values_in", "readings are in", "measured in",
+    "Längeneinheit", "Einheit der Messwerte", "Angaben in", "unité de mesure", "mesures en",
+    "unità", "unità di misura", "valori in", "unidad de medida",
+]  # fmt: skip
+UNITS_KNOWN = ["units", "unit X", "unit_X", "unit of measurement", "Einheit", "Maßeinheit",
+               "Messeinheit", "Einheit X", "unité", "unité X", "unidad"]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        *(fault(key, id=key, reason=UNIT_IGNORED) for key in UNITS),
+        *(right(key, id=key) for key in UNITS_KNOWN),
+    ],
+)
+def test_a_unit_is_used_or_refused(key, path):
+    table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {key}: um"])
+    heard(path, [key, "unit"], {"X": RP / 1000})
+
+
+# ---- an uncertainty, and its coverage factor
+
+UNCERTAINTY_IGNORED = "an uncertainty in the head is passed over, and what it leaves open passes"
+UNCERTAINTIES = [  # key and the standard uncertainties that 0.004 may mean
+    ("calibration_uncertainty", (0.004, 0.002)), ("gauge_uncertainty", (0.004, 0.002)),
+    ("dial_uncertainty", (0.004, 0.002)), ("measurement_uncertainty", (0.004, 0.002)),
+    ("uncertainty", (0.004, 0.002)), ("uncertainty_X", (0.004, 0.002)), ("U95", (0.002,)),
+    ("U(k=2)", (0.002,)), ("u_cal", (0.004,)), ("standard_uncertainty", (0.004,)),
+    ("expanded_uncertainty", (0.002,)), ("Messunsicherheit", (0.004, 0.002)),
+    ("erweiterte Messunsicherheit", (0.002,)), ("Kalibrierunsicherheit", (0.004, 0.002)),
+    ("incertitude de mesure", (0.004, 0.002)), ("incertezza", (0.004, 0.002)),
+    ("incertidumbre", (0.004, 0.002)),
+]  # fmt: skip
+
+
+def assert_uncertainty(path, words, standard):
+    """Assert that u is one of ``standard`` and the dial's rounding, or refused by name."""
+    answer = ask("analyze", path, "--json", "--limit", "X=0.013")
+    if answer.refused:
+        assert names(answer, *words), answer.err
+        return
+    u = answer.document["poses"][0]["axes"]["X"]["uncertainty"]
+    expected = [np.hypot(value, 0.001 / np.sqrt(12)) for value in standard]
+    assert any(u == pytest.approx(value, rel=1e-6) for value in expected), f"u = {u} mm"
+
+
+@pytest.mark.parametrize(
+    ("key", "standard"),
+    [
+        *(fault(*case, id=case[0], reason=UNCERTAINTY_IGNORED) for case in UNCERTAINTIES),
+        right("indicator_uncertainty", (0.004,), id="indicator_uncertainty"),
+        right("indicator uncertainty", (0.004,), id="indicator uncertainty"),
+    ],
+)
+def test_an_uncertainty_is_used_or_refused(key, standard, path):
+    table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {key}: 0.004"])
+    assert_uncertainty(path, [key], standard)
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        fault(key, id=key, reason="a coverage factor is passed over: U is taken as u")
+        for key in ("coverage_factor", "coverage factor k", "k", "Erweiterungsfaktor",
+                    "facteur d'élargissement", "fattore di copertura", "factor de cobertura")
+    ],
+)  # fmt: skip
+def test_a_coverage_factor_halves_or_is_refused(key, path):
+    head = [*HEAD, "# indicator_uncertainty: 0.004", f"# {key}: 2"]
+    table(path, {"cycle": CYCLES, "X": READINGS}, head)
+    assert_uncertainty(path, [key], (0.002,))
+
+
+# ---- seconds of arc
+
+ARCSECONDS = [round(1 + (reading - 0.5) * 3, 3) for reading in READINGS]
+RP_THETA_DEG = repeatability(ARCSECONDS[1:]) / 3600
+AS_INCH = 'theta in seconds of arc, written ", is read as inches'
+
+
+def theta_table(path, heading="theta", head=(), cell="{}", unit_row=None, x="X [mm]"):
+    """Write theta beside X, its unit in the heading, the cells, a row or the head."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        file.writelines(f"{line}\n" for line in head)
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(["cycle", x, heading])
+        if unit_row:
+            rows.writerow(unit_row)
+        for cycle, reading, angle in zip(CYCLES, READINGS, ARCSECONDS, strict=True):
+            rows.writerow([cycle, reading, cell.format(angle)])
+
+
+@pytest.mark.parametrize(
+    "spelling",
+    [
+        *(
+            fault({"heading": heading}, id=heading, reason=AS_INCH)
+            for heading in ('theta "', 'theta ["]', 'theta ("', 'theta (")', 'theta_"', 'theta / "',
+                            'theta in "', 'theta, "')
+        ),
+        fault({"cell": '{}"'}, id="cells", reason=AS_INCH),
+        fault({"cell": '{} "'}, id="cells, blank", reason=AS_INCH),
+        fault({"unit_row": ["", "mm", '"'], "x": "X"}, id="unit row", reason=AS_INCH),
+        fault({"unit_row": ["", "[mm]", '["]'], "x": "X"}, id="unit row, brackets", reason=AS_INCH),
+        fault({"head": ["# unit: mm", '# unit_theta: "']}, id="unit_theta", reason=AS_INCH),
+        right({"head": ["# unit: mm"], "heading": 'theta ["]'}, id="beside unit: mm"),
+        right({"heading": "theta [arcsec]"}, id="arcsec"),
+        right({"heading": "theta [″]"}, id="double prime"),
+        right({"heading": "theta ('')"}, id="two apostrophes"),
+    ],
+)  # fmt: skip
+def test_seconds_of_arc_are_no_inches(spelling, path):
+    theta_table(path, **spelling)
+    heard(path, ["theta"], {"X": RP, "theta": RP_THETA_DEG})
+
+
+# ---- columns that change what a reading is
+
+rng = np.random.default_rng(1)
+ZEROS = [round(float(zero), 3) for zero in rng.normal(0.1, 0.01, 31)]
+ABOVE_ZERO = [round(zero + reading, 3) for zero, reading in zip(ZEROS, READINGS, strict=True)]
+ZERO_IGNORED = "the zero beside a reading is passed over"
+
+
+@pytest.mark.parametrize(
+    ("zero", "reading"),
+    [
+        *(
+            fault(zero, reading, id=f"{zero}, {reading}", reason=ZERO_IGNORED)
+            for zero, reading in [
+                ("X zero", "X reading"), ("X tare", "X"), ("X_zero", "X"), ("zero X", "X"),
+                ("zero", "X"), ("tare", "X"), ("X0", "X"), ("X offset", "X"), ("X ref", "X"),
+                ("X baseline", "X"), ("X Null", "X"), ("Nullpunkt X", "X"), ("zéro X", "X"),
+            ]
+        ),
+        right("X before", "X after", id="X before, X after"),
+    ],
+)  # fmt: skip
+def test_a_zero_is_used_or_refused(zero, reading, path):
+    table(path, {"cycle": CYCLES, zero: ZEROS, reading: ABOVE_ZERO})
+    heard(path, [zero, "no header"], {"X": RP})
+
+
+SIDES = [cycle % 2 for cycle in CYCLES]
+TWO_SIDED = [round(r + 0.012 * side, 3) for r, side in zip(READINGS, SIDES, strict=True)]
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        *(
+            fault(heading, id=heading, reason="two sides are pooled without a word")
+            for heading in ("side", "direction", "approach_side", "flank", "dir", "Seite", "côté",
+                            "lato", "lado")
+        ),
+        right("approach", id="approach"),
+    ],
+)  # fmt: skip
+def test_sides_are_not_pooled_in_silence(heading, path):
+    table(path, {"cycle": CYCLES, heading: SIDES, "X": TWO_SIDED})
+    answer = ask("analyze", path, "--json")
+    said = answer.err if answer.refused else str(answer.document["findings"])
+    assert heading in said
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [right(heading, id=heading) for heading in ("side", "direction", "Seite", "approach")],
+)
+def test_sides_in_letters_are_refused(heading, path):
+    sides = ["left" if side else "right" for side in SIDES]
+    table(path, {"cycle": CYCLES, heading: sides, "X": TWO_SIDED})
+    assert ask("analyze", path, "--json").refused
+
+
+POSES = ((300, 100), (400, -50), (200, 150), (350, 220), (250, -120))
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        fault(heading, id=heading, reason="the poses' coordinates are taken for readings")
+        for heading in ("dial", "reading", "indicator", "gauge", "Messuhr")
+    ],
+)
+def test_coordinates_of_poses_are_no_readings(heading, path):
+    visited = [POSES[k % 5] for k in range(30)]
+    x, y = ([pose[k] for pose in visited] for k in (0, 1))
+    table(path, {"X": x, "Y": y, heading: READINGS[:30]})
+    answer = ask("analyze", path, "--json", "--all-count")
+    assert answer.refused
+    assert names(answer, heading, "coordinates", "parts the readings")
+
+
+def test_coordinates_of_poses_in_turn_are_refused(path):
+    visited = [pose for _ in CYCLES for pose in POSES]
+    x, y = ([pose[k] for pose in visited] for k in (0, 1))
+    dial = [reading for reading in READINGS for _ in POSES]
+    table(path, {"cycle": [c for c in CYCLES for _ in POSES], "X": x, "Y": y, "dial": dial})
+    assert ask("analyze", path, "--json").refused
+
+
+ROLLED = [round((0.999 + 6 * (reading - 0.5)) % 1, 3) for reading in READINGS]
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        fault(HEAD, id="nothing stated", reason="a dial that rolls over at 1 mm is read as jumps"),
+        fault([*HEAD, "# range: 1 mm"], id="range stated", reason="a stated range is passed over"),
+    ],
+)
+def test_a_dial_that_rolls_over_is_asked_about(head, path):
+    table(path, {"cycle": CYCLES, "X": ROLLED}, head)
+    heard(
+        path,
+        ["rolls over", "rolled over", "turn", "range"],
+        {"X": repeatability([0.999 + 6 * (reading - 0.5) for reading in READINGS[1:]])},
+    )
+
+
+@pytest.mark.parametrize("numbered", [False, True], ids=["rows only", "numbered on"])
+@pytest.mark.parametrize(
+    "summary",
+    [
+        fault(
+            summary,
+            id=summary.__name__,
+            reason="a row of figures at the end counts as a reading, and cycle 1 is discarded",
+        )
+        for summary in (np.mean, np.median, np.min, np.max)
+    ],
+)
+def test_a_row_of_figures_at_the_end_is_no_reading(summary, numbered, path):
+    columns = {
+        name: [*column[:30], round(float(summary(column[:30])), 4)]
+        for name, column in {"X": READINGS, "Y": BESIDE}.items()
+    }
+    table(path, {"cycle": CYCLES, **columns} if numbered else columns)
+    answer = ask("analyze", path, "--json")
+    assert answer.refused
+    assert names(answer, "last row", "line 33", "line 34", "mean", "median", "min", "max")
+
+
+def test_a_row_of_means_without_a_number_is_refused(path):
+    columns = {"X": [*READINGS, 0.5001], "Y": [*BESIDE, 0.8011]}
+    table(path, {"cycle": [*CYCLES, ""], **columns})
+    assert ask("analyze", path, "--json").refused
+
+
+@pytest.mark.parametrize(
+    "level",
+    [
+        fault(
+            level,
+            id=how,
+            reason="several well parted levels of readings are taken for one pose",
+        )
+        for how, level in {"in turn": lambda k: k % 3, "in blocks": lambda k: k // 8}.items()
+    ],
+)
+def test_parted_levels_are_never_one_pose(level, path):
+    parted = [round(reading + 0.5 * level(k), 3) for k, reading in enumerate(READINGS)]
+    table(path, {"cycle": CYCLES, "X": parted})
+    answer = ask("analyze", path, "--json")
+    assert answer.refused
+    assert names(answer, "level", "levels", "pose", "poses")
+
+
+def test_parted_levels_beside_a_column_are_refused(path):
+    parted = [round(reading + 0.5 * (k % 3), 3) for k, reading in enumerate(READINGS)]
+    table(path, {"cycle": CYCLES, "station": [k % 3 for k in CYCLES], "X": parted})
+    assert ask("analyze", path, "--json").refused
+
+
+# ---- readings that are struck
+
+STRUCK_USED = "a reading that is stated to be excluded counts"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        fault(line, id=line, reason=STRUCK_USED)
+        for line in (
+            "excluded cycles: 7", "excluded: 7", "exclude: 7", "struck: 7", "rejected: 7",
+            "invalid: 7", "invalid cycles: 7", "not valid: cycle 7", "omitted cycles: 7",
+            "discarded: 7", "ignore: 7", "skip: 7", "outliers: 7", "bad cycles: 7",
+            "gestrichen: 7", "ungültig: 7", "ausgeschlossen: 7", "Ausreißer: 7", "exclu: 7",
+            "escluso: 7", "excluido: 7",
+        )
+    ],
+)  # fmt: skip
+def test_excluded_cycles_are_used_or_refused(line, path):
+    table(path, {"cycle": CYCLES, "X": ODD}, [*HEAD, f"# {line}"])
+    heard(path, [line.partition(":")[0]], {"X": RP_WITHOUT_7})
+
+
+@pytest.mark.parametrize(
+    ("heading", "usual", "struck"),
+    [
+        *(
+            fault(*case, id=f"{case[0]} = {case[2]}", reason=STRUCK_USED)
+            for case in (
+                ("valid", 1, 0), ("valide", 1, 0), ("gültig", 1, 0), ("ok", 1, 0), ("use", 1, 0),
+                ("excluded", 0, 1), ("rejected", 0, 1), ("flag", 0, 1), ("struck", "", "x"),
+            )
+        ),
+        right("valid", "yes", "no", id="valid = no"),
+        right("status", "ok", "void", id="status = void"),
+        right("quality", "good", "bad", id="quality = bad"),
+    ],
+)  # fmt: skip
+def test_a_column_of_validity_is_used_or_refused(heading, usual, struck, path):
+    marks = [struck if cycle == 7 else usual for cycle in CYCLES]
+    table(path, {"cycle": CYCLES, "X": ODD, heading: marks})
+    heard(path, [heading, "column 3"], {"X": RP_WITHOUT_7})
+
+
+# ---- workbooks
+
+
+def hidden_row(sheet):
+    sheet.row_dimensions[9].hidden = True
+
+
+def filtered_row(sheet):
+    sheet.auto_filter.ref = "A2:B33"
+    sheet.auto_filter.add_filter_column(0, [str(cycle) for cycle in CYCLES if cycle != 7])
+    sheet.row_dimensions[9].hidden = True
+
+
+def struck_row(sheet):
+    for cell in sheet[9]:
+        cell.font = Font(strike=True)
+
+
+def struck_cell(sheet):
+    sheet["B9"].font = Font(strike=True)
+
+
+def percent_column(sheet):
+    for (cell,) in sheet.iter_rows(min_row=3, min_col=2, max_col=2):
+        cell.number_format = "0.0%"
+
+
+def percent_cell(sheet):
+    sheet["B9"].number_format = "0.0%"
+
+
+def workbook(path, columns, prepare):
+    """Write a workbook with a unit above the header, made ready as a hand would."""
+    book = openpyxl.Workbook()
+    sheet = book.active
+    for row in (["unit", "mm"], list(columns), *zip(*columns.values(), strict=True)):
+        sheet.append(row)
+    prepare(sheet)
+    book.save(path)
+
+
+@pytest.mark.parametrize(
+    ("prepare", "words"),
+    [
+        fault(prepare, words, id=prepare.__name__, reason="how a cell or row is shown is not read")
+        for prepare, words in [
+            (hidden_row, ("hidden", "row 9")), (filtered_row, ("hidden", "filtered", "row 9")),
+            (struck_row, ("struck", "row 9")), (struck_cell, ("struck", "row 9")),
+            (percent_column, ("%", "percent")), (percent_cell, ("%", "percent", "row 9")),
+        ]
+    ],
+)  # fmt: skip
+def test_a_cell_is_read_as_it_is_shown(prepare, words, folder):
+    book = folder / "run.xlsx"
+    workbook(book, {"cycle": CYCLES, "X": ODD}, prepare)
+    heard(book, words, None if "%" in words else {"X": RP_WITHOUT_7})
+
+
+@known("a hidden column becomes an axis")
+def test_a_hidden_column_is_no_axis_in_silence(folder):
+    def hide(sheet):
+        sheet.column_dimensions["C"].hidden = True
+
+    book = folder / "run.xlsx"
+    workbook(book, {"cycle": CYCLES, "X": READINGS, "Z": BESIDE}, hide)
+    assert names(ask("analyze", book, "--full"), "hidden")
+
+
+COVER = {"Customer": "Acme GmbH", "Robot": "FUM SCARA 2", "Date": "2026-03-01"}
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        fault(*case, id=case[0], reason="a cover sheet is neither used nor listed")
+        for case in COVER.items()
+    ],
+)
+def test_a_cover_sheet_is_used_or_listed(key, value, folder):
+    book = openpyxl.Workbook()
+    cover, readings = book.active, book.create_sheet("Readings")
+    cover.title = "Cover"
+    for row in (["Test report"], *COVER.items()):
+        cover.append(row)
+    for row in (["unit", "mm"], ["cycle", "X"], *zip(CYCLES, READINGS, strict=True)):
+        readings.append(row)
+    path = folder / "run.xlsx"
+    book.save(path)
+    used = value in str(ask("analyze", path, "--json").document["metadata"].values())
+    assert used or names(ask("analyze", path, "--full"), "cover", key)
+
+
+# ---- other commands
+
+
+@pytest.mark.parametrize(
+    "second",
+    [
+        right("P1.csv", id="the same name"),
+        fault("P2.csv", id="a copy", reason="a copy of the same file counts as a second pose"),
+    ],
+)
+def test_the_same_file_twice_is_refused(second, folder):
+    first = table(folder / "P1.csv", {"cycle": CYCLES, "X": READINGS})
+    if second != first.name:
+        shutil.copy(first, folder / second)
+    assert ask("analyze", first, folder / second).refused
+
+
+@known("an arm of 700 m passes without a word")
+def test_an_arm_of_700_metres_is_asked_about():
+    gear = ("backlash", "--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12")
+    answer = ask(*gear, "--arm", "700")
+    assert answer.refused
+    assert names(answer, "--arm")
+
+
+FIRST_FIELDS = {  # of rows without a header, beside two readings
+    "a running integer": lambda k: (k + 1,),
+    "an integer that repeats": lambda k: (k % 5 + 1,),
+    "a running integer beside one that repeats": lambda k: (k + 1, k % 5 + 1),
+}
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        fault(fields, id=what, reason="an integer that counts is not proposed as cycle or pose")
+        for what, fields in FIRST_FIELDS.items()
+    ],
+)
+def test_the_hint_proposes_what_counts_as_cycle_or_pose(fields, path):
+    rows = [(*fields(k), READINGS[k], BESIDE[k]) for k in range(31)]
+    path.write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")
+    proposed = re.search(r"--columns (\S+)", ask("analyze", path, "--unit", "mm").err)
+    given(proposed)
+    leading = proposed[1].split(",")[: len(fields(0))]
+    assert set(leading) <= {"cycle", "pose"}
