@@ -1,0 +1,259 @@
+"""Ordinary heads: what a report is told about robot, people, place and gauge is never refused."""
+
+import pytest
+from asked import CYCLES, HEAD, READINGS, ask, figures, repeatability, table
+
+ENGLISH = """
+robot: FUM SCARA
+Robot: Epson LS6-B602S
+robot_model: IRB 910SC
+robot type: SCARA, 4 axes
+manufacturer: Staubli
+model: TS2-60
+serial_number: 4711
+Serial No.: A-0815/26
+controller: CS9
+controller_version: s8.12.2
+software: V+ 17.3
+program: iso9283_p1.pgx
+gripper: Schunk EGP 40
+tool: calibrated ball 20 mm
+payload: 2 kg
+rated_payload: 5 kg
+velocity: 100 %
+rated velocity: 1000 mm/s
+acceleration: 80 %
+dwell: 2 s
+settling time: 0.5 s
+warm-up: 60 min
+temperature: 20.1 degC
+ambient temperature: 21 °C
+humidity: 45 %
+air pressure: 1013 hPa
+indicator: Mitutoyo ID-C112X
+indicator_serial_number: 15023344
+instrument: digital dial indicator, 12 mm
+stand: granite, magnetic base
+fixture: three dials at 90 degrees
+contact point: ruby ball 3 mm
+interface: Opto RS232
+calibration_date: 2026-03-01
+calibration_due: 2027-03-01
+calibration certificate: D-K-15070-01-00
+certificate_number: 26-0417
+operator: A. Smith
+inspector: Maria Lopez
+technician: J. Doe
+authorized by: Prof. Mousavi
+customer: Acme Robotics Ltd
+order number: PO-2026-118
+contact: jane@example.org
+laboratory: Precision Lab, room 114
+address: 12 Mill Lane, Bristol
+department: Quality
+place: hall 3, cell 7
+date: 2026-03-01
+test_date: 2026-03-02
+date of issue: 2026-03-05
+time: 14:30
+shift: morning
+test: acceptance
+test_number: 17
+report_number: R-2026-017
+revision: B
+standard: ISO 9283:1998
+procedure: 7.2.2
+purpose: after the gearbox in joint 1 was replaced
+gearbox: Harmonic Drive CSG-25
+hours of operation: 12450
+last service: 2026-01-15
+lubricant: SK-1A
+mounting: floor
+comment: second run of the day
+remarks: cable tied to the arm
+note: nothing unusual
+project: P-77
+batch: 12
+machine: cell 4
+asset: 000123
+location: Tehran
+country: Iran
+weather: rain
+""".strip().splitlines()
+GERMAN = """
+Roboter: FUM SCARA
+Hersteller: Bosch Rexroth
+Typ: SR6
+Modell: turboscara
+Seriennummer: 4711
+Steuerung: IndraMotion
+Programm: Messung_P1
+Greifer: Zimmer GEP
+Nutzlast: 2 kg
+Nennlast: 5 kg
+Geschwindigkeit: 100 %
+Beschleunigung: 80 %
+Verweilzeit: 2 s
+Temperatur: 20,1 °C
+Luftfeuchte: 45 %
+Messuhr: Mahr 1086 R
+Messmittel: Messuhr digital
+Kalibrierdatum: 01.03.2026
+Kalibrierschein: 4711-D-K
+Nächste Kalibrierung: 01.03.2027
+Prüfer: Müller
+Bediener: Schmidt
+Freigegeben von: Dr. Weiß
+Kunde: Beispiel GmbH
+Auftraggeber: Werk Süd
+Auftragsnummer: 2026-118
+Abteilung: Qualitätssicherung
+Ort: Halle 3
+Prüfort: Labor 114
+Datum: 01.03.2026
+Messdatum: 02.03.2026
+Uhrzeit: 14:30
+Schicht: Früh
+Prüfnummer: 17
+Berichtsnummer: R-2026-017
+Norm: ISO 9283
+Zweck: nach Getriebetausch
+Getriebe: Planetengetriebe
+Betriebsstunden: 12450
+Letzte Wartung: 15.01.2026
+Schmierstoff: Klübersynth
+Bemerkung: zweiter Lauf
+Anlage: Zelle 4
+Projekt: P-77
+""".strip().splitlines()
+FRENCH = """
+robot: SCARA TS60
+opérateur: Jean Dupont
+constructeur: Stäubli
+modèle: TS2-60
+numéro de série: 4711
+contrôleur: CS9
+programme: mesure_p1
+charge: 2 kg
+charge utile: 2 kg
+vitesse: 100 %
+température: 20 °C
+humidité: 45 %
+comparateur: Sylvac S229
+date d'étalonnage: 2026-03-01
+certificat: 26-0417
+client: Exemple SA
+commande: 2026-118
+laboratoire: Métrologie
+lieu: atelier 3
+numéro du rapport: R-2026-017
+vérificateur: Marie Curie
+norme: ISO 9283
+remarque: deuxième essai
+atelier: hall B
+équipe: matin
+""".strip().splitlines()
+ITALIAN = """
+operatore: Mario Rossi
+costruttore: Comau
+modello: Rebel-S6
+numero di serie: 4711
+controllore: R1C
+programma: misura_p1
+carico: 2 kg
+velocità: 100 %
+umidità: 45 %
+comparatore: Borletti
+data di taratura: 2026-03-01
+certificato: 26-0417
+cliente: Esempio SpA
+ordine: 2026-118
+laboratorio: Metrologia
+luogo: reparto 3
+numero del rapporto: R-2026-017
+norma: ISO 9283
+osservazioni: seconda prova
+reparto: qualità
+turno: mattina
+""".strip().splitlines()
+SPANISH = """
+operador: Ana García
+fabricante: Omron
+modelo: i4-550
+número de serie: 4711
+controlador: eV+
+carga: 2 kg
+velocidad: 100 %
+humedad: 45 %
+reloj comparador: Mitutoyo
+fecha de calibración: 2026-03-01
+certificado: 26-0417
+empresa: Ejemplo SA
+pedido: 2026-118
+lugar: nave 3
+número de informe: R-2026-017
+norma aplicada: ISO 9283
+observaciones: segunda prueba
+responsable: Luis Pérez
+""".strip().splitlines()
+LURES = """
+control unit: KRC5 micro
+teach pendant unit: TP-2
+business unit: Robotics
+gear_ratio: 50
+gear ratio of joint 1: 1:50
+tool offset: 120 mm
+tool_offset_z: 85 mm
+zero set by: A. Smith
+valid until: 2027-03-01
+validity of the certificate: 2 years
+accuracy class of the dial: 1
+side of the cell: operator's
+poses planned: P1 to P5
+reference standard: gauge block 5 mm
+balance: Sartorius
+scaffold: none
+Einheitswagen: 3
+Nullserie: ja
+Getriebeübersetzung: 50
+Gültig bis: 01.03.2027
+unità operativa: 3
+unidad de control: RC700
+rapport: R-2026-017
+""".strip().splitlines()
+HEADS = [*ENGLISH, *GERMAN, *FRENCH, *ITALIAN, *SPANISH, *LURES]
+RIGHT = {"X": repeatability(READINGS[1:])}
+
+
+@pytest.fixture
+def path(folder):
+    return folder / "run.csv"
+
+
+def test_there_are_120_heads_and_more():
+    assert len(set(HEADS)) >= 120
+
+
+@pytest.mark.parametrize("head", HEADS)
+def test_an_ordinary_head_is_accepted_and_kept(head, path):
+    table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {head}"])
+    answer = ask("analyze", path, "--json")
+    assert answer.code == 0, answer.err
+    assert figures(answer) == pytest.approx(RIGHT)
+    assert head.partition(": ")[2] in answer.document["metadata"].values()
+
+
+@pytest.mark.parametrize(
+    ("spell", "delimiter"),
+    [(lambda key, value: f"{key}: {value}", ","), (lambda key, value: f"{key};{value}", ";")],
+    ids=["without a mark", "in cells"],
+)
+@pytest.mark.parametrize("heads", [ENGLISH, GERMAN, FRENCH, ITALIAN, SPANISH])
+def test_ordinary_heads_are_accepted_in_other_places(heads, spell, delimiter, path):
+    firsts = {head.partition(": ")[0].casefold(): head for head in heads}
+    lines = [spell(*head.split(": ", 1)) for head in firsts.values()]
+    unit = spell("unit", "mm")
+    table(path, {"cycle": CYCLES, "X": READINGS}, [unit, *lines], delimiter)
+    answer = ask("analyze", path, "--json")
+    assert answer.code == 0, answer.err
+    assert figures(answer) == pytest.approx(RIGHT)
