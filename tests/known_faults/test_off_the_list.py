@@ -6,11 +6,13 @@ cross-validation, which change no verdict.
 
 import re
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 from asked import ask, fault, given, known, names, right
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 J = np.arange(31)
 U = J / 30
 DIVISION = 0.001
@@ -135,6 +137,16 @@ def test_rp_of_the_completed_model_holds_the_learned_course(key, path):
     given(found["verdict"] == "unexplained")
     without = {"model_after": "model_before", "with_effect_removed": "measured"}[key]
     assert found["repeatability"][key]["X"] != found["repeatability"][without]["X"]
+
+
+@known(NO_COURSE_LEARNED)
+def test_the_model_file_takes_the_learned_course(path):
+    readings(path, {"X": scattered(0, 3.5 * VEE)})
+    model = path.with_suffix(".toml")
+    into = ("--model", EXAMPLES / "fum_scara.toml", "--save-model", model)
+    given(diagnosed(path, *into)["verdict"] == "unexplained")
+    given(model.exists())
+    assert "[[learned]]" in model.read_text(encoding="utf-8")
 
 
 # ---- odd readings

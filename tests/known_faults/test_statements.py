@@ -1,4 +1,4 @@
-"""What a file states and is passed over: used, refused by name, or listed as not used."""
+"""What a file states: used, refused by its name, or (a cover sheet) listed as not used."""
 
 import csv
 import re
