@@ -192,6 +192,8 @@ def _run_tests(tree: Path, tests: Sequence[str]) -> None:
         "no:cacheprovider",
         "-p",
         "no:randomly",
+        "-m",
+        "not cluster",
     ]
     sys.exit(pytest.main([*quietly, *tests]))
 

@@ -10,6 +10,7 @@ from hypothesis import settings
 from once import once
 
 from scara_iso.diagnosis import closed_loop, poses
+from scara_iso.diagnosis.next_test import planning
 from scara_iso.render.formats import html, xlsx
 
 settings.register_profile("house", deadline=None)  # a busy machine fails no test
@@ -27,7 +28,7 @@ def each_diagnosis_and_picture_once():
     """Compute what is costly once, however many tests look at what is shown of it."""
     costly = [
         (closed_loop, "diagnose_readings"), (poses, "diagnose_poses"),
-        (html, "picture"), (xlsx, "picture_png"),
+        (planning, "smallest_effects"), (html, "picture"), (xlsx, "picture_png"),
     ]  # fmt: skip
     with pytest.MonkeyPatch.context() as patch:
         for module, name in costly:

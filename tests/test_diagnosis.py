@@ -65,6 +65,7 @@ PAIRS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", PAIRS)
 def test_two_effects_at_once_are_found_one_after_another(names):
     """One after another alone, they are a random course or unknown in nine of ten runs."""
@@ -171,6 +172,7 @@ def test_an_odd_reading_of_a_probe_beside_wider_scatter_is_not_a_sure_outlier():
     assert odd.probability < 0.9
 
 
+@pytest.mark.slow
 def test_scatter_alone_is_silent_on_most_seeds():
     """4 alarms or more of 40 have a probability of 0.14 at 5 %; this set of seeds is fixed."""
     alarms = 0
@@ -182,6 +184,7 @@ def test_scatter_alone_is_silent_on_most_seeds():
     assert alarms <= 4
 
 
+@pytest.mark.slow
 def test_a_course_in_no_catalogue_stays_unexplained():
     said = Counter()
     for seed in range(10):

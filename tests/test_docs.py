@@ -11,7 +11,10 @@ PAGES = sorted(
     path for path in ROOT.rglob("*.md")
     if not any(part.startswith(".") for part in path.relative_to(ROOT).parts)
 )  # fmt: skip
-PLAYED = [page for page in PAGES if BLOCK.search(page.read_text(encoding="utf-8"))]
+PLAYED = [
+    page if page == ROOT / "README.md" else pytest.param(page, marks=pytest.mark.slow)
+    for page in PAGES if BLOCK.search(page.read_text(encoding="utf-8"))
+]  # fmt: skip
 NOTEBOOK = re.compile(r"(?<=^```pycon\n).*?(?=^```)", re.MULTILINE | re.DOTALL)
 FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 

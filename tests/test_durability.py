@@ -79,6 +79,7 @@ def logged(tmp_path):
     return folder, logged_session(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("poses", [(), ("P1", "P2")])
 def test_a_power_cut_after_any_operation_loses_no_announced_reading(tmp_path, poses):
     folder, tour = tmp_path / "live", Tour(poses)
@@ -328,6 +329,7 @@ def test_no_manifest_says_nothing(tmp_path):
     assert check_manifest(tmp_path / "run.csv") == ()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs fork and SIGKILL")
 def test_killed_at_random_moments():
     script = Path(__file__).parents[1] / "benchmarks" / "durability.py"

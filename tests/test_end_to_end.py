@@ -152,7 +152,11 @@ def diagnosed(capsys, *argv):
     return json.loads(out)
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.text.replace("X,Y", "XY"))
+@pytest.mark.parametrize(
+    "case",
+    [*CASES[:3], *(pytest.param(case, marks=pytest.mark.slow) for case in CASES[3:])],
+    ids=lambda case: case.text.replace("X,Y", "XY"),
+)
 def test_from_the_simulator_over_the_dial_to_the_model(case, tmp_path, capsys):
     model, new = tmp_path / "robot.toml", tmp_path / "new.toml"
     model.write_text(MODEL, encoding="utf-8")

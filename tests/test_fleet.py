@@ -546,6 +546,7 @@ def dying(part, marks):
     return part.upper()
 
 
+@pytest.mark.slow
 def test_killed_processes_lose_and_double_nothing(tmp_path):
     engine = Engine(partial(open_processes, 2), lambda: 4)
     parts = ["a", "b", "once", "c", "always", "d", "e"]
@@ -590,6 +591,7 @@ def lines_of(manifest):
     return manifest.read_bytes().count(b"\n") if manifest.exists() else 0
 
 
+@pytest.mark.slow
 def test_a_script_without_a_guard_runs_once(tmp_path):
     """Processes that start from nothing run the script again, unless nobody names it to them."""
     script = tmp_path / "script.py"
@@ -604,6 +606,7 @@ def test_a_script_without_a_guard_runs_once(tmp_path):
     assert (done.stdout, done.stderr) == ("once\n2\n", "")
 
 
+@pytest.mark.slow
 def test_a_killed_client_goes_on_where_it_stopped(tmp_path, done):
     source, out, _ = done
     words = ("-m", "scara_iso", "fleet", str(source), "-o", str(tmp_path / "o"), "--workers", "1")
@@ -616,6 +619,7 @@ def test_a_killed_client_goes_on_where_it_stopped(tmp_path, done):
     assert results(tmp_path / "o") == results(out)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C of a process alone")
 @pytest.mark.parametrize("lines", [1, 3], ids=["at the start", "in the middle"])
 def test_ctrl_c_ends_the_processes_and_says_that_it_goes_on(tmp_path, done, lines):
@@ -669,6 +673,7 @@ def alive(pid):
     return not state.exists() or state.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
+@pytest.mark.slow
 def test_processes_end_with_the_one_that_started_them():
     program = (
         "import os, time; from scara_iso.library.engines import open_processes; "

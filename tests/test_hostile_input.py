@@ -64,6 +64,7 @@ for line in lines:
 """
 
 
+@pytest.mark.slow
 def test_lines_made_to_keep_a_pattern_busy_are_answered():
     """The limit is for a machine under load: the slowest line alone took 2 ** 20 years before."""
     done = subprocess.run([sys.executable, "-c", LONG], cwd=ROOT, timeout=300, check=False)

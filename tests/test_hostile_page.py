@@ -116,6 +116,7 @@ def test_markdown_says_a_text_wherever_it_stands(text):
     assert Page(page).text.count(squeezed(printable(text))) >= 10
 
 
+@pytest.mark.slow
 def test_pdf_holds_no_action_link_or_script(made):
     pytest.importorskip("weasyprint", exc_type=(ImportError, OSError))
     _, write = made

@@ -21,9 +21,13 @@ LONGEST = 32_767
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 
 
-@pytest.fixture(scope="module")
-def source(tmp_path_factory):
-    return table(tmp_path_factory.mktemp("xlsx") / "=1+1_x0041_.xlsx")
+@pytest.fixture(
+    scope="module", params=[TEXTS[::9], pytest.param(TEXTS, marks=pytest.mark.slow)],
+    ids=["some poses", "all poses"],
+)  # fmt: skip
+def source(request, tmp_path_factory):
+    poses = [f"p{k}{text[:30]}" for k, text in enumerate(request.param)]
+    return table(tmp_path_factory.mktemp("xlsx") / "=1+1_x0041_.xlsx", poses=poses)
 
 
 @pytest.fixture(scope="module")

@@ -69,6 +69,7 @@ def test_sides_that_mostly_alternate_are_no_overcorrection():
         assert choice.best == "contact_side"
 
 
+@pytest.mark.slow
 def test_readings_that_nobody_corrects_repeat_better_by_as_much_as_theory_says():
     left, shares = [], []
     for seed in range(3):
@@ -105,6 +106,7 @@ def test_a_random_course_is_of_the_axes_that_show_it(name):
     assert alone >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "filtered"),
     [

@@ -394,6 +394,7 @@ def test_without_pango_a_pdf_is_refused_with_what_to_install(tmp_path, monkeypat
     assert "libpango-1.0-0" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_pdf_is_the_page_and_the_same_every_time(five_poses):
     pytest.importorskip("weasyprint", exc_type=(ImportError, OSError))
     pdfium = pytest.importorskip("pypdfium2")

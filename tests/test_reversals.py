@@ -159,6 +159,7 @@ def test_a_shape_that_no_effect_gives_is_unexplained(model, rng):
     assert found.gear.candidates
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("common", [0.0, 3e-5])
 def test_scatter_alone_is_silent(common, model):
     """Also where it comes from the joint, and X and Y scatter together."""

@@ -43,6 +43,7 @@ def test_the_closed_form_is_that_distribution():
     assert student_4(x) == pytest.approx(stdtr(4, x), abs=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "F"), [(0, ndtr), (1, student_4)])
 @pytest.mark.parametrize("scatter", [0.3, 0.8])
 def test_the_bayes_factor_is_that_of_numerical_integration(family, F, scatter):
@@ -189,6 +190,7 @@ def test_eight_readings_are_answered():
     assert effects_of(run_of(y))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scatter", [0.4, 2.0])
 def test_the_completed_model_foretells_the_next_test(scatter):
     held = 0

@@ -365,6 +365,7 @@ def test_a_schema_is_one(name):
     Draft202012Validator.check_schema(SCHEMAS[name])
 
 
+@pytest.mark.slow
 def test_every_output_has_a_schema(documents):
     assert set(documents) == set(SCHEMAS)
     written = "".join(path.read_text("utf-8") for path in (ROOT / "scara_iso").rglob("*.py"))
@@ -372,6 +373,7 @@ def test_every_output_has_a_schema(documents):
     assert set(SCHEMAS) == named | {"record"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCHEMAS)
 def test_outputs_are_as_the_schema_says(documents, name):
     for document in documents[name]:
@@ -381,6 +383,7 @@ def test_outputs_are_as_the_schema_says(documents, name):
         assert errors == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCHEMAS)
 def test_one_key_more_or_less_is_refused(documents, name):
     first = documents[name][0]
@@ -420,6 +423,7 @@ def shortened(document):
     return document
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCHEMAS)
 def test_a_schema_names_nothing_that_no_output_has(documents, name):
     """Each property is needed: without it a real output has a key that is refused."""

@@ -51,21 +51,25 @@ def test_files_carry_no_hint(family):
     assert not run.origin.notes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LEAST_NAMED)
 def test_what_the_catalogue_holds_is_named(name, outcomes):
     assert outcomes[name]["right"] + outcomes[name]["rival"] >= LEAST_NAMED[name]
 
 
+@pytest.mark.slow
 def test_hardly_any_name_of_a_known_effect_is_wrong_and_sure(outcomes):
     assert sum(outcomes[name]["surely wrong"] for name in LEAST_NAMED) <= 1
 
 
+@pytest.mark.slow
 def test_what_it_does_not_hold_is_found(outcomes):
     strange = [outcomes[f.name] for f in FAMILIES if not f.names and not f.silent]
     assert sum(said["silent"] for said in strange) <= 3
     assert min(said["right"] for said in strange) >= 3
 
 
+@pytest.mark.slow
 def test_scatter_alone_is_mostly_silent(outcomes):
     quiet = [outcomes[f.name]["right"] for f in FAMILIES if f.silent]
     assert sum(quiet) >= len(quiet) * len(SEEDS) - 3
@@ -87,6 +91,7 @@ def probed():
     ]
 
 
+@pytest.mark.slow
 def test_a_real_probe_is_silent_where_it_does_not_move(probed):
     still = [found for _, found, trend in probed if trend > 0.2]
     assert len(still) >= 10
@@ -96,6 +101,7 @@ def test_a_real_probe_is_silent_where_it_does_not_move(probed):
     assert all(found.verdict.value != "nothing-to-explain" for found in moving)
 
 
+@pytest.mark.slow
 def test_a_real_probe_drifts_while_its_machine_heats_up_or_cools_down(probed):
     found = [found for window, found, trend in probed if window.phase != "cold" and trend < 1e-4]
     named = [one.effects[0] for one in found if one.effects]

@@ -21,6 +21,8 @@ ARMS = {
     "beyond a turn of joint 2": Arm(400, 300, (-130, 130), (-225, 225)),
     "backwards": Arm(300, 250, (0, 270), (-140, 20)),
 }
+SOME = ("typical", "whole disc")
+ALL = [*SOME, *(pytest.param(n, marks=pytest.mark.slow) for n in ARMS if n not in SOME)]
 STEP = 5.0
 
 
@@ -71,12 +73,18 @@ def largest_rectangle_of_cells(hit):
     return best
 
 
-@pytest.mark.parametrize(
-    ("name", "elbows"),
-    [(name, tuple(Elbow)) for name in ARMS]
-    + [("typical", (Elbow.RIGHT,)), ("backwards", (Elbow.LEFT,))],
-)
-def test_no_square_or_rectangle_of_a_grid_is_larger(name, elbows):
+@pytest.mark.parametrize("name", ALL)
+def test_no_square_or_rectangle_of_a_grid_is_larger(name):
+    no_grid_has_a_larger_one(name, tuple(Elbow))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "elbow"), [("typical", Elbow.RIGHT), ("backwards", Elbow.LEFT)])
+def test_nor_is_one_of_a_grid_of_one_elbow(name, elbow):
+    no_grid_has_a_larger_one(name, (elbow,))
+
+
+def no_grid_has_a_larger_one(name, elbows):
     arm = ARMS[name]
     workspace, hit = Workspace.of(arm, elbows), reached_cells(arm, elbows)
     either = len(elbows) == 2
@@ -93,7 +101,7 @@ def test_no_square_or_rectangle_of_a_grid_is_larger(name, elbows):
     assert box.width * box.depth >= square.width**2 * (1 - 1e-6)
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", ALL)
 def test_every_point_of_the_rectangle_is_reached(name):
     workspace = Workspace.of(ARMS[name])
     for square in (True, False):
@@ -114,6 +122,7 @@ def test_the_square_of_a_disc_and_of_a_ring_are_those_of_geometry():
     assert ring.x == pytest.approx(100 + side / 2, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_the_box_of_a_ring_is_that_of_calculus():
     box = largest_rectangle(Workspace.of(Arm(400, 300)), square=False)
     widths = np.linspace(300, 550, 250_001)  # between the hole's tangent and the rim
@@ -188,6 +197,7 @@ def test_an_elbow_that_the_limits_exclude_is_refused():
         Workspace.of(Arm(400, 300, (-90, 90), (-120, -30)), (Elbow.RIGHT,))
 
 
+@pytest.mark.slow
 def test_a_rectangle_that_can_slide_is_found_and_fits():
     arm = Arm(453.8, 167.3, (-154.3, -100.7), (57.8, 303.0))
     workspace = Workspace.of(arm)

@@ -34,6 +34,10 @@ WRITERS = {
 """Each command that writes a file: the file's name, and the arguments in front of it."""
 
 every_writer = pytest.mark.parametrize("writer", WRITERS)
+writes = pytest.mark.parametrize(
+    "writer",
+    [pytest.param(name, marks=[pytest.mark.slow] if "pdf" in name else []) for name in WRITERS],
+)
 
 
 @pytest.fixture
@@ -86,7 +90,7 @@ def test_a_full_disk_leaves_the_old_file_and_nothing_else(folder, capsys, writer
     assert len(capsys.readouterr().err.splitlines()) <= 3
 
 
-@every_writer
+@writes
 def test_another_name_of_what_is_there_is_written_anew(folder, capsys, writer):
     name, arguments = WRITERS[writer]
     old = folder / name

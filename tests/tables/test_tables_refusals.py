@@ -307,6 +307,7 @@ def test_dates_errors_booleans_and_blanks_among_the_readings_of_a_workbook_are_f
     assert places(faults(book(error))) == [(3, 1)]
 
 
+@pytest.mark.slow
 def test_a_cell_far_away_and_a_bomb_are_refused_before_they_fill_the_memory():
     far = openpyxl.Workbook()
     far.active["A1"], far.active["XFD1048576"] = "X [mm]", 1
