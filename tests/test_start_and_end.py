@@ -30,7 +30,6 @@ SPEAKING = {
     "ports": [],
     "demo": [],
     "explain": [],
-    "record": ["run.csv", "--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:1"],
     "--help": [],
     "--no-color": [],
     "--version": [],
@@ -43,18 +42,49 @@ def process(*arguments, **options):
                             stderr=subprocess.PIPE, **options)  # fmt: skip
 
 
+@pytest.fixture
+def no_reader():
+    """Return the writing end of a pipe whose reader has left."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    with os.fdopen(writer, "w", encoding="utf-8") as stream:
+        yield stream
+        os.dup2(nowhere, writer)  # what is left in it fails no more
+    os.close(nowhere)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="a pipe that is closed has another error there")
 @pytest.mark.parametrize("command", SPEAKING)
 @pytest.mark.parametrize("json", [False, True])
-def test_a_closed_pipe_is_an_output_that_cannot_be_written(tmp_path, command, json):
+def test_a_closed_pipe_is_an_output_that_cannot_be_written(
+    tmp_path, monkeypatch, capsys, no_reader, command, json
+):
     if json and command.startswith("--"):
         pytest.skip("no JSON")
-    reader, writer = os.pipe()
-    os.close(reader)
-    name = [command.split()[0]]
-    arguments = [*name, *SPEAKING[command], *(["--json"] if json else [])]
-    with process(*arguments, stdout=writer, cwd=tmp_path) as started:
-        os.close(writer)
+    monkeypatch.chdir(tmp_path)
+    name = command.split()[0]
+    monkeypatch.setattr(sys, "stdout", no_reader)
+    assert main([name, *SPEAKING[command], *(["--json"] if json else [])]) == 74
+    sys.stdout.flush()  # what is left at the end of a process
+    err = capsys.readouterr().err
+    assert "Traceback" not in err
+    assert "Exception" not in err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a pipe that is closed has another error there")
+@pytest.mark.parametrize("json", [False, True])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["analyze", TABLE],
+        ["record", "run.csv", "--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:1"],
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_a_process_whose_reader_leaves_ends_with_that_code(tmp_path, no_reader, arguments, json):
+    words = [*arguments, *(["--json"] if json else [])]
+    with process(*words, stdout=no_reader, cwd=tmp_path) as started:
         err = started.communicate()[1]
     assert started.returncode == 74
     assert b"Traceback" not in err
@@ -62,15 +92,12 @@ def test_a_closed_pipe_is_an_output_that_cannot_be_written(tmp_path, command, js
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a pipe that is closed has another error there")
-def test_an_error_that_nobody_hears_keeps_its_code(tmp_path):
-    reader, writer = os.pipe()
-    os.close(reader)
+def test_an_error_that_nobody_hears_keeps_its_code(tmp_path, no_reader):
     done = subprocess.run(
         [sys.executable, "-m", "scara_iso", "analyze", "nowhere.csv"],
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stderr=writer, stdout=subprocess.PIPE, check=False, cwd=tmp_path,
+        stderr=no_reader, stdout=subprocess.PIPE, check=False, cwd=tmp_path,
     )  # fmt: skip
-    os.close(writer)
     assert (done.returncode, done.stdout) == (66, b"")
 
 
