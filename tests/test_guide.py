@@ -7,6 +7,7 @@ import shlex
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,6 +19,7 @@ from scara_iso.acquisition import (
     Device,
     RememberedBench,
     detect,
+    name_dialects,
     read_bench,
     write_bench,
 )
@@ -108,6 +110,7 @@ def instrument():
 needs_terminals = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
 
 
+@pytest.mark.slow
 @needs_terminals
 def test_four_questions_record_and_the_next_time_the_name_is_enough(tmp_path, run):
     terminal = Terminal(tmp_path, "record", "--cycles", "2")
@@ -129,6 +132,7 @@ def test_four_questions_record_and_the_next_time_the_name_is_enough(tmp_path, ru
     assert len(read_table(tmp_path / "second.csv")) == 2
 
 
+@pytest.mark.slow
 @needs_terminals
 def test_an_instrument_on_a_cable_is_named_and_a_wrong_answer_asked_again(tmp_path, instrument):
     device = instrument(r"01A+0000.812\r")
@@ -283,35 +287,91 @@ def test_a_bench_written_is_the_bench_read(tmp_path):
         )
 
 
-@needs_terminals
+class Wire:
+    """A port whose instrument answers each request by one text, and the time that passes on it."""
+
+    settle_s = 0.15
+
+    def __init__(self, answer):
+        self._answer, self._arrived, self._now = answer, b"", 0.0
+
+    def read(self):
+        arrived, self._arrived = self._arrived, b""
+        return arrived
+
+    def write(self, data):
+        self._arrived += b"MM\r" if data == b"UNI?\r" else self._answer
+
+    def pulse(self, pulse):
+        """Do nothing: this instrument is asked in words."""
+
+    def close(self):
+        """Nothing was opened."""
+
+    def now(self):
+        return self._now
+
+    def idle(self, until):
+        self._now = until
+
+
+def detect_on(answer):
+    def opened(address, dialect):
+        wire = Wire(answer)
+        return wire, wire
+
+    return partial(detect, opened=opened)
+
+
 @pytest.mark.parametrize(
     ("answer", "dialect"),
     [
-        (r"+000.101\r", "opto-rs232"),
-        (r"+000.101\r\n", "opto-rs232-tesa"),
-        (r"01A+0000.501\r", "mitutoyo-mux"),
-        (r"A+00.501\r\n", "magnescale"),
+        (b"+000.101\r", "opto-rs232"),
+        (b"+000.101\r\n", "opto-rs232-tesa"),
+        (b"01A+0000.501\r", "mitutoyo-mux"),
+        (b"A+00.501\r\n", "magnescale"),
     ],
 )
-def test_a_dialect_is_found_by_what_comes(run, tmp_path, instrument, answer, dialect):
-    device = instrument(answer)
+def test_a_dialect_is_found_by_what_comes(answer, dialect):
+    told = []
+    named = name_dialects(
+        ["X=auto?unit=mm@COM3", "Y=maxum@COM4"], told.append, find=detect_on(answer)
+    )
+    assert named == (f"X={dialect}?unit=mm@COM3", "Y=maxum@COM4")
+    assert [line.startswith(f"X: COM3 speaks {dialect} (") for line in told] == [True]
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (b"+000.101mm\r\n", ("more than one", "millimar-c1240", "opto-rs232-tesa")),
+        (b"ERR\r", ("speaks none",)),
+        (b"", ("speaks none",)),
+    ],
+)
+def test_where_two_dialects_fit_or_none_no_gauge_is_named(answer, words):
+    with pytest.raises(InstrumentError) as found:
+        name_dialects(["X=auto@COM3"], print, find=detect_on(answer))
+    assert all(word in str(found.value) for word in words)
+
+
+@pytest.mark.slow
+@needs_terminals
+def test_the_dialect_of_a_real_port_is_found_and_recorded(run, tmp_path, instrument):
+    device = instrument(r"A+00.501\r\n")
     code, _, err = run("record", "run.csv", "--gauge", f"X=auto?unit=mm@{device}",
                        "--trigger", "timer:0.01", "--cycles", "2")  # fmt: skip
     assert code == 0
-    assert f"X: {device} speaks {dialect} (" in err
-    assert dialect in read_table(tmp_path / "run.csv").metadata["indicator"]
+    assert f"X: {device} speaks magnescale (" in err
+    assert "magnescale" in read_table(tmp_path / "run.csv").metadata["indicator"]
 
 
+@pytest.mark.slow
 @needs_terminals
-def test_where_two_dialects_fit_or_none_nothing_is_recorded(run, tmp_path, instrument):
-    both = instrument(r"+000.101mm\r\n")
-    options = ("--trigger", "timer:0.01", "--cycles", "2")
-    code, out, err = run("record", "run.csv", "--gauge", f"X=auto@{both}", *options)
-    assert (code, out) == (69, "")
-    assert "millimar-c1240" in err
-    assert "opto-rs232-tesa" in err
+def test_where_none_fits_nothing_is_recorded(run, tmp_path, instrument):
     silent = instrument("ERR\\r")
-    code, out, err = run("record", "run.csv", "--gauge", f"X=auto@{silent}", *options)
+    code, out, err = run("record", "run.csv", "--gauge", f"X=auto@{silent}",
+                         "--trigger", "timer:0.01", "--cycles", "2")  # fmt: skip
     assert (code, out) == (69, "")
     assert "speaks none" in err
     assert list(tmp_path.iterdir()) == []
@@ -384,6 +444,7 @@ def _typed(run, monkeypatch, text, *options):
         )
 
 
+@pytest.mark.slow
 @needs_terminals
 def test_a_wedge_types_on_the_screen_and_letters_stay_commands(tmp_path):
     gauge = ("--gauge", "X=keyboard?unit=mm@keyboard:", "--cycles", "3", "--meta", "robot=r")

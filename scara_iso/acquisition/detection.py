@@ -26,6 +26,7 @@ _MAKERS = {"0fe7": "Mitutoyo"}
 """Makers whose USB identity tells that it is theirs; an adapter's says nothing of the gauge."""
 _LINE_END = re.compile(rb"[\r\n]+")
 _Request = tuple[bytes | None, LinePulse | None]
+Opened = Callable[[str, Dialect], tuple[Port, Clock]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +46,19 @@ class Detected:
         return f"{self.address} speaks {found or 'none'} of {among} tried"
 
 
-def detect(address: str) -> Detected:
+def _opened(address: str, dialect: Dialect) -> tuple[Port, Clock]:
+    """Return a port and the time that passes on it: a simulated port sets a clock of its own."""
+    clock = choose_clock([address])
+    return open_port(address, dialect, axis="X", clock=clock, asked=True), clock
+
+
+def detect(address: str, *, opened: Opened = _opened) -> Detected:
     """Ask a port for a reading in every dialect that fits its identity.
 
     A dialect fits where every line that came in answer to its own request is one of its frames,
     ended as it ends them, and one is a reading; a dialect that is not asked, where such lines came
-    by themselves. Raises `InstrumentError` where the port cannot be opened at all.
+    by themselves. ``opened`` gives the port with a dialect's line settings, anew for each, and its
+    clock. Raises `InstrumentError` where the port cannot be opened at all.
     """
     maker, dialects = _candidates(address)
     fits: dict[str, bytes] = {}
@@ -59,7 +67,7 @@ def detect(address: str) -> Detected:
     lines = [tuple(group) for _, group in groupby(ordered, key=_line)]
     for group in lines:
         try:
-            fits |= _on_one_line(address, group)
+            fits |= _on_one_line(*opened(address, group[0]), group)
         except InstrumentError as error:
             refused.append(error)
     if len(refused) == len(lines):
@@ -67,15 +75,20 @@ def detect(address: str) -> Detected:
     return Detected(address, len(dialects), dict(sorted(fits.items())), maker)
 
 
-def name_dialects(texts: Iterable[str], tell: Callable[[str], None]) -> tuple[str, ...]:
+def name_dialects(
+    texts: Iterable[str],
+    tell: Callable[[str], None],
+    *,
+    find: Callable[[str], Detected] = detect,
+) -> tuple[str, ...]:
     """Return gauges as written, `AUTO` replaced by the one dialect that its port speaks.
 
     ``tell`` hears which and why. Raises `InstrumentError` where none fits, or more than one.
     """
-    return tuple(_named(text, tell) for text in texts)
+    return tuple(_named(text, tell, find) for text in texts)
 
 
-def _named(text: str, tell: Callable[[str], None]) -> str:
+def _named(text: str, tell: Callable[[str], None], find: Callable[[str], Detected]) -> str:
     name, _, rest = text.partition("=")
     driver, at, address = rest.partition("@")
     key, mark, options = driver.partition("?")
@@ -83,7 +96,7 @@ def _named(text: str, tell: Callable[[str], None]) -> str:
         return text
     if address.strip() == "keyboard:":
         raise UsageError("a keyboard speaks no dialect", remedy=f"write {name}=keyboard@keyboard:")
-    found = detect(address.strip())
+    found = find(address.strip())
     if len(found.fits) != 1:
         raise _undecided(name, found)
     tell(f"{name}: {found}")
@@ -119,10 +132,8 @@ def _line(dialect: Dialect) -> tuple[str, str]:
     return str(dialect.line), f"{dialect.line.dtr} {dialect.line.rts}"
 
 
-def _on_one_line(address: str, dialects: Sequence[Dialect]) -> dict[str, bytes]:
+def _on_one_line(port: Port, clock: Clock, dialects: Sequence[Dialect]) -> dict[str, bytes]:
     """Return what came for each dialect that understands it; all share the port's settings."""
-    clock = choose_clock([address])  # a new one: a simulated port sets the time of its own
-    port = open_port(address, dialects[0], axis="X", clock=clock, asked=True)
     try:
         _receive(port, clock, port.settle_s)
         heard: dict[_Request, bytes] = {(None, None): _receive(port, clock, LISTEN_S)}
