@@ -194,6 +194,7 @@ def _run_tests(tree: Path, tests: Sequence[str]) -> None:
         "no:randomly",
         "-m",
         "not cluster",
+        "--hypothesis-profile=whole",
     ]
     sys.exit(pytest.main([*quietly, *tests]))
 

@@ -6,6 +6,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the program does; befor
 
 import numpy as np
 import pytest
+from budget import WHOLE
 from hypothesis import settings
 from once import once
 
@@ -13,8 +14,10 @@ from scara_iso.diagnosis import closed_loop, poses
 from scara_iso.diagnosis.next_test import planning
 from scara_iso.render.formats import html, xlsx
 
-settings.register_profile("house", deadline=None)  # a busy machine fails no test
-settings.load_profile("house")
+# no deadline: a busy machine fails no test
+settings.register_profile("whole", deadline=None, max_examples=WHOLE)  # of .ci/run
+settings.register_profile("quick", deadline=None, max_examples=WHOLE // 4)
+settings.load_profile("quick")
 
 
 @pytest.fixture

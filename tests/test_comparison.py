@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from budget import examples
+from hypothesis import given, strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from scipy import stats
 
@@ -122,7 +123,7 @@ def test_two_places_between_the_divisions_are_no_difference(rng):
 
 
 @given(st.integers(0, 2**32), st.floats(0.2, 5), st.sampled_from([0.001, 0.5, 1.0]))
-@settings(max_examples=25)
+@examples(25)
 def test_interval_p_value_and_verdict_say_the_same(seed, scale, division):
     rng = np.random.default_rng(seed)
     runs = [

@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings, strategies as st
+from budget import examples
+from hypothesis import example, given, strategies as st
 
 from scara_iso.errors import UsageError
 from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
@@ -255,7 +256,7 @@ def test_a_stiff_servo_tends_to_a_motor_that_is_held():
     assert misses[1] < 0.02 * train.gap
 
 
-@settings(max_examples=15)
+@examples(15)
 @given(
     trains,
     st.floats(0, 1),
@@ -280,7 +281,7 @@ def test_closed_form_and_integration_agree(
         assert getattr(numeric, name)[-1] == pytest.approx(getattr(exact, name)[-1], abs=1e-7)
 
 
-@settings(max_examples=15)
+@examples(15)
 @given(
     st.floats(0, 0.5),
     st.floats(0, 0.5),

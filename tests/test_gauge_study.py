@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from aqdefreader import DfqFile
+from budget import examples
 from capstat_core import bias, gage_rr, gage_rr_range, linearity, xbar_s_chart
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from openpyxl import Workbook
 from scipy.stats import t as student
 
@@ -146,7 +147,7 @@ def test_type_1_by_its_formulas(tmp_path):
     assert found.budget.zone == pytest.approx(0.06 - 4 * u)
 
 
-@settings(max_examples=8, deadline=None)
+@examples(8)
 @given(scale=st.floats(1e-3, 1e3), offset=st.floats(-100, 100))
 def test_shares_do_not_change_with_unit_and_zero(tmp_path_factory, scale, offset):
     folder = tmp_path_factory.mktemp("scaled")

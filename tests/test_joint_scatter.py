@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from budget import examples
+from hypothesis import given, strategies as st
 from scipy.optimize import minimize
 
 import scara_iso
@@ -74,7 +75,7 @@ def test_expected_rp_is_that_of_simulated_tests(n, narrow):
     assert error == pytest.approx(RP.std() / RP.mean(), rel=0.05)
 
 
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(
     joints=st.lists(
         st.tuples(st.floats(-120, 120), st.floats(20, 140)), min_size=3, max_size=6,

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import push_rig
 import pytest
-from hypothesis import given, settings, strategies as st
+from budget import examples
+from hypothesis import given, strategies as st
 
 import scara_iso
 from scara_iso.cli import main
@@ -70,7 +71,7 @@ def test_what_is_no_loop_of_one_pose_is_refused(tmp_path, axis, pose, said):
         scara_iso.push(table, axis=axis)
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(
     stiffness=st.floats(50, 5000),
     half_play=st.floats(0, 0.1),

@@ -4,8 +4,9 @@ import json
 
 import pytest
 from bench import Orders, kept, run_session
+from budget import examples
 from disks import UnsyncedDisk
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 from scara_iso import read_table
 from scara_iso.acquisition.recorder import (
@@ -284,7 +285,7 @@ def test_a_raw_file_of_an_older_version_is_read_and_gone_on_with(recording):
     assert read_history(raw_path(recording / "run.csv")).doubts != ()
 
 
-@settings(max_examples=300, deadline=None)
+@examples(300)
 @given(data=st.data())
 def test_any_bit_of_any_line_but_the_last_is_noticed(data, tmp_path_factory):
     lines = _recorded(tmp_path_factory)

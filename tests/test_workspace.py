@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from budget import examples
+from hypothesis import given, strategies as st
 
 from scara_iso.errors import UsageError
 from scara_iso.robot.arm import Arm, Elbow
@@ -147,7 +148,7 @@ def test_equal_places_are_decided_for_the_foremost():
     st.floats(-150, 0),
     st.floats(5, 150),
 )
-@settings(max_examples=10)
+@examples(10)
 def test_clearance_is_the_distance_to_the_nearest_place_out_of_reach(l_1, l_2, a, da, b, db):
     workspace = Workspace.of(Arm(l_1, l_2, (a, a + da), (b, b + db)))
     rng = np.random.default_rng(1)

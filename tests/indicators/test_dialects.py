@@ -4,7 +4,8 @@ import re
 from decimal import Decimal
 
 import pytest
-from hypothesis import given, settings, strategies as st
+from budget import examples
+from hypothesis import given, strategies as st
 
 from scara_iso.acquisition.indicators import (
     Decoder,
@@ -49,7 +50,7 @@ def readings(dialect: Dialect, *chunks: bytes) -> list[Reading]:
 
 
 @every_dialect
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data())
 def test_what_an_instrument_shows_is_read_back(dialect: Dialect, data: st.DataObject) -> None:
     text, unit = data.draw(shown(dialect)), data.draw(st.sampled_from(dialect.units))
@@ -65,7 +66,7 @@ def test_what_an_instrument_shows_is_read_back(dialect: Dialect, data: st.DataOb
 
 
 @every_dialect
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data())
 def test_two_frames_read_alike_however_they_arrive(dialect: Dialect, data: st.DataObject) -> None:
     unit = dialect.units[0]
@@ -83,7 +84,7 @@ def test_two_frames_read_alike_however_they_arrive(dialect: Dialect, data: st.Da
 
 
 @every_dialect
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data())
 def test_no_part_of_a_frame_is_a_frame(dialect: Dialect, data: st.DataObject) -> None:
     text = data.draw(shown(dialect))
@@ -97,7 +98,7 @@ def test_no_part_of_a_frame_is_a_frame(dialect: Dialect, data: st.DataObject) ->
 
 
 @every_dialect
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data())
 def test_a_byte_with_bit_8_is_never_read(dialect: Dialect, data: st.DataObject) -> None:
     line = bytearray(dialect.compose(data.draw(shown(dialect)), dialect.units[0], dialect.channel))
@@ -108,7 +109,7 @@ def test_a_byte_with_bit_8_is_never_read(dialect: Dialect, data: st.DataObject) 
 
 
 @every_dialect
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data())
 def test_a_wrong_parity_is_told_and_never_read(dialect: Dialect, data: st.DataObject) -> None:
     if dialect.bit_8_undefined:
@@ -137,7 +138,7 @@ def test_a_fault_or_a_foreign_number_is_no_reading(dialect: Dialect) -> None:
 
 
 @every_dialect
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.binary(max_size=400), cut=st.integers(0, 400))
 def test_any_bytes_give_events_and_no_exception(dialect: Dialect, data: bytes, cut: int) -> None:
     decoder = Decoder(dialect)
@@ -147,7 +148,7 @@ def test_any_bytes_give_events_and_no_exception(dialect: Dialect, data: bytes, c
 
 
 @every_dialect
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data())
 def test_a_line_of_the_grammars_own_bytes_gives_strict_numbers(
     dialect: Dialect, data: st.DataObject

@@ -1,6 +1,7 @@
 """Any bytes give a run or an error of the house; a damaged table never gives another number."""
 
-from hypothesis import given, settings, strategies as st
+from budget import examples
+from hypothesis import given, strategies as st
 from spelling import Spelling, Table, lines, spell
 from test_tables_spellings import assert_same
 
@@ -22,13 +23,13 @@ def read_or_refuse(data, **options):
         return None
 
 
-@settings(max_examples=200)
+@examples(200)
 @given(st.binary(max_size=200))
 def test_arbitrary_bytes_give_a_run_or_an_error_of_the_house(data):
     read_or_refuse(data)
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(
     st.lists(PIECES, max_size=40).map("".join),
     st.sampled_from(["utf-8", "utf-16", "cp1252"]),
@@ -70,7 +71,7 @@ def unharmed_or_refused(text):
     assert not lost or run.origin.notes
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(st.sampled_from(sorted(TEXTS)), st.integers(0, 400), JUNK)
 def test_junk_put_anywhere_changes_no_number(delimiter, place, junk):
     text = TEXTS[delimiter]
@@ -81,7 +82,7 @@ def test_junk_put_anywhere_changes_no_number(delimiter, place, junk):
         unharmed_or_refused(text[:place] + junk + text[place:])
 
 
-@settings(max_examples=200)
+@examples(200)
 @given(st.sampled_from(sorted(TEXTS)), st.integers(0, 400))
 def test_a_lost_separator_mark_or_line_end_changes_no_number(delimiter, which):
     text = TEXTS[delimiter]
@@ -96,7 +97,7 @@ def test_a_lost_separator_mark_or_line_end_changes_no_number(delimiter, which):
         unharmed_or_refused(text[:place] + other + text[place + 1 :])
 
 
-@settings(max_examples=100)
+@examples(100)
 @given(
     st.sampled_from(sorted(TEXTS)),
     st.integers(0, 6),
@@ -108,7 +109,7 @@ def test_a_line_put_in_changes_no_number(delimiter, row, line):
     unharmed_or_refused("\n".join([*rows[:at], line, *rows[at:]]))
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(st.integers(0, 10**4), st.integers(0, 255))
 def test_a_damaged_byte_of_utf_16_is_a_run_or_an_error_of_the_house(place, byte):
     data = bytearray(spell(TABLE, Spelling(delimiter=";", mark=",", encoding="utf-16")))

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings, strategies as st
+from budget import examples
+from hypothesis import assume, given, strategies as st
 
 from scara_iso.errors import DataError
 from scara_iso.quantities import Dimension
@@ -70,7 +71,7 @@ def test_a_comma_does_not_cut_a_metadata_line(metadata):
     assert dict(back) == {key: value.strip() for key, value in metadata.items()}
 
 
-@settings(max_examples=100)
+@examples(100)
 @given(runs(), st.sampled_from([None, "de", "en"]).map(find_locale))
 def test_written_and_read_is_the_same_run(run, locale):
     # Numbers that rise through several poses count their visits: those are read as cycles.
@@ -94,7 +95,7 @@ def test_written_and_read_is_the_same_run(run, locale):
     assert write_table(back, locale) == text
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(runs())
 def test_no_text_becomes_a_formula_in_a_spreadsheet(run):
     for row in csv.reader(write_table(run).split("\n")):
@@ -102,7 +103,7 @@ def test_no_text_becomes_a_formula_in_a_spreadsheet(run):
             assert not re.match(r"\s*[=+@-]", cell) or re.fullmatch(r"[+-]?[0-9.e+-]+", cell)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(st.dictionaries(keys, texts, max_size=4), st.sampled_from([",", ";"]))
 def test_no_metadata_become_a_formula_whatever_the_separator(metadata, separator):
     run = Run(cycle=np.array([1]), axes={"X": Axis("X", np.ones(1))}, metadata=metadata)

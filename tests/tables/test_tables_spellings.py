@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings, strategies as st
+from budget import examples
+from hypothesis import HealthCheck, assume, given, strategies as st
 from spelling import ENCODINGS, Spelling, Table, spell, workbook
 
 from scara_iso.errors import DataError
@@ -191,7 +192,7 @@ def can_be_read(spelling):
     return not (spelling.delimiter == "," and spelling.mark == "," and not spelling.quoted)
 
 
-@settings(max_examples=100, suppress_health_check=[HealthCheck.filter_too_much])
+@examples(100, suppress_health_check=[HealthCheck.filter_too_much])
 @given(tables(), spellings())
 def test_a_random_table_in_a_random_spelling_is_the_same_numbers_or_asked(table, spelling):
     assume(can_be_read(spelling))
