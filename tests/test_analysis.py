@@ -253,6 +253,7 @@ def test_the_nearer_the_limit_the_more_cycles_are_wanted(rng):
         assert wanted[-1] > 30
 
 
+@pytest.mark.slow
 def test_of_robots_at_the_limit_few_pass(rng):
     """The true RP, the expected one of 30 cycles, is 2.54 sigma: the limit, or 1.1 times it."""
     runs = 400

@@ -24,9 +24,14 @@ def module_of(path):
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
+@cache
+def tree_of(path):
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imported(path):
     """Yield each of our modules that a file imports, below scara_iso."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -91,7 +96,7 @@ HOOKS = {"check", "check_shape", "compose", "compute", "parse", "render"}
 
 def public_definitions(path):
     """Yield the public classes and functions at the top of a file."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+    for node in tree_of(path).body:
         if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
             yield node.name
 
@@ -113,7 +118,7 @@ SCREEN = {"render.terminal"}
 
 
 def strings(path):
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             yield node.value
 
@@ -162,7 +167,7 @@ LONGEST_MODULE, LONGEST_FUNCTION = 500, 40
 
 def functions_of(path):
     """Yield each function, and the lines of its body below the docstring."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             first = node.body[min(len(node.body) - 1, ast.get_docstring(node) is not None)]
             yield node.name, node.body[-1].end_lineno - first.lineno + 1

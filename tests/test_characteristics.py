@@ -192,6 +192,7 @@ def test_distance_repeatability_is_three_standard_deviations_of_the_distances(rn
         assert found["P1-P2", of].estimate.value == pytest.approx(3 * statistics.stdev(distances))
 
 
+@pytest.mark.slow
 def test_the_interval_of_a_distance_holds_what_it_should():
     """Coverage of 3 sigma sqrt(2) in 200 tests; the chi-square interval is the oracle's width."""
     inside, widths = 0, []

@@ -154,6 +154,7 @@ def test_several_tables_give_a_summary(call, tmp_path):
     assert call("diagnose", step, plain, "--plot", "a.svg")[0] == 2
 
 
+@pytest.mark.slow
 def test_a_planned_test_says_what_it_will_find(call):
     document = json.loads(
         call("diagnose", "--design", "--sigma", "0.004", "--columns", "approach", "--json")[1],
@@ -168,6 +169,7 @@ def test_a_planned_test_says_what_it_will_find(call):
     assert moved["three axes that move together"] < smallest["step"]
 
 
+@pytest.mark.slow
 def test_a_test_like_that_of_a_table(call):
     code, out, _ = call("diagnose", TABLE_1, "--design")
     assert code == 0

@@ -101,6 +101,7 @@ def test_no_difference_is_an_answer(rng):
     assert 1.5 < X.smallest_shown < 2.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1.0, 2.0])
 def test_level_and_power_of_one_axis(rng, scale):
     shown = [

@@ -73,6 +73,7 @@ def test_a_formula_is_what_it_says(course):
     assert unseen < found.alone_rms
 
 
+@pytest.mark.slow
 def test_scatter_alone_has_no_formula():
     rng = np.random.default_rng(7)
     offered = [formula_for(np.round(rng.normal(size=30)), CYCLE, rng) for _ in range(20)]

@@ -382,6 +382,7 @@ def test_a_neighbouring_division_never_is_an_outlier(rng):
     assert (found.outlier, found.gaussian_outlier, found.two_levels) == (1.0, 1.0, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [30, 60])
 @pytest.mark.parametrize("kind", ["uniform", "arcsine", "laplace"])
 def test_scatter_between_limits_is_seldom_two_levels(kind, n):
@@ -516,6 +517,7 @@ def test_effects_that_scale_the_deviation_are_rivals(sweep, rng):
     assert {found.effect, *(rival.effect for rival in found.rivals)} >= {"gap", "friction_hold"}
 
 
+@pytest.mark.slow
 def test_a_sweep_that_follows_the_model_holds_nothing(sweep):
     alarms = 0
     for seed in range(60):

@@ -157,6 +157,7 @@ def marginal(y, scale):
     return density.sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("known", [None, 5.0])
 def test_a_change_of_scatter_integrates_mean_and_width_out(rng, known):
     """The known cycles are seen under the narrow width with a mean that is known."""

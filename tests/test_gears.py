@@ -25,6 +25,7 @@ def names(found):
     return {effect.effect for effect in found.effects}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("known", [True, False])
 def test_scatter_that_grows_with_the_deviation_is_no_effect(known):
     sweep, alarms = sweep_of(LOADS), 0

@@ -22,7 +22,14 @@ def test_each_golden_file_has_its_commands():
     assert {path.stem for path in goldens.GOLDEN.iterdir()} == set(goldens.cases())
 
 
-@pytest.mark.parametrize("name", goldens.cases())
+DIAGNOSES = re.compile("(effect|diagnose|report)_(?!fum)")  # those of the paper's table are quick
+CASES = [
+    pytest.param(name, marks=[pytest.mark.slow] if DIAGNOSES.match(name) else [])
+    for name in goldens.cases()
+]
+
+
+@pytest.mark.parametrize("name", CASES)
 def test_commands_do_what_they_did(name):
     golden = (goldens.GOLDEN / f"{name}.txt").read_text(encoding="utf-8")
     today = goldens.played(goldens.cases()[name])

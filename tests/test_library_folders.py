@@ -111,6 +111,7 @@ def test_record_records_one_part(tmp_path):
         record(tmp_path / "a", 1)
 
 
+@pytest.mark.slow
 def test_tests_are_compared_under_each_condition(two_conditions, tmp_path, capsys):
     other = tmp_path / "b"
     new_test(other, MODEL, velocities=(50, 100, 10))

@@ -84,6 +84,7 @@ def test_readings_that_nobody_corrects_repeat_better_by_as_much_as_theory_says()
     assert np.mean(shares) == pytest.approx(0.5, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["overcorrection", "random_walk"])
 def test_a_random_course_is_of_the_axes_that_show_it(name):
     alone = 0

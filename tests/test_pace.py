@@ -34,6 +34,7 @@ def diagnosed(call, *argv):
     return json.loads(out)
 
 
+@pytest.mark.slow
 def test_the_next_table_at_another_pace_is_predicted(call, tmp_path):
     slow = warming(call, tmp_path / "slow.csv", 25, 2)
     found = warming(call, tmp_path / "a.csv", 10, 1)

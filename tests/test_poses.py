@@ -157,6 +157,7 @@ def test_rp_of_unseen_cycles_is_that_of_every_other_cycle_of_the_pose(worn, foun
         assert unseen["completed"].keys() == unseen["measured"].keys() == {"X", "Y", "XY"}
 
 
+@pytest.mark.slow
 def test_an_effect_of_a_users_own_is_found_in_its_joint_and_saved(tmp_path, capsys):
     bend = np.abs(np.arange(2, N + 2) - 17.0)[:, np.newaxis]
     rng, moved = np.random.default_rng(6), {}

@@ -115,6 +115,7 @@ def test_a_drift_from_loop_to_loop_is_no_lost_motion(rng):
     assert play[0] == pytest.approx(play[1], abs=0.001)
 
 
+@pytest.mark.slow
 def test_intervals_hold_what_they_should():
     """Coverage in 150 loops; benchmarks/push.py has it for more joints and dials."""
     truth = {"lost_motion": 0.04, "friction_width": 0.024, "hysteresis": 0.064, "compliance": 0.2}
@@ -245,6 +246,7 @@ def test_command_line(tmp_path, rng, capsys):
     assert main(["push", str(tmp_path / "none.csv")]) == 66
 
 
+@pytest.mark.slow
 def test_rounding_that_repeats_is_counted():
     """Steps of whole divisions: all readings of a flank are rounded alike, loop after loop."""
     inside = 0

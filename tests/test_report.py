@@ -219,6 +219,7 @@ def test_an_axis_that_is_another_in_its_own_unit_is_reported(tmp_path, rng):
     assert "Y before and after the diagnosis" not in text  # it was left out, and has no error
 
 
+@pytest.mark.slow
 def test_the_same_input_gives_the_same_bytes(tmp_path):
     first = make(tmp_path, WARM_UP, MODEL)
     forget()
