@@ -124,9 +124,11 @@ def test_no_pattern_of_the_package_repeats_a_repeated_part():
     assert [pattern for pattern in found if unbounded_in_unbounded(pattern)] == []
 
 
+JUNK = ("-------", "Mean,1,2", "# said", "Inspector: A", "1,x,2", ",,", "--- ---a", '1,"2')
+
+
 @pytest.mark.parametrize(
-    "row",
-    ["junk", "-------", "Mean,1,2", "# said", "Inspector: A", "1,x,2", ",,", "--- ---a", '1,"2'],
+    "row", ["junk", *(pytest.param(row, marks=pytest.mark.slow) for row in JUNK)]
 )
 def test_junk_is_not_read_to_its_end(row):
     error = read_or_refuse(HEAD + f"{row}\n" * 200_000)

@@ -81,7 +81,14 @@ def numbers(found):
             yield from (n for value in found for n in numbers(value))
 
 
-@pytest.mark.parametrize(("schema", "command"), COMMANDS, ids=lambda text: text)
+@pytest.mark.parametrize(
+    ("schema", "command"),
+    [
+        pytest.param(*case, marks=[pytest.mark.slow] if "--design" in case[1] else [])
+        for case in COMMANDS
+    ],
+    ids=lambda text: text,
+)
 def test_a_command_writes_strict_json(schema, command, folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     main([*command.split(), "--json"])

@@ -49,6 +49,7 @@ def whole(tmp_path_factory):
     return code, json.loads(out.getvalue()), page.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_as_installed_every_reference_is_met(whole):
     code, found, page = whole
     assert (code, found["verdict"], found["differing"]) == (0, "pass", [])
@@ -59,6 +60,7 @@ def test_as_installed_every_reference_is_met(whole):
         assert name in page
 
 
+@pytest.mark.slow
 def test_the_versions_are_of_what_the_program_stands_on(whole):
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     names = {text.split(">")[0] for text in project["dependencies"]}
