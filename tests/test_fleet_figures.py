@@ -2,6 +2,7 @@
 
 import json
 from functools import partial
+from glob import escape
 
 import duckdb
 import numpy as np
@@ -172,3 +173,24 @@ def test_the_page_and_its_object(done, tmp_path, capsys):
     assert main(["fleet", str(source), "-o", str(out), "--unit", "mm"]) == 65  # of other options
     assert "figures was True and is None" in capsys.readouterr().err
     assert main(["fleet", str(tmp_path), "-o", str(tmp_path / "o"), "--figures"]) == 66
+
+
+@pytest.mark.parametrize("work", [scara_iso.fleet_figures, scara_iso.fleet])
+def test_no_letter_of_a_name_is_a_pattern_or_a_column(tmp_path, rng, monkeypatch, work):
+    monkeypatch.chdir(tmp_path)
+    one, other, third = (table(robot, rng, at=0.2) for robot in ("one", "other", "third"))
+    for folder, name in (("plain", "second.parquet"), ("X=7/robot=evil", "par[tr].parquet")):
+        (tmp_path / folder).mkdir(parents=True)
+        parquet(tmp_path / folder / "part.parquet", one)
+        parquet(tmp_path / folder / name, other)
+    parquet(tmp_path / "neighbour" / "part.parquet", third)
+    rows = {}
+    for source, to in (("neighbour", "a out"), ("plain", "out"), ("X=7/robot=evil", "[ab] out")):
+        found = work(tmp_path / source, to, unit="mm", resolution=0.001)
+        assert found.tables == (1 if source == "neighbour" else 2)
+        sql = "FROM read_parquet(?, hive_partitioning = false)"
+        frame = duckdb.sql(sql, params=[f"{escape(to)}/parts/*.parquet"]).df()
+        rows[source] = frame.drop(columns="part", errors="ignore").sort_values("robot")
+    pd.testing.assert_frame_equal(
+        rows["plain"].reset_index(drop=True), rows["X=7/robot=evil"].reset_index(drop=True)
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,6 +22,16 @@ _DISK_IS_FULL = ("'max_temp_directory_size'", "No space left on device")
 """In what DuckDB says: it found no more room beforehand, or when it wrote."""
 _MEMORY = "1GB"
 
+_NOTHING_FROM_ELSEWHERE = (
+    "autoinstall_known_extensions", "autoload_known_extensions", "allow_persistent_secrets",
+    "python_enable_replacements",
+)  # fmt: skip
+"""Neither a server's code, nor the user's folder of it, nor a variable for a table."""
+_ROWS = (
+    "CREATE TEMP MACRO parquet(path) AS TABLE FROM read_parquet(path, hive_partitioning = false)"
+)
+"""The rows of a file that `alone` names: a folder ``X=7`` above it is no column."""
+
 Columns = Mapping[str, tuple[str, Sequence[object]]]
 """By name, each with its SQL type."""
 
@@ -32,12 +43,20 @@ def connect(threads: int = 1, memory: str = _MEMORY) -> Any:
     except ImportError as error:
         raise UsageError("tables of a fleet need DuckDB", remedy=with_extra("fleet")) from error
     connection = duckdb.connect()
+    connection.execute(_ROWS)
+    for setting in _NOTHING_FROM_ELSEWHERE:
+        connection.execute(f"SET {setting} = false")
     connection.execute(f"SET threads = {threads}")  # one where processes share the cores
     connection.execute(f"SET memory_limit = '{memory}'")  # what is more goes to the disk
     connection.execute("SET enable_progress_bar = false")  # it would stand in what is printed
     own = f"scara-iso-{os.getpid()}-{id(connection)}"  # a folder of two would be lost
     connection.execute("SET temp_directory = ?", [str(Path(tempfile.gettempdir(), own))])
     return connection
+
+
+def alone(path: Path) -> str:
+    """Return a path as DuckDB takes it for this file and no other: a ``*`` of it is a letter."""
+    return glob.escape(str(path))
 
 
 def fetched(sql: str, parameters: Sequence[object], where: str) -> Any:
@@ -66,8 +85,8 @@ def results_in(folder: Path, memory: str = _MEMORY) -> Iterator[Query]:
     remedy = "remove the damaged file; the same command makes it anew"
     with _session(connect(memory=memory), said, folder, remedy) as query:
         if any(folder.glob("*.parquet")):
-            quoted = str(folder / "*.parquet").replace("'", "''")
-            query(f"CREATE VIEW stated AS FROM read_parquet('{quoted}')")
+            quoted = f"{alone(folder)}/*.parquet".replace("'", "''")
+            query(f"CREATE VIEW stated AS FROM parquet('{quoted}')")
             query(
                 "CREATE TEMP TABLE named AS SELECT DISTINCT name, robot AS serial FROM stated "
                 "WHERE name <> robot AND error IS NULL"
@@ -147,7 +166,7 @@ def joined_parquet(files: Sequence[bytes]) -> bytes:
         paths = [beside.with_name(f"{k}.parquet") for k in range(len(files))]
         for path, content in zip(paths, files, strict=True):
             path.write_bytes(content)
-        return as_parquet("FROM read_parquet(?)", [list(map(str, paths))])
+        return as_parquet("FROM parquet(?)", [list(map(alone, paths))])
 
 
 @contextmanager
@@ -175,9 +194,9 @@ def rewrite_parquet(
         "SELECT result.* REPLACE (coalesce(made.p, p_value) AS p_value, "
         "coalesce(made.floor, at_floor) AS at_floor, "
         "CAST(if(made.p IS NULL, orders, ?) AS INTEGER) AS orders) "
-        "FROM read_parquet(?) AS result LEFT JOIN (SELECT unnest(?::VARCHAR[]) AS robot, "
+        "FROM parquet(?) AS result LEFT JOIN (SELECT unnest(?::VARCHAR[]) AS robot, "
         "unnest(?::VARCHAR[]) AS test, unnest(?::DOUBLE[]) AS p, unnest(?::BOOLEAN[]) AS floor) "
         "AS made USING (robot, test)"
     )
-    given = [orders, str(path), robots, tests, values, floors]
+    given = [orders, alone(path), robots, tests, values, floors]
     write_file(path, as_parquet(sql, given))

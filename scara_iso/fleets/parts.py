@@ -15,7 +15,7 @@ from typing import Any
 
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import open_file
-from scara_iso.fleets.database import Query, fetched, workspace
+from scara_iso.fleets.database import Query, alone, fetched, workspace
 from scara_iso.fleets.decimal_marks import refuse_groups, settle_marks
 from scara_iso.fleets.pieces import WHOLE, Share
 from scara_iso.fleets.text_rows import text_rows
@@ -111,9 +111,9 @@ def tables_in(
 
 def columns_of(query: Query, path: Path) -> dict[str, str]:
     """Return the columns of a Parquet file with their SQL types; `DataError` for a name twice."""
-    schema = query("SELECT name FROM parquet_schema(?)", str(path))
+    schema = query("SELECT name FROM parquet_schema(?)", alone(path))
     _refuse_twice([str(row[0]) for row in schema[1:]], path)
-    return {row[0]: row[1] for row in query("DESCRIBE SELECT * FROM read_parquet(?)", str(path))}
+    return {row[0]: row[1] for row in query("DESCRIBE SELECT * FROM parquet(?)", alone(path))}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -146,15 +146,16 @@ def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
     with workspace(path) as query:
         columns = columns_of(query, path)
     if only is None or "robot" not in columns:
-        return fetched("SELECT * FROM read_parquet(?)", [str(path)], str(path))
+        return fetched("SELECT * FROM parquet(?)", [alone(path)], str(path))
     test = "coalesce(test::VARCHAR, '')" if "test" in columns else "''"
     sql = (
-        "SELECT * EXCLUDE (file_row_number) FROM read_parquet(?, file_row_number = true) "  # noqa: S608
-        f"WHERE (robot::VARCHAR, {test}) IN (SELECT (unnest(?::VARCHAR[]), unnest(?::VARCHAR[]))) "
+        "SELECT * EXCLUDE (file_row_number) FROM read_parquet(?, file_row_number = true, "  # noqa: S608
+        f"hive_partitioning = false) WHERE (robot::VARCHAR, {test}) "
+        "IN (SELECT (unnest(?::VARCHAR[]), unnest(?::VARCHAR[]))) "
         "ORDER BY file_row_number"
     )
     robots, tests = zip(*only, strict=True)
-    return fetched(sql, [str(path), list(robots), list(tests)], str(path))
+    return fetched(sql, [alone(path), list(robots), list(tests)], str(path))
 
 
 def _refuse_twice(names: list[str], path: Path) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.errors import ScaraIsoError
-from scara_iso.fleets.database import Query
+from scara_iso.fleets.database import Query, alone
 from scara_iso.fleets.parts import TableName
 from scara_iso.quantities import Dimension, Unit, parse_unit
 from scara_iso.run import AXES, FARTHEST, Axis, Run
@@ -108,8 +108,8 @@ def _part(
     ):
         return None
     rows = _rows(columns, axes)
-    cycles = _cycles(query, rows, str(path), wanted)
-    return None if cycles is None else _Part(rows, str(path), tuple(axes), size, cycles)
+    cycles = _cycles(query, rows, alone(path), wanted)
+    return None if cycles is None else _Part(rows, alone(path), tuple(axes), size, cycles)
 
 
 def _rows(columns: Mapping[str, str], axes: Mapping[str, str]) -> str:
@@ -118,7 +118,7 @@ def _rows(columns: Mapping[str, str], axes: Mapping[str, str]) -> str:
     readings = ", ".join(f'"{name}"::DOUBLE AS {axis}' for axis, name in axes.items())
     return (
         f"(SELECT robot::VARCHAR AS robot, {test} AS test, {pose} AS pose, "
-        f"cycle::BIGINT AS cycle, {readings} FROM read_parquet(?))"
+        f"cycle::BIGINT AS cycle, {readings} FROM parquet(?))"
     )
 
 
