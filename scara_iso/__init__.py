@@ -12,14 +12,12 @@ Where a table is wanted they take a path, a `Run` or a pandas table with its uni
 are `ScaraIsoError`s with what, where and what to do.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 
 from scara_iso import display
 from scara_iso.faces import face
 
-TYPE_CHECKING = False  # the import of typing takes as long as all before it: Ctrl-C waits for it
+TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.trust
 if TYPE_CHECKING:
     from scara_iso.comparison import Comparison as Comparison
     from scara_iso.diagnosis import Diagnosis as Diagnosis

@@ -3,13 +3,12 @@
 From here on Ctrl-C ends it with 130 and no traceback, in an import too.
 """
 
-from __future__ import annotations
-
 import atexit
 import gc
 import os
-import signal
 import sys
+
+from scara_iso.trust import begin_program
 
 INTERRUPTED = 130
 _COLLECTED_AFTER = 100_000
@@ -18,6 +17,9 @@ _COLLECTED_AFTER = 100_000
 
 def run() -> None:
     """Run the command with the process' arguments and exit: the console script."""
+    begin_program()
+    import signal  # noqa: PLC0415 - not from the folder in which the program was started
+
     gc.set_threshold(_COLLECTED_AFTER)
     heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else: nohup, a script
     if heard:

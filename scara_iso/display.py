@@ -3,9 +3,7 @@
 Results stand far below the renderer and cannot name it: the package's face puts it here.
 """
 
-from __future__ import annotations
-
-TYPE_CHECKING = False  # read at every start, as the package's face
+TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.trust
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
@@ -13,11 +11,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def _none() -> Any:
+def _none() -> "Any":
     raise NotImplementedError("no renderer")
 
 
-notebook: Callable[[], Any] = _none
+notebook: "Callable[[], Any]" = _none
 """Gives ``page(result)`` and ``picture(result)``; called when somebody looks."""
 
 
@@ -36,7 +34,7 @@ class Plotted(Displayed):
 
     __slots__ = ()
 
-    def plot(self) -> Figure:
+    def plot(self) -> "Figure":
         """Return its picture, a matplotlib figure.
 
         A notebook shows it after ``%matplotlib inline``.

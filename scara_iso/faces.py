@@ -5,31 +5,35 @@ a command pays only for what it uses. Other packages import from the face and fr
 it; tests/test_architecture.py holds them to it.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from functools import cache
 from importlib import import_module
 
+TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.trust
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
-def face(package: str) -> Callable[[str], object]:
+
+def face(package: str) -> "Callable[[str], object]":
     """Return the ``__getattr__`` of a package that imports its names under ``TYPE_CHECKING``."""
-
-    @cache
-    def homes() -> dict[str, str]:
-        import re  # noqa: PLC0415 - a name of a face is wanted; before that the start is short
-        from pkgutil import get_data  # noqa: PLC0415
-
-        shown = (get_data(package, "__init__.py") or b"").decode().partition("if TYPE_CHECKING:")[2]
-        found, home = {}, ""
-        for module, name in re.findall(r"from (\S+) import|(\w+) as \2\b", shown):
-            home = module or home
-            found[name] = home
-        return found
+    homes: dict[str, str] = {}
 
     def find(name: str) -> object:
-        if name not in homes():
+        if not homes:
+            homes.update(_homes(package))
+        if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        return getattr(import_module(homes()[name]), name)
+        return getattr(import_module(homes[name]), name)
 
     return find
+
+
+def _homes(package: str) -> dict[str, str]:
+    """Return the module of each name of a face."""
+    import re  # noqa: PLC0415 - a name of a face is wanted; before that the start is short
+    from pkgutil import get_data  # noqa: PLC0415
+
+    shown = (get_data(package, "__init__.py") or b"").decode().partition("if TYPE_CHECKING:")[2]
+    found, home = {}, ""
+    for module, name in re.findall(r"from (\S+) import|(\w+) as \2\b", shown):
+        home = module or home
+        found[name] = home
+    return found

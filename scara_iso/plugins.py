@@ -6,7 +6,6 @@ Third parties add more through an entry-point group; the callers meet both alike
 
 from __future__ import annotations
 
-import sys
 import warnings
 from functools import cache
 from importlib import import_module
@@ -14,6 +13,8 @@ from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
 from typing import TYPE_CHECKING
+
+from scara_iso.trust import code_folders
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -45,12 +46,13 @@ def find_modules(package: ModuleType, group: str) -> tuple[ModuleType, ...]:
 
 
 def _entries(group: str) -> list[EntryPoint]:
-    if f"[{group}]".encode() not in _declared(tuple(sys.path)):
+    folders = code_folders()
+    if f"[{group}]".encode() not in _declared(tuple(folders)):
         return []
     from importlib.metadata import distributions  # noqa: PLC0415 - 30 ms that few need to pay
 
     found: dict[str, EntryPoint] = {}
-    for distribution in distributions():
+    for distribution in distributions(path=folders):
         try:
             entries = distribution.entry_points
         except (ValueError, TypeError) as error:  # not UTF-8, or not in the form of such a file

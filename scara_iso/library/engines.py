@@ -18,6 +18,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from scara_iso.errors import ServiceError, UsageError, with_extra
 from scara_iso.fleets import Engine
+from scara_iso.trust import code_folders
 
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
@@ -45,7 +46,7 @@ class _Processes(ProcessPoolExecutor):
         script = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
         try:
-            with _ctrl_c_later():
+            with _ctrl_c_later(), _nothing_of_this_folder():
                 return super().submit(work, *args, **options)
         finally:
             sys.modules["__main__"] = script
@@ -62,9 +63,25 @@ def open_processes(workers: int | None = None) -> Executor:
     methods = multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     context.set_forkserver_preload(["scara_iso.fleets.work", *_SLOW_TO_IMPORT])
-    if "forkserver" in methods:
-        _start_deaf()
-    return _Processes(workers, mp_context=context, initializer=_leave_with_parent)
+    with _nothing_of_this_folder():
+        if "forkserver" in methods:
+            _start_deaf()
+        return _Processes(workers, mp_context=context, initializer=_leave_with_parent)
+
+
+@contextmanager
+def _nothing_of_this_folder() -> Iterator[None]:
+    """Let processes that start meanwhile take no code from the folder in which this one stands."""
+    path, safe = sys.path, os.environ.get("PYTHONSAFEPATH")
+    sys.path, os.environ["PYTHONSAFEPATH"] = code_folders(), "1"
+    try:
+        yield
+    finally:
+        sys.path = path
+        if safe is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = safe
 
 
 @contextmanager

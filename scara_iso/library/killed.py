@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 
 from scara_iso.acquisition import Said, Stored, raw_path, read_history
 from scara_iso.library.recordings import record
+from scara_iso.trust import of_a_child
 from scara_iso.validation import ReferenceCheck
 
 _GAUGE = "X=opto-rs232@sim:?pace=1"
@@ -54,8 +55,10 @@ def _cycles(numbers: Iterable[int]) -> str:
 
 def _killed(table: Path) -> dict[int, float]:
     """Return the readings, by cycle, that a recorder announced before it was killed."""
-    words = [sys.executable, "-m", __name__, str(table)]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as child:  # noqa: S603 - ourselves
+    words = [sys.executable, "-P", "-m", __name__, str(table)]
+    with subprocess.Popen(  # noqa: S603 - ourselves
+        words, stdout=subprocess.PIPE, text=True, env=of_a_child()
+    ) as child:
         assert child.stdout is not None  # noqa: S101 - a pipe was asked for
         lines = [child.stdout.readline() for _ in range(_KILLED_AFTER)]
         child.kill()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import cycle
 from typing import TYPE_CHECKING
 
-from scara_iso.render.drawing import new_figure
+from scara_iso.render.drawing import new_figure, own_style
 from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID
 from scara_iso.reporting import Chart, printable, study_picture
 
@@ -20,6 +20,7 @@ _DASHES = ("-", "--", ":", ":")
 _MOST_LABELS, _LABEL = 20, 12
 
 
+@own_style()
 def plot_gauge_study(found: GaugeStudy) -> Figure:
     """Return the picture of each dial's study below each other."""
     figure = new_figure(7, 3.4 * len(found.axes), layout="constrained")

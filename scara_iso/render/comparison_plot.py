@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
-from scara_iso.render.drawing import new_figure
+from scara_iso.render.drawing import new_figure, own_style
 from scara_iso.render.plots import ARM, EDGE, PLANE
 from scara_iso.reporting import printable
 
@@ -21,6 +21,7 @@ _LONGEST_NAME = 28  # letters, its end: two stand above a picture
 _RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100)
 
 
+@own_style()
 def plot_comparison(comparison: Comparison) -> Figure:
     """Return for each pair the readings about their means, ratios of spread, and changes of mean.
 

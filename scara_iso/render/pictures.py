@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import io
 import re
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from html import escape
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from scara_iso.render.charts import draw_chart
-from scara_iso.render.drawing import new_figure
+from scara_iso.render.drawing import new_figure, own_style
 from scara_iso.render.month_pictures import draw_control, draw_months
 from scara_iso.render.plots import AREA, ARM, EDGE, PLANE, SOLID
 from scara_iso.reporting import (
@@ -60,7 +56,7 @@ def picture(figure: Figure, number: int) -> str:
     ``number`` makes the picture's identifiers its own within a page.
     """
     file = io.StringIO()
-    with _style(number):
+    with own_style({**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}):
         _drawn(figure).savefig(file, format="svg", metadata={"Date": None, "Creator": None})
     return _inline(file.getvalue(), figure)
 
@@ -68,7 +64,7 @@ def picture(figure: Figure, number: int) -> str:
 def picture_png(figure: Figure) -> bytes:
     """Return a figure of a report as PNG."""
     file = io.BytesIO()
-    with _style(0):
+    with own_style(_STYLE):
         _drawn(figure).savefig(file, format="png", dpi=200, metadata={"Software": None})
     return file.getvalue()
 
@@ -92,16 +88,6 @@ def _grid(data: Panels) -> tuple[int, int]:
     panels = len(data.panels)
     columns = min(panels, _BESIDE)
     return columns, -(-panels // columns)
-
-
-@contextmanager
-def _style(number: int) -> Iterator[None]:
-    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
-
-    style: dict[Any, Any] = {**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}
-    with mpl.rc_context(style), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing")  # a box stands for it
-        yield
 
 
 def _drawn(figure: Figure) -> Drawing:
@@ -258,10 +244,3 @@ def _attributes(style: str) -> str:
     if "font-family" in pairs:
         pairs["font-family"] = "'DejaVu Sans', Verdana, Arial, sans-serif"
     return "".join(f' {name}="{value}"' for name, value in pairs.items())
-
-
-def font_file(name: str) -> Path:
-    """Return the file of one of the fonts that come with matplotlib."""
-    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
-
-    return Path(mpl.get_data_path()) / "fonts" / "ttf" / name

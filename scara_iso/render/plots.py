@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 from scara_iso.disk import write_file
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import PlannedPose, PosePlan
-from scara_iso.render.drawing import new_figure
+from scara_iso.render.drawing import new_figure, own_style
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 
@@ -33,6 +32,7 @@ _LABEL = 20
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 
 
+@own_style()
 def plot_plan(plan: PosePlan) -> Figure:
     """Return the workspace from above, and the solid with its diagonal plane and the poses."""
     figure = new_figure(11, 5.2, layout="constrained")
@@ -44,6 +44,7 @@ def plot_plan(plan: PosePlan) -> Figure:
     return figure
 
 
+@own_style()
 def plot_separating(plan: SeparatingPlan) -> Figure:
     """Return the workspace from above, and the poses that tell the joints apart."""
     figure = new_figure(6.4, 6.4, layout="constrained")
@@ -63,6 +64,7 @@ def plot_poses(found: DiagnosisOfPoses) -> Figure:
     return _plot_series(found.poses, found.verdict.value, height=1.2)
 
 
+@own_style()
 def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float) -> Figure:
     of = [
         (f"{axis} {pose[:_LABEL]}".strip(), axis, one.series)
@@ -98,6 +100,7 @@ def _draw_series(left: Axes, right: Axes, series: Series, axis: str) -> None:
     right.plot(series.cycle, measured - after, "o", color=PLANE, ms=3.5, label="after")
 
 
+@own_style()
 def plot_reach(reach: ReachMap) -> Figure:
     """Return predicted RP over the reach, the measured poses, and the best and the worst place."""
     figure = new_figure(6.4, 5.2, layout="constrained")
@@ -133,8 +136,6 @@ def save_figure(figure: Figure, path: Path) -> None:
 
     Raises `UsageError` for another ending, and as `write_file`.
     """
-    import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
-
     kind = path.suffix.lower().lstrip(".")
     if kind not in ("svg", "png"):
         raise UsageError(
@@ -143,11 +144,7 @@ def save_figure(figure: Figure, path: Path) -> None:
         )
     drawn = BytesIO()
     metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
-    with (
-        mpl.rc_context({"svg.hashsalt": "scara-iso", "svg.fonttype": "path"}),
-        warnings.catch_warnings(),
-    ):
-        warnings.filterwarnings("ignore", "Glyph .* missing")  # a box stands for it
+    with own_style({"svg.hashsalt": "scara-iso"}):
         figure.savefig(drawn, format=kind, dpi=150, metadata=metadata)
     write_file(path, drawn.getvalue())
 
