@@ -51,7 +51,7 @@ def main() -> None:
             for name, each in hit.items():
                 print(f"  {name}: {len(each)}: {', '.join(sorted(each)[:6])}", file=sys.stderr)
         _pictures(Path(place), [name for name in DRAWN if name in wanted])
-        print("imported before the program:", ", ".join(sorted(before - {"scara_iso"})))
+        print("\nImported before the program:", ", ".join(sorted(before)))
 
 
 def _pictures(place: Path, wanted: list[str]) -> None:
