@@ -46,6 +46,7 @@ def hostile(tmp_path_factory):
     return {door: (place / door, plant(place / door, names[door])) for door in names}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 @pytest.mark.parametrize("door", ["scara-iso", "-m"])
 def test_nothing_of_the_folder_runs(hostile, door, name):
