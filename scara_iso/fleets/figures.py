@@ -8,7 +8,7 @@ other tables, and parts in other forms than Parquet, are read one by one as for 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -19,13 +19,15 @@ from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.fleets.database import Columns, as_parquet, unnested, workspace
 from scara_iso.fleets.dispatch import Engine, done_by
 from scara_iso.fleets.parts import FleetTable, ReadAs, columns_of, tables_in
-from scara_iso.fleets.runs import FleetRun, Track, run_parts
+from scara_iso.fleets.runs import FleetRun, Results, Track, run_parts
 from scara_iso.fleets.sums import Summed, sum_up
 from scara_iso.fleets.work import FIGURES, PartResult, date_of, in_one_line, refused, result_of
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import AXES, Run
 
 _FEWEST_CYCLES = 2
+_SHARED = 1 << 20
+"""Bytes of parts that share a file of results (benchmarks/limits.py)."""
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 
 
@@ -67,30 +69,85 @@ def run_figures(
     Raises as `run_parts`.
     """
     options = {"figures": True, **asdict(task.reading), **asdict(task.wanted)}
-    work = partial(figures_of_part, task=task)
-    return run_parts(
-        source, to, options, lambda parts: track(done_by(engine, work, parts), len(parts))
-    )
+    work = partial(figures_of, task=task)
+
+    def results(parts: Sequence[str]) -> Results:
+        together = _together(parts)
+        done = track(done_by(engine, work, together), len(together))
+        broken = []
+        for some, found in done:
+            if isinstance(found, Exception) and len(some) > 1:
+                broken += [(part,) for part in some]
+            else:
+                yield some, found
+        yield from done_by(engine, work, broken)
+
+    return run_parts(source, to, options, results)
 
 
-def figures_of_part(part: str, task: FiguresTask) -> PartResult:
-    """Return the figures of a part; what cannot be read is said in it, and raises nothing."""
-    return result_of(Path(part), partial(_made, task=task))
+def _together(parts: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return the parts, small ones of text beside each other together: a file for each is slow."""
+    found: list[tuple[str, ...]] = []
+    room = 0
+    for part in parts:
+        size = _SHARED + 1 if _is_parquet(part) else _size(part)
+        if size > room:
+            found.append(())
+            room = _SHARED
+        found[-1] += (part,)
+        room -= size
+    return found
 
 
-def _made(path: Path, task: FiguresTask) -> tuple[int, int, bytes]:
+def _size(part: str) -> int:
+    try:
+        return Path(part).stat().st_size
+    except OSError:
+        return 0  # what is wrong with it is said where it is read
+
+
+def _is_parquet(part: str) -> bool:
+    return part.lower().endswith(".parquet")
+
+
+def figures_of(parts: Sequence[str], task: FiguresTask) -> list[PartResult]:
+    """Return the figures of parts, those of all with the first; of a Parquet file alone.
+
+    What cannot be read is said in them, and raises nothing.
+    """
+    if _is_parquet(parts[0]):
+        return [result_of(Path(parts[0]), partial(_summed, task=task))]
+    rows: list[tuple[str, FigureRow]] = []
+    found = [result_of(Path(part), partial(_read, task=task, rows=rows)) for part in parts]
+    made = as_parquet(*unnested(_columns(rows))) if rows else b""
+    return [replace(found[0], parquet=made), *found[1:]]
+
+
+def _read(
+    path: Path, task: FiguresTask, rows: list[tuple[str, FigureRow]]
+) -> tuple[int, int, bytes]:
+    own = list(_others(path, task, Summed()))
+    rows += [(path.name, row) for row in own]
+    return *_counted(own), b""
+
+
+def _summed(path: Path, task: FiguresTask) -> tuple[int, int, bytes]:
     with workspace(path, task.threads) as query:
-        columns = columns_of(query, path) if path.suffix.lower() == ".parquet" else {}
+        columns = columns_of(query, path)
         summed = sum_up(query, path, columns, task.reading.unit, task.wanted)
         rows = list(_others(path, task, summed))
-        sql, parameters = unnested(_columns(rows))
+        sql, parameters = unnested(_columns([(path.name, row) for row in rows]))
         if summed.figures:
-            sql = f"({sql}) UNION ALL BY NAME ({summed.figures})"
-        sql = f"SELECT *, ? AS part FROM ({sql})"  # noqa: S608 - names of this package
-        made = as_parquet(sql, [path.name, *parameters], query)
+            figures = f"SELECT *, ? AS part FROM ({summed.figures})"  # noqa: S608 - of this package
+            sql = f"({sql}) UNION ALL BY NAME ({figures})"
+        made = as_parquet(sql, [*parameters, *[path.name] * bool(summed.figures)], query)
+    tables, failed = _counted(rows)
+    return summed.tables + tables, failed, made
+
+
+def _counted(rows: Sequence[FigureRow]) -> tuple[int, int]:
     tables = {(row.robot, row.test) for row in rows}
-    failed = sum(row.error is not None for row in rows)
-    return summed.tables + len(tables), failed, made
+    return len(tables), sum(row.error is not None for row in rows)
 
 
 def _others(path: Path, task: FiguresTask, summed: Summed) -> Iterator[FigureRow]:
@@ -148,9 +205,10 @@ _KINDS = {
 }
 
 
-def _columns(rows: Sequence[FigureRow]) -> Columns:
+def _columns(rows: Sequence[tuple[str, FigureRow]]) -> Columns:
     def cell(row: FigureRow, name: str) -> object:
         kind, _, figure = name.partition("_")
         return getattr(row, kind).get(figure) if figure else getattr(row, name)
 
-    return {name: (kind, [cell(row, name) for row in rows]) for name, kind in _KINDS.items()}
+    own = {name: (kind, [cell(row, name) for _, row in rows]) for name, kind in _KINDS.items()}
+    return {**own, "part": ("VARCHAR", [part for part, _ in rows])}

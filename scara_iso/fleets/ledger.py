@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,19 +16,21 @@ from typing import Any
 from scara_iso.disk import SystemDisk, write_whole
 from scara_iso.errors import CannotCreateError, DataError, WriteError
 
-SCHEMA = "scara-iso/fleet-manifest/4"
+SCHEMA = "scara-iso/fleet-manifest/5"
 NAME = "manifest.jsonl"
 
 
 @dataclass(frozen=True, slots=True)
 class PartDone:
-    """One part that was done: its input, and how many tables it gave."""
+    """One part that was done: its input, how many tables it gave, and the file with the results."""
 
     part: str
     sha256: str
     tables: int
     failed: int
     error: str | None
+    result: str
+    """Name of the file of results, without its ending: several small parts share one."""
 
 
 class PartLedger:
@@ -72,7 +74,7 @@ class PartLedger:
                     f"is not empty: {others[0]}", where=str(self._path.parent),
                     remedy="name another folder",
                 )  # fmt: skip
-            self._add({"schema": SCHEMA, "version": version, "options": options})
+            self._add([{"schema": SCHEMA, "version": version, "options": options}])
             return {}
         try:
             head, *rows = map(json.loads, lines)
@@ -96,14 +98,13 @@ class PartLedger:
             os.truncate(self._path, len(whole))
         return found
 
-    def add(self, done: PartDone) -> None:
-        """Note that a part is done, once its result is on the disk."""
-        row = {name: getattr(done, name) for name in PartDone.__slots__}
-        self._add(row)
-        self.done[done.part] = done
+    def add(self, done: Sequence[PartDone]) -> None:
+        """Note that parts are done, once their result is on the disk."""
+        self._add([{name: getattr(one, name) for name in PartDone.__slots__} for one in done])
+        self.done |= {one.part: one for one in done}
 
-    def _add(self, row: Mapping[str, Any]) -> None:
-        self._write(json.dumps(row).encode() + b"\n")
+    def _add(self, rows: Sequence[Mapping[str, Any]]) -> None:
+        self._write(b"".join(json.dumps(row).encode() + b"\n" for row in rows))
 
     def _write(self, data: bytes) -> None:
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
@@ -25,8 +26,8 @@ Track = Callable[[Iterator[Any], int], Iterator[Any]]
 """Passes results on as they come, of so many."""
 
 
-Results = Iterator[tuple[str, PartResult | Exception]]
-"""What is found of each part, or what became of it, by its path."""
+Results = Iterator[tuple[Sequence[str], Sequence[PartResult] | Exception]]
+"""What is found of parts that share a file of results, or what became of them, by their paths."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +85,10 @@ def _examined(parts: Sequence[str], task: Task, engine: Engine, track: Track) ->
             done[piece.share] = result
         elif piece.path not in given_up:
             given_up.add(piece.path)
-            yield piece.path, result
+            yield (piece.path,), result
         if len(done) == len(own):
             del found[piece.path]
-            yield piece.path, whole_part([done[share] for share in own])
+            yield (piece.path,), (whole_part([done[share] for share in own]),)
 
 
 def run_parts(
@@ -110,39 +111,43 @@ def run_parts(
     paths = {path.name: path for path in parts_of(source)}
     with closing(PartLedger(to, __version__, options)) as ledger:
         (to / RESULTS).mkdir(exist_ok=True)
-        missing = [name for name, path in paths.items() if not _is_done(ledger, to, name, path)]
-        _forget(to, paths.keys() - missing)
+        before = _done_before(ledger, to, paths)
+        _forget(to, {ledger.done[name].result for name in before})
+        missing = [name for name in paths if name not in before]
         given_up: dict[str, str] = {}
-        for result in _by_name(missing, paths, results):
-            if result.version != __version__:
-                raise DataError(
-                    f"a worker has scara-iso {result.version}, and this is {__version__}",
-                    where=result.part, remedy="install the same version on all of them",
-                )  # fmt: skip
-            if not result.sha256:  # nothing is kept of it: the next run tries again
-                given_up[result.part] = result.error or "given up"
-                continue
-            _keep(ledger, to, result)
+        for made in _by_name(missing, paths, results):
+            for result in made:
+                if result.version != __version__:
+                    raise DataError(
+                        f"a worker has scara-iso {result.version}, and this is {__version__}",
+                        where=result.part, remedy="install the same version on all of them",
+                    )  # fmt: skip
+                if not result.sha256:  # nothing is kept of it: the next run tries again
+                    given_up[result.part] = result.error or "given up"
+            _keep(ledger, to, made)
         done = [one for one in ledger.done.values() if one.part in paths.keys() - given_up]
         failed = {one.part: one.error for one in done if one.error}
         later = after(paths, {one.part: one.sha256 for one in done})
     return FleetRun(
         folder=to,
         parts=len(paths),
-        before=len(paths) - len(missing),
+        before=len(before),
         tables=sum(one.tables - one.failed for one in done),
         failed={**failed, **later, **given_up},
     )
 
 
-def result_path(to: Path, part: str) -> Path:
-    """Return where the result of a part is."""
-    return to / RESULTS / f"{part}.parquet"
+def _done_before(ledger: PartLedger, to: Path, paths: Mapping[str, Path]) -> set[str]:
+    """Return the parts that are done: all that share a file of results are as they were."""
+    changed = {
+        one.result for name, one in ledger.done.items()
+        if name not in paths or not _is_as_done(one, to, paths[name])
+    }  # fmt: skip
+    return {name for name, one in ledger.done.items() if one.result not in changed}
 
 
-def _is_done(ledger: PartLedger, to: Path, name: str, path: Path) -> bool:
-    done = ledger.done.get(name)
-    if done is None or not (done.error or result_path(to, name).exists()):
+def _is_as_done(done: PartDone, to: Path, path: Path) -> bool:
+    if not (done.error or _result_path(to, done.result).exists()):
         return False
     try:
         return done.sha256 == digest(path)
@@ -150,10 +155,14 @@ def _is_done(ledger: PartLedger, to: Path, name: str, path: Path) -> bool:
         return False
 
 
-def _forget(to: Path, done: Collection[str]) -> None:
+def _result_path(to: Path, result: str) -> Path:
+    return to / RESULTS / f"{result}.parquet"
+
+
+def _forget(to: Path, results: Collection[str]) -> None:
     """Remove all results but those of parts as they are today: no other is of the fleet."""
     for path in (to / RESULTS).glob("*.parquet"):
-        if path.name.removesuffix(".parquet") not in done:
+        if path.name.removesuffix(".parquet") not in results:
             path.unlink()
 
 
@@ -161,16 +170,16 @@ def _by_name(
     names: list[str],
     paths: Mapping[str, Path],
     results: Callable[[Sequence[str]], Results],
-) -> Iterator[PartResult]:
+) -> Iterator[Sequence[PartResult]]:
     by_path = {str(paths[name].absolute()): name for name in names}
-    for path, found in results(list(by_path)):
-        if isinstance(found, PartResult):
-            yield found
-        elif isinstance(found, ScaraIsoError):
+    for together, found in results(list(by_path)):
+        if isinstance(found, ScaraIsoError):
             raise found
-        else:
+        if isinstance(found, Exception):
             said = f"given up: {type(found).__name__}: {found}"
-            yield PartResult(by_path[path], "", _version(), 0, 0, b"", said)
+            yield [PartResult(by_path[path], "", _version(), 0, 0, b"", said) for path in together]
+        else:
+            yield found
 
 
 def _version() -> str:
@@ -179,9 +188,20 @@ def _version() -> str:
     return __version__
 
 
-def _keep(ledger: PartLedger, to: Path, result: PartResult) -> None:
-    """Put the result on the disk, then the line that says so."""
-    if result.error is None:
-        write_file(result_path(to, result.part), result.parquet)
-    row = PartDone(result.part, result.sha256, result.tables, result.failed, result.error)
-    ledger.add(row)
+def _keep(ledger: PartLedger, to: Path, results: Sequence[PartResult]) -> None:
+    """Put the results of parts, which one of them holds, on the disk, then the lines that say so.
+
+    What several share is named after all that they were made from: others never take its name.
+    """
+    kept = [one for one in results if one.sha256]
+    if not kept:
+        return
+    name = kept[0].part
+    if len(results) > 1:
+        all_of_them = "\n".join(f"{one.part} {one.sha256}" for one in kept)
+        name += f"-{hashlib.sha256(all_of_them.encode()).hexdigest()}"
+    if made := next((one.parquet for one in results if one.parquet), b""):
+        write_file(_result_path(to, name), made)
+    ledger.add([
+        PartDone(one.part, one.sha256, one.tables, one.failed, one.error, name) for one in kept
+    ])  # fmt: skip
