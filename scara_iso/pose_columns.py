@@ -109,6 +109,14 @@ def arrival_at(
     return None if pose is None else str(pose[row]), str(direction[row])
 
 
+def distinct(labels: Labels) -> set[str]:
+    """Return each label once, without a list of all."""
+    found: set[str] = set()
+    for some in np.array_split(labels, 1 + len(labels) // _SAMPLE):
+        found.update(some.tolist())
+    return found
+
+
 def rows_by_label(labels: Labels | None, rows: int) -> Iterator[tuple[str | None, IntArray]]:
     """Yield each label and its row numbers, in order of first appearance; None has all rows."""
     if labels is None:
@@ -221,11 +229,13 @@ def check_clusters(
     ``poses`` are labels with their rows; ``columns`` of shape (rows,). Known conditions, and those
     that ``metadata`` states as ``covariates``, are passed over.
     """
-    at_poses = [rows for _, rows in poses]
     stated = {name.strip().lower() for name in metadata.get("covariates", "").split(",")}
-    for name, values in columns.items():
-        if name in CONDITIONS or name.lower() in stated or not _is_few(values[:_SAMPLE]):
-            continue
+    asked = {
+        name: values for name, values in columns.items()
+        if not (name in CONDITIONS or name.lower() in stated or not _is_few(values[:_SAMPLE]))
+    }  # fmt: skip
+    at_poses = [rows for _, rows in poses] if asked else []
+    for name, values in asked.items():
         for rows in at_poses:
             for axis, of_it in axes.items():
                 found = _apart(of_it.readings[rows], values[rows], of_it.resolution)

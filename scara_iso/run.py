@@ -303,6 +303,13 @@ def _ordered(axes: Mapping[str, Axis]) -> list[str]:
 
 
 def _frozen(values: npt.ArrayLike, dtype: type[np.generic]) -> npt.NDArray[np.generic]:
+    if (
+        isinstance(values, np.ndarray)
+        and np.issubdtype(values.dtype, dtype)
+        and values.base is None
+        and not values.flags.writeable
+    ):
+        return values  # of another run, or of the reader
     array = np.array(values, dtype=dtype)
     array.flags.writeable = False
     return array

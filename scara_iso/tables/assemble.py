@@ -28,6 +28,8 @@ from scara_iso.tables.statements import Scale, is_of_axes, of_no_axis, read_scal
 from scara_iso.tables.text import Row
 
 _NOTES = 50
+_MANY = 1_000_000
+"""Rows of no test that is read off by hand."""
 _DIRECTION = re.compile("direction|richtung")
 _SIGNS = (-1, 0, 1)
 
@@ -196,6 +198,11 @@ def _corrected(run: Run, faults: Faults) -> Run:
 
 def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
     counters = columns.layout.of(Kind.CYCLE)
+    if len(run) > _MANY:
+        yield (
+            f"{len(run)} rows: for tables of many robots use `fleet --figures`, "
+            "for samples in time `visits`"
+        )
     if not counters and run.pose is None:
         yield f"no cycle column: rows numbered 1 to {len(run)} in their order"
         if ends_in_mean(run):
@@ -218,8 +225,10 @@ def _axis(
     if scale.unit.name == "m":
         place = columns.layout.header_line, column.position + 1
         check_metres(columns.numbers(column), column.name, place, faults)
-    with np.errstate(over="ignore"):
-        readings = scale.unit.to_base(columns.numbers(column))
+    readings, unit = columns.numbers(column), scale.unit
+    if unit.numerator != unit.denominator:
+        with np.errstate(over="ignore"):
+            readings = unit.to_base(readings)
     for k in np.flatnonzero(~(np.abs(readings) <= FARTHEST)).tolist():
         faults.add(
             f"a reading beyond any dial, in {scale.unit.name}",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -244,11 +245,11 @@ class Columns:
 
     def numbers(self, column: Column) -> FloatArray:
         """Return a numeric column, shape (rows,), in the units of the file."""
-        return np.concatenate([np.empty(0), *self._parts[column]]).astype(np.float64)
+        return self._whole(column, np.float64)
 
     def labels(self, column: Column) -> npt.NDArray[np.str_]:
         """Return the labels of poses or directions, or the remarks of a column, shape (rows,)."""
-        return np.concatenate([np.empty(0, dtype=np.str_), *self._parts[column]])
+        return self._whole(column, np.str_)
 
     def stamps(self, column: Column) -> list[datetime | None]:
         """Return the instants of a timestamp column; None where a fault was noted."""
@@ -256,7 +257,22 @@ class Columns:
 
     def all_lines(self) -> IntArray:
         """Return the line of each row, shape (rows,)."""
-        return np.concatenate([np.empty(0, dtype=np.int64), *self.lines])
+        self.lines = [_joined(self.lines, np.int64)]
+        return self.lines[0]
+
+    def _whole(self, column: Column, kind: type[np.generic]) -> npt.NDArray[Any]:
+        self._parts[column] = [_joined(self._parts[column], kind)]
+        return self._parts[column][0]
+
+
+def _joined(parts: Sequence[npt.NDArray[Any]], kind: type[np.generic]) -> npt.NDArray[Any]:
+    """Return parts as one array that nobody may change: a `Run` keeps it as it is."""
+    if len(parts) == 1 and not parts[0].flags.writeable:
+        return parts[0]
+    whole = np.concatenate([np.empty(0, dtype=kind), *parts])
+    whole = whole if kind is np.str_ else whole.astype(kind, copy=False)
+    whole.flags.writeable = False
+    return whole
 
 
 _ESCAPED = ("'", *FORMULA)

@@ -25,11 +25,14 @@ _TENTHS = 10
 
 @dataclass(frozen=True, slots=True)
 class Delimited:
-    """A text, how its rows are parted, and whether its last line is ended."""
+    """How the rows of a text are parted, how many lines it has, the last ones, and the end."""
 
-    text: str
+    lines: int
+    last: Sequence[str]
+    """At most the two hundred last."""
     delimiter: Delimiter
     ended: bool
+    """Whether the last line is ended."""
 
     def check_end(
         self, head: Sequence[Row], columns: Columns, body: Body, resolution: float | None
@@ -40,12 +43,12 @@ class Delimited:
         Of other readings with fewer than most above, and numbers with fewer than each, a note is
         made.
         """
-        line, last = self.text.count("\n") + 1, columns.layout.columns[-1]
+        line, last = self.lines, columns.layout.columns[-1]
         if self.ended or not columns.lines or columns.lines[-1][-1] != line:
             return
         rows = [
             row for _, row in
-            split_each(1, self.text.rsplit("\n", _ABOVE)[-_ABOVE:], self.delimiter, Faults(""))
+            split_each(1, self.last, self.delimiter, Faults(""))
         ]  # fmt: skip
         if last.position < len(rows[-1]) - 1:  # another pose's cells follow
             return
@@ -78,6 +81,17 @@ class Delimited:
             return "decimal comma as asked" if decimal == "," else "decimal point as asked"
         commas = columns.marks.keys() & {Mark.COMMA, Mark.EITHER}
         return "decimal comma" if commas else "decimal point"
+
+
+def delimited(pieces: Sequence[str], delimiter: Delimiter, ended: bool) -> Delimited:
+    """Return what is to be known of a text once its ``pieces`` are gone."""
+    last: list[str] = []
+    for piece in reversed(pieces):
+        last = [*piece.split("\n"), *last]
+        if len(last) >= _ABOVE:
+            break
+    count = len(pieces) + sum(piece.count("\n") for piece in pieces)
+    return Delimited(count, last[-_ABOVE:], delimiter, ended)
 
 
 def split_each(

@@ -28,7 +28,8 @@ _WORDS = 5
 _WEB = (b"<!doctype html", b"<html")
 _SHARE, _FEWEST = 0.5, 5
 """Share and number of sentences from which a file that is refused is called a text."""
-_HEAD = 100_000
+TEXT_HEAD = 100_000
+"""Bytes in which a text is known by its sentences."""
 
 
 def refuse_other_kind(data: bytes, where: str) -> None:
@@ -39,14 +40,14 @@ def refuse_other_kind(data: bytes, where: str) -> None:
 
 
 @contextmanager
-def called_text(data: bytes, where: str) -> Iterator[None]:
-    """Give one fault for all those of a text of sentences."""
+def called_text(head: bytes, where: str) -> Iterator[None]:
+    """Give one fault for all those of a text of sentences, by its ``head``."""
     try:
         yield
     except DataError as error:
-        if data[:_HEAD].lstrip().lower().startswith(_WEB):
+        if head.lstrip().lower().startswith(_WEB):
             raise refuse(where, "this is a web page, no table", remedy=_REMEDIES[_PAGE]) from error
-        if _is_text(data[:_HEAD].decode("utf-8", "replace")):
+        if _is_text(head.decode("utf-8", "replace")):
             raise refuse(where, "this is a text, no table", remedy=_REMEDY) from error
         raise
 

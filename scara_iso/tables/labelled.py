@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 from scara_iso.tables.blocks import Line
@@ -67,25 +68,31 @@ def find_labelled(lines: Sequence[str], where: str) -> list[Line]:
 def _read(line: int, text: str) -> _Reading | None:
     if len(text) > _LONGEST or not ("=" in text or ":" in text):
         return None
+    text = _WHEN.sub("@", text.strip(BLANKS))
+    if not any(_kind(pair[1]) is Kind.AXIS for pair in _PAIR.finditer(text)):
+        return None
     pairs: list[tuple[str, str]] = []
 
     def take(match: re.Match[str]) -> str:
-        kind = read_name(match[1]).kind
+        kind = _kind(match[1])
         counted = match.re is _COUNTED
         if kind not in _COUNTS if counted else kind is not Kind.AXIS and not _begins(match[2]):
             return match[0]
         pairs.append((match[1], match[2].rstrip(",")))
         return f"{match[1]}= "
 
-    rest = _COUNTED.sub(take, _PAIR.sub(take, _WHEN.sub("@", text.strip(BLANKS))))
-    if not any(read_name(name).kind is Kind.AXIS for name, _ in pairs):
-        return None
+    rest = _COUNTED.sub(take, _PAIR.sub(take, text))
     names, numbers = zip(*pairs, strict=True)
     others = tuple(
         rest[max(0, m.start() - 1) : m.start()].strip(_LOOSE) + m[0] for m in _NUMBER.finditer(rest)
     )
     shape = "".join(_NUMBER.sub("0", rest).split())
     return _Reading(line, shape, names, numbers, others)
+
+
+@lru_cache(maxsize=1024)
+def _kind(name: str) -> Kind:
+    return read_name(name).kind
 
 
 def _begins(value: str) -> bool:

@@ -24,7 +24,7 @@ from scara_iso.tables.text import Row
 
 HEAD = 200
 """Lines in which the header must come."""
-COLUMNS = 1000
+COLUMNS = 10_000
 """Columns that a table may have."""
 _ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
 _BETWEEN = str.maketrans(",|", "  ")

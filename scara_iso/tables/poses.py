@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
-from scara_iso.pose_columns import Commanded, by_pose
+from scara_iso.pose_columns import Commanded, by_pose, distinct
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
@@ -25,7 +25,7 @@ def find_pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | N
     for column in columns.layout.of(Kind.POSE):
         labels = columns.labels(column)
         name = columns.layout.header[column.position]
-        often = 2 * len(set(labels.tolist())) <= len(labels)
+        often = 2 * len(distinct(labels)) <= len(labels)
         numbers = None if often or name.lower().startswith("pose") else _numbers(columns, labels)
         if numbers is None:
             return labels
@@ -48,7 +48,7 @@ def find_commands(
 ) -> dict[str, Commanded]:
     """Return the command coordinates by axis, from columns and from statements."""
     own = [metadata["pose"]] if "pose" in metadata else []
-    labels = {normal_key(label): label for label in (own if pose is None else set(pose.tolist()))}
+    labels = {normal_key(label): label for label in (own if pose is None else distinct(pose))}
     found: dict[str, Commanded] = {}
     for axis, scale in scales.items():
         stated = scale.command

@@ -12,9 +12,9 @@ from scara_iso.tables.assemble import ReadOptions
 from scara_iso.tables.blocks import Block, Line, find_blocks, has_blocks
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.delimited import Delimited, split_each
+from scara_iso.tables.delimited import delimited, split_each
 from scara_iso.tables.faults import Faults, quoted, refuse
-from scara_iso.tables.kinds import called_text
+from scara_iso.tables.kinds import TEXT_HEAD, called_text
 from scara_iso.tables.labelled import find_labelled
 from scara_iso.tables.layout import HEAD, Layout, find_layout, runs_across
 from scara_iso.tables.marks import refuse_other_marks
@@ -32,12 +32,14 @@ from scara_iso.tables.text import (
     LINE_LIMIT,
     Delimiter,
     Row,
-    chunks,
-    decode_text,
+    decode,
+    in_pieces,
+    plain_text,
     separator_of,
     split_columns,
     split_head,
     stated_delimiter,
+    taken_from,
 )
 from scara_iso.tables.wide import find_wide
 
@@ -83,54 +85,58 @@ def read_table(
         raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
     if sheet is not None:
         raise refuse(name, "`sheet=` is for workbooks, this is text", remedy="leave `sheet=` out")
-    with called_text(data, name):
-        return _read_text(data, name, options)
-
-
-def _read_text(data: bytes, name: str, options: ReadOptions) -> Run:
-    text, encoding = decode_text(data, name)
     ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
-    del data
+    with called_text(data[:TEXT_HEAD], name):
+        text, encoding = decode(data, name)
+        del data  # it may be large
+        text = plain_text(text, name)
+        pieces = in_pieces(text)
+        del text
+        return _read_text(pieces, encoding, ended, name, options)
+
+
+def _read_text(
+    pieces: list[str], encoding: str, ended: bool, name: str, options: ReadOptions
+) -> Run:
     faults = Faults(name)
-    head = next(chunks(text), (1, [""]))[1][:HEAD]
+    head = pieces[0].split("\n")[:HEAD]
     _check_length(1, head, faults)
     faults.check()
     understood = _understand(head, options.columns)
     sure = options.columns is not None or (understood is not None and understood[2].sure)
-    if wide := None if sure else _wide(text, head, name):
+    if wide := None if sure else _wide(pieces, head, name):
         delimiter, blocks = wide
         how = f"{delimiter.value}, {encoding}"
-        return read_blocks(blocks, name, options, how, text=Delimited(text, delimiter, ended))
+        return read_blocks(blocks, name, options, how, text=delimited(pieces, delimiter, ended))
     if understood is None:
-        return _of_labels(text, name, options, encoding)
+        return _of_labels(_lines(pieces), name, options, encoding)
     delimiter, rows, layout = understood
-    parted = Delimited(text, delimiter, ended)
+    parted = delimited(pieces, delimiter, ended)
     how = f"{delimiter.value}, {encoding}"
     if not layout.sure and (across := runs_across(rows)):
         raise refuse(name, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
     if options.columns is not None:
         check_header(rows, layout, faults)
-    elif has_blocks(rows) and (blocks := find_blocks(_split_all(text, delimiter, name))):
+    elif has_blocks(rows) and (blocks := find_blocks(_split_all(pieces, delimiter, name))):
         return read_blocks(blocks, name, options, how, text=parted)
     columns = Columns(layout, options.decimal, faults)
     body = Body(layout, faults)
-    for first, lines in chunks(text):
+    for first, lines in taken_from(pieces):
         skip = max(0, layout.data_line - first)
         _take(first + skip, lines[skip:], delimiter, columns, body)
     return finish(rows, columns, body, options, how, parted)
 
 
-def _wide(text: str, head: list[str], name: str) -> tuple[Delimiter, list[Block]] | None:
+def _wide(pieces: list[str], head: list[str], name: str) -> tuple[Delimiter, list[Block]] | None:
     """Return what parts a table whose headings name poses, and its blocks; None for another."""
     for delimiter in Delimiter:
         if find_wide([(row.line, row.cells) for row in split_head(head, delimiter)]):
-            return delimiter, find_wide(_split_all(text, delimiter, name))
+            return delimiter, find_wide(_split_all(pieces, delimiter, name))
     return None
 
 
-def _of_labels(text: str, name: str, options: ReadOptions, encoding: str) -> Run:
+def _of_labels(lines: list[str], name: str, options: ReadOptions, encoding: str) -> Run:
     """Return the run of a log that names its numbers, or say why the file is no table."""
-    lines = text.split("\n")
     if options.columns is None and (rows := find_labelled(lines, name)):
         run = read_rows(rows, name, options, f"numbers with their names, {encoding}")
         used = {line for line, _ in rows}
@@ -141,9 +147,13 @@ def _of_labels(text: str, name: str, options: ReadOptions, encoding: str) -> Run
     raise _no_table([split_head(lines[:HEAD], d) for d in Delimiter], name, options.columns)
 
 
-def _split_all(text: str, delimiter: Delimiter, name: str) -> list[Line]:
+def _lines(pieces: list[str]) -> list[str]:
+    return [line for piece in pieces for line in piece.split("\n")]
+
+
+def _split_all(pieces: list[str], delimiter: Delimiter, name: str) -> list[Line]:
     faults = Faults(name)
-    lines = text.split("\n")
+    lines = _lines(pieces)
     _check_length(1, lines, faults)
     faults.check()
     rows: list[Line] = [(line, cells) for line, cells in split_each(1, lines, delimiter, faults)]

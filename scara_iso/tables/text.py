@@ -13,7 +13,7 @@ from enum import Enum
 from scara_iso.tables.faults import Faults, refuse
 from scara_iso.tables.numbers import BLANKS
 
-LINE_LIMIT = 100_000
+LINE_LIMIT = 1_000_000
 """Characters in one line: bounds the length of a cell and the number of columns."""
 _CHUNK = 500_000
 _JOINED = 5
@@ -32,20 +32,29 @@ def decode_text(data: bytes, where: str) -> tuple[str, str]:
 
     Raises `DataError` for text in no known encoding and for control characters.
     """
-    text, encoding = _decode(data, where)
-    text = text.rstrip("\r\n\x1a")  # 0x1A is the end-of-file mark of old DOS programs
+    text, encoding = decode(data, where)
+    return plain_text(text, where), encoding
+
+
+def plain_text(text: str, where: str) -> str:
+    """Return a text with its line ends as LF; `DataError` for control characters."""
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     _refuse_control(text, where)
-    return text, encoding
+    return text
 
 
-def _decode(data: bytes, where: str) -> tuple[str, str]:
+def decode(data: bytes, where: str) -> tuple[str, str]:
+    """Return the text of a file up to its last line end, and the name of its encoding.
+
+    No more than the bytes and the text is held, so that a large file fits. Raises `DataError` for
+    text in no known encoding.
+    """
     remedy = "save it as UTF-8 text (CSV)"
     for bom, codec, name in _BOMS:
         if data.startswith(bom):
             try:
-                return data[len(bom) :].decode(codec), name
+                return _decoded(data, codec, len(bom)), name
             except UnicodeDecodeError as error:
                 raise refuse(where, f"begins as {name} and is not: {error.reason}",
                              remedy=remedy) from error  # fmt: skip
@@ -55,8 +64,17 @@ def _decode(data: bytes, where: str) -> tuple[str, str]:
         guesses.insert(0, (wide, "UTF-16 without BOM"))
     for codec, name in guesses:
         with suppress(UnicodeDecodeError):
-            return data.decode(codec), name
+            return _decoded(data, codec), name
     raise refuse(where, "not text in UTF-8, UTF-16 or cp1252", remedy=remedy)
+
+
+def _decoded(data: bytes, codec: str, begin: int = 0) -> str:
+    """Return bytes as text without its last line ends, and the mark of old DOS programs, 0x1A."""
+    ends = {end.encode(codec) for end in "\r\n\x1a"}
+    width, last = len(min(ends)), len(data)
+    while data[max(last - width, begin) : last] in ends:
+        last -= width
+    return str(memoryview(data)[begin:last], codec)
 
 
 def _utf16_without_bom(data: bytes) -> str | None:
@@ -71,8 +89,9 @@ def _utf16_without_bom(data: bytes) -> str | None:
 
 
 def _refuse_control(text: str, where: str) -> None:
-    if text.isascii() and not text.encode().translate(None, _HARMLESS):  # four times as fast
-        return
+    pieces = (text[k : k + _CHUNK] for k in range(0, len(text), _CHUNK))
+    if text.isascii() and not any(p.encode().translate(None, _HARMLESS) for p in pieces):
+        return  # four times as fast
     faults = Faults(where)
     for match in _CONTROL.finditer(text):
         line = text.count("\n", 0, match.start()) + 1
@@ -81,18 +100,27 @@ def _refuse_control(text: str, where: str) -> None:
         faults.check()
 
 
-def chunks(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the lines of ``text`` in pieces of about half a million characters.
-
-    Each piece comes with the number, from 1, of its first line.
-    """
-    start, line = 0, 1
-    while start < len(text):
+def in_pieces(text: str) -> list[str]:
+    """Return whole lines of ``text`` in pieces of about half a million characters."""
+    pieces, start = [], 0
+    while start <= len(text):
         end = text.find("\n", start + _CHUNK)
         end = len(text) if end < 0 else end
-        lines = text[start:end].split("\n")
+        pieces.append(text[start:end])
+        start = end + 1
+    return pieces
+
+
+def taken_from(pieces: list[str]) -> Iterator[tuple[int, list[str]]]:
+    """Yield the lines of each piece with the number, from 1, of its first; no piece is left.
+
+    What is made of the lines then takes the place of the text.
+    """
+    line = 1
+    for k in range(len(pieces)):
+        lines, pieces[k] = pieces[k].split("\n"), ""
         yield line, lines
-        start, line = end + 1, line + len(lines)
+        line += len(lines)
 
 
 class Delimiter(Enum):
