@@ -74,7 +74,8 @@ class Seen:
         """Return how many numbers more it fits than one that it resembles, else 0."""
         if self.course.random or other.course.random:
             return 0
-        if np.linalg.norm(self.course.columns.T @ other.course.columns, 2) < ALIKE:
+        shared = self.course.columns.T @ other.course.columns
+        if not shared.size or np.linalg.norm(shared, 2) < ALIKE:
             return 0
         return max(0.0, self.course.numbers - other.course.numbers)
 
