@@ -194,3 +194,28 @@ def test_no_letter_of_a_name_is_a_pattern_or_a_column(tmp_path, rng, monkeypatch
     pd.testing.assert_frame_equal(
         rows["plain"].reset_index(drop=True), rows["X=7/robot=evil"].reset_index(drop=True)
     )
+
+
+def test_small_tables_share_a_file_of_results_that_a_change_makes_anew(tmp_path):
+    source, to = tmp_path / "s", tmp_path / "o"
+    source.mkdir()
+    rng = np.random.default_rng(4)
+
+    def write(name):
+        rows = "".join(f"{k},{x:.3f}\n" for k, x in enumerate(rng.normal(0, 0.01, 31), 1))
+        (source / name).write_text(f"# unit: mm\ncycle,X\n{rows}", encoding="utf-8")
+
+    for name in ("a.csv", "b.csv", "c.csv"):
+        write(name)
+    (source / "b2.csv").write_text("", encoding="utf-8")
+    parquet(source / "z.parquet", table("R", rng))
+    first = scara_iso.fleet_figures(source, to, unit="mm")
+    assert (first.tables, len(list(first.files.glob("*")))) == (4, 2)
+    assert scara_iso.fleet_figures(source, to, unit="mm").run.before == 5
+    (source / "b2.csv").unlink()
+    write("b.csv")
+    found = scara_iso.fleet_figures(source, to, unit="mm")
+    assert (found.run.before, found.tables, found.twice) == (1, 4, ())
+    rows = duckdb.sql(f"FROM '{found.files}/*.parquet'").df()
+    own = rows.set_index("part")["RP_X"]["b.csv"]
+    assert own == scara_iso.analyze(source / "b.csv").poses[0].axes["X"].RP
