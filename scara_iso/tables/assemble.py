@@ -200,8 +200,8 @@ def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
     counters = columns.layout.of(Kind.CYCLE)
     if len(run) > _MANY:
         yield (
-            f"{len(run)} rows: for tables of many robots use `fleet --figures`, "
-            "for samples in time `visits`"
+            f"{len(run)} rows: for the figures of many robots use the command fleet, "
+            "for samples in time the command visits"
         )
     if not counters and run.pose is None:
         yield f"no cycle column: rows numbered 1 to {len(run)} in their order"
