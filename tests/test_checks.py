@@ -95,6 +95,21 @@ def test_of_an_angle_3_s_is_compared(rng):
         assert ("theta" in named) == flagged
 
 
+@pytest.mark.parametrize(
+    ("key", "said", "code"),
+    [
+        ("record_unit", "X: mm as the option states, not confirmed by the gauge",
+         "unit-not-confirmed"),
+        ("record_doubted", "X: cycle 4, cycle 9 | Y: cycle 12", "frame-in-doubt"),
+    ],
+)  # fmt: skip
+def test_what_the_recorder_cannot_vouch_for_is_said(rng, key, said, code):
+    found = [f for f in analyze(clean_run(rng, metadata={key: said})).findings if f.code == code]
+    assert [f.axis for f in found] == ["X", "Y"][: len(found)]
+    assert len(found) == said.count(" | ") + 1
+    assert said.partition(": ")[2].partition(" |")[0] in found[0].message
+
+
 def test_few_levels(rng):
     assert "few-levels" in codes(clean_run(rng, X=x_axis(rng.integers(0, 3, 31) * 0.01)))
 

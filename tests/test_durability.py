@@ -21,7 +21,8 @@ from scara_iso.acquisition.recorder import (
     read_history,
     rebuild,
 )
-from scara_iso.errors import CannotCreateError, NoInputError, ScaraIsoError, WriteError
+from scara_iso.acquisition.recorder.journal import Journal
+from scara_iso.errors import CannotCreateError, DataError, NoInputError, ScaraIsoError, WriteError
 
 X = "X=opto-rs232@sim:?pace=0"
 Y = "Y=mitutoyo-mux@sim:?pace=0"
@@ -192,6 +193,28 @@ def test_an_interrupt_at_any_moment_keeps_what_was_announced(tmp_path):
                 assert list(folder.iterdir()) == []
         n += 1
     assert n > 3
+
+
+def test_the_last_line_of_a_recording_is_safe_before_its_table_is_made(tmp_path):
+    disk = LoggedDisk()
+    run_session(tmp_path, [X], disk=disk)
+    raw = raw_path(tmp_path / "run.csv")
+    done = [one[:2] for one in disk.log if one[0] in ("write", "sync")]
+    last = max(k for k, one in enumerate(done) if one == ("write", raw))
+    assert done[last + 1] == ("sync", raw)
+
+
+def test_a_recording_with_a_gap_is_not_gone_on_with(tmp_path):
+    run_session(tmp_path, [X])
+    raw = raw_path(tmp_path / "run.csv")
+    journal = Journal(raw, disk=UnsyncedDisk(), clock=StreamClock(paced=False), new=False)
+    journal.previous = read_history(raw).previous
+    journal.append("void", cycle=2, axes=["X"], reason="by hand")
+    journal.close()
+    before = raw.read_bytes()
+    with pytest.raises(DataError, match="cycle 2 is missing and later ones are there"):
+        run_session(tmp_path, [X], cycles=5, resume=True)
+    assert raw.read_bytes().startswith(before)
 
 
 def test_a_torn_last_line_is_reported_and_recording_goes_on(tmp_path):

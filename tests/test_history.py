@@ -130,6 +130,22 @@ def test_a_cycle_beyond_the_readings_has_nothing_to_strike_out():
     assert not math.isnan(column.values[0])
 
 
+def test_a_repeated_frame_is_in_doubt_where_the_line_sent_one_twice():
+    records = [session(), stored(1, "1.0"), stored(2, "2.0"), stored(3, "2.0"), stored(4, "4.0")]
+    again = {**stored(1), "event": "refused", "text": "4.0", "reason": "not asked for"}
+    bounced = {**again, "reason": "came within 0.5 s of the one before"}
+    head = lambda *more: taken(*records, *more).run().metadata  # noqa: E731
+    assert head(again)["record_doubted"] == "X: cycle 3"
+    for more in ((), ({**again, "text": "9.0"},), (bounced,), (again, void(3), stored(3, "3.0"))):
+        assert "record_doubted" not in head(*more)
+
+
+def test_half_a_visit_of_a_tour_is_not_gone_on_with():
+    half = [session("X", "Y", trigger="data", poses=["P1", "P2"]), {**stored(1), "pose": "P1"}]
+    assert taken(*half).cut_short() == ["X"]
+    assert taken(session("X", "Y", trigger="data"), stored(1)).cut_short() == []
+
+
 def test_only_the_last_hundred_readings_can_be_struck_out():
     history = taken(session(), *(stored(c) for c in range(1, 103)))
     assert module.VOIDABLE == 100

@@ -7,18 +7,20 @@ from contextlib import redirect_stdout
 
 import numpy as np
 import pytest
-from bench import Orders, run_session
+from bench import Orders, Script, run_session
 from disks import UnsyncedDisk
 from hypothesis import given, strategies as st
 from test_session import OPTO, script
 
 import scara_iso
 from scara_iso import read_table
+from scara_iso.acquisition.ports import StreamClock
 from scara_iso.acquisition.recorder import (
     Gross,
     Pause,
     Problem,
     Quit,
+    Refused,
     Stored,
     Take,
     Tour,
@@ -234,13 +236,77 @@ def test_a_gross_reading_names_its_pose(tmp_path, monkeypatch):
 
 
 def test_ways_of_another_length_are_no_frames_sent_twice():
-    visits = Visits("XY", present=(), timed=True)
+    visits = Visits("XY", present=(), timed=True, one_pose=False)
     time = 0.0
-    for _ in range(4):
-        for pose, way in enumerate((20.0, 20.0, 2.0)):
-            time += way
-            assert visits.hear("X", time, whole=True, pose=pose).refused == ""
-            assert visits.hear("Y", time + 0.5, whole=True, pose=pose).refused == ""
+    for k in range(12):
+        time += (20.0, 20.0, 2.0)[k % 3]
+        for axis, delay in (("X", 0.0), ("Y", 0.5)):
+            heard = visits.hear(axis, time + delay, f"{k}")
+            assert heard.doubt == heard.refused == ""
+
+
+def tour_of_keys(tmp_path, monkeypatch, frames, **more):
+    """Record a tour at the DATA key; ``frames`` are axis, visit (the value too) and time."""
+    sent = {a: [(t, b"+000.%03d\r" % v) for b, v, t in frames if a == b] for a in "XY"}
+    gauges = [f"{axis}=opto-rs232?unit=mm@{axis}" for axis in sent]
+    ports = {axis: lambda c, a=axis: Script(c, pushes=sent[a]) for axis in sent}
+    return run_session(
+        tmp_path, gauges, ports=ports, trigger="data", cycles=3, poses=FIVE,
+        monkeypatch=monkeypatch, **more,
+    )  # fmt: skip
+
+
+def keys(*, lost=()):
+    """Return frames 4 s apart, the second key 1.4 s after the first, their order alternating."""
+    return [
+        (axis, visit, 4.0 * visit + 1.4 * (k != visit % 2))
+        for visit in range(1, 16)
+        for k, axis in enumerate("XY")
+        if (axis, visit) not in lost
+    ]
+
+
+def test_keys_in_alternating_order_strike_nothing(tmp_path, monkeypatch):
+    said = tour_of_keys(tmp_path, monkeypatch, keys())
+    assert not [one for one in said if isinstance(one, Voided | Refused)]
+    run = read_table(tmp_path / "run.csv")
+    for axis in run.axes.values():
+        assert axis.readings.tolist() == [k / 1000 for k in range(1, 16)]
+
+
+@pytest.mark.parametrize("axis", ["X", "Y"])
+@pytest.mark.parametrize("visit", [1, 2, 7, 8])
+def test_a_lost_frame_of_a_tour_ends_it_with_what_to_do(tmp_path, monkeypatch, axis, visit):
+    with pytest.raises(InstrumentError, match="where the arm stands") as caught:
+        tour_of_keys(tmp_path, monkeypatch, keys(lost={(axis, visit)}))
+    pose = f"cycle {1 + (visit - 1) // 5} at P{1 + (visit - 1) % 5}"
+    assert f"bring the arm to {pose} and go on" in caught.value.remedy
+    if visit > 1:
+        readings = read_table(tmp_path / "run.csv").axes["X"].readings.tolist()
+        assert readings == [k / 1000 for k in range(1, visit)]
+
+
+def test_who_sits_there_is_asked_where_the_arm_stands_and_goes_on(tmp_path, monkeypatch):
+    class GoesOn:
+        orders = (Pause(),)
+
+        def poll(self):
+            if clock.now() < 41.0 or not self.orders:
+                return None
+            (order,), self.orders = self.orders, ()
+            return order
+
+    clock = StreamClock(paced=False)
+    clock.watch(lambda: 41.0 if clock.now() < 41.0 else math.inf)
+    early = [one for one in keys(lost={("X", 7)}) if one[1] < 10]
+    later = [(axis, visit, time + 20.0) for axis, visit, time in keys() if visit > 6]
+    said = tour_of_keys(
+        tmp_path, monkeypatch, early + later, attended=True, operator=GoesOn(), clock=clock
+    )
+    (asked,) = [one.message for one in said if isinstance(one, Problem)]
+    assert asked.endswith("bring the arm to cycle 2 at P2, then p goes on, or q ends")
+    for axis in read_table(tmp_path / "run.csv").axes.values():
+        assert axis.readings.tolist() == [k / 1000 for k in range(1, 16)]
 
 
 @pytest.mark.parametrize(

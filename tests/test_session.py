@@ -278,7 +278,7 @@ def test_the_instrument_is_asked_for_its_unit(tmp_path, monkeypatch):
     said = run_session(
         tmp_path, ["X=opto-rs232@script"], ports={"X": make}, cycles=1, monkeypatch=monkeypatch
     )
-    assert port.requests == [b"UNI?\r", b"?\r"]
+    assert port.requests == [b"UNI?\r", b"?\r", b"UNI?\r"]
     (line,) = [as_json(s) for s in said if as_json(s)["event"] == "stored"]
     assert line["value"] == 2.54
     assert read_table(tmp_path / "run.csv").axes["X"].resolution == pytest.approx(25.4e-5)
@@ -411,8 +411,8 @@ def test_void_strikes_the_whole_cycle_and_keeps_it_in_the_raw_file(tmp_path, mon
 
 
 def test_void_with_pushed_gauges_strikes_one_reading(tmp_path, monkeypatch):
-    x = [(1.0, frame("0.101")), (4.0, frame("0.102"))]
-    y = [(2.0, b"01A+0000.909\r"), (3.5, b"01A+0000.501\r"), (5.0, b"01A+0000.502\r")]
+    x = [(1.0, frame("0.101")), (7.0, frame("0.102"))]
+    y = [(2.0, b"01A+0000.909\r"), (3.5, b"01A+0000.501\r"), (8.0, b"01A+0000.502\r")]
 
     class VoidsAfterY:
         def __init__(self):

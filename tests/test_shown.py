@@ -117,7 +117,7 @@ class Turns(Script):
 def test_the_unit_is_asked_for_where_an_answer_is_odd(tmp_path, monkeypatch):
     def make(clock):
         port = Turns(clock, answer=frames(*MM, "0.0320", "0.820", "0.821"))
-        port.units = (b"MM\r", b"IN\r")
+        port.units = (*[b"MM\r"] * 10, b"IN\r")
         return port
 
     with pytest.raises(InstrumentError, match="shows inch"):
@@ -207,3 +207,35 @@ def test_what_comes_before_the_first_cycle_is_a_notice(tmp_path, monkeypatch):
     assert not {"refused", "garbage", "fault", "timeout"} & set(names)
     assert stored(said) == [(1, "0.812")]
     assert "record_refused" not in read_table(tmp_path / "run.csv").metadata
+
+
+NEAR = ["0.001", "0.002", "-0.001", "0.000", "0.001", "0.002"]
+
+
+@pytest.mark.parametrize("trigger", ["timer:1", "data"])
+def test_near_zero_a_display_that_changed_is_found_by_asking(tmp_path, monkeypatch, trigger):
+    pushes = [(2.0 + 2 * k, b"%+08.3f\r" % float(text)) for k, text in enumerate(NEAR)]
+
+    def make(clock):
+        sent = {"pushes": pushes} if trigger == "data" else {"answer": frames(*NEAR)}
+        port = Turns(clock, **sent)
+        port.units = (b"MM\r", b"MM\r", b"MM\r", b"IN\r")
+        return port
+
+    with pytest.raises(InstrumentError, match="shows inch"):
+        run_session(
+            tmp_path, [OPTO], cycles=6, monkeypatch=monkeypatch, ports={"X": make}, trigger=trigger
+        )
+    assert len(kept(tmp_path)) == 2
+    assert "record_unit" not in read_table(tmp_path / "run.csv").metadata
+
+
+@pytest.mark.parametrize("cycles", [(4,), (2, 4)])
+def test_a_unit_that_no_gauge_states_is_the_word_of_the_user(tmp_path, monkeypatch, cycles):
+    for k, last in enumerate(cycles):
+        run_session(
+            tmp_path, [OPTO], cycles=last, monkeypatch=monkeypatch, resume=k > 0,
+            ports={"X": lambda c, k=k: Script(c, answer=frames(*NEAR), shows=(None, b"MM\r")[k])},
+        )  # fmt: skip
+    said = read_table(tmp_path / "run.csv").metadata["record_unit"]
+    assert said == "X: mm as the option states, not confirmed by the gauge"

@@ -108,22 +108,54 @@ def test_a_damaged_frame_sent_again_asks_for_all_again(tmp_path, monkeypatch):
     assert stored(said, "X") == [(1, "0.101"), (2, "0.102"), (2, "0.102")]
 
 
+def all_heard(axes, *frames, one_pose=True):
+    visits = Visits(axes, present=(), timed=True, one_pose=one_pose)
+    return [visits.hear(*frame) for frame in frames]
+
+
 def test_one_gauge_alone_breaks_nothing():
-    visits = Visits("X", present=(), timed=True)
-    for time in (1.0, 2.0, 9.0):
-        assert visits.hear("X", time, whole=True).broken == ""
+    heard = all_heard("X", ("X", 1.0, "1"), ("X", 2.0, "2"), ("X", 9.0, "3"))
+    assert not any(one.doubt or one.refused for one in heard)
 
 
-def test_a_frame_sent_twice_between_two_visits_is_refused():
-    visits = Visits("XY", present=(), timed=True)
-    for time in (0.0, 4.0, 8.0):
-        assert visits.hear("X", time, whole=True).refused == ""
-        assert visits.hear("Y", time + 0.5, whole=True).refused == ""
-    assert visits.hear("X", 9.5, whole=True).refused.startswith("X sent twice")
-    assert visits.hear("X", 12.0, whole=True) == visits.hear("Y", 12.5, whole=True)
+def test_a_frame_sent_twice_is_refused_at_one_pose_and_a_doubt_in_a_tour():
+    frames = [("X", 0.0, "1"), ("Y", 1.0, "2"), ("X", 1.7, "1")]
+    assert all_heard("XY", *frames)[-1].refused == "X sent twice"
+    assert all_heard("XY", *frames, one_pose=False)[-1].back
+    another = [*frames[:2], ("X", 1.7, "3")]
+    assert all_heard("XY", *another)[-1].back
+
+
+def test_frames_of_two_visits_are_parted_at_the_longest_gap():
+    heard = all_heard("XY", ("X", 0.0, "1"), ("Y", 4.0, "2"), ("X", 4.5, "2"))
+    assert (heard[-1].kept, heard[-1].back) == ({"Y"}, True)
 
 
 def test_a_missing_frame_does_not_stretch_the_time_between_visits():
-    visits = Visits("XY", present=(), timed=True)
-    frames = [("Y", 1.0), ("X", 1.3), ("X", 5.3), ("X", 9.3), ("Y", 9.5), ("Y", 13.5), ("X", 13.7)]
-    assert [visits.hear(*one, whole=True).refused for one in frames] == [""] * len(frames)
+    sent = [("Y", 1.0), ("X", 1.3), ("X", 5.3), ("X", 9.3), ("Y", 9.5), ("Y", 13.5), ("X", 13.7)]
+    heard = all_heard("XY", *((axis, time, str(time)) for axis, time in sent))
+    assert [bool(one.doubt) for one in heard] == [k == 3 for k in range(7)]
+    assert not any(one.back or one.refused for one in heard)
+
+
+QUICK = [("X", 0.0, "1"), ("Y", 0.2, "2"), ("X", 5.0, "3"), ("Y", 5.2, "4")]
+
+
+def test_a_key_as_late_as_the_next_visit_is_of_that():
+    heard = all_heard("XY", *QUICK, ("X", 10.0, "5"), ("Y", 14.0, "6"))
+    assert heard[-1].doubt == "Y came 4.0 s later, as of the next visit"
+    assert (heard[-1].kept, heard[-1].back) == (frozenset(), False)
+
+
+@pytest.mark.parametrize(("text", "back"), [("3", False), ("9", True)])
+def test_a_frame_near_the_visit_before_puts_that_in_doubt_unless_it_repeats_it(text, back):
+    heard = all_heard("XY", *QUICK, ("X", 6.2, text), ("Y", 10.0, "6"))
+    assert (bool(heard[-1].doubt), heard[-1].back) == (True, back)
+
+
+def test_a_whole_visit_sent_twice_does_not_strike_all_that_follow():
+    twice = [("X", 0.0, "1"), ("Y", 0.1, "2"), ("X", 0.7, "3"), ("Y", 0.8, "4")]
+    more = [(a, 5.0 + 4 * k + d, f"{k}{a}") for k in range(9) for a, d in (("X", 0.0), ("Y", 1.4))]
+    doubts = [bool(one.doubt) for one in all_heard("XY", *twice, *more)]
+    assert any(doubts)
+    assert not any(doubts[-12:])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Literal, Protocol, TypeAlias
 
-ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed"]
+ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed", "place"]
 """Why there is no reading."""
 
 

@@ -41,7 +41,8 @@ class Gauge:
     None until the indicator states it. `outstanding` counts requests that nothing answered: while
     it is not zero, the next frame may be the answer to an earlier one. `doubtful` holds where a
     debt was forgiven and no answer came alone since; `slowest` is the longest time that an answer
-    took [s]; `odd` counts the latest answers of a display that seems to have changed.
+    took [s]; `odd` counts the latest answers of a display that seems to have changed. `tells_unit`
+    holds where it has answered which unit it shows; `unit_stated` is when it last said so [s].
     """
 
     def __init__(
@@ -60,7 +61,8 @@ class Gauge:
         self.unit = port.unit or unit
         self.unit_from = _origin(axis, port, unit, unit_from)
         self.outstanding = 0
-        self.unit_asked = self.doubtful = False
+        self.unit_asked = self.doubtful = self.tells_unit = False
+        self.unit_stated = -math.inf
         self.slowest = 0.0
         self.shown = Shown(fixed_decimals=dialect.fixed_decimals, poses=poses)
         self.odd = 0
@@ -89,7 +91,11 @@ class Gauge:
         if data:
             self._within_line = _LINE_END.match(data[-1:]) is None
             arrivals += [Arrival(event, now) for event in self._decoder.feed(data)]
-        return [self._checked(arrival) for arrival in arrivals]
+        before = self.unit_stated
+        checked = [self._checked(arrival) for arrival in arrivals]
+        if before == -math.inf < self.unit_stated:
+            journal.append("unit", axis=self.axis, unit=self.unit)
+        return checked
 
     def ask(self, journal: Journal, clock: Clock) -> float:
         """Ask for a reading and return when it must be there [s].
@@ -145,11 +151,12 @@ class Gauge:
         match arrival.event:
             case Reading(unit=unit, channel=channel):
                 self._answered(arrival)
-                self._check_unit(unit)
+                self._check_unit(unit, arrival.time)
                 self._channel = self._channel or channel
             case DeviceNotice(unit=str(unit)):
+                self.tells_unit |= self.unit_asked
                 self.unit_asked = False
-                self._check_unit(unit)
+                self._check_unit(unit, arrival.time)
             case InstrumentFault():
                 self._answered(arrival)
         return arrival
@@ -165,7 +172,7 @@ class Gauge:
         """Say whether the reading is of another channel than the first one was."""
         return reading.channel not in (None, self._channel)
 
-    def _check_unit(self, stated: str | None) -> None:
+    def _check_unit(self, stated: str | None, time: float) -> None:
         stated = stated and parse_unit(stated).name
         if stated and self.unit not in (None, stated):
             raise DisplayChangedError(
@@ -174,6 +181,8 @@ class Gauge:
                 remedy="set the indicator or the option right; check readings already stored",
             )
         self.unit = self.unit or stated
+        if stated:
+            self.unit_stated = time
         if self.unit is None:
             raise no_unit(self)
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from scara_iso.acquisition.ports.timeline import Timeline
 from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings, ShownReading, grow
+from scara_iso.acquisition.recorder.doubts import LineDoubts
 from scara_iso.acquisition.recorder.plan import Listen
 from scara_iso.acquisition.recorder.remarks import Remarks
 from scara_iso.acquisition.recorder.tour import Tour
@@ -51,6 +52,7 @@ class History:
         self.faults: list[Fault] = []
         self.timeline = Timeline()
         self.remarks = Remarks()
+        self._line = LineDoubts()
         self.pauses: list[int] = []  # how many cycles were complete at each
         self.previous = FIRST
         """Checksum of the last whole line."""
@@ -103,6 +105,7 @@ class History:
         self._inherited += doubts
 
     def _take(self, record: Record) -> None:
+        self._line.take(record)
         match record:
             case {"event": "session"}:
                 self._begin(record)
@@ -141,11 +144,13 @@ class History:
         self._asked.clear()
 
     def cut_short(self) -> list[str]:
-        """Return the axes of the unfinished visit that were asked together with missing ones.
+        """Return the axes of the unfinished visit that cannot be of one visit with what comes.
 
-        A crash between two lines of one visit leaves them; they were never announced.
+        In a tour the arm has left since; elsewhere they were asked together with missing ones. A
+        crash between two lines of one visit leaves those; they were never announced.
         """
-        return sorted(self.present(self.visit) & self._asked)
+        present = self.present(self.visit)
+        return sorted(present if self.tour.poses else present & self._asked)
 
     def _begin(self, record: Record) -> None:
         if record["schema"] != SCHEMA:
@@ -256,6 +261,7 @@ class History:
             yield "cycles_planned", str(self.header["cycles"])
         if jumps := self.timeline.jumps:
             yield "record_clock", "; ".join(jumps)
+        yield from self._line.metadata()
         yield from self.remarks.metadata()
         yield from ((f"record_{kind}", str(n)) for kind, n in sorted(self.troubles.items()))
 

@@ -110,6 +110,15 @@ class Ledger:
             axes.append(self._latest.pop()[1])
         self.strike(visit, axes, reason)
 
+    def strike_last(self, axis: str, reason: str) -> None:
+        """Strike out the last reading of an axis, and what was stored behind its visit."""
+        for visit, name in reversed(self._latest):
+            if name == axis:
+                if visit != self.visit and self.present:
+                    self.strike(self.visit, sorted(self.present), reason)
+                self.strike(visit, [axis], reason)
+                return
+
     def strike(self, visit: int, axes: Sequence[str], reason: str) -> None:
         """Strike readings out, and go on with the visit that lacks them."""
         for axis in axes:

@@ -38,8 +38,8 @@ from scara_iso.acquisition.recorder.plan import (
     Timer,
 )
 from scara_iso.acquisition.recorder.position import Position
-from scara_iso.acquisition.recorder.shown import DisplayChangedError
-from scara_iso.acquisition.recorder.visits import Visits
+from scara_iso.acquisition.recorder.shown import HaltError, PlaceLostError
+from scara_iso.acquisition.recorder.visits import Heard, Visits
 from scara_iso.acquisition.recorder.watch import Watch
 from scara_iso.errors import InstrumentError
 
@@ -81,7 +81,6 @@ class Session:
             for visit, text in position.shown.get(axis, ()):
                 gauge.shown.put(visit, text)
         self._attended = attended
-        self._visits = Visits(self._gauges, present=position.present, timed=plan.rearm_s > 0)
         self._bench = Bench(gauges, journal=journal, clock=clock, tell=tell)
         self._plan = plan
         self._tour = plan.tour
@@ -92,6 +91,7 @@ class Session:
         self._ledger = Ledger(
             self._gauges, plan=plan, journal=journal, tell=tell, position=position
         )
+        self._visits = self._new_visits()
         self._due = 0.0
         self._pressed = -math.inf
         self._paused = self._stopped = False
@@ -104,7 +104,7 @@ class Session:
         cycle, pose = self._tour.place(self._ledger.visit)
         trigger, poses = str(self._plan.trigger), self._tour.poses or None
         self._tell(Started(gauges, cycle, self._plan.cycles, trigger, pose, poses))
-        if isinstance(self._plan.trigger, Listen) and len(self._tour) > 1:
+        if isinstance(self._plan.trigger, Listen) and len(self._tour) > 1 == len(self._gauges):
             self._tell(Noticed("", _LOST_FRAME))
         self._bench.open()
         self._due = self._clock.now()
@@ -115,38 +115,66 @@ class Session:
         while not self._ledger.is_full and not self._stopped:
             try:
                 step()
-            except DisplayChangedError as change:
-                self._ask_what_to_do(change)
+            except HaltError as halt:
+                self._ask_what_to_do(halt)
 
-    def _ask_what_to_do(self, change: DisplayChangedError) -> None:
-        """Pause until somebody put a gauge right; raise where nobody is there."""
-        axis = change.where.removeprefix("gauge ")
-        question = f"{change.what}; put it right, then p goes on, or q ends"
-        self._journal.append("changed", axis=axis, message=change.what)
+    def _ask_what_to_do(self, halt: HaltError) -> None:
+        """Pause until somebody put it right; raise where nobody is there."""
+        axis = halt.where.removeprefix("gauge ")
+        gauge = self._gauges[axis]
+        if gauge.tells_unit and self._ledger.stored_at(axis) > gauge.unit_stated:
+            self._ledger.strike_last(axis, f"{halt.what}: asked again")
+        self._journal.append(halt.kind, axis=axis, message=halt.what)
         self._journal.sync()
         if not self._attended:
-            self._tell(Problem(axis, "changed", change.what))
-            raise change
+            self._tell(Problem(axis, halt.kind, halt.what))
+            raise halt
         self._paused = True
         self._tell(Paused(True))
-        self._tell(Problem(axis, "changed", question))
+        self._tell(
+            Problem(axis, halt.kind, f"{halt.what}; {halt.question}, then p goes on, or q ends")
+        )
         self._bench.trust()
+        self._visits = self._new_visits()
+
+    def _new_visits(self) -> Visits:
+        """Return where a visit stands, without what was heard before."""
+        return Visits(
+            self._gauges, present=self._ledger.present, timed=self._plan.rearm_s > 0,
+            one_pose=len(self._tour) == 1,
+        )  # fmt: skip
 
     def _listen(self) -> None:
         """Take what comes by itself."""
         arrivals = self._bench.receive()
         for axis in self._bench.take_damaged():
-            self._hear(axis, self._clock.now(), whole=False)
+            self._keep_place(self._visits.hear(axis, self._clock.now(), None), axis)
         for taken in arrivals:
-            if reason := self._why_not(taken) or self._hear(taken.gauge.axis, taken.time):
-                self._bench.refuse([taken], reason)
-            elif not self._bench.doubt([taken], self._ledger.visit):
-                self._ledger.store([taken])
+            self._take_or_refuse(taken)
         self._obey(self._operator.poll())
         if not arrivals:
             self._stopped |= self._ended()
             if not self._stopped:
                 self._clock.idle(math.inf)
+
+    def _take_or_refuse(self, taken: Taken) -> None:
+        """Store a reading that came by itself, or say why not."""
+        axis, text = taken.gauge.axis, taken.reading.text
+        if reason := self._why_not(taken):
+            self._bench.refuse([taken], reason)
+            return
+        heard = self._visits.hear(axis, taken.time, text)
+        if heard.refused or (heard.doubt and len(self._tour) > 1):
+            self._bench.refuse([taken], heard.refused or heard.doubt)
+        self._keep_place(heard, axis)
+        if heard.refused:
+            return
+        if self._bench.doubt([taken], self._ledger.visit):
+            self._visits.forget(axis)
+        else:
+            self._ledger.store([taken])
+            if taken.gauge.tells_unit:
+                taken.gauge.ask_unit(self._journal, self._clock)
 
     def _why_not(self, taken: Taken) -> str:
         """Return why a reading that came by itself is refused, or nothing."""
@@ -161,17 +189,24 @@ class Session:
         }
         return next((reason for reason, holds in reasons.items() if holds), "")
 
-    def _hear(self, axis: str, time: float, *, whole: bool = True) -> str:
-        """Strike what is of another visit than a frame; return why it is not to be taken itself."""
-        ledger = self._ledger
-        heard = self._visits.hear(axis, time, whole=whole, pose=ledger.visit % len(self._tour))
-        first = max(ledger.first_visit, ledger.visit - heard.mixed)
-        broken = heard.broken or ("an earlier visit was of two" if heard.mixed else "")
-        if broken and ledger.present:
-            ledger.strike(ledger.visit, sorted(ledger.present), f"{broken}: cycle asked again")
-        for visit in range(ledger.visit - 1, first - 1, -1):
-            ledger.strike(visit, list(self._gauges), "mixed two visits, perhaps: cycle asked again")
-        return heard.refused
+    def _keep_place(self, heard: Heard, axis: str) -> None:
+        """Strike what is of another visit than a frame of ``axis``.
+
+        In a tour nothing is taken then until somebody has seen where the arm stands: every later
+        frame would be given to the wrong pose.
+        """
+        ledger, why = self._ledger, heard.doubt or heard.refused
+        halts = len(self._tour) > 1 and bool(why)
+        kept = frozenset[str]() if halts else heard.kept
+        reason = f"{why or 'another frame of the visit was damaged'}: asked again"
+        whole = heard.back and not ledger.present
+        if others := sorted(ledger.present - kept):
+            ledger.strike(ledger.visit, others, reason)
+        if heard.back:
+            again = kept if whole else frozenset()
+            ledger.strike(ledger.visit - 1, sorted(set(self._gauges) - again), reason)
+        if halts:
+            raise PlaceLostError(axis, why, visit=self._tour.name(ledger.visit))
 
     def _attend(self) -> None:
         """Wait for the trigger, then ask every gauge."""
@@ -210,6 +245,8 @@ class Session:
             self._clock.idle(until)
 
     def _store_missing(self, taken: Sequence[Taken]) -> None:
+        """Store readings that were asked for, when the gauges still show the unit they said."""
+        self._bench.learn_units([one.gauge for one in taken if one.gauge.tells_unit])
         missing = self._ledger.missing
         self._ledger.store([one for one in taken if one.gauge.axis in missing])
 
@@ -254,8 +291,8 @@ class Session:
             case Take() if isinstance(self._plan.trigger, RobotLine):
                 return True
             case Void(reason=reason) if self._ledger.can_void:
-                self._visits.judged()
                 self._ledger.void(reason, together=not isinstance(self._plan.trigger, Listen))
+                self._visits = self._new_visits()
             case Note(text=text):
                 self._journal.append("note", text=text)
                 self._journal.sync()

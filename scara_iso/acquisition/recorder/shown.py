@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 from decimal import Decimal
 from statistics import median
+from typing import ClassVar, Literal
 
 from scara_iso.acquisition.recorder.events import Gross, Stored
 from scara_iso.errors import InstrumentError
@@ -26,8 +27,35 @@ _RANGES = 8
 _GROSS_COUNTS = 10
 
 
-class DisplayChangedError(InstrumentError):
-    """The unit, the resolution or the zero of an indicator is not what it was; exit code 69."""
+class HaltError(InstrumentError):
+    """Recording cannot go on until somebody at the bench puts something right; exit code 69.
+
+    ``question`` is what who sits at the terminal is told to do.
+    """
+
+    kind: ClassVar[Literal["changed", "place"]]
+    question = "put it right"
+
+
+class DisplayChangedError(HaltError):
+    """The unit, the resolution or the zero of an indicator is not what it was."""
+
+    kind = "changed"
+
+
+class PlaceLostError(HaltError):
+    """A frame was lost or sent twice, and with it the pose at which the arm stands."""
+
+    kind = "place"
+
+    def __init__(self, axis: str, why: str, *, visit: str) -> None:
+        super().__init__(
+            f"{why}: a frame was lost or sent twice, and where the arm stands is not known",
+            where=f"gauge {axis}",
+            remedy=f"bring the arm to {visit} and go on with `resume=True`; a robot that says "
+            "where it is (`trigger=line:PORT`) loses no place",
+        )
+        self.question = f"bring the arm to {visit}"
 
 
 class Shown:

@@ -1,0 +1,24 @@
+"""A reading may be the one before it, sent twice.
+
+Frames of most gauges carry no number. This gauge has sent a frame twice, and at these cycles it
+said exactly what it had said before: the second frame may stand for one that was lost. Compare with
+the other axes, leave the cycles out, or measure again with a shorter line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scara_iso.iso9283.checks.edited import SEPARATOR
+from scara_iso.iso9283.results import Finding, Measured
+
+CODE = "frame-in-doubt"
+
+
+def check(measured: Measured) -> Iterator[Finding]:
+    """Yield a warning for each axis with cycles that repeat a frame on a line that doubles them."""
+    for line in measured.run.metadata.get("record_doubted", "").split(SEPARATOR):
+        axis, colon, cycles = line.partition(": ")
+        if colon:
+            message = f"{cycles.strip()}: perhaps the frame before, sent twice for one that is lost"
+            yield Finding(CODE, "warning", message, axis.strip())
