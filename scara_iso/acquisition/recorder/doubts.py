@@ -1,11 +1,12 @@
 """What a recording cannot vouch for: a unit that no gauge stated, a frame that may be another's.
 
-Frames carry no number. Where a gauge has sent a frame twice, a reading that says what the one
-before it said may be that one again, in the place of a frame that was lost.
+Frames carry no number. Where a gauge has sent a frame twice, a reading that says what one of
+the two before it said may be that one again, in the place of a frame that was lost.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict, deque
 from collections.abc import Iterator
 
 from scara_iso.acquisition.tape import Record
@@ -21,7 +22,8 @@ class LineDoubts:
     def __init__(self) -> None:
         self._unstated: dict[str, str] = {}
         self._unconfirmed: dict[str, str] = {}
-        self._said: dict[str, str] = {}
+        self._said: dict[str, deque[str]] = defaultdict(_latest)
+        self._heard: dict[str, deque[str]] = defaultdict(_latest)
         self._twice: set[str] = set()
         self._repeats: dict[str, dict[str, None]] = {}
 
@@ -43,15 +45,17 @@ class LineDoubts:
     def _take_frame(self, record: Record) -> None:
         match record:
             case {"event": "stored", "axis": str(axis), "text": str(text)}:
-                if text == self._said.get(axis):
+                if text in self._said[axis]:
                     self._repeats.setdefault(axis, {})[_visit(record)] = None
-                self._said[axis] = text
+                self._said[axis].append(text)
+                self._heard[axis].append(text)
             case {"event": "void", "axes": [*axes]}:
                 for axis in axes:
                     self._repeats.get(str(axis), {}).pop(_visit(record), None)
             case {"event": "refused", "axis": str(axis), "text": text, "reason": str(reason)}:
-                if text == self._said.get(axis) and not reason.startswith(_BOUNCED):
+                if text in self._heard[axis] and not reason.startswith(_BOUNCED):
                     self._twice.add(axis)
+                self._heard[axis].append(str(text))
 
     def metadata(self) -> Iterator[tuple[str, str]]:
         """Yield keys of the table's head, where there is a doubt."""
@@ -66,6 +70,11 @@ class LineDoubts:
                     f"{axis}: {', '.join(visits)}" for axis, visits in found.items() if visits
                 ),
             )
+
+
+def _latest() -> deque[str]:
+    """Return the last two frames of a gauge: one sent twice comes behind the next at most."""
+    return deque(maxlen=2)
 
 
 def _visit(record: Record) -> str:

@@ -1,7 +1,7 @@
 """A reading may be the one before it, sent twice.
 
 Frames of most gauges carry no number. This gauge has sent a frame twice, and at these cycles it
-said exactly what it had said before: the second frame may stand for one that was lost. Compare with
+said exactly what it had said one or two cycles before: the second frame may stand for one that was lost. Compare with
 the other axes, leave the cycles out, or measure again with a shorter line.
 """
 
@@ -20,5 +20,7 @@ def check(measured: Measured) -> Iterator[Finding]:
     for line in measured.run.metadata.get("record_doubted", "").split(SEPARATOR):
         axis, colon, cycles = line.partition(": ")
         if colon:
-            message = f"{cycles.strip()}: perhaps the frame before, sent twice for one that is lost"
+            message = (
+                f"{cycles.strip()}: perhaps an earlier frame, sent twice, for one that is lost"
+            )
             yield Finding(CODE, "warning", message, axis.strip())
