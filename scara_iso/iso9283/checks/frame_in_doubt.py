@@ -1,8 +1,8 @@
 """A reading may be the one before it, sent twice.
 
 Frames of most gauges carry no number. This gauge has sent a frame twice, and at these cycles it
-said exactly what it had said one or two cycles before: the second frame may stand for one that was lost. Compare with
-the other axes, leave the cycles out, or measure again with a shorter line.
+said exactly what it had said one or two cycles before: the second frame may stand for one that was
+lost. Compare with the other axes, leave the cycles out, or measure again with a shorter line.
 """
 
 from __future__ import annotations
