@@ -1,9 +1,10 @@
-"""What a kill or a full disk leaves of a file that a command was writing: the old or the new one.
+"""What a kill, a signal or a full disk leaves of a file being written: the old or the new one.
 
 Prints the table of docs/appendix/durability.md.
 ``python benchmarks/kills.py --kills 1000``. Needs fork,
 SIGKILL and RLIMIT_FSIZE (Linux, macOS). The processes are forks of this one, which has imported
 everything and diagnosed the table once: a kill meets the writing and not what goes before it.
+After SIGTERM and SIGINT no part of a file may be left; its code is 130, or 0 if it was done.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
-from scara_iso import Run  # noqa: E402
+from scara_iso import Run, interrupts  # noqa: E402
 from scara_iso.acquisition.manifest import raw_path  # noqa: E402
 from scara_iso.acquisition.recorder import read_history, rebuild  # noqa: E402
 from scara_iso.cli import main as scara_iso  # noqa: E402
@@ -39,6 +40,7 @@ EXAMPLES = ROOT / "examples"
 MODEL, TABLE = str(EXAMPLES / "fum_scara.toml"), str(EXAMPLES / "fum_scara_table1.csv")
 PAIR = [str(EXAMPLES / "before_repair.csv"), str(EXAMPLES / "after_repair.csv")]
 GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
+STUDY = [str(EXAMPLES / "dial_type_1.csv"), "--tolerance", "0.03"]
 TIMER = [*GAUGES, "--trigger", "timer:1"]
 
 COMMANDS: dict[str, tuple[str, list[str]]] = {
@@ -49,6 +51,14 @@ COMMANDS: dict[str, tuple[str, list[str]]] = {
         f"report {kind}": (f"out{kind}", ["report", TABLE, "--model", MODEL, "-o", f"out{kind}"])
         for kind in (".html", ".md", ".csv", ".xlsx", ".pdf", ".json")
     },
+    "report --archive": ("out.zip", ["report", TABLE, "--json", "--archive", "out.zip"]),
+    "test new": ("new/test.toml", ["test", "new", "new", "--model", MODEL]),
+    "tables": ("out.csv", ["tables", TABLE, "-o", "out.csv"]),
+    "visits": ("out.csv", ["visits", str(EXAMPLES / "stream.csv"), "-o", "out.csv"]),
+    "history": ("out.html", ["history", str(EXAMPLES / "months"), "-o", "out.html"]),
+    "gauge-study": ("out.html", ["gauge-study", *STUDY, "-o", "out.html"]),
+    "gauge-study --plot": ("out.svg", ["gauge-study", *STUDY, "--plot", "out.svg"]),
+    "plan as a test": ("out.toml", ["plan", MODEL, "-o", "out.toml"]),
     "simulate": ("out.csv", ["simulate", MODEL, "--cycles", "2000", "-o", "out.csv"]),
     "plan": ("out.csv", ["plan", MODEL, "-o", "out.csv"]),
     "plan --picture": ("out.svg", ["plan", MODEL, "--picture", "out.svg"]),
@@ -60,6 +70,10 @@ COMMANDS: dict[str, tuple[str, list[str]]] = {
     ),
 }
 """Each command that writes a file: the file, and the arguments."""
+NEW_ONLY = ("test new", "plan as a test")
+"""These refuse a file that is there."""
+SIGNALS = {"kill -9": signal.SIGKILL, "SIGTERM": signal.SIGTERM, "Ctrl-C": signal.SIGINT}
+MOST_OPERATIONS = 20
 OPERATIONS = ("create", "write", "sync", "replace", "sync_folder")
 
 
@@ -97,6 +111,8 @@ class Command:
             raise SystemExit(f"{name}: exit code {code}")
 
     def _prepare(self) -> None:
+        if self.name in NEW_ONLY:
+            return
         if not self.name.startswith("record"):
             (self.before / self.file).write_bytes(b"the old one\n")
         elif self.name != "record":
@@ -131,37 +147,58 @@ class Command:
         return found == rebuilt.read_bytes()
 
 
-def run(prepare: Callable[[], object], arguments: list[str], place: Path, life: float = 0) -> int:
-    """Run a command in a fork, killed after ``life`` seconds; return its code, -9 where killed."""
+def run(
+    prepare: Callable[[], object],
+    arguments: list[str],
+    place: Path,
+    life: float = 0,
+    number: int = signal.SIGKILL,
+) -> int:
+    """Run a command in a fork, ended after ``life`` seconds; return its code, -9 where killed."""
     child = os.fork()
     if child == 0:
+        interrupts.listen()
         os.chdir(place)
         nowhere = os.open(os.devnull, os.O_RDWR)
         for stream in (0, 1, 2):
             os.dup2(nowhere, stream)
         prepare()
-        os._exit(scara_iso(arguments))
+        os._exit(_called(arguments))
     if life:
         time.sleep(life)
-        os.kill(child, signal.SIGKILL)
+        os.kill(child, number)
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-def kills(command: Command, count: int, rng: random.Random) -> Row:
-    """Kill at random moments of the time that the command takes."""
-    row = Row(f"kill -9 in `{command.name}`")
+def _called(arguments: list[str]) -> int:
+    """Return the code of a command as the program's door does."""
+    code = 0
+    try:
+        code = scara_iso(arguments)
+        interrupts.stop_listening()
+    except KeyboardInterrupt:
+        interrupts.stop_listening()
+    return interrupts.INTERRUPTED if interrupts.were_heard() else code
+
+
+def kills(command: Command, how: str, count: int, rng: random.Random) -> Row:
+    """End it at random moments of the time that the command takes."""
+    row, number = Row(f"{how} in `{command.name}`"), SIGNALS[how]
     for k in range(count):
-        place = command.place(f"kill{k}")
-        run(lambda: None, command.arguments, place, rng.uniform(0.001, 1.1 * command.takes_s))
-        judge(row, command, place)
+        place = command.place(f"{how}{k}")
+        life = rng.uniform(0.003, 1.1 * command.takes_s)
+        code = run(lambda: None, command.arguments, place, life, number)
+        kill = number == signal.SIGKILL
+        row.failures += not kill and code not in (0, interrupts.INTERRUPTED)
+        judge(row, command, place, parts=kill)
     return row
 
 
-def judge(row: Row, command: Command, place: Path) -> None:
-    """Count a try."""
+def judge(row: Row, command: Command, place: Path, *, parts: bool = True) -> None:
+    """Count a try; without ``parts`` none may be left."""
     row.tries += 1
     try:
-        whole = command.is_whole(place)
+        whole = command.is_whole(place) and (parts or not [*place.rglob("*.part")])
     except (ScaraIsoError, OSError):
         whole = False
     row.failures += not whole
@@ -172,7 +209,7 @@ def kills_at_operations(command: Command, row: Row) -> None:
     """Kill before, within and behind every operation on the disk that writing consists of."""
     for operation in OPERATIONS:
         for when in ("before", "within", "behind"):
-            for nth in range(2):
+            for nth in range(MOST_OPERATIONS):
                 place = command.place(f"{operation}-{when}-{nth}")
                 code = run(lambda: _kill_at(operation, when, nth), command.arguments, place)  # noqa: B023
                 if code == -signal.SIGKILL:
@@ -231,7 +268,7 @@ def _diagnose_once() -> None:
 def main() -> int:
     """Print the table; exit 1 where a file was neither the old nor the new one."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kills", type=int, default=1000)
+    parser.add_argument("--kills", type=int, default=1000, help="of each signal")
     parser.add_argument("--full", type=int, default=20, help="full disks for each command")
     parser.add_argument("--only", choices=list(COMMANDS), action="append")
     options = parser.parse_args()
@@ -240,23 +277,27 @@ def main() -> int:
     rng = random.Random(20261122)  # noqa: S311
     operations = Row("kill -9 before, within or behind each operation on the disk, all commands")
     full = Row("disk full after n bytes, all commands")
-    rows = []
+    rows: dict[str, list[Row]] = {how: [] for how in SIGNALS}
     print("| test | tries | failures |")
     print("|---|---|---|")
     for k, name in enumerate(names):
         with tempfile.TemporaryDirectory() as folder:
             command = Command(name, Path(folder))
             count = options.kills // len(names) + (k < options.kills % len(names))
-            rows.append(kills(command, count, rng))
-            print(rows[-1], flush=True)
+            for how, of_it in rows.items():
+                of_it.append(kills(command, how, count, rng))
+                print(of_it[-1], flush=True)
             kills_at_operations(command, operations)
             full_disks(command, options.full, rng, full)
-    total = Row("kill -9 at a random moment, all commands")
-    total.tries = sum(row.tries for row in rows)
-    total.failures = sum(row.failures for row in rows)
-    for row in (total, operations, full):
+    totals = [_total(how, of_it) for how, of_it in rows.items()]
+    for row in (*totals, operations, full):
         print(row, flush=True)
-    return int(any(row.failures for row in (total, operations, full)))
+    return int(any(row.failures for row in (*totals, operations, full)))
+
+
+def _total(how: str, rows: list[Row]) -> Row:
+    tries, failures = sum(row.tries for row in rows), sum(row.failures for row in rows)
+    return Row(f"{how} at a random moment, all commands", tries, failures)
 
 
 if __name__ == "__main__":

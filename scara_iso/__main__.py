@@ -8,9 +8,9 @@ import gc
 import os
 import sys
 
+from scara_iso import interrupts
 from scara_iso.trust import begin_program
 
-INTERRUPTED = 130
 _COLLECTED_AFTER = 100_000
 """New objects before the first look for garbage: imports make most of them, and none of it."""
 
@@ -18,20 +18,18 @@ _COLLECTED_AFTER = 100_000
 def run() -> None:
     """Run the command with the process' arguments and exit: the console script."""
     begin_program()
-    import signal  # noqa: PLC0415 - not from the folder in which the program was started
-
+    interrupts.leave_at_once()
     gc.set_threshold(_COLLECTED_AFTER)
-    heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else: nohup, a script
-    if heard:
-        signal.signal(signal.SIGINT, _leave)
     from scara_iso.cli import main  # noqa: PLC0415 - not before Ctrl-C is understood
 
-    if heard:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    code = main()
-    if heard:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # nothing is left to interrupt
-    _end(code)
+    code = 0
+    try:
+        interrupts.listen()
+        code = main()
+        interrupts.stop_listening()
+    except KeyboardInterrupt:  # behind the last word of the command
+        interrupts.stop_listening()
+    _end(interrupts.INTERRUPTED if interrupts.were_heard() else code)
 
 
 def _end(code: int) -> None:
@@ -50,11 +48,6 @@ def _end(code: int) -> None:
             sys.exit(code)
         os._exit(code)
     sys.exit(code)
-
-
-def _leave(*_: object) -> None:
-    """Leave at once: nothing was begun, and an exception may be lost within an import."""
-    os._exit(INTERRUPTED)
 
 
 if __name__ == "__main__":

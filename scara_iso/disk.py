@@ -10,15 +10,17 @@ import contextlib
 import errno
 import os
 import shutil
-import stat
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Protocol
 
-from scara_iso.errors import CannotCreateError, WriteError
+from scara_iso.errors import WriteError
+from scara_iso.interrupts import Later
+from scara_iso.places import ROOM, not_writable, open_stream, target_of
 
 _BINARY = getattr(os, "O_BINARY", 0)
+_BLOCK = bytes(4096)
 
 
 class Disk(Protocol):
@@ -127,10 +129,16 @@ def write_atomically(disk: Disk, files: Mapping[Path, bytes]) -> None:
     """Put bytes at their paths: after a power cut each holds what it held, or the new, whole.
 
     Nothing is renamed before all of them are on the disk. A link goes on pointing to what it
-    names, and what stands there keeps its permissions.
+    names, and what stands there keeps its permissions. A signal ends the process behind it.
     """
     targets = {path.resolve(): data for path, data in files.items()}
-    parts = {target: _part(target) for target in targets}
+    with Later():
+        _write_parts(disk, targets, {target: target.with_name(_part_name()) for target in targets})
+    for folder in {target.parent for target in targets}:
+        disk.sync_folder(folder)
+
+
+def _write_parts(disk: Disk, targets: Mapping[Path, bytes], parts: Mapping[Path, Path]) -> None:
     try:
         for target, data in targets.items():
             _write_part(disk, parts[target], target, data)
@@ -141,13 +149,11 @@ def write_atomically(disk: Disk, files: Mapping[Path, bytes]) -> None:
             with contextlib.suppress(OSError):
                 disk.remove(part)
         raise
-    for folder in {target.parent for target in targets}:
-        disk.sync_folder(folder)
 
 
-def _part(target: Path) -> Path:
-    """Return a name in the folder of ``target`` that no one else uses: never a user's own."""
-    return target.with_name(f".scara-iso-{os.urandom(8).hex()}.part")
+def _part_name() -> str:
+    """Return a name that no one else uses: never a user's own."""
+    return f".scara-iso-{os.urandom(8).hex()}.part"
 
 
 def _write_part(disk: Disk, part: Path, target: Path, data: bytes) -> None:
@@ -161,6 +167,46 @@ def _write_part(disk: Disk, part: Path, target: Path, data: bytes) -> None:
         shutil.copymode(target, part)
 
 
+def check_output(*paths: Path) -> None:
+    """Raise, before any work begins, where one of these could not be written.
+
+    `CannotCreateError` where no file can be there, `WriteError` for a disk that is full. What is
+    there stays as it is: the folder is tried with a block, which is removed. A pipe is opened, and
+    kept open for `write_file`.
+    """
+    for path in paths:
+        target = target_of(path)
+        if target is not None:
+            _try(target.parent, path)
+
+
+def check_folder(folder: Path) -> None:
+    """Raise as `check_output` where a folder takes no files, or could not be made."""
+    there = folder
+    try:
+        folder.exists()  # raises for a name that no disk takes
+        while not os.path.lexists(there) and there != there.parent:
+            there = there.parent
+    except (OSError, ValueError) as error:
+        raise not_writable(folder, error) from error
+    _try(there, folder)
+
+
+def _try(folder: Path, where: Path) -> None:
+    """Write a block into a folder and remove it."""
+    disk, part = SystemDisk(), folder / _part_name()
+    with Later():
+        try:
+            file = disk.create(part)
+            try:
+                write_whole(disk, file, _BLOCK)
+            finally:
+                disk.close(file)
+                disk.remove(part)
+        except (OSError, ValueError) as error:
+            raise not_writable(where, error) from error
+
+
 def write_file(path: Path, data: bytes, disk: Disk | None = None) -> None:
     """Write a file at once, so that no failure and no kill leaves half of it.
 
@@ -168,53 +214,18 @@ def write_file(path: Path, data: bytes, disk: Disk | None = None) -> None:
     `CannotCreateError` where nothing can be there, `WriteError` where writing fails; what was
     there before then stays.
     """
-    try:
-        stream = _open_stream(path)
-        if stream is None:
-            _refuse_unwritable(path)
-    except OSError as error:
-        raise CannotCreateError(
-            f"cannot be written: {error.strerror}", where=str(path), remedy="name another place"
-        ) from error
+    target = target_of(path)
     disk = disk or SystemDisk()
     try:
-        if stream is None:
-            write_atomically(disk, {path: data})
+        if target is not None:
+            write_atomically(disk, {target: data})
             return
+        stream = open_stream(path)
         try:
             write_whole(disk, stream, data)
         finally:
             disk.close(stream)
     except OSError as error:
         raise WriteError(
-            f"cannot be written: {error.strerror or error}", where=str(path),
-            remedy="make room, or name another place; what was there is as it was",
-        ) from error  # fmt: skip
-
-
-def _open_stream(path: Path) -> int | None:
-    """Return what to write to where the path names no file on a disk, else None."""
-    try:
-        found = path.stat()
-    except FileNotFoundError:
-        return None
-    for file in (1, 2):
-        with contextlib.suppress(OSError):  # closed
-            if os.path.samestat(os.fstat(file), found):
-                return os.dup(file)  # its place in a file that the shell opened is kept
-    return None if stat.S_ISREG(found.st_mode) else os.open(path, os.O_WRONLY | _BINARY)
-
-
-def _refuse_unwritable(path: Path) -> None:
-    """Raise the `OSError` of writing in place: a rename would pass over a file's protection."""
-    target = path.resolve()
-    if target.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-    if target.exists() and not os.access(target, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-    folder = target.parent
-    if not folder.is_dir():
-        number = errno.ENOTDIR if folder.exists() else errno.ENOENT
-        raise OSError(number, os.strerror(number))
-    if not os.access(folder, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+            f"cannot be written: {error.strerror or error}", where=str(path), remedy=ROOM
+        ) from error

@@ -182,7 +182,7 @@ def test_a_unit_that_nobody_states_is_an_error_that_names_the_option(run, tmp_pa
         (["record", "a.csv", *X, *TIMER, "--meta-file", "no.toml"], 66, "no.toml"),
         (["record", "a.csv", "--resume", *X, *TIMER], 66, "a.raw.jsonl"),
         (["record", "--rebuild", "a.raw.jsonl"], 66, "a.raw.jsonl"),
-        (["record", "no/a.csv", *X, *TIMER], 73, "no/a.raw.jsonl"),
+        (["record", "no/a.csv", *X, *TIMER], 73, "no/a.csv"),
         (["record", "a.csv", "--gauge", "X=opto-rs232@/dev/ttyNOTTHERE", *TIMER], 69, "NOTTHERE"),
         (["record", "a.csv", "--gauge", "X=opto-rs232@replay:none", *TIMER], 66, "none"),
         (["record", "a.csv", *X, "--trigger", "data", "--stable", "3"], 2, "--stable"),

@@ -229,3 +229,80 @@ def test_a_name_that_is_nearly_one_is_said(tmp_path, capsys, command, name, mean
     (tmp_path / "run.csv").write_text("", encoding="utf-8")
     assert main([command, str(tmp_path / name)]) == 66
     assert meant.format(tmp_path / "run.csv") in capsys.readouterr().err
+
+
+ENDING_WITH = """
+import os, signal, sys
+for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+    signal.signal(getattr(signal, name), signal.SIG_DFL)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from scara_iso import disk
+from scara_iso.__main__ import run
+import scara_iso.cli
+{moment}
+sys.argv = ["scara-iso", *{arguments!r}]
+run()
+"""
+
+WITHIN_A_WRITE = """
+sync = disk.SystemDisk.sync
+def hear_and_sync(self, file):
+    os.kill(os.getpid(), signal.{name})
+    sync(self, file)
+disk.SystemDisk.sync = hear_and_sync
+"""
+
+WITHIN_A_FINALISER = """
+class Loud:
+    def {method}(self, *_):
+        os.kill(os.getpid(), signal.{name})
+import weakref
+from scara_iso.iso9283 import analysis
+whole = analysis.analyze
+def analyze(*arguments, **options):
+    loud = Loud()
+    follow = weakref.ref(loud, lambda _: os.kill(os.getpid(), signal.{name}))
+    del loud
+    import time
+    time.sleep(20)
+    return whole(*arguments, **options)
+import scara_iso.library.figures as figures
+figures.iso9283 = type("m", (), {{"analyze": staticmethod(analyze)}})
+import scara_iso.iso9283
+scara_iso.iso9283.analyze = analyze
+"""
+
+
+def ended(tmp_path, moment, arguments):
+    script = ENDING_WITH.format(moment=moment, arguments=arguments)
+    return subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, check=False, cwd=tmp_path, text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, timeout=60,
+    )  # fmt: skip
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs signals")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_signal_while_a_file_is_written_waits_until_it_is_whole(tmp_path, name):
+    arguments = ["simulate", MODEL, "-o", "run.csv"]
+    done = ended(tmp_path, WITHIN_A_WRITE.format(name=name), arguments)
+    assert done.returncode == 130
+    assert done.stderr in ("scara-iso: interrupted\n", ""), "nothing where it had ended already"
+    assert [path.name for path in tmp_path.iterdir()] == ["run.csv"]
+    assert (tmp_path / "run.csv").read_text().count("\n") > 31
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs signals")
+@pytest.mark.parametrize("method", ["__del__", "other"], ids=["finaliser", "weak reference"])
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_an_interrupt_that_python_swallows_comes_again(tmp_path, method, name):
+    moment = WITHIN_A_FINALISER.format(method=method, name=name)
+    done = ended(tmp_path, moment, ["analyze", TABLE])
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "scara-iso: interrupted\n")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs signals")
+def test_a_signal_that_is_to_be_ignored_is(tmp_path):
+    moment = "signal.signal(signal.SIGHUP, signal.SIG_IGN)" + WITHIN_A_WRITE.format(name="SIGHUP")
+    done = ended(tmp_path, moment, ["simulate", MODEL, "-o", "run.csv"])
+    assert (done.returncode, done.stderr) == (0, "")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from scara_iso.cli import main
-from scara_iso.disk import SystemDisk, write_file
+from scara_iso.disk import SystemDisk, check_output, write_file
 from scara_iso.errors import CannotCreateError, WriteError
 
 ROOT = Path(__file__).parents[1]
@@ -191,7 +191,15 @@ def test_a_link_goes_on_pointing_to_what_it_names(folder):
 def test_a_pipe_is_written_to(folder):
     os.mkfifo(folder / "pipe")
     heard = []
-    reader = threading.Thread(target=lambda: heard.append((folder / "pipe").read_bytes()))
+    there = os.open(folder / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    os.set_blocking(there, True)
+
+    def read():
+        with os.fdopen(there, "rb") as pipe:
+            heard.append(pipe.read())
+
+    check_output(folder / "pipe")  # from here on the reader waits
+    reader = threading.Thread(target=read)
     reader.start()
     write_file(folder / "pipe", b"x" * 200_000)
     reader.join()

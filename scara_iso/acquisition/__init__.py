@@ -103,6 +103,7 @@ if TYPE_CHECKING:
         Waiting as Waiting,
         Watched as Watched,
         as_json as as_json,
+        check_files as check_files,
         check_metadata as check_metadata,
         earlier_of as earlier_of,
         parse_gauges as parse_gauges,
@@ -113,7 +114,6 @@ if TYPE_CHECKING:
         read_metadata as read_metadata,
         rebuild as rebuild,
         record as record,
-        refuse_existing as refuse_existing,
     )
     from scara_iso.acquisition.tape import is_tape as is_tape
 else:

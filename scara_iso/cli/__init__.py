@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import textwrap
@@ -18,7 +19,7 @@ import typer
 from typer._completion_classes import completion_init
 from typer.core import TyperGroup
 
-from scara_iso import __version__
+from scara_iso import __version__, interrupts
 from scara_iso.cli.groups import COMMANDS, GROUPS
 from scara_iso.cli.help import Command, asks_for_help, in_plain_words
 from scara_iso.cli.output import as_options, settings
@@ -26,12 +27,13 @@ from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
 
-INTERRUPTED = 130
 BUG = 70
 CANNOT_WRITE = 74
+_INTERRUPTED = "scara-iso: interrupted"
 _ANYWHERE = ("--debug", "--no-color")
 _HELP = ("-h", "--help")
 _LONG = 6
+_NO_INPUT = (errno.EACCES, errno.EPERM, errno.ENAMETOOLONG)  # what is written is checked first
 
 WELCOME = """\
 scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
@@ -118,8 +120,6 @@ def _general(
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with ``argv`` and return its exit code; errors go to standard error."""
-    # A second thread of the linear algebra gains nothing on thirty readings and costs three times.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = asks_for_help(_general_first(sys.argv[1:] if argv is None else argv))
     settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
@@ -130,7 +130,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parsed(arguments: Sequence[str]) -> object:
     code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
-    if code == INTERRUPTED:  # what the parser makes of Ctrl-C
+    if code == interrupts.INTERRUPTED:  # what the parser makes of Ctrl-C
         raise KeyboardInterrupt
     return code
 
@@ -151,8 +151,8 @@ def _call(arguments: Sequence[str]) -> int:
             return _lead_nowhere()
         return leaving.code if isinstance(leaving.code, int) else 1
     except (KeyboardInterrupt, typer.Abort):
-        _say(["scara-iso: interrupted"])
-        return INTERRUPTED
+        _say([_INTERRUPTED])
+        return interrupts.INTERRUPTED
     except BrokenPipeError:
         return _lead_nowhere()
     except Exception as error:  # noqa: BLE001 - the one error boundary
@@ -262,10 +262,12 @@ def _explain(error: Exception) -> tuple[list[str], int]:
         remedy = [f"  {meant}"] if (meant := _meant(error) or error.remedy) else []
         first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
         return [*said[:first], *remedy, *said[first:]], error.exit_code
+    if interrupts.were_heard():  # within a library that made another error of it
+        return [_INTERRUPTED], interrupts.INTERRUPTED
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
         complaint = in_plain_words(error.format_message())
         return [f"scara-iso: {complaint}", *_hints(error, complaint)], int(error.exit_code)
-    if isinstance(error, PermissionError) and error.filename:
+    if isinstance(error, OSError) and error.filename and error.errno in _NO_INPUT:
         todo = "  name another file or folder, or have it opened to you"
         return [f"scara-iso: {error.filename}: {error.strerror}", todo], NoInputError.exit_code
     if isinstance(error, OSError):

@@ -18,7 +18,7 @@ from scara_iso.cli.options import (
     parse_limits,
     takes_tables,
 )
-from scara_iso.cli.output import check_outputs, command_line, named, write_json, write_picture
+from scara_iso.cli.output import check_outputs, command_line, write_json, write_picture
 from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity, Counting
@@ -61,7 +61,7 @@ def compare_command(
     """
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
-    check_outputs([plot], named(tables))
+    check_outputs([plot], tables)
     read = asdict(reading) | asdict(counting)
     options: dict[str, Any] = {
         **read,

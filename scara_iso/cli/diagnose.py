@@ -23,7 +23,6 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import (
     check_outputs,
     command_line,
-    named as files_of,
     tell_written,
     write_json,
     write_picture,
@@ -128,7 +127,7 @@ def diagnose_command(
         show_design(named, files, reading, wanted, seed=seed, as_json=json)
         return
     files.check(named)
-    check_outputs([plot, save_model, map_], [*files_of(named), model, effects, hold_out])
+    check_outputs([plot, save_model, map_], [*named, model, effects, hold_out])
     show = partial(_How, full=full, as_json=json)
     if (folder := test_folder(named, condition, reading)) is not None:
         _diagnose_folder(folder, condition, files, reading, wanted, show, seed=seed, as_json=json)

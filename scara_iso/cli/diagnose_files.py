@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from scara_iso import render
 from scara_iso.cli.options import parse_limits
+from scara_iso.disk import check_output
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ class Files:
         if self.map is None:
             return self
         named = self.map.with_name(f"{self.map.stem}-{condition}{self.map.suffix}")
+        check_output(named)
         return replace(self, map=named)
 
     def check(self, tables: Sequence[str]) -> None:

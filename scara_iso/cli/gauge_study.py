@@ -20,7 +20,6 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import (
     check_outputs,
     command_line,
-    named,
     tell_written,
     write_json,
     write_picture,
@@ -86,7 +85,7 @@ def gauge_study_command(
     """
     from scara_iso.library import gauge_study
 
-    check_outputs([output, plot], named(table))
+    check_outputs([output, plot], table)
     found = gauge_study(
         table,
         tolerance=parse_sizes("--tolerance", tolerance or (), "write --tolerance 0.06"),

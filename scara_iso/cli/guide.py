@@ -15,6 +15,7 @@ from scara_iso.acquisition import (
     Detected,
     Device,
     RememberedBench,
+    check_files,
     detect,
     find_dialect,
     list_devices,
@@ -26,7 +27,13 @@ from scara_iso.acquisition import (
 from scara_iso.cli.output import as_answers
 from scara_iso.cli.record_options import RecordOptions, instruments_of, usual_bench
 from scara_iso.cli.recording import record_as_asked
-from scara_iso.errors import InstrumentError, ScaraIsoError, UsageError
+from scara_iso.errors import (
+    CannotCreateError,
+    InstrumentError,
+    ScaraIsoError,
+    UsageError,
+    WriteError,
+)
 from scara_iso.reporting import printable
 
 _T = TypeVar("_T")
@@ -213,10 +220,7 @@ def _free(stem: str) -> Path:
 
 def _table(answer: str) -> Path:
     path = Path(answer if "." in Path(answer).name else f"{answer}.csv")
-    if path.exists() or raw_path(path).exists():
-        raise UsageError(f"{path} is there already", remedy="take another name")
-    if not path.parent.is_dir():
-        raise UsageError(f"no folder {path.parent}", remedy="make it, or take another name")
+    check_files(path, resume=False)
     return path
 
 
@@ -239,7 +243,7 @@ def _ask(question: str, usual: str, read: Callable[[str], _T]) -> _T:
             return read(input().strip() or usual)
         except EOFError as error:
             raise UsageError("no answer", remedy="scara-iso record OUT.csv --gauge …") from error
-        except (UsageError, InstrumentError) as error:
+        except (UsageError, InstrumentError, CannotCreateError, WriteError) as error:
             said = f"{error.what}; {error.remedy}" if error.remedy else error.what
             _write(f"   {as_answers(said)}")
 

@@ -20,7 +20,6 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import (
     check_outputs,
     command_line,
-    named,
     say_written,
     write_json,
     write_report,
@@ -67,7 +66,7 @@ def history_command(
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """
-    check_outputs([output], [*named(tables), None if events is None else str(events)])
+    check_outputs([output], [*tables, None if events is None else str(events)])
     if output is not None:
         library.check_page(output)
     read = asdict(reading) | asdict(counting)

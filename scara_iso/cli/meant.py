@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 from collections.abc import Sequence
@@ -20,7 +21,7 @@ def to_write(error: NoInputError, arguments: Sequence[str], command: Any) -> str
     """Return what to do where a word behind command and table is no file but ends as a report."""
     name = error.where
     words = [word for word in arguments if not word.startswith("-")]
-    if name not in words[2:] or Path(name).exists() or Path(name).suffix in _READ_TOO:
+    if name not in words[2:] or _exists(name) or Path(name).suffix in _READ_TOO:
         return ""
     return _with_option(name, command)
 
@@ -34,7 +35,7 @@ def as_output(complaint: str, command: Any) -> str:
 def as_table(complaint: str) -> str:
     """Return what to do where a file or a folder stands in place of a command."""
     found = _NO_COMMAND.match(complaint)
-    there = found is not None and Path(found[1]).exists()
+    there = found is not None and _exists(found[1])
     return f"to analyze it: scara-iso analyze {shlex.quote(found[1])}" if found and there else ""
 
 
@@ -42,3 +43,8 @@ def _with_option(name: str, command: Any) -> str:
     writes = any("-o" in param.opts for param in getattr(command, "params", ()))
     known = Path(name).suffix.lower() in (*endings(), ".dfq")
     return f"did you mean -o {name}?" if writes and known else ""
+
+
+def _exists(name: str) -> bool:
+    """Say whether a file is there; a name that is too long is none."""
+    return os.path.exists(name)  # noqa: PTH110

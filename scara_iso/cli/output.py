@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import sys
@@ -10,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scara_iso.disk import write_file
+from scara_iso.disk import check_output, write_file
 from scara_iso.errors import CannotCreateError, UsageError
 
 if TYPE_CHECKING:
@@ -162,37 +163,34 @@ def named(tables: Sequence[str]) -> list[str]:
     """Return the files of tables that are named, and all that is read of a folder and its own."""
     from scara_iso.library import EVENTS, folders_seen, tables_in
 
-    folders = [Path(one) for one in tables if Path(one).is_dir()]
+    folders = [Path(one) for one in tables if os.path.isdir(one)]  # noqa: PTH112 - of any length
     within = [inner for folder in folders for inner in (folder, *folders_seen(folder))]
     files = [path for folder in within for path in (*tables_in(folder), folder / EVENTS)]
     return [*tables, *map(str, files)]
 
 
 def check_outputs(outputs: Sequence[Path | None], inputs: Sequence[str | None]) -> None:
-    """Raise before anything is computed where writing would destroy what is not the user's wish.
+    """Raise before anything is read where an output cannot be written, or is not to be.
 
-    `CannotCreateError` where an output is what the command reads, or of a recording; `UsageError`
-    where two outputs are one file.
+    As `check_output`; `CannotCreateError` where an output is what the command reads, or of a
+    recording; `UsageError` where two outputs are one file. Of folders among ``inputs`` all is
+    read.
     """
-    named = [path for path in outputs if path is not None]
-    for path in named:
-        if any(_same_file(path, Path(name)) for name in inputs if name not in (None, "-")):
+    outs = [path for path in outputs if path is not None]
+    check_output(*outs)
+    read = named([name for name in inputs if name not in (None, "-")]) if outs else []
+    for path in outs:
+        if any(_same_file(path, Path(name)) for name in read):
             raise CannotCreateError(
                 "is an input of this command", where=str(path), remedy="name another file"
             )
-        try:
-            recording = _of_a_recording(path.resolve())
-        except OSError as error:
-            raise CannotCreateError(
-                f"cannot be written: {error.strerror}", where=str(path), remedy="name another file"
-            ) from error
-        if recording:
+        if _of_a_recording(path.resolve()):
             raise CannotCreateError(
                 "holds a recording", where=str(path),
                 remedy="name another file, or remove it yourself",
             )  # fmt: skip
-    if len({path.resolve() for path in named}) < len(named):
-        raise UsageError(f"{named[0]} is named for two outputs", remedy="name two files")
+    if len({path.resolve() for path in outs}) < len(outs):
+        raise UsageError(f"{outs[0]} is named for two outputs", remedy="name two files")
 
 
 def _same_file(path: Path, name: Path) -> bool:

@@ -150,7 +150,12 @@ class _Files:
         return self.output is not None and self.output.suffix.lower() == ".toml"
 
     def check(self, *, separating: bool) -> None:
-        """Raise `UsageError` for a test.toml of what is none, or with a locale."""
+        """Raise `UsageError` for a test.toml of what is none, or with a locale.
+
+        `CannotCreateError` for one that is there already.
+        """
+        if self.output is not None and self.as_test:
+            library.refuse_existing_test(self.output)
         if self.as_test and self.excel_locale is not None:
             raise UsageError("--excel-locale is for a .csv", remedy="let the name end in .csv")
         if self.as_test and separating:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import shlex
-import signal
 import sys
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,6 +26,7 @@ from scara_iso.acquisition import (
     SystemDisk,
     Tour,
     Trigger,
+    check_files,
     check_metadata,
     choose_clock,
     earlier_of,
@@ -41,12 +40,12 @@ from scara_iso.acquisition import (
     rebuild,
     record,
     refuse_absent,
-    refuse_existing,
 )
 from scara_iso.cli.keyboard import Keys, Lines, TypedKeys, TypedLines, open_keyboard
 from scara_iso.cli.output import settings
 from scara_iso.cli.record_options import RecordOptions, complete, confirm
 from scara_iso.cli.record_screen import Screen, write_line
+from scara_iso.disk import check_folder
 from scara_iso.errors import UsageError
 from scara_iso.library import Nobody, Watcher
 from scara_iso.render import LiveScreen, open_console
@@ -66,6 +65,8 @@ _SHOWN = 5
 
 def record_as_asked(options: RecordOptions) -> None:
     """Record a table, or a part of the test in a folder; raises as `record_table`."""
+    if options.table is not None:
+        _check_place(options.table, resume=options.resume)
     options = complete(options)
     if options.table is None:
         raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
@@ -78,6 +79,14 @@ def record_as_asked(options: RecordOptions) -> None:
             remedy="make one: scara-iso test new DIR --model MODEL.toml",
         )  # fmt: skip
     record_table(options, options.table)
+
+
+def _check_place(table: Path, *, resume: bool) -> None:
+    """Raise as `check_files`, or `check_folder` for that of a test, before a port is asked."""
+    if is_test_folder(table):
+        check_folder(table)
+    else:
+        check_files(table, resume=resume)
 
 
 def _record_part(options: RecordOptions, path: Path) -> None:
@@ -148,10 +157,8 @@ def record_table(
         metadata = check_metadata(dict(assignment.metadata)) | metadata
     if not set(metadata) & set(options.of_bench):  # a certificate is that of one indicator
         metadata = check_metadata(options.of_bench) | metadata
-    if not options.resume:
-        refuse_existing(table)
-        if on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
-            metadata = metadata or _ask_metadata(specs)
+    if not options.resume and on_terminal and plan.trigger == Enter() and sys.stdin.isatty():
+        metadata = metadata or _ask_metadata(specs)
     job = Job(table, specs, plan, metadata, options.resume, options.excel_locale)
     _run(job, earlier, options, assignment=assignment)
 
@@ -166,7 +173,6 @@ def _run(
     on_terminal = options.shown
     clock = choose_clock(spec.address for spec in job.gauges)
     with ExitStack() as stack:
-        stack.enter_context(_ended_by_signals())
         operator = _operator(job, stack, on_terminal=on_terminal)
         typed = operator.typed if isinstance(operator, TypedKeys | TypedLines) else None
         tell: Callable[[Said], None] = write_line
@@ -278,22 +284,3 @@ def _tell_damage(history: History) -> None:
             f"scara-iso: {printable(history.source)}: {len(history.damaged)} torn or damaged, "
             f"left out: line {lines}\n"
         )
-
-
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """Let a request to terminate, or a terminal that closes, end the session in good order."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {name: signal.signal(getattr(signal, name), _interrupt) for name in names}
-    try:
-        yield
-    finally:
-        for name, handler in before.items():
-            signal.signal(getattr(signal, name), handler)
-
-
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt

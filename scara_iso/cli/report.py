@@ -26,7 +26,6 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import (
     check_outputs,
-    named,
     say_limits,
     say_written,
     settings,
@@ -99,6 +98,9 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
+    path = output or (None if json else Path(f"{_stem(table)}.html"))
+    read = [*table, model, effects, None if meta_file is None else str(meta_file)]
+    check_outputs([output, archive], read)
     options: dict[str, Any] = {
         "model": model,
         "own_effects": effects,
@@ -117,8 +119,6 @@ def report_command(
 
         report_folder(folder, condition, output, archive, options, as_json=json)
         return
-    path = output or (None if json else Path(f"{_stem(table)}.html"))
-    read = [*named(table), model, effects, None if meta_file is None else str(meta_file)]
     check_outputs([path, archive], read)
     found = library.report(table, to=path, **asdict(reading), **options)
     if archive is not None:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from scara_iso.library.fleet_runs import fleet as fleet, fleet_figures as fleet_figures
     from scara_iso.library.folders import (
         new_test as new_test,
+        refuse_existing_test as refuse_existing_test,
         write_planned_test as write_planned_test,
     )
     from scara_iso.library.gauge_studies import gauge_study as gauge_study

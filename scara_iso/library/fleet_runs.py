@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Unpack
 
 from scara_iso.diagnosis import SEED, CyclesWanted
+from scara_iso.disk import check_folder
 from scara_iso.errors import UsageError
 from scara_iso.fleets import (
     FiguresTask,
@@ -53,6 +54,7 @@ def fleet(
     """
     if not 0 < level < 1:
         raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
+    check_folder(Path(to))
     _check(unit, decimal)
     wanted = CyclesWanted(counting=Counting(**counting))
     task = Task(ReadAs(unit, resolution, decimal), wanted, seed)
@@ -78,6 +80,7 @@ def fleet_figures(
     DuckDB adds the tables of Parquet files up, in as many threads as ``workers``; the figures are
     those of `analyze`. The other options, and what is raised, as of `fleet`.
     """
+    check_folder(Path(to))
     _check(unit, decimal)
     wanted = CyclesWanted(counting=Counting(**counting))
     with threads_of(engine, workers) as (where, threads):

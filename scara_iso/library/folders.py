@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from scara_iso.acceptance import FILE, plan_test, toml_of
-from scara_iso.disk import write_file
+from scara_iso.disk import check_folder, check_output, write_file
 from scara_iso.errors import CannotCreateError, UsageError
 from scara_iso.iso9283 import PosePlan
 from scara_iso.library.models import plan
@@ -29,7 +30,8 @@ def new_test(
     """
     folder, model = Path(folder), Path(model)
     file = folder / FILE
-    _refuse_existing(file)
+    refuse_existing_test(file)
+    check_folder(folder)
     _check_percents({"velocities": velocities, "loads": loads})
     described = read_model(model)
     found = plan(described, **planned)
@@ -49,15 +51,17 @@ def write_planned_test(file: str | Path, planned: PosePlan, model: str | Path) -
     there already: a test.toml is edited by hand.
     """
     file, model = Path(file), Path(model)
-    _refuse_existing(file)
+    refuse_existing_test(file)
+    check_output(file)
     how = planned.conditions
     velocities, loads = (how.velocity_percent,), (how.load_percent,)
     _check_percents({"velocities": velocities, "loads": loads})
     return _write(file, planned, read_model(model), model, velocities, loads)
 
 
-def _refuse_existing(file: Path) -> None:
-    if file.exists():
+def refuse_existing_test(file: Path) -> None:
+    """Raise `CannotCreateError` where a test is there already: it is edited by hand."""
+    if os.path.lexists(file):
         raise CannotCreateError(
             "is there already", where=str(file), remedy="edit it, or name another folder"
         )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from scara_iso.disk import write_file
+from scara_iso.disk import check_output, write_file
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.library.inputs import Tables, paths_of, tables_of
@@ -47,6 +47,8 @@ def gauge_study(
         raise UsageError(f"decision {decision!r}", remedy=f"use {' or '.join(words)}")
     _refuse_twice(table)
     write = None if to is None else find_format(Path(to).name, Path(to).suffix)
+    if to is not None:
+        check_output(Path(to))
     read = read_gauge_tables(
         tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
         unit=unit,

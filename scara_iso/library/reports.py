@@ -13,7 +13,7 @@ from scara_iso import iso9283
 from scara_iso.diagnosis import (
     CyclesWanted,
 )
-from scara_iso.disk import write_file
+from scara_iso.disk import check_output, write_file
 from scara_iso.display import Displayed
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Analysis, Beside, DecisionRule
@@ -140,6 +140,7 @@ def report(
     """
     if to is not None:
         check_format(Path(to), excel_locale)
+        check_output(Path(to))
     reading, counting = parted(**options)
     wanted: dict[str, Any] = {
         "counting": counting, "limits": sizes_of("limits", limits), "decision": decision,

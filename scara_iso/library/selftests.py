@@ -12,6 +12,7 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
+from scara_iso.disk import check_output
 from scara_iso.library.killed import recorder_checks
 from scara_iso.library.pages import check_page, write_page
 from scara_iso.reporting import validation_document
@@ -37,6 +38,7 @@ def selftest(
     """
     if to is not None:
         check_page(Path(to))
+        check_output(Path(to))
     checks = []
     for check in _every_check():
         checks.append(check)

@@ -184,8 +184,7 @@ class BluetoothPort:
     def _lost(self) -> InstrumentError:
         return InstrumentError(
             f"the link is lost ({self._why_lost})", where=self.address,
-            remedy="switch the indicator on or come nearer, check zero and unit, then use "
-            "`resume=True`",
+            remedy="switch the indicator on or come nearer, check zero and unit",
         )  # fmt: skip
 
 

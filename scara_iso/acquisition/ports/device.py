@@ -95,7 +95,7 @@ class DevicePort:
             f"the port is lost ({error})",
             where=self.address,
             remedy="the cable or the indicator was unplugged or switched off, or another program "
-            "reads this port; correct that, check zero and unit, then use `resume=True`",
+            "reads this port; correct that, check zero and unit",
         )
 
 

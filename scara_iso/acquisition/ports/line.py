@@ -62,7 +62,7 @@ class SocketLine:
     def _lost(self, why: str) -> InstrumentError:
         return InstrumentError(
             f"the robot's line is lost ({why})", where=self.address,
-            remedy="reconnect it, and use `resume=True`; in a test's folder record again",
+            remedy="reconnect it",
         )  # fmt: skip
 
 

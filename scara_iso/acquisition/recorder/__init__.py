@@ -2,7 +2,7 @@
 
 from scara_iso.acquisition.manifest import check_manifest, manifest_path, raw_path
 from scara_iso.acquisition.recorder.axis_readings import ShownReading
-from scara_iso.acquisition.recorder.earlier import earlier_of, refuse_existing
+from scara_iso.acquisition.recorder.earlier import check_files, earlier_of
 from scara_iso.acquisition.recorder.events import (
     Command,
     CycleDone,
@@ -90,6 +90,7 @@ __all__ = [
     "Waiting",
     "Watched",
     "as_json",
+    "check_files",
     "check_manifest",
     "check_metadata",
     "earlier_of",
@@ -103,5 +104,4 @@ __all__ = [
     "read_metadata",
     "rebuild",
     "record",
-    "refuse_existing",
 ]  # fmt: skip

@@ -264,7 +264,7 @@ def _zero_gone(gauge: Gauge, message: str) -> DisplayChangedError:
     return DisplayChangedError(
         f"the indicator was switched off and on ({message}): its zero is gone",
         where=f"gauge {gauge.axis}",
-        remedy="check its unit; set the old zero and go on with `resume=True`, or start again",
+        remedy="check its unit and set the old zero",
     )
 
 
@@ -272,7 +272,7 @@ def _changed(gauge: Gauge, reason: str) -> DisplayChangedError:
     return DisplayChangedError(
         f"unit or resolution of the display have changed: {reason}",
         where=f"gauge {gauge.axis}",
-        remedy="set unit, resolution and zero as they were, then go on with `resume=True`",
+        remedy="set unit, resolution and zero as they were",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,22 +11,34 @@ from scara_iso.acquisition.recorder.history import History, read_history
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.plan import Job
 from scara_iso.acquisition.recorder.table import doubts_beside, table_of
+from scara_iso.disk import check_output
 from scara_iso.errors import CannotCreateError, DataError, NoInputError, UsageError
+
+
+def check_files(table: Path, *, resume: bool) -> None:
+    """Raise, before any port is opened, where a recording cannot be kept beside its table.
+
+    As `check_output`, `CannotCreateError` where one of its files is there already, and
+    `NoInputError` where there is nothing to ``resume``.
+    """
+    (refuse_missing if resume else refuse_existing)(table)
+    check_output(table, raw_path(table), manifest_path(table))
 
 
 def refuse_existing(table: Path) -> None:
     """Raise `CannotCreateError` where a table, its raw file or its manifest is there already."""
-    if table.is_dir():
+    if os.path.isdir(table):  # noqa: PTH112 - of a name of any length
         raise CannotCreateError(
             "is a folder, and not that of a test", where=str(table),
             remedy=f"name a table in it, or make it one: scara-iso test new {table} "
             "`model=MODEL.toml`",
         )  # fmt: skip
     for path in (table, raw_path(table), manifest_path(table)):
-        if path.exists():
+        if os.path.lexists(path):
+            begun = raw_path(table).is_file()
             raise CannotCreateError(
                 "exists already", where=str(path),
-                remedy="use another name, or `resume=True` to go on with it",
+                remedy="use another name" + ", or `resume=True` to go on with it" * begun,
             )  # fmt: skip
 
 

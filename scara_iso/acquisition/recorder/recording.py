@@ -19,12 +19,7 @@ from scara_iso.acquisition.ports import (
     refuse_same_device,
     replayed_poses,
 )
-from scara_iso.acquisition.recorder.earlier import (
-    read_earlier,
-    refuse_existing,
-    refuse_missing,
-    strike_cut_short,
-)
+from scara_iso.acquisition.recorder.earlier import check_files, read_earlier, strike_cut_short
 from scara_iso.acquisition.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.acquisition.recorder.header import make_gauges, write_header
 from scara_iso.acquisition.recorder.history import History, read_history
@@ -37,8 +32,17 @@ from scara_iso.acquisition.recorder.spec import GaugeSpec
 from scara_iso.acquisition.recorder.table import remove, table_of, write_table_of
 from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.disk import Disk
-from scara_iso.errors import CannotCreateError, InstrumentError, UsageError, WriteError
+from scara_iso.errors import (
+    CannotCreateError,
+    InstrumentError,
+    ScaraIsoError,
+    UsageError,
+    WriteError,
+)
 from scara_iso.iso9283 import past_due
+
+_GO_ON = "then go on with `resume=True`"
+_BEGIN = "and begin again: no reading was stored"
 
 
 def record(
@@ -59,7 +63,7 @@ def record(
     and `CannotCreateError` where files are there already.
     Nothing is left behind where no reading was stored.
     """
-    (refuse_missing if job.resume else refuse_existing)(job.table)
+    check_files(job.table, resume=job.resume)
     with ExitStack() as stack:
         ports = _open_ports(job, clock, stack, typed)
         journal = Journal(raw_path(job.table), disk=disk, clock=clock, new=not job.resume)
@@ -156,13 +160,26 @@ def _table_at_the_end(
     """Make the table of the raw file however the session ends; only a `WriteError` goes past it."""
     try:
         yield
-    except WriteError:
+    except WriteError as error:
+        if not _keeps_readings(journal):
+            error.remedy = f"make room, or name another place, {_BEGIN}"
+        raise
+    except InstrumentError as error:
+        _end(job, journal, disk, tell)
+        error.remedy += f", {_GO_ON if _keeps_readings(journal) else _BEGIN}"
         raise
     except BaseException:
         _end(job, journal, disk, tell)
         raise
     if no_table := _end(job, journal, disk, tell):
         raise no_table
+
+
+def _keeps_readings(journal: Journal) -> bool:
+    try:
+        return bool(read_history(journal.path).latest)
+    except (OSError, ScaraIsoError):  # not there, or of a disk that failed
+        return False
 
 
 def _end(

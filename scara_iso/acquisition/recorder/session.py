@@ -254,7 +254,7 @@ class Session:
         return InstrumentError(
             f"no reading of {self._tour.name(self._ledger.visit)} after {attempts} requests; "
             f"at last {self._bench.last_problem}",
-            remedy="check cable, settings and that the indicator is on, then use `resume=True`",
+            remedy="check cable, settings and that the indicator is on",
         )
 
     def _await_trigger(self) -> bool:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from scara_iso.acquisition.manifest import find_doubts, manifest_of, manifest_path, raw_path
 from scara_iso.acquisition.recorder.history import History, read_history
-from scara_iso.disk import Disk, write_atomically
+from scara_iso.disk import Disk, check_output, write_atomically
 from scara_iso.errors import CannotCreateError, UsageError, WriteError
 
 
@@ -58,11 +58,12 @@ def rebuild(
 
     Raises `NoInputError`, `DataError`, or `CannotCreateError` where another table is there.
     """
-    history = read_history(raw)
     if table is None:
         table = _table_beside(raw)
         if raw_path(table) != raw:
             raise UsageError(f"{raw.name} is not called NAME.raw.jsonl", remedy="name OUT.csv too")
+    check_output(table)
+    history = read_history(raw)
     found, plain = doubts_beside(raw, history), table_of(history, excel_locale)
     history.inherit(found)
     data = table_of(history, excel_locale)
