@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Protocol
 
 from scara_iso.errors import WriteError
-from scara_iso.interrupts import Later
+from scara_iso.interrupts import Later, were_heard
 from scara_iso.places import ROOM, not_writable, open_stream, target_of
 
 _BINARY = getattr(os, "O_BINARY", 0)
@@ -214,6 +214,8 @@ def write_file(path: Path, data: bytes, disk: Disk | None = None) -> None:
     `CannotCreateError` where nothing can be there, `WriteError` where writing fails; what was
     there before then stays.
     """
+    if were_heard():  # and swallowed where ``data`` was made: they may lack something
+        raise KeyboardInterrupt
     target = target_of(path)
     disk = disk or SystemDisk()
     try:

@@ -271,3 +271,12 @@ def test_an_interrupt_leaves_the_old_file_alone(folder):
     with pytest.raises(KeyboardInterrupt):
         write_file(folder / "file", b"new", Interrupted())
     assert contents(folder) == {folder / "file": b"old"}
+
+
+def test_what_was_made_while_an_interrupt_was_swallowed_is_not_written(folder, monkeypatch):
+    """A library that catches everything leaves something out, and goes on."""
+    (folder / "file").write_text("old")
+    monkeypatch.setattr("scara_iso.interrupts._heard", [2])
+    with pytest.raises(KeyboardInterrupt):
+        write_file(folder / "file", b"new")
+    assert contents(folder) == {folder / "file": b"old"}
