@@ -8,7 +8,7 @@ import gc
 import os
 import sys
 
-from scara_iso import interrupts
+import scara_iso.interrupts as interrupts  # noqa: PLR0402 - from a face would ask for its names first
 from scara_iso.trust import begin_program
 
 _COLLECTED_AFTER = 100_000

@@ -4,9 +4,9 @@ What a signal raises within an import leaves half a module behind, within a fina
 swallowed, and while a file is written it leaves a part of one. There it is put off until it is
 behind that; where it was swallowed all the same, it is raised again. The signal is remembered: a
 process that heard one ends with 130, whatever became of the exception.
-"""
 
-from __future__ import annotations
+It imports only what is built into Python, since the program begins with it (`trust`).
+"""
 
 import _thread
 import os
@@ -56,7 +56,7 @@ def listen() -> None:
     """
     before = sys.unraisablehook
 
-    def swallowed(found: sys.UnraisableHookArgs) -> None:
+    def swallowed(found: "sys.UnraisableHookArgs") -> None:
         if issubclass(found.exc_type, KeyboardInterrupt):
             _raise_later(_heard[0] if _heard else int(signal.SIGINT))
         else:
@@ -79,7 +79,7 @@ def _numbers() -> list[int]:
     return [int(getattr(signal, name)) for name in _ENDING if hasattr(signal, name)]
 
 
-def _hear(number: int, frame: FrameType | None) -> None:
+def _hear(number: int, frame: "FrameType | None") -> None:
     _heard.append(number)
     if _held or _is_bad_moment(frame):
         _raise_later(number)
@@ -87,7 +87,7 @@ def _hear(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
 
-def _is_bad_moment(frame: FrameType | None) -> bool:
+def _is_bad_moment(frame: "FrameType | None") -> bool:
     while frame is not None:
         code = frame.f_code
         if code.co_filename.startswith(_IMPORTING) or code.co_name == _FINALISER:
