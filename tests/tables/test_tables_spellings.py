@@ -199,12 +199,8 @@ def test_a_random_table_in_a_random_spelling_is_the_same_numbers_or_asked(table,
     data = spell(table, spelling)
     if is_asked(data, "end its last line"):  # a last 0 may be a 0.001 that is cut
         data = spell(table, replace(spelling, last_end=True))
-    if "," in spelling.mark and is_asked(data, "`decimal="):
-        assert_same(read_table(data, decimal=","), table)
-    elif (spelling.unit, spelling.delimiter) == ("um", ";"):  # may be asked too
-        assert_same(read_table(data, decimal=spelling.mark), table)
-    else:
-        assert_same(read_table(data), table)
+    decimal = spelling.mark if is_asked(data, "`decimal=") else None
+    assert_same(read_table(data, decimal=decimal), table)
 
 
 def is_asked(data, remedy):
