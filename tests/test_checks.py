@@ -348,6 +348,8 @@ CONDITIONS = [
     ({"payload": "1,500 kg"}, "other-load", False),  # a thousand and a half, or one and a half
     ({"payload": "2"}, "other-load", False),
     ({"velocity": "50 %"}, None, False),
+    ({"payload": "1.98 kg", "rated_payload": "2 kg"}, None, False),  # a per cent
+    ({"payload": "1.97 kg", "rated_payload": "2 kg"}, "other-load", True),
     ({"velocity": "80 %"}, "other-velocity", True),
     ({"velocity": "100 % of rated"}, None, False),
     ({"velocity": "500 mm/s", "rated_velocity": "1 m/s"}, None, False),
@@ -367,6 +369,9 @@ CONDITIONS = [
     ({"dwell": "500 ms", "stabilisation_time_s": "0.8"}, "short-dwell", True),
     ({"dwell": "0.5 s"}, None, False),
     ({"dwell": "a while", "stabilisation_time": "0.8 s"}, "short-dwell", False),
+    ({"warm_up": "30 min"}, None, False),
+    ({"warm_up": "0 min"}, "cold-start", True),
+    ({"warm_up": "none"}, "cold-start", False),
     ({"calibration_due": "2026-05-12", "date": "2026-05-12"}, None, False),
     ({"calibration_due": "2026-05-11", "date": "12.05.2026"}, "calibration-date", True),
     ({"calibration_due": "2025-05-11", "timestamp_start": "2026-05-12T08:00:00"},
