@@ -4,6 +4,7 @@ What is asked here is the package from outside: `analyze` of a run, and what it 
 """
 
 import math
+from datetime import UTC, datetime
 from itertools import combinations, permutations
 
 import numpy as np
@@ -15,7 +16,7 @@ from test_checks import clean_run, x_axis
 
 from scara_iso.errors import DataError
 from scara_iso.force_loop import ForceLoop
-from scara_iso.iso9283 import push_test
+from scara_iso.iso9283 import moment_of_test, push_test, zoned_moment_of_test
 from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.repeats import find_repeats
 from scara_iso.iso9283.statistics import repeatability
@@ -262,3 +263,19 @@ def test_the_compliance_alone_has_a_clause(rng):
     clauses = {one.code: one.estimate.clause for one in found.characteristics}
     assert clauses.pop("compliance") == "10"
     assert set(clauses.values()) == {"push test"}
+
+
+@pytest.mark.parametrize(
+    ("stated", "zoned"),
+    [
+        ({}, None),
+        ({"date": "2026-05-12"}, None),
+        ({"date": "2026-05-12T08:00:00"}, None),
+        ({"date": "12.05.2026"}, None),
+        ({"date": "2026-05-12T08:00:00+02:00"}, datetime(2026, 5, 12, 6, tzinfo=UTC)),
+    ],
+)
+def test_a_moment_has_a_zone_only_where_one_is_stated(rng, stated, zoned):
+    run = one_pose(rng, metadata=stated)
+    assert zoned_moment_of_test(run) == zoned
+    assert (moment_of_test(run) is None) is (not stated)

@@ -393,5 +393,6 @@ def test_a_column_is_compared_as_a_line_is(rng):
     assert said(rng, {"rated_payload": "2 kg"}, payload_kg=[1]) == {("other-load", True)}
     assert said(rng, {}, payload_kg=[1, 2]) == {("other-load", True)}
     assert said(rng, {}, speed=[100, 250]) == {("other-velocity", True)}
+    assert said(rng, {}, speed=[100]) == set()
     assert said(rng, {}, temperature_C=[20, 35]) == {("temperature-limits", True)}
     assert said(rng, {}, approach=[1, -1]) == {("mixed-approach", True)}

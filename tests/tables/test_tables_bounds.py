@@ -1,9 +1,13 @@
 """Where a reading of a table turns: each bound from both sides, by what `read_table` gives."""
 
+from pathlib import Path
+
 import numpy as np
+import openpyxl
 import pytest
 
-from scara_iso.errors import DataError
+from scara_iso import analyze, push
+from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
 
@@ -135,3 +139,78 @@ def test_a_statement_right_above_a_log_is_read():
 def test_a_log_whose_statements_stand_apart_is_read():
     log = b"# resolution: 0.01\n\nCycle: 1  X: 0.11\nCycle: 2  X: 0.12\n"
     assert read_table(log, unit="mm").axes["X"].resolution == 0.01
+
+
+@pytest.mark.parametrize(
+    ("units", "given", "found"),
+    [
+        (["# unit: um"], 2, {"X": 0.002}),
+        (["# unit: mm"], 0.002, {"X": 0.002}),
+        (["# unit_X: um", "# unit_Y: um"], 2, {"X": 0.002, "Y": 0.002}),
+        (["# unit_X: um", "# unit: mm"], 0.002, {"X": 0.002, "Y": 0.002}),
+    ],
+)
+def test_a_resolution_that_is_given_is_in_the_unit_stated(units, given, found):
+    data = table({"cycle": [1, 2], **dict.fromkeys(found, x(2))}, "\n".join(units) + "\n")
+    run = read_table(data, resolution=given)
+    assert {n: axis.resolution for n, axis in run.axes.items()} == pytest.approx(found)
+
+
+def test_a_pose_column_stands_before_other_names_of_places():
+    run = read_table(table({"pose": ["P1", "P1", "P2", "P2"], "cycle": [1, 2, 1, 2], "X": x(4),
+                            "station": [7, 8, 9, 10]}))  # fmt: skip
+    assert run.pose.tolist() == ["P1", "P1", "P2", "P2"]
+    assert run.covariates["station"].tolist() == [7, 8, 9, 10]
+
+
+def test_every_refusal_says_what_to_do(tmp_path):
+    """Of one file and of several, of none and of a workbook without a table."""
+    book = openpyxl.Workbook()
+    book.active.append(["nothing", "here"])
+    file = tmp_path / "empty.xlsx"
+    book.save(file)
+    for source in (b"", b"words\n", b"cycle,X\n1,0.1\n", b"cycle,X\n", file, tmp_path / "none.csv"):
+        with pytest.raises(ScaraIsoError) as caught:
+            read_table(source)
+        assert caught.value.remedy or all(f.message for f in caught.value.faults)
+        assert caught.value.remedy
+    with pytest.raises(ScaraIsoError) as caught:
+        analyze([tmp_path / "none.csv", tmp_path / "no.csv"])
+    assert caught.value.remedy
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+def test_an_empty_cell_in_quotes_is_an_empty_cell(mark):
+    rows = [["cycle", "X", ""], *([str(k), f"0.{100 + k}", ""] for k in range(1, 40))]
+    text = "\n".join(mark.join(f'"{cell}"' for cell in row) for row in rows) + "\n"
+    run = read_table(text.encode(), unit="mm")
+    assert (len(run), list(run.axes), list(run.covariates)) == (39, ["X"], [])
+    assert run.axes["X"].readings[-1] == 0.139
+
+
+PUSHED = (Path(__file__).parents[2] / "examples" / "push.csv").read_text("utf-8").splitlines()
+
+
+@pytest.mark.parametrize(
+    ("above", "between"),
+    [
+        ([], ["# the first loop is a rehearsal"]),
+        ([], ["# 2 loops, 5 N a step", "# and more"]),
+        (["Operator,Anna", "Date,today"], []),
+        (["Operator,Anna", "# 7 of 9"], ["# 1,2"]),
+        (["Serial number,4711"], []),
+    ],
+)
+def test_a_form_around_the_columns_changes_no_number(above, between):
+    k = next(k for k, line in enumerate(PUSHED) if line.startswith("force"))
+    lines = [*PUSHED[:k], *above, PUSHED[k], *between, *PUSHED[k + 1 :], ""]
+    plain, found = (push("\n".join(text).encode()) for text in (PUSHED, lines))
+    assert found.loop.force.tolist() == plain.loop.force.tolist()
+    assert found.loop.reading.tolist() == plain.loop.reading.tolist()
+
+
+def test_a_column_that_is_there_twice_is_refused_with_what_to_do():
+    text = "\n".join(f"{line},{line}" if not line.startswith("#") else line for line in PUSHED)
+    with pytest.raises(DataError, match="there twice") as caught:
+        push(text.encode())
+    assert caught.value.remedy
