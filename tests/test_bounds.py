@@ -257,12 +257,17 @@ def test_rounding_counts_where_readings_do_not_scatter_over_divisions(rng, noise
     assert parts.get("reading") == (pytest.approx(0.001 / math.sqrt(6)) if counts else None)
 
 
-def test_the_compliance_alone_has_a_clause(rng):
+def test_a_stiffness_is_the_compliance_turned_over_and_has_no_clause(rng):
     force, reading = push_rig.readings(rng, noise=0.001)
     found = push_test(ForceLoop(force, reading), arm_m=0.25)
     clauses = {one.code: one.estimate.clause for one in found.characteristics}
     assert clauses.pop("compliance") == "10"
     assert set(clauses.values()) == {"push test"}
+    compliance, stiffness = (found.estimate(*of) for of in
+                             (("compliance", "reading"), ("stiffness", "joint")))  # fmt: skip
+    turned = [stiffness.value * compliance.value / end for end in compliance.interval[::-1]]
+    assert stiffness.interval == pytest.approx(turned)
+    assert stiffness.u / stiffness.value == pytest.approx(compliance.u / compliance.value)
 
 
 @pytest.mark.parametrize(

@@ -351,6 +351,8 @@ CONDITIONS = [
     ({"payload": "1.98 kg", "rated_payload": "2 kg"}, None, False),  # a per cent
     ({"payload": "1.97 kg", "rated_payload": "2 kg"}, "other-load", True),
     ({"velocity": "80 %"}, "other-velocity", True),
+    ({"velocity": "99 %"}, None, False),
+    ({"velocity": "98.5 %"}, "other-velocity", True),
     ({"velocity": "100 % of rated"}, None, False),
     ({"velocity": "500 mm/s", "rated_velocity": "1 m/s"}, None, False),
     ({"velocity": "700 mm/s", "rated_velocity": "1 m/s"}, "other-velocity", True),

@@ -214,3 +214,29 @@ def test_a_column_that_is_there_twice_is_refused_with_what_to_do():
     with pytest.raises(DataError, match="there twice") as caught:
         push(text.encode())
     assert caught.value.remedy
+
+
+@pytest.mark.parametrize("size", ["0", "-0.001", "1,000", "0.001 deg", "small"])
+@pytest.mark.parametrize("key", ["resolution", "indicator_uncertainty"])
+def test_a_size_of_a_loop_is_one_length_above_zero(key, size):
+    lines = [f"# {key}: {size}" if line.startswith(f"# {key}") else line for line in PUSHED]
+    with pytest.raises(DataError, match=key):
+        push("\n".join(lines).encode())
+
+
+def test_a_run_says_what_each_field_of_its_table_was():
+    run = read_table(table({"No.": [1, 2], "x [um]": x(2), "Temp (C)": [20, 21], "note": ["a", "b"],
+                            "command_X [um]": [0, 0]}, "# resolution: 0.001\n"))  # fmt: skip
+    assert [(f.header, f.kind, f.name, f.unit) for f in run.origin.fields] == [
+        ("No.", "cycle", "", ""), ("x [um]", "axis", "X", "um"),
+        ("Temp (C)", "covariate", "temperature_C", ""), ("note", "comment", "", ""),
+        ("command_X [um]", "command coordinate", "X", "um"),
+    ]  # fmt: skip
+
+
+def test_decimal_commas_of_a_loop_are_the_same_numbers():
+    text = "\n".join(PUSHED)
+    commas = text.replace(",", ";").replace(".", ",").replace("0,001", "0.001")
+    assert push(commas.encode()).loop.reading.tolist() == push(text.encode()).loop.reading.tolist()
+    with pytest.raises(DataError, match="commas and points"):
+        push(commas.replace("0,3", "0.3").encode())
