@@ -12,11 +12,12 @@ import push_rig
 import pytest
 from scipy.special import rel_entr
 from scipy.stats import binom
+from test_characteristics import drift_test
 from test_checks import clean_run, x_axis
 
 from scara_iso.errors import DataError
 from scara_iso.force_loop import ForceLoop
-from scara_iso.iso9283 import moment_of_test, push_test, zoned_moment_of_test
+from scara_iso.iso9283 import drift_courses, moment_of_test, push_test, zoned_moment_of_test
 from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.repeats import find_repeats
 from scara_iso.iso9283.statistics import repeatability
@@ -150,6 +151,8 @@ def test_cycles_wanted_shrink_the_reach_to_the_room_that_is_left(rng):
         wanted = math.ceil(30 * (1.3 / share) ** 2)
         assert limits_of(run, AP=limit).cycles_wanted == pytest.approx(wanted, abs=1)
     assert limits_of(run, X=RP.value * 1.0001).cycles_wanted == 100_000
+    assert limits_of(run, X=RP.value).cycles_wanted is None
+    assert limits_of(run, AP=AP.value).cycles_wanted is None
     low, high = RP.interval
     both = limits_of(run, X=(RP.value * (low / RP.value) ** 0.5, 10 * high))
     assert both.cycles_wanted == pytest.approx(math.ceil(30 * 2.6**2), abs=1)
@@ -284,3 +287,21 @@ def test_a_moment_has_a_zone_only_where_one_is_stated(rng, stated, zoned):
     run = one_pose(rng, metadata=stated)
     assert zoned_moment_of_test(run) == zoned
     assert (moment_of_test(run) is None) is (not stated)
+
+
+@pytest.mark.parametrize("tau_h", [0.5, 5.0])
+def test_a_drift_is_followed_however_slow(rng, tau_h):
+    analysis = analyze(drift_test(rng, size=0.5, tau_h=tau_h))  # of eight hours
+    (course,) = drift_courses(analysis.run, analysis.poses, analysis.block)
+    assert course.fit.time_constant_h == pytest.approx(tau_h, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "stated",
+    [{"first_cycle": "perhaps"}, {"first_cycle_discarded": "perhaps"},
+     {"first_cycle": "counts", "first_cycle_discarded": "true"}],
+)  # fmt: skip
+def test_what_is_said_of_the_first_cycle_and_cannot_be_is_refused_with_what_to_do(rng, stated):
+    with pytest.raises(DataError) as caught:
+        analyze(one_pose(rng, metadata=stated))
+    assert caught.value.remedy

@@ -51,6 +51,7 @@ def test_which_rows_count(numbers, stated, options, discarded, used):
 def refused(*args, options=None, **kwargs):
     with pytest.raises(DataError) as caught:
         used_cycles(run_of(*args, **kwargs), Counting(**(options or {})))
+    assert caught.value.remedy
     return caught.value
 
 
