@@ -133,6 +133,15 @@ def test_the_uncertainty_of_a_push_test_is_that_of_its_fit(rng):
         assert estimate.u == pytest.approx(
             math.sqrt(slope @ found.fit.covariance @ slope), rel=1e-4
         )
+    known = push_test(ForceLoop(force, reading, uncertainty=0.002))
+    certified = {one.code for one in known.characteristics if one.calibration == 0.002}
+    assert certified == {"lost_motion", "friction_width", "hysteresis"}
+    apart = math.sqrt(2) * 0.002  # of two readings, in mm; a loop is 2 c wide for each newton
+    for code, reach in {"lost_motion": apart, "friction_force": apart / (2 * c)}.items():
+        assert known.estimate(code, "reading").parts["reading"] == pytest.approx(reach)
+    frame = known.to_frame()
+    intervals = [one.estimate.interval for one in known.characteristics]
+    assert list(zip(frame["low"], frame["high"], strict=True)) == intervals
 
 
 def test_cycles_wanted_shrink_the_reach_to_the_room_that_is_left(rng):
@@ -188,6 +197,13 @@ def test_a_distance_wants_two_cycles_that_both_poses_have(rng):
 
     assert {"AD", "RD"} <= codes_with((range(4, 18), [2, *range(18, 31)]))  # both have 3 and 31
     assert not {"AD", "RD"} & codes_with((range(3, 18), [2, *range(18, 31)]))
+
+
+def test_three_changes_make_a_rhythm():
+    """Four visits of four rows each, the first like the third: half of the rows two apart."""
+    visits = np.array([0.0, 10.0, 1.0, 20.0])
+    found = find_repeats(np.repeat(visits, 4)[:, np.newaxis], np.ones(1))
+    assert found.p_value < 2 * 0.5**4
 
 
 def test_each_of_a_batch_of_poses_has_its_number_of_cycles(rng):

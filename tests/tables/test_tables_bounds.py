@@ -219,6 +219,7 @@ def test_a_column_that_is_there_twice_is_refused_with_what_to_do():
     with pytest.raises(DataError, match="there twice") as caught:
         push(text.encode())
     assert caught.value.remedy
+    assert [fault.line for fault in caught.value.faults] == [5, 5]
 
 
 @pytest.mark.parametrize("size", ["0", "-0.001", "1,000", "0.001 deg", "small"])
@@ -250,3 +251,42 @@ def test_decimal_commas_of_a_loop_are_the_same_numbers():
 @pytest.mark.parametrize(("blanks", "is_unit"), [(38, True), (39, False)])
 def test_a_unit_of_more_than_forty_characters_is_none(blanks, is_unit):
     assert (read_unit("mm" + " " * blanks) is not None) is is_unit
+
+
+def test_a_unit_that_is_none_is_shown_in_its_field():
+    with pytest.raises(DataError) as caught:
+        read_table(table({"cycle": [1, 2], "temperature_C": [20, 21], "X [furlong]": x(2)}))
+    assert [(fault.line, fault.column) for fault in caught.value.faults] == [(3, 3)]
+
+
+def test_points_that_group_thousands_do_so_in_every_row():
+    rows = 40_000
+    data = table({"cycle": range(1, rows + 1), "X": ["1.234"] * rows})
+    assert set(read_table(data, decimal=",").axes["X"].readings.tolist()) == {1234.0}
+    assert set(read_table(data, decimal=".").axes["X"].readings.tolist()) == {1.234}
+
+
+def test_columns_of_parts_are_joined(tmp_path):
+    for k in (1, 2):
+        data = table({"cycle": range(1, 32), "X": x(31), "temperature_C": [20 + k] * 31})
+        (tmp_path / f"P{k}.csv").write_bytes(data)
+    run = analyze([tmp_path / "P1.csv", tmp_path / "P2.csv"]).run
+    assert run.covariates["temperature_C"].tolist() == [21.0] * 31 + [22.0] * 31
+
+
+@pytest.mark.parametrize("between", ["", "Operator;Anna\n", "\n"])
+def test_a_title_names_the_pose_of_the_block_below_it(between):
+    blocks = [f"P{k}\n{between}cycle;X\n1;0.10{k}\n2;0.11{k}\n" for k in (1, 2)]
+    run = read_table("\n".join(blocks).encode(), unit="mm")
+    assert run.pose.tolist() == ["P1", "P1", "P2", "P2"]
+    assert run.axes["X"].readings.tolist() == [0.101, 0.111, 0.102, 0.112]
+
+
+@pytest.mark.parametrize("heading", ["reading [mm]", "reading_mm", "reading (mm)"])
+def test_a_heading_may_state_the_unit_of_a_loop(heading):
+    lines = [line for line in PUSHED if not line.startswith("# unit")]
+    text = "\n".join(lines).replace("force_N,reading", f"force_N,{heading}")
+    same = push(text.encode()).loop.reading
+    assert same.tolist() == push("\n".join(PUSHED).encode()).loop.reading.tolist()
+    micro = push(text.replace("mm", "um").encode()).loop.reading
+    assert micro * 1000 == pytest.approx(same)
