@@ -4,7 +4,7 @@ What is asked here is the package from outside: `analyze` of a run, and what it 
 """
 
 import math
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from itertools import combinations, permutations
 
 import numpy as np
@@ -17,12 +17,19 @@ from test_checks import clean_run, x_axis
 
 from scara_iso.errors import DataError
 from scara_iso.force_loop import ForceLoop
-from scara_iso.iso9283 import drift_courses, moment_of_test, push_test, zoned_moment_of_test
+from scara_iso.iso9283 import (
+    drift_courses,
+    moment_of_test,
+    past_due,
+    push_test,
+    zoned_moment_of_test,
+)
 from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.repeats import find_repeats
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
+from scara_iso.tables import read_table
 
 
 def one_pose(rng, covariates=None, metadata=None, cycles=31, **axes):
@@ -321,3 +328,39 @@ def test_what_is_said_of_the_first_cycle_and_cannot_be_is_refused_with_what_to_d
     with pytest.raises(DataError) as caught:
         analyze(one_pose(rng, metadata=stated))
     assert caught.value.remedy
+
+
+def test_uncertainty_and_interval_of_scatter_and_of_a_distance_agree(rng):
+    """Of RP without a certificate u is a quarter; the reach of a vector is that of its parts."""
+    axes = {name: Axis(name, rng.normal(0.05, 0.01, 31), command=0.0) for name in "XY"}
+    run = one_pose(rng, metadata={"dial_zero": "command"}, **axes)
+    RP = figure(run, "RP")
+    assert RP.u == pytest.approx((RP.interval[1] - RP.interval[0]) / 4)
+    ends = [figure(run, "AP", of).interval for of in "XY"]
+    AP = figure(run, "AP", "XY")
+    reach = math.hypot(*((high - low) / 2 for low, high in ends))
+    assert AP.interval == pytest.approx((AP.value - reach, AP.value + reach))
+
+
+def test_a_temperature_is_held_against_the_rule_that_is_named(rng):
+    for stated, rule in [({}, "20 ± 2"), ({"temperature_limits": "25 .. 30 C"}, "25 .. 30")]:
+        run = clean_run(rng, metadata={"temperature": "35 C", **stated})
+        (found,) = [f for f in analyze(run).findings if f.code == "temperature-limits"]
+        assert rule in found.rule
+
+
+def test_a_correction_says_how_much_it_added():
+    raw = (0.5 + np.random.default_rng(1).normal(0, 0.01, 31)).round(3)
+    rows = "".join(f"{k},{value:.3f}\n" for k, value in enumerate(raw, 1))
+    table = f"# unit: mm\n# correction_X: 0 0.001; 10 -0.011\ncycle,X\n{rows}"
+    run = read_table(table.encode())
+    (found,) = [f for f in analyze(run).findings if f.code == "corrected"]
+    added = run.axes["X"].readings - raw
+    assert f"{added.min():+.3g} .. {added.max():+.3g} mm" in found.message
+    assert found.axis == "X"
+
+
+def test_a_calibration_is_past_the_day_after_it_is_due():
+    head = {"calibration_due": "2026-05-11", "calibration_date": "2025-05-11"}
+    assert past_due(head, date(2026, 5, 11)) == []
+    assert past_due(head, date(2026, 5, 12)) == ["calibration_due 2026-05-11"]
