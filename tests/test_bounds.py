@@ -25,6 +25,7 @@ from scara_iso.iso9283 import (
     zoned_moment_of_test,
 )
 from scara_iso.iso9283.analysis import analyze
+from scara_iso.iso9283.cycles import Counting
 from scara_iso.iso9283.repeats import find_repeats
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.quantities import Dimension
@@ -199,7 +200,7 @@ def test_a_distance_wants_two_cycles_that_both_poses_have(rng):
         kept = ~((pose == "P1") & np.isin(cycle, missing[0]))
         kept &= ~((pose == "P2") & np.isin(cycle, missing[1]))
         run = Run(cycle, {"X": x}, pose, metadata={"dial_zero": "command"})
-        found = analyze(run.take(np.flatnonzero(kept)), allow_gaps=True)
+        found = analyze(run.take(np.flatnonzero(kept)), Counting(allow_gaps=True))
         return {one.code for one in found.characteristics}
 
     assert {"AD", "RD"} <= codes_with((range(4, 18), [2, *range(18, 31)]))  # both have 3 and 31
