@@ -48,7 +48,8 @@ EVERYWHERE = ("test_goldens.py", "test_library.py")
 """Tests of all that commands and functions say: they are asked beside a package's own."""
 KEPT_MAPS = Path(tempfile.gettempdir()) / "scara-iso-mutation"
 QUIETLY = ("-q", "--assert=plain", "--hypothesis-seed=1", "--hypothesis-profile=mutants",
-           "-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts=")  # fmt: skip
+           "-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts=",
+           "-m", "not cluster")  # fmt: skip
 
 # --- mutants
 
