@@ -62,6 +62,7 @@ class Instrument:
     pushes: bool = False
     settle_s: float = 0.15
     unit: None = None
+    unit_confirmed: bool = False
     simulated: bool = False
     ended: bool = False
     address: str = "faulty"

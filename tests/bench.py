@@ -28,6 +28,7 @@ class Script:
 
     settle_s = 0.0
     unit = None
+    unit_confirmed = False
     simulated = False
 
     def __init__(

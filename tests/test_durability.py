@@ -6,12 +6,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from bench import kept, run_session
+from bench import Script, run_session
 from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states
 
 from scara_iso import read_table
 from scara_iso.acquisition.ports import StreamClock
 from scara_iso.acquisition.recorder import (
+    Noticed,
     Stored,
     SystemDisk,
     Tour,
@@ -245,15 +246,27 @@ def test_what_a_crash_left_of_a_cycle_asked_together_is_not_mixed_with_a_later_o
     assert len(read_table(tmp_path / "run.csv")) == 3
 
 
-def test_a_reading_announced_alone_is_kept_on_resume(tmp_path):
-    run_session(tmp_path, [X, Y], trigger="data")
-    for path in (tmp_path / "run.csv", tmp_path / "run.manifest.json"):
-        path.unlink()
-    cut_behind(raw_path(tmp_path / "run.csv"), "X", 2)
-    before = kept(tmp_path)[2]
-    said = run_session(tmp_path, [X, Y], resume=True)
-    second = [s.axis for s in said if isinstance(s, Stored) and s.cycle == 2]
-    assert (kept(tmp_path)[2], second) == (before, ["Y"])
+def test_a_reading_announced_alone_is_not_paired_with_one_of_a_later_visit(tmp_path, monkeypatch):
+    def keys(*frames):
+        sent = {a: [(t, b"+000.%03d\r" % v) for b, v, t in frames if a == b] for a in "XY"}
+        return {a: lambda c, a=a: Script(c, pushes=sent[a], answer=lambda _: None) for a in sent}
+
+    sessions = [
+        keys(("X", 1, 1.0), ("Y", 1, 1.4), ("X", 2, 5.0), ("Y", 2, 5.4)),
+        keys(("Y", 3, 1.0), ("X", 3, 1.4)),  # the arm has gone on
+    ]
+    for k, ports in enumerate(sessions):
+        if k:
+            cut_behind(raw_path(tmp_path / "run.csv"), "X", 2)
+            (tmp_path / "run.csv").unlink()
+        said = run_session(
+            tmp_path, [f"{axis}=opto-rs232?unit=mm@{axis}" for axis in "XY"], ports=ports,
+            trigger="data", cycles=2, monkeypatch=monkeypatch, resume=k > 0,
+        )  # fmt: skip
+    axes = read_table(tmp_path / "run.csv").axes.values()
+    assert [axis.readings.tolist() for axis in axes] == [[0.001, 0.003]] * 2
+    struck = [one.message for one in said if isinstance(one, Noticed) and "struck" in one.message]
+    assert struck == ["X of cycle 2 struck out: the cycle was cut short"]
 
 
 def test_a_changed_digit_in_the_raw_file_is_seen(tmp_path):

@@ -136,14 +136,29 @@ def test_a_repeated_frame_is_in_doubt_where_the_line_sent_one_twice():
     bounced = {**again, "reason": "came within 0.5 s of the one before"}
     head = lambda *more: taken(*records, *more).run().metadata  # noqa: E731
     assert head(again)["record_doubted"] == "X: cycle 3"
-    for more in ((), ({**again, "text": "9.0"},), (bounced,), (again, void(3), stored(3, "3.0"))):
+    late = (event("timeout", axis="X"), again)
+    silent = {**again, "reason": "another gauge is silent"}
+    for more in (
+        (), ({**again, "text": "9.0"},), (bounced,), (again, void(3), stored(3, "3.0")),
+        (silent,), late,
+    ):  # fmt: skip
         assert "record_doubted" not in head(*more)
+    assert "record_doubted" in head(*late, again)
 
 
-def test_half_a_visit_of_a_tour_is_not_gone_on_with():
+@pytest.mark.parametrize("coarse", [True, False])
+def test_a_dial_that_repeats_by_itself_puts_no_frame_in_doubt(coarse):
+    texts = [f"{(k * k) % 3 if coarse else k}.0" for k in range(1, 13)] + ["12.0", "12.0"]
+    records = [stored(k, text) for k, text in enumerate(texts, 1)]
+    again = {**stored(1), "event": "refused", "text": "12.0", "reason": "not asked for"}
+    head = taken(session(cycles=14), *records, again).run().metadata
+    assert ("record_doubted" in head) != coarse
+
+
+def test_half_a_visit_is_not_gone_on_with():
     half = [session("X", "Y", trigger="data", poses=["P1", "P2"]), {**stored(1), "pose": "P1"}]
     assert taken(*half).cut_short() == ["X"]
-    assert taken(session("X", "Y", trigger="data"), stored(1)).cut_short() == []
+    assert taken(session("X", "Y", trigger="data"), stored(1)).cut_short() == ["X"]
 
 
 def test_only_the_last_hundred_readings_can_be_struck_out():
@@ -192,13 +207,13 @@ def test_a_table_is_left_where_a_session_ended_with_a_whole_cycle():
     assert not taken(*gone, event("end")).has_table
 
 
-def test_what_a_crash_left_of_a_cycle_that_was_asked_together_is_cut():
-    half = [session("X", "Y"), stored(1, axis="X"), stored(1, axis="Y"), stored(2, axis="Y")]
+@pytest.mark.parametrize("trigger", ["timer:1", "data"])
+def test_what_a_crash_left_of_a_cycle_is_cut(trigger):
+    half = [
+        session("X", "Y", trigger=trigger),
+        stored(1, axis="X"), stored(1, axis="Y"), stored(2, axis="Y"),
+    ]  # fmt: skip
     assert taken(*half).cut_short() == ["Y"]
-    pushed = [{**half[0], "trigger": "data"}, *half[1:]]
-    assert taken(*pushed).cut_short() == []
-    alone = [*half[:3], session("X", "Y", trigger="data"), half[3]]
-    assert taken(*alone).cut_short() == []
     assert taken(*half, void(1, "X", "Y")).cut_short() == []
 
 

@@ -249,7 +249,8 @@ def tour_of_keys(tmp_path, monkeypatch, frames, **more):
     """Record a tour at the DATA key; ``frames`` are axis, visit (the value too) and time."""
     sent = {a: [(t, b"+000.%03d\r" % v) for b, v, t in frames if a == b] for a in "XY"}
     gauges = [f"{axis}=opto-rs232?unit=mm@{axis}" for axis in sent]
-    ports = {axis: lambda c, a=axis: Script(c, pushes=sent[a]) for axis in sent}
+    ends = lambda _: None  # noqa: E731 - the stream ends, and with it the session
+    ports = {a: lambda c, a=a: Script(c, pushes=sent[a], answer=ends) for a in sent}
     return run_session(
         tmp_path, gauges, ports=ports, trigger="data", cycles=3, poses=FIVE,
         monkeypatch=monkeypatch, **more,

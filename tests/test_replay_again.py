@@ -2,10 +2,11 @@
 
 import pytest
 from bench import Orders, Script, run_session
+from disks import UnsyncedDisk
 
 from scara_iso import read_table
 from scara_iso.acquisition.ports.timeline import Timeline
-from scara_iso.acquisition.recorder import Note, Quit, Take, Void, raw_path
+from scara_iso.acquisition.recorder import Note, Quit, Take, Void, raw_path, rebuild
 from scara_iso.acquisition.tape import decode_record, encode
 from scara_iso.cli import main
 
@@ -68,6 +69,26 @@ def test_a_recording_with_troubles_gives_its_table_again(tmp_path, monkeypatch, 
     after = read_table(tmp_path / "again.csv")
     assert after.axes["X"].readings.tolist() == before.axes["X"].readings.tolist()
     capsys.readouterr()
+
+
+@pytest.mark.parametrize("shows", [None, b"MM\r"])
+def test_a_unit_that_no_gauge_stated_is_so_still_when_replayed(tmp_path, monkeypatch, shows):
+    run_session(
+        tmp_path, [OPTO], cycles=4, monkeypatch=monkeypatch,
+        ports={"X": lambda c: Script(c, answer=lambda k: [(0.02, line(k))], shows=shows)},
+    )  # fmt: skip
+    monkeypatch.undo()
+    rebuild(raw_path(tmp_path / "run.csv"), tmp_path / "rebuilt.csv", disk=UnsyncedDisk())
+    gauge = "--gauge=X=opto-rs232@replay:run.raw.jsonl"
+    replay(tmp_path, monkeypatch, "data", gauge)
+    for end in ("csv", "raw.jsonl", "manifest.json"):
+        (tmp_path / f"again.{end}").rename(tmp_path / f"once.{end}")
+    replay(tmp_path, monkeypatch, "data", gauge.replace("run", "once"))
+    said = "X: mm as {} states, not confirmed by the gauge"
+    for name, who in (("run", "the option"), ("rebuilt", "the option"),
+                      ("once", "the recording"), ("again", "the recording")):  # fmt: skip
+        head = read_table(tmp_path / f"{name}.csv").metadata
+        assert head.get("record_unit") == (None if shows else said.format(who))
 
 
 def test_two_gauges_give_their_rows_again(tmp_path, monkeypatch):

@@ -95,6 +95,7 @@ class BluetoothPort:
     """
 
     unit: str | None = None
+    unit_confirmed = False
     settle_s = 0.15
     simulated = ended = False
 

@@ -45,6 +45,7 @@ class DevicePort:
     """
 
     unit: str | None = None
+    unit_confirmed = False
     settle_s = SETTLE_S
     ended = False
     simulated = False

@@ -13,6 +13,7 @@ class KeyboardPort:
 
     address = identity = "keyboard:"
     unit: str | None = None
+    unit_confirmed = False
     simulated = ended = False
     settle_s = 0.0
 

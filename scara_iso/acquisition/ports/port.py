@@ -19,6 +19,8 @@ class Port(Protocol):
     """One line for the record: which device this is."""
     unit: str | None
     """The unit that a recording or a simulation states for its indicator; None for a cable."""
+    unit_confirmed: bool
+    """Whether that unit is the indicator's own statement, not only what a user said of it."""
     simulated: bool
     """Whether the readings are made up, also where they were recorded so."""
     settle_s: float

@@ -47,6 +47,8 @@ class Stream:
     pushed: _Chunks = field(default_factory=list)
     answers: dict[bytes, deque[_Chunks]] = field(default_factory=lambda: defaultdict(deque))
     unit: str | None = None
+    confirmed: bool = True
+    """Whether no reading was stored before the gauge had stated its unit."""
     simulated: bool = False
 
 
@@ -65,6 +67,7 @@ class ReplayPort:
         self.address = self.identity = address
         stream = _load(Path(name), dialect, options.get("gauge", axis), asked=asked)
         self.unit = stream.unit
+        self.unit_confirmed = stream.unit is not None and stream.confirmed
         self.simulated = stream.simulated
         self._clock = clock
         self._answers = stream.answers
@@ -204,20 +207,25 @@ def _place(record: Record, poses: Sequence[str]) -> tuple[int, int]:
 def _received(path: Path, axis: str, *, asked: bool) -> Stream:
     stream = Stream()
     answer: _Chunks | None = None
-    asked_at = 0.0
+    asked_at, stated = 0.0, True
     for time, record in _of_axis(path, axis):
         match record:
             case {"event": "session", "gauges": gauges}:
                 stream.unit = gauges[axis]["unit"] or stream.unit
                 stream.simulated |= gauges[axis]["simulated"]
+                stated = gauges[axis].get("unit_confirmed") is not False
+            case {"event": "unit"}:
+                stated = True
             case {"event": "stored", "unit": str(unit)}:
                 stream.unit = unit
+                stream.confirmed &= stated
             case {"event": "out", "hex": str(text)} if asked:
                 answer, asked_at = [], time
                 stream.answers[bytes.fromhex(text)].append(answer)
             case {"event": "in", "hex": str(text)}:
                 chunks, start = (stream.pushed, 0.0) if answer is None else (answer, asked_at)
                 chunks.append((time - start, bytes.fromhex(text)))
+    stream.confirmed &= stated
     return stream
 
 

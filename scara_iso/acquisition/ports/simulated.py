@@ -48,7 +48,7 @@ class SimulatedPort:
 
     settle_s = 0.0
     ended = False
-    simulated = True
+    simulated = unit_confirmed = True
 
     def __init__(
         self,

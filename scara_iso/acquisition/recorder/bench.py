@@ -8,7 +8,17 @@ from dataclasses import dataclass
 
 from scara_iso.acquisition.indicators import DeviceNotice, Garbage, InstrumentFault, Reading
 from scara_iso.acquisition.ports import Clock
-from scara_iso.acquisition.recorder.events import Noticed, Problem, ProblemKind, Refused, Said
+from scara_iso.acquisition.recorder.events import (
+    LATE,
+    SECOND,
+    UNASKED,
+    UNIT_ASKED,
+    Noticed,
+    Problem,
+    ProblemKind,
+    Refused,
+    Said,
+)
 from scara_iso.acquisition.recorder.gauge import Gauge, no_unit
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.shown import DisplayChangedError
@@ -76,7 +86,7 @@ class Bench:
         asked = (gauge.ask_unit(self._journal, self._clock) for gauge in gauges)
         deadline = max(asked, default=-math.inf)
         while self._clock.now() < deadline:
-            self.refuse(self.receive(), "the unit was asked for")
+            self.refuse(self.receive(), UNIT_ASKED)
             if not any(gauge.unit_asked for gauge in gauges):
                 break
             self._clock.idle(deadline)
@@ -199,8 +209,8 @@ class Bench:
 
     def _ask(self) -> list[Taken] | None:
         """Ask every gauge once, when none owes an answer; two that differ are none."""
-        self.drain(0.0, "late, or not asked for")
-        self.refuse(self.receive(), "not asked for")
+        self.drain(0.0, LATE)
+        self.refuse(self.receive(), UNASKED)
         for gauge in self._owing():
             self.problem(gauge, "timeout", "still owes an answer, and its line is not quiet")
             return None
@@ -256,7 +266,7 @@ def _why(one: Taken) -> str:
     if one.stale:
         return "begun before the request"
     if _answers(one):
-        return "a second answer to one request"
+        return SECOND
     return f"of channel {one.reading.channel}: give ?channel="
 
 

@@ -1,19 +1,26 @@
 """What a recording cannot vouch for: a unit that no gauge stated, a frame that may be another's.
 
 Frames carry no number. Where a gauge has sent a frame twice, a reading that says what one of
-the two before it said may be that one again, in the place of a frame that was lost.
+the two before it said may be that one again, in the place of a frame that was lost. A coarse dial
+repeats its readings by itself: nothing is named then.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 
+from scara_iso.acquisition.recorder.events import LATE, SECOND, TWICE, UNASKED, UNIT_ASKED
 from scara_iso.acquisition.tape import Record
 from scara_iso.iso9283 import SEPARATOR
 
-_BOUNCED = "came within"
-"""The line heard the key twice, not the frame."""
+_SPARE = (LATE, UNASKED, UNIT_ASKED, SECOND, TWICE)
+"""Ends of the reasons to refuse a frame that is one too many."""
+_BEHIND = 2
+"""As many frames later at most a frame comes that was sent twice."""
+_BY_CHANCE = 2
+"""Times as many repeats as at cycles far apart are no chance, by benchmarks/doubts.py."""
 
 
 class LineDoubts:
@@ -22,15 +29,14 @@ class LineDoubts:
     def __init__(self) -> None:
         self._unstated: dict[str, str] = {}
         self._unconfirmed: dict[str, str] = {}
-        self._said: dict[str, deque[str]] = defaultdict(_latest)
-        self._heard: dict[str, deque[str]] = defaultdict(_latest)
-        self._twice: set[str] = set()
-        self._repeats: dict[str, dict[str, None]] = {}
+        self._poses = 1
+        self._axes: dict[str, _Frames] = defaultdict(_Frames)
 
     def take(self, record: Record) -> None:
         """Take the next record."""
         match record:
             case {"event": "session", "gauges": dict(gauges)}:
+                self._poses = len(record.get("poses", ())) or 1
                 self._unstated = {
                     str(axis): f"{axis}: {gauge['unit']} as {gauge['unit_from']} states"
                     for axis, gauge in gauges.items()
@@ -45,24 +51,21 @@ class LineDoubts:
     def _take_frame(self, record: Record) -> None:
         match record:
             case {"event": "stored", "axis": str(axis), "text": str(text)}:
-                if text in self._said[axis]:
-                    self._repeats.setdefault(axis, {})[_visit(record)] = None
-                self._said[axis].append(text)
-                self._heard[axis].append(text)
+                self._axes[axis].store(text, _visit(record), self._poses)
             case {"event": "void", "axes": [*axes]}:
                 for axis in axes:
-                    self._repeats.get(str(axis), {}).pop(_visit(record), None)
+                    self._axes[str(axis)].repeats.pop(_visit(record), None)
             case {"event": "refused", "axis": str(axis), "text": text, "reason": str(reason)}:
-                if text in self._heard[axis] and not reason.startswith(_BOUNCED):
-                    self._twice.add(axis)
-                self._heard[axis].append(str(text))
+                self._axes[axis].refuse(str(text), reason)
+            case {"event": "timeout", "axis": str(axis)}:
+                self._axes[axis].owed = True
 
     def metadata(self) -> Iterator[tuple[str, str]]:
         """Yield keys of the table's head, where there is a doubt."""
         if self._unconfirmed:
             said = (f"{line}, not confirmed by the gauge" for line in self._unconfirmed.values())
             yield "record_unit", SEPARATOR.join(said)
-        found = {axis: visits for axis, visits in self._repeats.items() if axis in self._twice}
+        found = {axis: frames.doubted() for axis, frames in self._axes.items()}
         if any(found.values()):
             yield (
                 "record_doubted",
@@ -72,9 +75,43 @@ class LineDoubts:
             )
 
 
-def _latest() -> deque[str]:
-    """Return the last two frames of a gauge: one sent twice comes behind the next at most."""
-    return deque(maxlen=2)
+@dataclass(slots=True)
+class _Frames:
+    """What one gauge has sent; a frame sent twice comes behind the next at most."""
+
+    stored: deque[str] = field(default_factory=deque)
+    heard: deque[str] = field(default_factory=lambda: deque(maxlen=_BEHIND))
+    repeats: dict[str, None] = field(default_factory=dict)
+    """The visits that say what one of the two before said."""
+    chance: int = 0
+    """How many say what one of two says that are too far back, at the same poses."""
+    twice: bool = False
+    owed: bool = False
+    """Whether an answer was awaited in vain: the next frame may be that one."""
+
+    def store(self, text: str, visit: str, poses: int) -> None:
+        """Take a reading."""
+        said, back = list(self.stored)[::-1], _BEHIND * poses
+        if text in said[:_BEHIND]:
+            self.repeats[visit] = None
+        self.chance += text in said[back : back + _BEHIND]
+        self.stored = deque(self.stored, maxlen=back + _BEHIND)
+        self.stored.append(text)
+        self._hear(text)
+
+    def refuse(self, text: str, reason: str) -> None:
+        """Take a frame that is no reading."""
+        self.twice |= text in self.heard and not self.owed and reason.endswith(_SPARE)
+        self._hear(text)
+
+    def doubted(self) -> tuple[str, ...]:
+        """Return the visits in doubt: none where the dial repeats its readings by itself."""
+        rare = len(self.repeats) > _BY_CHANCE * self.chance
+        return tuple(self.repeats) if self.twice and rare else ()
+
+    def _hear(self, text: str) -> None:
+        self.heard.append(text)
+        self.owed = False
 
 
 def _visit(record: Record) -> str:

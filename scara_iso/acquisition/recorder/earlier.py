@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from scara_iso.acquisition.manifest import find_doubts, manifest_path, raw_path
+from scara_iso.acquisition.recorder.events import Noticed
 from scara_iso.acquisition.recorder.history import History, read_history
 from scara_iso.acquisition.recorder.journal import Journal
 from scara_iso.acquisition.recorder.plan import Job
 from scara_iso.acquisition.recorder.table import doubts_beside, table_of
 from scara_iso.disk import check_output
 from scara_iso.errors import CannotCreateError, DataError, NoInputError, UsageError
+
+_CUT_SHORT = "the cycle was cut short"
 
 
 def check_files(table: Path, *, resume: bool) -> None:
@@ -78,13 +81,15 @@ def read_earlier(job: Job) -> History:
     return history
 
 
-def strike_cut_short(earlier: History, journal: Journal) -> None:
-    """Strike out what a crash left of a cycle whose gauges are asked together."""
+def strike_cut_short(earlier: History, journal: Journal) -> Iterator[Noticed]:
+    """Strike out half a visit, and say so: what comes now is of another."""
     visit = earlier.visit
     if cut := earlier.cut_short():
         stated = earlier.tour.state(visit)
-        journal.append("void", **stated, axes=cut, reason="the cycle was cut short")
+        journal.append("void", **stated, axes=cut, reason=_CUT_SHORT)
         earlier.strike(visit, cut)
+        half = f"{', '.join(cut)} of {earlier.tour.name(visit)}"
+        yield Noticed("", f"{half} struck out: {_CUT_SHORT}")
 
 
 def _refuse_other_gauges(job: Job, history: History) -> None:

@@ -73,6 +73,14 @@ class Gross:
     pose: str | None = None
 
 
+LATE = "late, or not asked for"
+UNASKED = "not asked for"
+UNIT_ASKED = "the unit was asked for"
+SECOND = "a second answer to one request"
+TWICE = "sent twice"
+"""Why a frame is refused that no request called for, and no visit."""
+
+
 @dataclass(frozen=True, slots=True)
 class Refused:
     """A valid reading that was not taken, and why."""

@@ -47,7 +47,7 @@ def write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: J
             "identity": gauge.port.identity,
             "unit": gauge.unit,
             "unit_from": gauge.unit_from,
-            "unit_confirmed": gauge.port.unit is not None,
+            "unit_confirmed": gauge.port.unit_confirmed,
             "simulated": gauge.port.simulated,
         }
         for spec, gauge in zip(job.gauges, gauges, strict=True)

@@ -17,7 +17,6 @@ import numpy as np
 from scara_iso.acquisition.ports.timeline import Timeline
 from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings, ShownReading, grow
 from scara_iso.acquisition.recorder.doubts import LineDoubts
-from scara_iso.acquisition.recorder.plan import Listen
 from scara_iso.acquisition.recorder.remarks import Remarks
 from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.acquisition.tape import FIRST, SCHEMA, Record, read_tape
@@ -63,8 +62,6 @@ class History:
         self._harmed: list[int] = []
         """Behind the last line, where that was changed: no next one names it."""
         self._inherited: list[str] = []
-        self._trigger = ""
-        self._asked: set[str] = set()
 
     def take(self, line: int, record: Record | None) -> None:
         """Take the next line of the file."""
@@ -133,7 +130,6 @@ class History:
         grow(self.times, visit)
         self.times[visit - 1] = self.timeline.start + record["at"]
         self.latest.append((visit, axis))
-        (self._asked.discard if self._trigger == str(Listen()) else self._asked.add)(axis)
 
     def strike(self, visit: int, axes: Iterable[str]) -> None:
         """Take readings of a visit out of the table."""
@@ -141,16 +137,10 @@ class History:
             self.columns[axis].void(visit)
             self.latest.remove((visit, axis))
             self.troubles["voided"] += 1
-        self._asked.clear()
 
     def cut_short(self) -> list[str]:
-        """Return the axes of the unfinished visit that cannot be of one visit with what comes.
-
-        In a tour the arm has left since; elsewhere they were asked together with missing ones. A
-        crash between two lines of one visit leaves those; they were never announced.
-        """
-        present = self.present(self.visit)
-        return sorted(present if self.tour.poses else present & self._asked)
+        """Return the axes of the unfinished visit: the arm may have left since."""
+        return sorted(self.present(self.visit))
 
     def _begin(self, record: Record) -> None:
         if record["schema"] != SCHEMA:
@@ -162,7 +152,6 @@ class History:
             self.tour = Tour(tuple(map(str, record.get("poses", ()))))
             self.first_header = record
         self.header = _merged(self.header, record) if self.header else record
-        self._trigger = str(record["trigger"])
 
     @property
     def visit(self) -> int:

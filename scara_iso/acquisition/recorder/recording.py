@@ -73,7 +73,8 @@ def record(
         with _table_at_the_end(job, journal, disk, tell):
             gauges = make_gauges(job, ports, earlier)
             write_header(job, gauges, earlier, journal)
-            strike_cut_short(earlier, journal)
+            for struck in strike_cut_short(earlier, journal):
+                tell(struck)
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
             for remark in (*earlier.timeline.jumps, *_past_due(job, earlier, clock)):
                 tell(Noticed("", remark))

@@ -12,6 +12,8 @@ from collections.abc import Callable, Sequence
 from scara_iso.acquisition.ports import Clock
 from scara_iso.acquisition.recorder.bench import Bench, Taken
 from scara_iso.acquisition.recorder.events import (
+    LATE,
+    UNASKED,
     Command,
     Note,
     Noted,
@@ -214,7 +216,7 @@ class Session:
             return
         for attempt in range(ATTEMPTS):
             if attempt:
-                self._bench.drain(RETRY_S, "late, or not asked for")
+                self._bench.drain(RETRY_S, LATE)
                 self._bench.learn_units(self._bench.suspects())
             taken = self._bench.measure(self._plan.stable)
             if taken is not None and not self._bench.doubt(taken, self._ledger.visit):
@@ -239,7 +241,7 @@ class Session:
                 raise self._silent(ATTEMPTS)
         until = self._clock.now() + WATCH_S
         while self._clock.now() < until and not self._stopped:
-            self._bench.refuse(self._bench.receive(), "not asked for")
+            self._bench.refuse(self._bench.receive(), UNASKED)
             self._obey(self._operator.poll())
             self._stopped |= self._ended()
             self._clock.idle(until)
@@ -263,7 +265,7 @@ class Session:
         while True:
             due = self._due if timed and not self._paused else math.inf
             arrivals = self._bench.receive()
-            self._bench.refuse(arrivals, "not asked for")
+            self._bench.refuse(arrivals, UNASKED)
             taken = self._obey(self._operator.poll())
             self._stopped |= self._ended()
             if self._stopped:

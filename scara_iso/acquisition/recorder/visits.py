@@ -14,6 +14,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from scara_iso.acquisition.recorder.events import TWICE
+
 _PAUSES = 5
 """How many of the latest count."""
 _SHARE = 2 / 3
@@ -65,7 +67,7 @@ class Visits:
         gap = time - self._last if self._timed and self._last is not None else 0.0
         whole, fits = self._frames.keys() == self._axes, self._fits(axis, gap)
         if not fits and self._one_pose and self._repeats(axis, text, gap, whole=whole):
-            return Heard(frozenset(self._frames), refused=f"{axis} sent twice")
+            return Heard(frozenset(self._frames), refused=f"{axis} {TWICE}")
         self._last = time
         doubt, back = "", False
         if not fits:

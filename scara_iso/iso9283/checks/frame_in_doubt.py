@@ -2,7 +2,8 @@
 
 Frames of most gauges carry no number. This gauge has sent a frame twice, and at these cycles it
 said exactly what it had said one or two cycles before: the second frame may stand for one that was
-lost. Compare with the other axes, leave the cycles out, or measure again with a shorter line.
+lost. Equal readings also come by chance; a dial so coarse that they come as often farther apart is
+not named. Compare with the other axes, leave the cycles out, or measure again with a shorter line.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ def check(measured: Measured) -> Iterator[Finding]:
         axis, colon, cycles = line.partition(": ")
         if colon:
             message = (
-                f"{cycles.strip()}: perhaps an earlier frame, sent twice, for one that is lost"
+                f"{cycles.strip()}: as one of the two readings before, on a gauge that has sent "
+                "some twice; perhaps a copy, in place of a reading that was lost"
             )
             yield Finding(CODE, "warning", message, axis.strip())
