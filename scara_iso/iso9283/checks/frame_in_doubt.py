@@ -2,8 +2,9 @@
 
 Frames of most gauges carry no number. This gauge has sent a frame twice, and at these cycles it
 said exactly what it had said one or two cycles before: the second frame may stand for one that was
-lost. Equal readings also come by chance; a dial so coarse that they come as often farther apart is
-not named. Compare with the other axes, leave the cycles out, or measure again with a shorter line.
+lost. Equal readings also come by chance; a dial so coarse that they come half as often farther
+apart is not named. Compare with the other axes, leave the cycles out, or measure again with a
+shorter line.
 """
 
 from __future__ import annotations
