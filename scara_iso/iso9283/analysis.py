@@ -12,7 +12,6 @@ from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import AS_THE_TABLE_SAYS, Counting, Rows, UsedCycles, used_cycles
-from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.figures import AxisResult, PoseResult, axis_results, radial_results
 from scara_iso.iso9283.limits import binding, check_limits
 from scara_iso.iso9283.other_definitions import definitions
@@ -61,6 +60,8 @@ def analyze(
         block=block,
     )
     if block is not None:
+        from scara_iso.iso9283.drift import drift_courses  # noqa: PLC0415 - for drift tests only
+
         measured = replace(measured, drift=tuple(drift_courses(run, measured.poses, block)))
     found = [one for compute in find_characteristics() for one in compute(measured)]
     measured = replace(measured, codes=frozenset(one.code for one in found))

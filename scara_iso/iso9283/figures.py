@@ -140,16 +140,6 @@ class SpaceFigures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlaneFigures(SpaceFigures):
-    """X and Y together."""
-
-    RP_rss: Millimetres
-    """Root of the sum of squares of the axes' RP, paper eq. 23."""
-    RP_rss_interval: Interval | None
-    """95 %, of RP_rss."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RadialResult(SpaceFigures):
     """Several length axes together: ISO 9283 7.2.2, and the paper's eq. 23 for the plane."""
 

@@ -11,7 +11,7 @@ from scara_iso.iso9283.drift import DriftCourse, DriftFit
 from scara_iso.iso9283.figures import (
     AxisFigures,
     AxisResult,
-    PlaneFigures,
+    Millimetres,
     PoseResult,
     SpaceFigures,
 )
@@ -35,6 +35,16 @@ class PublishedAxis(AxisFigures):
 
     definitions: Mapping[str, float] | None = None
     """Where asked for: other words for repeatability, in the unit of the axis."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneFigures(SpaceFigures):
+    """X and Y together."""
+
+    RP_rss: Millimetres
+    """Root of the sum of squares of the axes' RP, paper eq. 23."""
+    RP_rss_interval: Interval | None
+    """95 %, of RP_rss."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
