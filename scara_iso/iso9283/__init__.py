@@ -72,6 +72,7 @@ if TYPE_CHECKING:
         published_limit as published_limit,
         published_pose as published_pose,
     )
+    from scara_iso.iso9283.published_push import published_push_test as published_push_test
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,
