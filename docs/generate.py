@@ -15,6 +15,7 @@ from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.iso9283.published_push import PublishedPush
 from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
+from scara_iso.streams.published import PublishedVisits
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
@@ -23,6 +24,7 @@ from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
     "push": ("push LOOP --json", PublishedPush),
+    "visits": ("visits STREAM --json", PublishedVisits),
 }
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."

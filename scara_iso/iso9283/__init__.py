@@ -65,6 +65,7 @@ if TYPE_CHECKING:
         ConditionAnalysis as ConditionAnalysis,
         FolderAnalysis as FolderAnalysis,
         PublishedAnalysis as PublishedAnalysis,
+        PublishedCharacteristic as PublishedCharacteristic,
         PublishedCycles as PublishedCycles,
         published_analysis as published_analysis,
         published_characteristic as published_characteristic,

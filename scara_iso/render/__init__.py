@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.render.json_gauge_study import gauge_study_json as gauge_study_json
     from scara_iso.render.json_history import history_json as history_json
-    from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json
     from scara_iso.render.json_validation import validation_json as validation_json
     from scara_iso.render.json_whole_test import (
