@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from scara_iso.acquisition.indicators import Dialect, find_dialects
+from scara_iso.acquisition.recorder.events import PUBLISHED as EVENTS
 from scara_iso.cli import COMMANDS
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.iso9283.published_push import PublishedPush
@@ -24,6 +25,7 @@ from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
     "push": ("push LOOP --json", PublishedPush),
+    "record": ("one line of record --json", *EVENTS),
     "visits": ("visits STREAM --json", PublishedVisits),
 }
 """Title and classes of the schemas that are made from classes."""

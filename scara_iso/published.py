@@ -33,6 +33,7 @@ Published = TypeVar("Published")
 
 Size: TypeAlias = Annotated[float, ("minimum", 0)]
 """A number that has no sign."""
+Probability: TypeAlias = Annotated[float, ("minimum", 0), ("maximum", 1)]
 Count: TypeAlias = Annotated[int, ("minimum", 0)]
 Interval: TypeAlias = tuple[float, float]
 Unit: TypeAlias = Literal["mm", "deg"]
