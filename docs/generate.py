@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from scara_iso.acceptance.published import PublishedStatus
 from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.acquisition.recorder.events import PUBLISHED as EVENTS
 from scara_iso.cli import COMMANDS
@@ -17,6 +18,7 @@ from scara_iso.iso9283.published_push import PublishedPush
 from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
 from scara_iso.streams.published import PublishedVisits
+from scara_iso.tables.published import PublishedTable
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
@@ -26,6 +28,8 @@ PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
     "push": ("push LOOP --json", PublishedPush),
     "record": ("one line of record --json", *EVENTS),
+    "tables": ("tables TABLE --json", PublishedTable),
+    "test-status": ("test status DIR --json", PublishedStatus),
     "visits": ("visits STREAM --json", PublishedVisits),
 }
 """Title and classes of the schemas that are made from classes."""

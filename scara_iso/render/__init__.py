@@ -31,12 +31,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.render.json_gauge_study import gauge_study_json as gauge_study_json
     from scara_iso.render.json_history import history_json as history_json
-    from scara_iso.render.json_tables import table_json as table_json
     from scara_iso.render.json_validation import validation_json as validation_json
     from scara_iso.render.json_whole_test import (
         beside_json as beside_json,
         conditions_json as conditions_json,
-        status_json as status_json,
     )
     from scara_iso.render.live import (
         AxisView as AxisView,
