@@ -27,7 +27,7 @@ class NumberedField(TableField, FieldNumber):
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class AxisReadings:
+class TableAxis:
     """The readings of one axis."""
 
     unit: Unit
@@ -60,7 +60,7 @@ class PublishedTable:
     """By row."""
     pose: tuple[str, ...] | None
     """By row; null without poses."""
-    axes: Annotated[Mapping[AxisKey, AxisReadings], ("minProperties", 1)]
+    axes: Annotated[Mapping[AxisKey, TableAxis], ("minProperties", 1)]
     """By name."""
     statements: Mapping[str, str]
     """What the file states."""
@@ -82,7 +82,7 @@ def published_table(run: Run) -> PublishedTable:
         lines=np.empty(0, np.int64) if run.lines is None else run.lines,
         cycle=run.cycle,
         pose=None if run.pose is None else tuple(run.pose.tolist()),
-        axes={name: publish(AxisReadings, axis) for name, axis in run.axes.items()},
+        axes={name: publish(TableAxis, axis) for name, axis in run.axes.items()},
         statements=run.metadata,
         notes=origin.notes,
     )

@@ -1,4 +1,4 @@
-"""What a session says as it goes, a line of ``record --json`` each, and what its operator says."""
+"""What a session says as it goes, a line of JSON each, and what its operator says."""
 
 from __future__ import annotations
 
@@ -257,7 +257,7 @@ PUBLISHED = (
     Started, Waiting, StoredLine, Gross, CycleDone, Refused, ProblemLine, Noticed, Voided, Noted,
     Paused, Watched, Done,
 )  # fmt: skip
-"""The lines of ``record --json``."""
+"""The lines that ``record`` writes as JSON."""
 
 
 def as_json(said: Said) -> Json:
