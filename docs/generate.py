@@ -12,6 +12,7 @@ from pathlib import Path
 from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.cli import COMMANDS
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
+from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
 
@@ -19,7 +20,10 @@ DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
 from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour of this script
 
-PUBLISHED = {"analyze": ("analyze TABLE --json", *ANALYZE)}
+PUBLISHED = {
+    "analyze": ("analyze TABLE --json", *ANALYZE),
+    "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
+}
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
@@ -167,15 +171,20 @@ def schemas() -> dict[str, str]:
 def _fields() -> Iterator[str]:
     yield (
         "What the keys mean: from the classes of which the objects and their schemas are made. A "
-        "key with `?` is not always there."
+        "key with `?` is not always there. A class that several hold is told once."
     )
+    told: set[str] = set()
     for name, (title, *kinds) in PUBLISHED.items():
         found = schema(title, *kinds)["$defs"]
         yield f"## `{name}`"
-        for kind in [one for one in found if "properties" in found[one]]:
+        for kind in [one for one in found if one not in told]:
             yield f"### {kind}"
             yield found[kind]["description"].replace("``", "`").partition("\n\n")[0]
-            yield _table(("key", "type", "unit", "meaning"), _keys(found[kind]))
+            if "properties" in found[kind]:
+                yield _table(("key", "type", "unit", "meaning"), _keys(found[kind]))
+            else:
+                yield _type(found[kind])
+        told |= set(found)
 
 
 def _keys(kind: Json) -> Iterator[tuple[str, ...]]:

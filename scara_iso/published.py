@@ -108,6 +108,8 @@ def _add_keywords(found: Json, hint: Any) -> None:
     found |= dict(getattr(hint, "__metadata__", ()))
     bare = hint.__origin__ if hasattr(hint, "__metadata__") else hint
     kinds = [one for one in get_args(bare) if one not in (NoneType, Ellipsis)]
+    if get_origin(bare) is Mapping and get_origin(kinds[0]) is Literal:
+        found["propertyNames"] = {"enum": list(get_args(kinds[0]))}
     if get_origin(bare) in (Union, UnionType):
         within = [one for one in found.get("anyOf", [found]) if one != {"type": "null"}]
     else:

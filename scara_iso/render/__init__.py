@@ -29,7 +29,6 @@ if TYPE_CHECKING:
         fleet_figures_json as fleet_figures_json,
         fleet_json as fleet_json,
     )
-    from scara_iso.render.json_gauge_study import gauge_study_json as gauge_study_json
     from scara_iso.render.json_history import history_json as history_json
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
