@@ -11,6 +11,7 @@ from pathlib import Path
 
 from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.cli import COMMANDS
+from scara_iso.comparison import PublishedComparison
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.published import Json, schema
@@ -22,6 +23,7 @@ from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour
 
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
+    "compare": ("compare BEFORE AFTER --json", PublishedComparison),
     "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
 }
 """Title and classes of the schemas that are made from classes."""

@@ -11,12 +11,13 @@ import threadpoolctl
 
 import scara_iso
 from scara_iso.cli import main
+from scara_iso.comparison import published_comparison
 from scara_iso.diagnosis import close_the_loop
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.errors import DataError, UsageError
+from scara_iso.published import to_json
 from scara_iso.render import (
     analysis_json,
-    comparison_json,
     diagnosis_json,
     plan_json,
     report_json,
@@ -101,9 +102,9 @@ def test_an_option_of_text_is_refused_where_there_is_none():
 
 def test_compare_is_the_command(said):
     wanted = said("compare", BEFORE, AFTER)
-    assert plain(comparison_json(scara_iso.compare(BEFORE, AFTER))) == wanted
+    assert plain(to_json(published_comparison(scara_iso.compare(BEFORE, AFTER)))) == wanted
     analyses = [scara_iso.analyze(BEFORE), scara_iso.analyze(AFTER)]
-    assert plain(comparison_json(scara_iso.compare(analyses))) == wanted
+    assert plain(to_json(published_comparison(scara_iso.compare(analyses)))) == wanted
 
 
 def test_compare_lists_the_faults_of_every_table(tmp_path):

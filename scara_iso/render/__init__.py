@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from scara_iso.render.formats.json import report_json as report_json
     from scara_iso.render.json import (
         analysis_json as analysis_json,
-        comparison_json as comparison_json,
         explain_json as explain_json,
         plan_json as plan_json,
         run_json as run_json,

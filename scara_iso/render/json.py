@@ -9,11 +9,10 @@ from enum import Enum
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from scara_iso.iso9283 import published_analysis, published_characteristic, published_finding
+from scara_iso.iso9283 import published_analysis
 from scara_iso.published import Json, to_json
 
 if TYPE_CHECKING:
-    from scara_iso.comparison import Comparison, Contrast
     from scara_iso.diagnosis import SeparatingPlan
     from scara_iso.iso9283 import Analysis, PosePlan
     from scara_iso.reporting import Page
@@ -100,48 +99,6 @@ def separating_json(plan: SeparatingPlan) -> Json:
         "cycles": picked(plan.conditions, "run=cycles used"),
         "visits": plain(plan.rows()),
     }
-
-
-def comparison_json(comparison: Comparison) -> Json:
-    """Return the JSON object of ``compare``, schema ``scara-iso/compare/1``."""
-    found = [to_json(published_characteristic(one)) for one in comparison.characteristics]
-    return {
-        "schema": "scara-iso/compare/1",
-        "unit": "mm",
-        "test": {
-            "method": "studentised permutation of centred cycles, single-step maximum",
-            "level": 0.05,
-            **picked(comparison, "shuffles seed"),
-        },
-        "before": _compared(comparison.pairs[0].before),
-        "pairs": [
-            {
-                "after": _compared(pair.after),
-                "spreads": [_contrast(one) for one in pair.spreads],
-                "means": [_contrast(one) for one in pair.means],
-                "findings": [to_json(published_finding(one)) for one in pair.findings],
-            }
-            for pair in comparison.pairs
-        ],
-        **({"characteristics": found} if found else {}),
-    }
-
-
-def _compared(analysis: Analysis) -> Json:
-    cycles = picked(analysis.cycles, "read used")
-    return {
-        **picked(analysis.run, "source=origin.source read_as=origin.understood metadata"),
-        "cycles": cycles,
-    }
-
-
-def _contrast(one: Contrast) -> Json:
-    ratio = "" if one.quantity == "mean" else "ratio ratio_interval"
-    return picked(
-        one,
-        f"pose figure quantity unit before after difference difference_interval=interval {ratio} "
-        "p_value p_value_at_floor p_value_alone verdict cycles_needed smallest_shown doubts",
-    )
 
 
 def explain_json(pages: Iterable[Page]) -> Json:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from scara_iso.comparison import published_comparison
 from scara_iso.monitoring import (
     LimitCrossing,
     MeanHistory,
@@ -16,8 +17,8 @@ from scara_iso.monitoring import (
     date_on,
     moment_said,
 )
-from scara_iso.published import Json
-from scara_iso.render.json import comparison_json, picked
+from scara_iso.published import Json, to_json
+from scara_iso.render.json import picked
 
 
 def history_json(found: RobotHistory) -> Json:
@@ -99,7 +100,7 @@ def _test(test: TestFigure) -> Json:
 
 def _change(change: ServiceChange) -> Json:
     event = {"date": moment_said(change.event.when), "what": change.event.what}
-    return {"event": event, "comparison": comparison_json(change.comparison)}
+    return {"event": event, "comparison": to_json(published_comparison(change.comparison))}
 
 
 def _at(dates: list[str], alarms: Iterable[int]) -> list[str]:
