@@ -14,6 +14,7 @@ from scara_iso.cli import COMMANDS
 from scara_iso.comparison import PublishedComparison
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.measurement_system import PublishedGaugeStudy
+from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
 
@@ -25,6 +26,7 @@ PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
     "compare": ("compare BEFORE AFTER --json", PublishedComparison),
     "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
+    "history": ("history --json", PublishedHistory),
 }
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."

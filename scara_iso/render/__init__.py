@@ -28,7 +28,6 @@ if TYPE_CHECKING:
         fleet_figures_json as fleet_figures_json,
         fleet_json as fleet_json,
     )
-    from scara_iso.render.json_history import history_json as history_json
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json
