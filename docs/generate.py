@@ -12,6 +12,8 @@ from pathlib import Path
 from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.cli import COMMANDS
 from scara_iso.comparison import PublishedComparison
+from scara_iso.diagnosis import PublishedSeparatingPlan
+from scara_iso.iso9283 import PublishedPlan
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.monitoring import PublishedHistory
@@ -27,6 +29,8 @@ PUBLISHED = {
     "compare": ("compare BEFORE AFTER --json", PublishedComparison),
     "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
     "history": ("history --json", PublishedHistory),
+    "plan": ("plan MODEL --json", PublishedPlan),
+    "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
 }
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."

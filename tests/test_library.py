@@ -15,11 +15,11 @@ from scara_iso.comparison import published_comparison
 from scara_iso.diagnosis import close_the_loop
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283 import published_plan
 from scara_iso.published import to_json
 from scara_iso.render import (
     analysis_json,
     diagnosis_json,
-    plan_json,
     report_json,
     run_json,
 )
@@ -136,10 +136,10 @@ def test_simulate_is_the_command(said):
 
 
 def test_plan_is_the_command(said):
-    assert plain(plan_json(scara_iso.plan(MODEL))) == said("plan", MODEL)
+    assert plain(to_json(published_plan(scara_iso.plan(MODEL)))) == said("plan", MODEL)
     found = scara_iso.plan(MODEL, solid="box", elbow="left", m=0.12, cycles=11)
     options = ("--solid", "box", "--elbow", "left", "--m", 0.12, "--cycles", 11)
-    assert plain(plan_json(found)) == said("plan", MODEL, *options)
+    assert plain(to_json(published_plan(found))) == said("plan", MODEL, *options)
     with pytest.raises(UsageError, match="solid 'ball'"):
         scara_iso.plan(MODEL, solid="ball")
 

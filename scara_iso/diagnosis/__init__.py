@@ -48,6 +48,10 @@ if TYPE_CHECKING:
         design_of_poses as design_of_poses,
         like_test as like_test,
     )
+    from scara_iso.diagnosis.next_test.published import (
+        PublishedSeparatingPlan as PublishedSeparatingPlan,
+        published_separating_plan as published_separating_plan,
+    )
     from scara_iso.diagnosis.next_test.separating import (
         GIVEN as GIVEN,
         PROPOSED as PROPOSED,

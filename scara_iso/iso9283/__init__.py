@@ -54,10 +54,11 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.pose_plan import (
         DiagonalPlane as DiagonalPlane,
         PlannedPose as PlannedPose,
+        PlannedVisit as PlannedVisit,
         PosePlan as PosePlan,
         PoseTestConditions as PoseTestConditions,
         Solid as Solid,
-        visit_rows as visit_rows,
+        planned_visits as planned_visits,
     )
     from scara_iso.iso9283.poses import make_plan as make_plan, planned_poses as planned_poses
     from scara_iso.iso9283.published import (
@@ -73,6 +74,12 @@ if TYPE_CHECKING:
         published_finding as published_finding,
         published_limit as published_limit,
         published_pose as published_pose,
+    )
+    from scara_iso.iso9283.published_pose_plan import (
+        PlannedCycles as PlannedCycles,
+        PublishedPlan as PublishedPlan,
+        PublishedRated as PublishedRated,
+        published_plan as published_plan,
     )
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (

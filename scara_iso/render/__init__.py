@@ -12,9 +12,7 @@ if TYPE_CHECKING:
     from scara_iso.render.json import (
         analysis_json as analysis_json,
         explain_json as explain_json,
-        plan_json as plan_json,
         run_json as run_json,
-        separating_json as separating_json,
         to_text as to_text,
     )
     from scara_iso.render.json_diagnosis import (

@@ -13,8 +13,7 @@ from scara_iso.iso9283 import published_analysis
 from scara_iso.published import Json, to_json
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import SeparatingPlan
-    from scara_iso.iso9283 import Analysis, PosePlan
+    from scara_iso.iso9283 import Analysis
     from scara_iso.reporting import Page
     from scara_iso.run import Run
 
@@ -73,31 +72,6 @@ def run_json(run: Run, *, seed: int) -> Json:
         **picked(run, "metadata cycle"),
         "axes": {n: picked(axis, "unit resolution readings") for n, axis in run.axes.items()},
         **picked(run, "covariates"),
-    }
-
-
-def plan_json(plan: PosePlan) -> Json:
-    """Return the JSON object of ``plan``, schema ``scara-iso/plan/1``."""
-    return {
-        "schema": "scara-iso/plan/1",
-        "unit": "mm",
-        **picked(plan, "solid size_mm corners plane elbow diagonal_mm m_mm stroke_limits"),
-        "rated": picked(plan.rated, "load_kg velocity_mm_s"),
-        "cycles": picked(plan.conditions, "run=cycles used"),
-        "visits": plain(plan.rows()),
-    }
-
-
-def separating_json(plan: SeparatingPlan) -> Json:
-    """Return the object of separating poses, schema ``scara-iso/plan-separating/1``."""
-    return {
-        "schema": "scara-iso/plan-separating/1",
-        "unit": "mm",
-        **picked(plan, "elbow"),
-        "apart": {name: picked(one, APART) for name, one in plan.apart.items()},
-        "rated": picked(plan.rated, "load_kg velocity_mm_s"),
-        "cycles": picked(plan.conditions, "run=cycles used"),
-        "visits": plain(plan.rows()),
     }
 
 
