@@ -13,6 +13,7 @@ from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.cli import COMMANDS
 from scara_iso.comparison import PublishedComparison
 from scara_iso.diagnosis import PublishedSeparatingPlan
+from scara_iso.fleets import PublishedFleet, PublishedFleetFigures
 from scara_iso.iso9283 import PublishedPlan
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.measurement_system import PublishedGaugeStudy
@@ -27,6 +28,8 @@ from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
     "compare": ("compare BEFORE AFTER --json", PublishedComparison),
+    "fleet": ("fleet SOURCE -o DIR --json", PublishedFleet),
+    "fleet-figures": ("fleet SOURCE -o DIR --figures --json", PublishedFleetFigures),
     "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
     "history": ("history --json", PublishedHistory),
     "plan": ("plan MODEL --json", PublishedPlan),

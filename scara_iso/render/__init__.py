@@ -22,10 +22,6 @@ if TYPE_CHECKING:
         diagnosis_json as diagnosis_json,
         poses_diagnosis_json as poses_diagnosis_json,
     )
-    from scara_iso.render.json_fleet import (
-        fleet_figures_json as fleet_figures_json,
-        fleet_json as fleet_json,
-    )
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json
