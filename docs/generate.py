@@ -20,6 +20,7 @@ from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
+from scara_iso.validation import PublishedValidation
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
@@ -34,6 +35,7 @@ PUBLISHED = {
     "history": ("history --json", PublishedHistory),
     "plan": ("plan MODEL --json", PublishedPlan),
     "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
+    "selftest": ("selftest --json", PublishedValidation),
 }
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."

@@ -18,8 +18,8 @@ import scara_iso
 from scara_iso.acquisition.ports.identity import Device
 from scara_iso.acquisition.recorder import events
 from scara_iso.cli import main
-from scara_iso.render import validation_json
-from scara_iso.validation import Installation, ReferenceCheck, Validation
+from scara_iso.published import to_json
+from scara_iso.validation import Installation, ReferenceCheck, Validation, published_validation
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -225,7 +225,7 @@ def validated(*, passing):
         ReferenceCheck("streams", "opto-rs232", "manual", "reading 1.2", "reading 1.2"),
     )
     on = Installation("0.1.0", {"Python": "3.12"}, "Linux", {"program": "ab", "references": "cd"})
-    return json.loads(json.dumps(validation_json(Validation(checks, on))))
+    return json.loads(json.dumps(to_json(published_validation(Validation(checks, on)))))
 
 
 def with_push_test(folder):

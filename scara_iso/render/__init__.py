@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json
-    from scara_iso.render.json_validation import validation_json as validation_json
     from scara_iso.render.json_whole_test import (
         beside_json as beside_json,
         conditions_json as conditions_json,
