@@ -16,6 +16,7 @@ from scara_iso.diagnosis import PublishedSeparatingPlan
 from scara_iso.fleets import PublishedFleet, PublishedFleetFigures
 from scara_iso.iso9283 import PublishedPlan
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
+from scara_iso.library import PublishedRun
 from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
@@ -36,6 +37,7 @@ PUBLISHED = {
     "plan": ("plan MODEL --json", PublishedPlan),
     "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
     "selftest": ("selftest --json", PublishedValidation),
+    "simulate": ("simulate MODEL --json", PublishedRun),
 }
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."

@@ -16,12 +16,12 @@ from scara_iso.diagnosis import close_the_loop
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import published_plan
+from scara_iso.library import published_run
 from scara_iso.published import to_json
 from scara_iso.render import (
     analysis_json,
     diagnosis_json,
     report_json,
-    run_json,
 )
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -131,8 +131,10 @@ def test_simulate_is_the_command(said):
         "simulate", MODEL, "--effect", effect, "--seed", 4, "--approach", "random",
         "--temperature", "20:24", "--payload", "0,2",
     )  # fmt: skip
-    assert plain(run_json(found, seed=4)) == wanted
-    assert plain(run_json(scara_iso.simulate(MODEL), seed=0)) == said("simulate", MODEL)
+    assert plain(to_json(published_run(found, seed=4))) == wanted
+    assert plain(to_json(published_run(scara_iso.simulate(MODEL), seed=0))) == said(
+        "simulate", MODEL
+    )
 
 
 def test_plan_is_the_command(said):

@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.poses import make_plan as make_plan, planned_poses as planned_poses
     from scara_iso.iso9283.published import (
+        AxisName as AxisName,
         BesidePoses as BesidePoses,
         ConditionAnalysis as ConditionAnalysis,
         FolderAnalysis as FolderAnalysis,

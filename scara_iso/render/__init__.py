@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from scara_iso.render.json import (
         analysis_json as analysis_json,
         explain_json as explain_json,
-        run_json as run_json,
         to_text as to_text,
     )
     from scara_iso.render.json_diagnosis import (

@@ -15,7 +15,6 @@ from scara_iso.published import Json, to_json
 if TYPE_CHECKING:
     from scara_iso.iso9283 import Analysis
     from scara_iso.reporting import Page
-    from scara_iso.run import Run
 
 _HALF = re.compile("[\ud800-\udfff]")
 """Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
@@ -61,18 +60,6 @@ def analysis_json(analysis: Analysis) -> Json:
     """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/2``."""
     found: Json = to_json(published_analysis(analysis))
     return found
-
-
-def run_json(run: Run, *, seed: int) -> Json:
-    """Return the JSON object of ``simulate``, schema ``scara-iso/simulate/1``."""
-    return {
-        "schema": "scara-iso/simulate/1",
-        "unit": "mm",
-        "seed": seed,
-        **picked(run, "metadata cycle"),
-        "axes": {n: picked(axis, "unit resolution readings") for n, axis in run.axes.items()},
-        **picked(run, "covariates"),
-    }
 
 
 def explain_json(pages: Iterable[Page]) -> Json:
