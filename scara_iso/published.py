@@ -33,6 +33,7 @@ Published = TypeVar("Published")
 
 Size: TypeAlias = Annotated[float, ("minimum", 0)]
 """A number that has no sign."""
+Probability: TypeAlias = Annotated[float, ("minimum", 0), ("maximum", 1)]
 Count: TypeAlias = Annotated[int, ("minimum", 0)]
 Interval: TypeAlias = tuple[float, float]
 Unit: TypeAlias = Literal["mm", "deg"]
@@ -94,8 +95,8 @@ def _of(hint: Any) -> Json:
 def _container(kind: Any, held: tuple[Any, ...]) -> Json:
     """Return the schema of a mapping, of a tuple of any length or of these types, of an array."""
     if kind is Mapping:
-        names = {"propertyNames": _of(held[0])} if get_origin(held[0]) is Literal else {}
-        return {"type": "object", **names, "additionalProperties": _of(held[1])}
+        named = {} if held[0] is str else {"propertyNames": _of(held[0])}
+        return {"type": "object", **named, "additionalProperties": _of(held[1])}
     if kind is not tuple:
         return {"type": "array", "items": _of(get_args(held[1])[0])}
     if held[-1] is Ellipsis:

@@ -66,6 +66,7 @@ if TYPE_CHECKING:
         FolderAnalysis as FolderAnalysis,
         PublishedAnalysis as PublishedAnalysis,
         PublishedCycles as PublishedCycles,
+        PublishedPose as PublishedPose,
         published_analysis as published_analysis,
         published_characteristic as published_characteristic,
         published_finding as published_finding,

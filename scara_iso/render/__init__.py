@@ -19,11 +19,8 @@ if TYPE_CHECKING:
         to_text as to_text,
     )
     from scara_iso.render.json_diagnosis import (
-        backlash_json as backlash_json,
         design_json as design_json,
         design_of_poses_json as design_of_poses_json,
-        diagnosis_json as diagnosis_json,
-        poses_diagnosis_json as poses_diagnosis_json,
     )
     from scara_iso.render.json_fleet import (
         fleet_figures_json as fleet_figures_json,
