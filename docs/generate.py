@@ -12,6 +12,7 @@ from pathlib import Path
 from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.cli import COMMANDS
 from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
+from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
 from scara_iso.diagnosis.published_gears import PUBLISHED as BACKLASH
 from scara_iso.diagnosis.published_poses import PosesDiagnosis, TracedPosesDiagnosis
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
@@ -28,6 +29,8 @@ PUBLISHED = {
     "diagnose": (
         "diagnose TABLE --json", PublishedDiagnosis, PosesDiagnosis, TracedPosesDiagnosis,
     ),
+    "design": ("diagnose --design --json", PublishedDesign),
+    "design-poses": ("diagnose --design --model MODEL --json", PublishedPosesDesign),
     "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
 }  # fmt: skip
 """Title and classes of the schemas that are made from classes."""

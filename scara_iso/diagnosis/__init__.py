@@ -65,6 +65,10 @@ if TYPE_CHECKING:
         published_diagnosis as published_diagnosis,
         published_tables as published_tables,
     )
+    from scara_iso.diagnosis.published_designs import (
+        published_design as published_design,
+        published_poses_design as published_poses_design,
+    )
     from scara_iso.diagnosis.published_gears import published_backlash as published_backlash
     from scara_iso.diagnosis.published_poses import (
         published_poses_diagnosis as published_poses_diagnosis,

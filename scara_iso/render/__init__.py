@@ -18,10 +18,6 @@ if TYPE_CHECKING:
         separating_json as separating_json,
         to_text as to_text,
     )
-    from scara_iso.render.json_diagnosis import (
-        design_json as design_json,
-        design_of_poses_json as design_of_poses_json,
-    )
     from scara_iso.render.json_fleet import (
         fleet_figures_json as fleet_figures_json,
         fleet_json as fleet_json,

@@ -30,6 +30,7 @@ from scara_iso.iso9283 import (
     planned_poses,
     visit_rows,
 )
+from scara_iso.published import Size
 from scara_iso.robot import Arm, Elbow, Rated
 from scara_iso.run import FloatArray
 
@@ -59,18 +60,17 @@ _DIGITS = 9
 
 @dataclass(frozen=True, slots=True)
 class PosesApart:
-    """How well poses tell apart what moves them.
+    """How well poses tell apart what moves them."""
 
-    ``angle_deg`` and ``observability_index`` are of joint 1 and joint 2, as those of
-    `Separation`; ``smallest_angle_deg`` is the smallest between any
-    two of `MOVEMENTS`, which are ``between``.
-    """
-
-    angle_deg: float
-    observability_index: float
-    smallest_angle_deg: float
+    angle_deg: Size
+    """Between joint 1 and joint 2, as that of `Separation`."""
+    observability_index: Size
+    """Likewise."""
+    smallest_angle_deg: Size
+    """Between any two of joints, arm, X and Y everywhere."""
     between: tuple[str, str]
-    uncertainty: float
+    """Which two these are."""
+    uncertainty: Size
     """Of the size of an effect in a joint from one cycle, in that joint's scatter, where any one of
     the other movements may act too: the larger of both joints, joints scattering as `_nominal`."""
 
