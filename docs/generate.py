@@ -13,6 +13,10 @@ from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.cli import COMMANDS
 from scara_iso.comparison import PublishedComparison
 from scara_iso.diagnosis import PublishedSeparatingPlan
+from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
+from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
+from scara_iso.diagnosis.published_gears import PUBLISHED as BACKLASH
+from scara_iso.diagnosis.published_poses import PosesDiagnosis, TracedPosesDiagnosis
 from scara_iso.fleets import PublishedFleet, PublishedFleetFigures
 from scara_iso.iso9283 import PublishedPlan
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
@@ -38,7 +42,14 @@ PUBLISHED = {
     "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
     "selftest": ("selftest --json", PublishedValidation),
     "simulate": ("simulate MODEL --json", PublishedRun),
-}
+    "backlash": ("backlash --json; with --measured, what a sweep leaves unexplained", *BACKLASH),
+    "diagnose": (
+        "diagnose TABLE --json", PublishedDiagnosis, PosesDiagnosis, TracedPosesDiagnosis,
+    ),
+    "design": ("diagnose --design --json", PublishedDesign),
+    "design-poses": ("diagnose --design --model MODEL --json", PublishedPosesDesign),
+    "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
+}  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 

@@ -12,7 +12,7 @@ import threadpoolctl
 import scara_iso
 from scara_iso.cli import main
 from scara_iso.comparison import published_comparison
-from scara_iso.diagnosis import close_the_loop
+from scara_iso.diagnosis import close_the_loop, published_diagnosis
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import published_plan
@@ -20,7 +20,6 @@ from scara_iso.library import published_run
 from scara_iso.published import to_json
 from scara_iso.render import (
     analysis_json,
-    diagnosis_json,
     report_json,
 )
 
@@ -118,7 +117,7 @@ def test_compare_lists_the_faults_of_every_table(tmp_path):
 def test_diagnose_many_is_diagnose_of_each(said):
     names = [str(TABLE_1), str(EXAMPLES / "no such.csv")]
     first, second = scara_iso.diagnose_many(names)
-    assert plain(diagnosis_json(first)) == said("diagnose", TABLE_1)
+    assert to_json(published_diagnosis(first)) == said("diagnose", TABLE_1)
     assert second.exit_code == 66
 
 

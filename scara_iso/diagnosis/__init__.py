@@ -65,6 +65,18 @@ if TYPE_CHECKING:
         DiagnosisOfPoses as DiagnosisOfPoses,
         Separation as Separation,
     )
+    from scara_iso.diagnosis.published import (
+        published_diagnosis as published_diagnosis,
+        published_tables as published_tables,
+    )
+    from scara_iso.diagnosis.published_designs import (
+        published_design as published_design,
+        published_poses_design as published_poses_design,
+    )
+    from scara_iso.diagnosis.published_gears import published_backlash as published_backlash
+    from scara_iso.diagnosis.published_poses import (
+        published_poses_diagnosis as published_poses_diagnosis,
+    )
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
         SECOND as SECOND,

@@ -70,6 +70,7 @@ if TYPE_CHECKING:
         PublishedCharacteristic as PublishedCharacteristic,
         PublishedCycles as PublishedCycles,
         PublishedFinding as PublishedFinding,
+        PublishedPose as PublishedPose,
         published_analysis as published_analysis,
         published_characteristic as published_characteristic,
         published_finding as published_finding,

@@ -14,13 +14,6 @@ if TYPE_CHECKING:
         explain_json as explain_json,
         to_text as to_text,
     )
-    from scara_iso.render.json_diagnosis import (
-        backlash_json as backlash_json,
-        design_json as design_json,
-        design_of_poses_json as design_of_poses_json,
-        diagnosis_json as diagnosis_json,
-        poses_diagnosis_json as poses_diagnosis_json,
-    )
     from scara_iso.render.json_push import push_json as push_json
     from scara_iso.render.json_streams import visits_json as visits_json
     from scara_iso.render.json_tables import table_json as table_json

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from scara_iso.diagnosis import published_backlash, published_diagnosis
 from scara_iso.errors import UsageError
 from scara_iso.measurement_system import GaugeStudy, published_gauge_study
 from scara_iso.published import Json, to_json
 from scara_iso.render.json import analysis_json, to_text
-from scara_iso.render.json_diagnosis import backlash_json, diagnosis_json
 from scara_iso.reporting import Document, Dossier, Failure, head, uncertainty_budget
 
 
@@ -41,11 +41,11 @@ def report_json(dossier: Dossier) -> Json:
         "diagnoses": [
             {"pose": pose, "error": found.message}
             if isinstance(found, Failure)
-            else {"pose": pose, **diagnosis_json(found)}
+            else {"pose": pose, **to_json(published_diagnosis(found))}
             for pose, found in dossier.diagnoses.items()
         ],
         "backlash": [
-            {"joint": joint, **backlash_json(gearbox.backlash(arm))}
+            {"joint": joint, **to_json(published_backlash(gearbox.backlash(arm)))}
             for joint, (gearbox, arm) in dossier.gearboxes.items()
         ],
         "readings": {
