@@ -13,12 +13,24 @@ from scara_iso.acceptance.published import PublishedStatus
 from scara_iso.acquisition.indicators import Dialect, find_dialects
 from scara_iso.acquisition.recorder.events import PUBLISHED as EVENTS
 from scara_iso.cli import COMMANDS
+from scara_iso.comparison import PublishedComparison
+from scara_iso.diagnosis import PublishedSeparatingPlan
+from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
+from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
+from scara_iso.diagnosis.published_gears import PUBLISHED as BACKLASH
+from scara_iso.diagnosis.published_poses import PosesDiagnosis, TracedPosesDiagnosis
+from scara_iso.fleets import PublishedFleet, PublishedFleetFigures
+from scara_iso.iso9283 import PublishedPlan
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.iso9283.published_push import PublishedPush
+from scara_iso.library import PublishedRun
+from scara_iso.measurement_system import PublishedGaugeStudy
+from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
 from scara_iso.streams.published import PublishedVisits
 from scara_iso.tables.published import PublishedTable
+from scara_iso.validation import PublishedValidation
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
@@ -31,7 +43,23 @@ PUBLISHED = {
     "tables": ("tables TABLE --json", PublishedTable),
     "test-status": ("test status DIR --json", PublishedStatus),
     "visits": ("visits STREAM --json", PublishedVisits),
-}
+    "compare": ("compare BEFORE AFTER --json", PublishedComparison),
+    "fleet": ("fleet SOURCE -o DIR --json", PublishedFleet),
+    "fleet-figures": ("fleet SOURCE -o DIR --figures --json", PublishedFleetFigures),
+    "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
+    "history": ("history --json", PublishedHistory),
+    "plan": ("plan MODEL --json", PublishedPlan),
+    "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
+    "selftest": ("selftest --json", PublishedValidation),
+    "simulate": ("simulate MODEL --json", PublishedRun),
+    "backlash": ("backlash --json; with --measured, what a sweep leaves unexplained", *BACKLASH),
+    "diagnose": (
+        "diagnose TABLE --json", PublishedDiagnosis, PosesDiagnosis, TracedPosesDiagnosis,
+    ),
+    "design": ("diagnose --design --json", PublishedDesign),
+    "design-poses": ("diagnose --design --model MODEL --json", PublishedPosesDesign),
+    "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
+}  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
