@@ -128,7 +128,7 @@ def power_row(law: Law, rng: np.random.Generator, axes: int, runs: int, shuffles
         X = found.pairs[0].spreads[0]
         shown.append(X.verdict is ContrastVerdict.MORE)
         ratio.append(_holds(X.ratio_interval, RATIO))
-        difference.append(_holds(X.interval, (RATIO - 1) * RP))
+        difference.append(_holds(X.difference_interval, (RATIO - 1) * RP))
         if axes == 1:
             others.append(rivals(before.axes["X"].readings, after.axes["X"].readings, rng))
     beside = "".join(f"{share:>8.1%}" for share in np.mean(others, axis=0)) if others else ""

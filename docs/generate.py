@@ -9,17 +9,57 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from scara_iso.acceptance.published import PublishedStatus
 from scara_iso.acquisition.indicators import Dialect, find_dialects
+from scara_iso.acquisition.recorder.events import PUBLISHED as EVENTS
 from scara_iso.cli import COMMANDS
+from scara_iso.comparison import PublishedComparison
+from scara_iso.diagnosis import PublishedSeparatingPlan
+from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
+from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
+from scara_iso.diagnosis.published_gears import PUBLISHED as BACKLASH
+from scara_iso.diagnosis.published_poses import PosesDiagnosis, TracedPosesDiagnosis
+from scara_iso.fleets import PublishedFleet, PublishedFleetFigures
+from scara_iso.iso9283 import PublishedPlan
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
+from scara_iso.iso9283.published_push import PublishedPush
+from scara_iso.library import PublishedRun
+from scara_iso.measurement_system import PublishedGaugeStudy
+from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
+from scara_iso.streams.published import PublishedVisits
+from scara_iso.tables.published import PublishedTable
+from scara_iso.validation import PublishedValidation
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
 from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour of this script
 
-PUBLISHED = {"analyze": ("analyze TABLE --json", *ANALYZE)}
+PUBLISHED = {
+    "analyze": ("analyze TABLE --json", *ANALYZE),
+    "push": ("push LOOP --json", PublishedPush),
+    "record": ("one line of record --json", *EVENTS),
+    "tables": ("tables TABLE --json", PublishedTable),
+    "test-status": ("test status DIR --json", PublishedStatus),
+    "visits": ("visits STREAM --json", PublishedVisits),
+    "compare": ("compare BEFORE AFTER --json", PublishedComparison),
+    "fleet": ("fleet SOURCE -o DIR --json", PublishedFleet),
+    "fleet-figures": ("fleet SOURCE -o DIR --figures --json", PublishedFleetFigures),
+    "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
+    "history": ("history --json", PublishedHistory),
+    "plan": ("plan MODEL --json", PublishedPlan),
+    "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
+    "selftest": ("selftest --json", PublishedValidation),
+    "simulate": ("simulate MODEL --json", PublishedRun),
+    "backlash": ("backlash --json; with --measured, what a sweep leaves unexplained", *BACKLASH),
+    "diagnose": (
+        "diagnose TABLE --json", PublishedDiagnosis, PosesDiagnosis, TracedPosesDiagnosis,
+    ),
+    "design": ("diagnose --design --json", PublishedDesign),
+    "design-poses": ("diagnose --design --model MODEL --json", PublishedPosesDesign),
+    "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
+}  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 
@@ -167,15 +207,20 @@ def schemas() -> dict[str, str]:
 def _fields() -> Iterator[str]:
     yield (
         "What the keys mean: from the classes of which the objects and their schemas are made. A "
-        "key with `?` is not always there."
+        "key with `?` is not always there. A class that several hold is told once."
     )
+    told: set[str] = set()
     for name, (title, *kinds) in PUBLISHED.items():
         found = schema(title, *kinds)["$defs"]
         yield f"## `{name}`"
-        for kind in [one for one in found if "properties" in found[one]]:
+        for kind in [one for one in found if one not in told]:
             yield f"### {kind}"
             yield found[kind]["description"].replace("``", "`").partition("\n\n")[0]
-            yield _table(("key", "type", "unit", "meaning"), _keys(found[kind]))
+            if "properties" in found[kind]:
+                yield _table(("key", "type", "unit", "meaning"), _keys(found[kind]))
+            else:
+                yield _type(found[kind])
+        told |= set(found)
 
 
 def _keys(kind: Json) -> Iterator[tuple[str, ...]]:

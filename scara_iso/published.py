@@ -12,10 +12,10 @@ import ast
 import inspect
 import textwrap
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from itertools import pairwise
-from types import NoneType, UnionType
+from types import UnionType
 from typing import (
     Annotated,
     Any,
@@ -33,9 +33,14 @@ Published = TypeVar("Published")
 
 Size: TypeAlias = Annotated[float, ("minimum", 0)]
 """A number that has no sign."""
+Probability: TypeAlias = Annotated[float, ("minimum", 0), ("maximum", 1)]
 Count: TypeAlias = Annotated[int, ("minimum", 0)]
 Interval: TypeAlias = tuple[float, float]
 Unit: TypeAlias = Literal["mm", "deg"]
+_TYPES = {
+    "float": "number", "float64": "number", "int": "integer", "int64": "integer",
+    "str": "string", "bool": "boolean", "NoneType": "null",
+}  # fmt: skip
 
 
 def publish(kind: type[Published], found: object, **given: Any) -> Published:
@@ -60,69 +65,80 @@ def to_json(result: Any) -> Any:
     return result.tolist() if hasattr(result, "tolist") else result
 
 
-def schema(title: str, *kinds: type[Any]) -> Json:
+def schema(title: str, *kinds: Any) -> Json:
     """Return the JSON Schema of an object of one of these classes; every object is closed."""
-    import msgspec.json  # noqa: PLC0415 - for the pages, in no run
-
-    found, components = msgspec.json.schema_components(
-        kinds, schema_hook=_of_array, ref_template="#/$defs/{name}"
-    )
-    for kind in _reached(kinds):
-        _complete(components[kind.__name__], kind)
-    whole = found[0] if len(found) == 1 else {"oneOf": list(found)}
+    found = [_of(kind) for kind in kinds]
+    whole = found[0] if len(found) == 1 else {"oneOf": found}
+    held = sorted(_reached(kinds), key=lambda kind: kind.__name__)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": title, **whole, "$defs": dict(sorted(components.items())),
+        "title": title, **whole, "$defs": {kind.__name__: _defined(kind) for kind in held},
     }  # fmt: skip
 
 
-def _of_array(kind: type[Any]) -> Json:
-    """Return the schema of an array of numbers."""
-    if kind.__module__ != "numpy":
-        raise NotImplementedError(kind)
-    return {"type": "array", "items": {"type": "number"}}
+def _of(hint: Any) -> Json:
+    """Return the schema of a type."""
+    origin, within = get_origin(hint), get_args(hint)
+    if origin is None:
+        held = is_dataclass(hint) or issubclass(hint, Enum)
+        name = hint.__name__
+        return {"$ref": f"#/$defs/{name}"} if held else {"type": _TYPES[name]}
+    if origin is Annotated:
+        return _of(within[0]) | dict(within[1:])
+    if origin in (Union, UnionType):
+        return {"anyOf": [_of(one) for one in within]}
+    if origin is Literal:
+        return {"enum": sorted(within, key=str)} if len(within) > 1 else {"const": within[0]}
+    return _container(origin, within)
 
 
-def _complete(found: Json, kind: type[Any]) -> None:
-    """Close the object of a class, and add what its fields say beside their types."""
-    found["additionalProperties"] = False
-    said, hints = _said(kind), get_type_hints(kind, include_extras=True)
-    for name, one in found["properties"].items():
-        if "default" in one:  # then it is left out, and never null
-            del one["default"]
-            _without_null(one)
-        _add_keywords(one, hints[name])
-        if len(one.get("enum", ())) == 1:
-            one["const"] = one.pop("enum")[0]
-        if name in said:
-            one["description"] = said[name]
+def _container(kind: Any, held: tuple[Any, ...]) -> Json:
+    """Return the schema of a mapping, of a tuple of any length or of these types, of an array."""
+    if kind is Mapping:
+        named = {} if held[0] is str else {"propertyNames": _of(held[0])}
+        return {"type": "object", **named, "additionalProperties": _of(held[1])}
+    if kind is not tuple:
+        return {"type": "array", "items": _of(get_args(held[1])[0])}
+    if held[-1] is Ellipsis:
+        return {"type": "array", "items": _of(held[0])}
+    items, n = [_of(one) for one in held], len(held)
+    return {"type": "array", "minItems": n, "maxItems": n, "prefixItems": items, "items": False}
 
 
-def _without_null(found: Json) -> None:
+def _defined(kind: type[Any]) -> Json:
+    """Return the schema of an enumeration, or of a class with what is said of its fields."""
+    head = {"title": kind.__name__, "description": inspect.getdoc(kind)}
+    if issubclass(kind, Enum):
+        return {**head, "enum": sorted(one.value for one in kind)}
+    hints, said = get_type_hints(kind, include_extras=True), _said(kind)
+    always = {field.name: field.default is MISSING for field in fields(kind)}
+    found = {
+        name: {**(_of(hints[name]) if there else _never_null(hints[name])),
+               **({"description": said[name]} if name in said else {})}
+        for name, there in always.items()
+    }  # fmt: skip
+    return {
+        **head, "type": "object", "properties": found,
+        "required": [name for name, there in always.items() if there],
+        "additionalProperties": False,
+    }  # fmt: skip
+
+
+def _never_null(hint: Any) -> Json:
+    """Return the schema of a field that is left out where it is None."""
+    found = _of(hint)
     kinds = [kind for kind in found.pop("anyOf", []) if kind != {"type": "null"}]
-    found |= kinds[0] if len(kinds) == 1 else {"anyOf": kinds} if kinds else {}
-
-
-def _add_keywords(found: Json, hint: Any) -> None:
-    """Add the keywords of a type, of those that it may be, and of what it contains."""
-    found |= dict(getattr(hint, "__metadata__", ()))
-    bare = hint.__origin__ if hasattr(hint, "__metadata__") else hint
-    kinds = [one for one in get_args(bare) if one not in (NoneType, Ellipsis)]
-    if get_origin(bare) in (Union, UnionType):
-        within = [one for one in found.get("anyOf", [found]) if one != {"type": "null"}]
-    else:
-        held = [found.get("items"), found.get("additionalProperties")]
-        within = found.get("prefixItems") or [one for one in held if isinstance(one, dict)]
-    for one, kind in zip(within, kinds[len(kinds) - len(within) :], strict=True):
-        _add_keywords(one, kind)
+    return found | (kinds[0] if len(kinds) == 1 else {"anyOf": kinds} if kinds else {})
 
 
 def _reached(kinds: tuple[Any, ...]) -> set[type[Any]]:
-    """Return the classes among types, and those of their fields."""
+    """Return the classes and enumerations among types, and those of their fields."""
     found: set[type[Any]] = set()
     for kind in kinds:
         if inspect.isclass(kind) and is_dataclass(kind):
             found |= {kind, *_reached(tuple(get_type_hints(kind).values()))}
+        elif inspect.isclass(kind) and issubclass(kind, Enum):
+            found.add(kind)
         else:
             found |= _reached(get_args(kind))
     return found

@@ -6,7 +6,7 @@ import copyreg
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -47,6 +47,8 @@ IntArray = npt.NDArray[np.int64]
 
 AXES = ("X", "Y", "Z", "theta")
 """Names of the indicator axes, in the order in which they are reported."""
+AxisKey: TypeAlias = Annotated[str, ("enum", AXES)]
+"""One of them, as a schema says it."""
 
 FARTHEST = 1e9
 """Largest reading, in mm or degrees, that a dial could show."""

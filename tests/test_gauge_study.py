@@ -53,12 +53,12 @@ def crossed(path, rng, p=5, o=3, r=3, operators=0.002, noise=0.001):
 def test_crossed_study_of_the_manual():
     """AIAG MSA, tables III-B 7 and 8: ANOVA; figure III-B 16: average and range."""
     found = figures(CROSSED)
-    squares = {one.name: one.squares for one in found.anova}
+    squares = {one.source: one.squares for one in found.anova}
     assert squares["operator"] == pytest.approx(3.1673, abs=1e-4)
     assert squares["part"] == pytest.approx(88.3619, abs=1e-4)
     assert squares["repeatability"] == pytest.approx(0.3590 + 2.7589, abs=1e-4)
     assert squares["total"] == pytest.approx(94.6471, abs=1e-4)
-    assert found.pooled
+    assert found.interaction_pooled
     printed = {"EV": 0.199933, "AV": 0.226838, "GRR": 0.302373, "PV": 1.042327, "TV": 1.085}
     for name, sigma in printed.items():
         assert found.components[name].sigma == pytest.approx(
@@ -66,7 +66,7 @@ def test_crossed_study_of_the_manual():
         )
     assert 100 * found.components["GRR"].of_study == pytest.approx(27.9, abs=0.05)
     assert found.ndc == 4
-    ranges = found.ranges
+    ranges = found.by_ranges
     by_hand = {"EV": 0.20188, "AV": 0.22963, "GRR": 0.30575, "PV": 1.10456, "TV": 1.14610}
     for name, sigma in by_hand.items():
         assert getattr(ranges, name) == pytest.approx(sigma, abs=1.2e-4)
@@ -101,7 +101,7 @@ def test_crossed_studies_agree_with_an_independent_library(tmp_path, seed):
     path = crossed(tmp_path / "c.csv", np.random.default_rng(seed), p=7, operators=operators)
     found = figures(path, tolerance=0.3)
     theirs, by_hand = gage_rr(found.cells, tolerance=0.3), gage_rr_range(found.cells)
-    assert found.pooled is not theirs.interaction_included
+    assert found.interaction_pooled is not theirs.interaction_included
     mine = {name: one.sigma**2 for name, one in found.components.items()}
     assert mine["EV"] == pytest.approx(theirs.var_repeatability)
     assert mine["AV"] == pytest.approx(theirs.var_operator)
@@ -110,7 +110,7 @@ def test_crossed_studies_agree_with_an_independent_library(tmp_path, seed):
     share = found.components["GRR"].of_tolerance
     assert 100 * share == pytest.approx(theirs.pct_tolerance_gage_rr)
     assert found.ndc == max(theirs.ndc, 1)
-    assert found.ranges.GRR == pytest.approx(math.sqrt(by_hand.var_gage_rr), rel=0.01)
+    assert found.by_ranges.GRR == pytest.approx(math.sqrt(by_hand.var_gage_rr), rel=0.01)
 
 
 def test_the_others_agree_with_an_independent_library(tmp_path):

@@ -11,16 +11,16 @@ import threadpoolctl
 
 import scara_iso
 from scara_iso.cli import main
-from scara_iso.diagnosis import close_the_loop
+from scara_iso.comparison import published_comparison
+from scara_iso.diagnosis import close_the_loop, published_diagnosis
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.errors import DataError, UsageError
+from scara_iso.iso9283 import published_plan
+from scara_iso.library import published_run
+from scara_iso.published import to_json
 from scara_iso.render import (
     analysis_json,
-    comparison_json,
-    diagnosis_json,
-    plan_json,
     report_json,
-    run_json,
 )
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -101,9 +101,9 @@ def test_an_option_of_text_is_refused_where_there_is_none():
 
 def test_compare_is_the_command(said):
     wanted = said("compare", BEFORE, AFTER)
-    assert plain(comparison_json(scara_iso.compare(BEFORE, AFTER))) == wanted
+    assert plain(to_json(published_comparison(scara_iso.compare(BEFORE, AFTER)))) == wanted
     analyses = [scara_iso.analyze(BEFORE), scara_iso.analyze(AFTER)]
-    assert plain(comparison_json(scara_iso.compare(analyses))) == wanted
+    assert plain(to_json(published_comparison(scara_iso.compare(analyses)))) == wanted
 
 
 def test_compare_lists_the_faults_of_every_table(tmp_path):
@@ -117,7 +117,7 @@ def test_compare_lists_the_faults_of_every_table(tmp_path):
 def test_diagnose_many_is_diagnose_of_each(said):
     names = [str(TABLE_1), str(EXAMPLES / "no such.csv")]
     first, second = scara_iso.diagnose_many(names)
-    assert plain(diagnosis_json(first)) == said("diagnose", TABLE_1)
+    assert to_json(published_diagnosis(first)) == said("diagnose", TABLE_1)
     assert second.exit_code == 66
 
 
@@ -130,15 +130,17 @@ def test_simulate_is_the_command(said):
         "simulate", MODEL, "--effect", effect, "--seed", 4, "--approach", "random",
         "--temperature", "20:24", "--payload", "0,2",
     )  # fmt: skip
-    assert plain(run_json(found, seed=4)) == wanted
-    assert plain(run_json(scara_iso.simulate(MODEL), seed=0)) == said("simulate", MODEL)
+    assert plain(to_json(published_run(found, seed=4))) == wanted
+    assert plain(to_json(published_run(scara_iso.simulate(MODEL), seed=0))) == said(
+        "simulate", MODEL
+    )
 
 
 def test_plan_is_the_command(said):
-    assert plain(plan_json(scara_iso.plan(MODEL))) == said("plan", MODEL)
+    assert plain(to_json(published_plan(scara_iso.plan(MODEL)))) == said("plan", MODEL)
     found = scara_iso.plan(MODEL, solid="box", elbow="left", m=0.12, cycles=11)
     options = ("--solid", "box", "--elbow", "left", "--m", 0.12, "--cycles", 11)
-    assert plain(plan_json(found)) == said("plan", MODEL, *options)
+    assert plain(to_json(published_plan(found))) == said("plan", MODEL, *options)
     with pytest.raises(UsageError, match="solid 'ball'"):
         scara_iso.plan(MODEL, solid="ball")
 

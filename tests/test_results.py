@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 
 import scara_iso
 from scara_iso.cli import main
-from scara_iso.render import poses_diagnosis_json, save_figure
+from scara_iso.diagnosis import published_poses_diagnosis
+from scara_iso.published import to_json
+from scara_iso.render import save_figure
 
 ROOT = Path(scara_iso.__file__).parent
 
@@ -166,7 +168,7 @@ def test_a_diagnosis_of_several_poses_is_what_the_command_says(poses, capsys):
         found["P3"]
     assert main(["diagnose", str(poses), "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == json.loads(
-        json.dumps(poses_diagnosis_json(found))
+        json.dumps(to_json(published_poses_diagnosis(found)))
     )
     assert isinstance(scara_iso.diagnose(poses, pose="P1"), scara_iso.Diagnosis)
 

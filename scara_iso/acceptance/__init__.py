@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         seconds_a_cycle as seconds_a_cycle,
         seconds_left as seconds_left,
     )
+    from scara_iso.acceptance.published import published_status as published_status
     from scara_iso.acceptance.reading import (
         parse_test as parse_test,
         read_instruments as read_instruments,

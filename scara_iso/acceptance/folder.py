@@ -21,6 +21,7 @@ from scara_iso.tables import converted, read_table
 
 DONE, MISSING, UNFINISHED = "done", "missing", "unfinished"
 STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
+STATES = (DONE, MISSING, UNFINISHED, STRUCK, OUT, FAULTY)
 PLANNED = ("other-load", "other-velocity", "not-measured")
 """Deviations that the name of a part says already, or that are of the whole test."""
 OTHER_UNIT = "other-unit"

@@ -202,7 +202,9 @@ class Struck:
     """A recording that does not count, by its name without ending, and why."""
 
     recording: str
+    """Its name."""
     reason: str
+    """Why it does not count."""
 
 
 @dataclass(frozen=True, slots=True)

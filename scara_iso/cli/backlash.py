@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso import render, reporting
+from scara_iso import reporting
 from scara_iso.cli.options import (
     AsJson,
     DecimalMark,
@@ -16,6 +16,7 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import DataError
 from scara_iso.iso9283 import Counting
+from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import GearDiagnosis
@@ -63,7 +64,9 @@ def backlash_command(
         pose = _one_pose(actual, decimal, counting)
     closed = None if measured is None else _closed(measured, decimal)
     if json:
-        write_json(render.backlash_json(result, pose, closed))
+        from scara_iso.diagnosis import published_backlash
+
+        write_json(to_json(published_backlash(result, pose, closed)))
     else:
         write_report(reporting.backlash_report(result, pose))
         if closed is not None:

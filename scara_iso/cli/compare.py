@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from scara_iso import library, render
+from scara_iso import library
 from scara_iso.acceptance import is_test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
@@ -23,6 +23,7 @@ from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity, Counting
 from scara_iso.library import TableOptions
+from scara_iso.published import to_json
 
 Tables = Annotated[
     list[str],
@@ -77,7 +78,9 @@ def compare_command(
         found = [library.compare(*tables, condition=condition, **options)]
         write_picture(found[0], plot)
         if json:
-            write_json(render.comparison_json(found[0]))
+            from scara_iso.comparison import published_comparison
+
+            write_json(to_json(published_comparison(found[0])))
         else:
             again = [command_line([table], read) for table in tables]
             show_comparison(found[0], again, full=full)

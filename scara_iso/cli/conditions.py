@@ -21,6 +21,7 @@ from scara_iso.cli.output import (
     write_report,
 )
 from scara_iso.cli.show_comparison import show_comparison
+from scara_iso.comparison import published_comparison
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Beside, Conformity
 from scara_iso.library import (
@@ -32,6 +33,7 @@ from scara_iso.library import (
     read_conditions,
     report,
 )
+from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.acceptance import Folder
@@ -193,7 +195,7 @@ def compare_folders(
             typer.echo(f"{one.condition}:")
             again = [command_line([table], {"condition": one.condition.name}) for table in tables]
             show_comparison(comparison, again, full=full)
-    documents = [(one, render.comparison_json(comparison)) for one, comparison in found]
+    documents = [(one, to_json(published_comparison(comparison))) for one, comparison in found]
     if as_json and several:
         _write_conditions([_of_condition(one, document) for one, document in documents])
     elif as_json and documents:

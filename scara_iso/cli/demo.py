@@ -8,6 +8,7 @@ import typer
 
 from scara_iso.cli.options import AsJson, Full
 from scara_iso.cli.output import write_json, write_report
+from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.reporting import Section
@@ -28,7 +29,8 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
     Example: scara-iso demo --open
     """
     from scara_iso import analyze
-    from scara_iso.render import analysis_json, backlash_json
+    from scara_iso.diagnosis import published_backlash
+    from scara_iso.render import analysis_json
     from scara_iso.reporting import (
         NextStep,
         analysis_brief,
@@ -46,7 +48,7 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
             {
                 "schema": "scara-iso/demo/1",
                 "analysis": analysis_json(analysis),
-                "backlash": backlash_json(gear, pose),
+                "backlash": to_json(published_backlash(gear, pose)),
                 "printed": printed(),
             }
         )

@@ -30,6 +30,7 @@ from scara_iso.cli.output import (
 )
 from scara_iso.iso9283 import Counting
 from scara_iso.library import TableOptions
+from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.cli.conditions import Write
@@ -223,7 +224,9 @@ def _diagnose_run(
 
 def _write(diagnosis: Diagnosis, title: str, how: _How) -> None:
     if how.as_json:
-        how.write(render.diagnosis_json(diagnosis))
+        from scara_iso.diagnosis import published_diagnosis
+
+        how.write(to_json(published_diagnosis(diagnosis)))
     elif how.full:
         write_report(reporting.diagnosis_report(diagnosis, title))
     else:
@@ -232,7 +235,9 @@ def _write(diagnosis: Diagnosis, title: str, how: _How) -> None:
 
 def _write_poses(diagnosis: DiagnosisOfPoses, title: str, how: _How) -> None:
     if how.as_json:
-        how.write(render.poses_diagnosis_json(diagnosis))
+        from scara_iso.diagnosis import published_poses_diagnosis
+
+        how.write(to_json(published_poses_diagnosis(diagnosis)))
     elif how.full:
         write_report(reporting.poses_report(diagnosis, title))
     else:

@@ -18,14 +18,16 @@ from scara_iso.diagnosis import (
     design_of_poses,
     like_test,
     planned_columns,
+    published_design,
+    published_poses_design,
     whole_cycles,
 )
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.library import TableOptions, defined
+from scara_iso.published import to_json
 from scara_iso.quantities import Dimension
-from scara_iso.render import design_json, design_of_poses_json
 from scara_iso.reporting import design_of_poses_report, design_report
 from scara_iso.robot import Arm, Model, read_model
 from scara_iso.run import FloatArray, Run
@@ -60,16 +62,18 @@ def show_design(
         run = reading.read(tables[0]) if tables else None
         test = _of_poses(read_model(files.model), run, reading, wanted, sigma)
         found = design_of_poses(test, seed=seed, effects=effects)
-        show, write = design_of_poses_json(test, found), design_of_poses_report(test, found)
+        show: object = published_poses_design(test, found)
+        write = design_of_poses_report(test, found)
     else:
         plan = (
             _like(wanted.take(reading.read(tables[0])), sigma) if tables
             else _planned(_conditions(reading, wanted), reading, sigma)
         )  # fmt: skip
         one = design(plan, seed=seed, effects=effects)
-        show, write = design_json(plan, one), design_report(plan, one)
+        show = published_design(plan, one)
+        write = design_report(plan, one)
     if as_json:
-        write_json(show)
+        write_json(to_json(show))
     else:
         write_report(write)
 

@@ -8,9 +8,10 @@ from collections.abc import Sequence
 import typer
 
 from scara_iso.cli.output import settings, write_json, write_report
-from scara_iso.diagnosis import CyclesWanted, Diagnosis
+from scara_iso.diagnosis import CyclesWanted, published_tables
 from scara_iso.library import TableOptions, diagnose_each
-from scara_iso.render import diagnosis_json, open_console, track
+from scara_iso.published import to_json
+from scara_iso.render import open_console, track
 from scara_iso.reporting import Failure, summary_report
 
 
@@ -32,20 +33,10 @@ def show_many(
     each = diagnose_each(tables, files, reading, wanted, seed=seed)
     found = list(track(each, len(tables), console))
     if as_json:
-        write_json({"schema": "scara-iso/diagnose-many/1", "tables": _as_json(tables, found)})
+        said = [one.message if isinstance(one, Failure) else one for one in found]
+        write_json(to_json(published_tables(tables, said)))
     else:
         write_report(summary_report(tables, found))
     codes = [one.exit_code for one in found if isinstance(one, Failure)]
     if codes:
         raise typer.Exit(codes[0])
-
-
-def _as_json(
-    tables: Sequence[str], found: Sequence[Diagnosis | Failure]
-) -> list[dict[str, object]]:
-    return [
-        {"table": table, "error": one.message}
-        if isinstance(one, Failure)
-        else {"table": table, **diagnosis_json(one)}
-        for table, one in zip(tables, found, strict=True)
-    ]

@@ -22,6 +22,7 @@ from scara_iso.cli.options import (
 from scara_iso.cli.output import settings, write_json, write_report
 from scara_iso.errors import StoppedError
 from scara_iso.iso9283 import Counting
+from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.fleets import FleetFigures, FleetSummary
@@ -102,16 +103,15 @@ def fleet_command(
 
 
 def _say(found: FleetSummary | FleetFigures, *, full: bool, json: bool) -> None:
-    from scara_iso.fleets import FleetFigures
-    from scara_iso.render import fleet_figures_json, fleet_json
+    from scara_iso.fleets import FleetFigures, published_fleet, published_fleet_figures
     from scara_iso.reporting import fleet_figures_report, fleet_report
 
     if isinstance(found, FleetFigures):
         if json:
-            write_json(fleet_figures_json(found))
+            write_json(to_json(published_fleet_figures(found)))
         else:
             write_report(fleet_figures_report(found, full=full))
     elif json:
-        write_json(fleet_json(found))
+        write_json(to_json(published_fleet(found)))
     else:
         write_report(fleet_report(found, full=full))

@@ -26,6 +26,7 @@ from scara_iso.cli.output import (
     write_report,
 )
 from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.published import to_json
 
 Tables = Annotated[
     list[str],
@@ -99,7 +100,9 @@ def gauge_study_command(
     tell_written(output)
     write_picture(found, plot)
     if json:
-        write_json(render.gauge_study_json(found))
+        from scara_iso.measurement_system import published_gauge_study
+
+        write_json(to_json(published_gauge_study(found)))
     else:
         from scara_iso.reporting import NextStep, gauge_study_brief, gauge_study_report
 

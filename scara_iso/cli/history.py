@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from scara_iso import library, render, reporting
+from scara_iso import library, reporting
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AsJson,
@@ -26,6 +26,7 @@ from scara_iso.cli.output import (
 )
 from scara_iso.iso9283 import Counting
 from scara_iso.library import TableOptions
+from scara_iso.published import to_json
 
 TablesOfTests = Annotated[
     list[str],
@@ -77,7 +78,9 @@ def history_command(
     if output is not None:
         library.write_page(reporting.history_document(found), output)
     if json:
-        write_json(render.history_json(found))
+        from scara_iso.monitoring import published_history
+
+        write_json(to_json(published_history(found)))
     else:
         last = command_line([found.tests[-1].source], read)
         following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")

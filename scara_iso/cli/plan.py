@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso import library, render, reporting
+from scara_iso import library, reporting
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import (
     check_outputs,
@@ -20,6 +20,7 @@ from scara_iso.cli.output import (
     write_text,
 )
 from scara_iso.errors import UsageError
+from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import SeparatingPlan
@@ -110,7 +111,9 @@ def plan_command(
         apart = library.plan_separating(model, **asdict(how))
         files.write(apart)
         if json:
-            write_json(render.separating_json(apart))
+            from scara_iso.diagnosis import published_separating_plan
+
+            write_json(to_json(published_separating_plan(apart)))
         else:
             write_report(reporting.separating_report(apart, robot))
         return
@@ -120,7 +123,9 @@ def plan_command(
         library.write_planned_test(output, found, model)
         tell_written(output)
     if json:
-        write_json(render.plan_json(found))
+        from scara_iso.iso9283 import published_plan
+
+        write_json(to_json(published_plan(found)))
     else:
         write_report(reporting.plan_report(found, robot))
 

@@ -68,9 +68,10 @@ def push_command(
         decision=decision.value,
     )
     if json:
-        from scara_iso.render import push_json
+        from scara_iso.iso9283 import published_push_test
+        from scara_iso.published import to_json
 
-        write_json(push_json(found))
+        write_json(to_json(published_push_test(found)))
     else:
         from scara_iso.reporting import NextStep, push_brief, push_report
 

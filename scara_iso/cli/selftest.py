@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from scara_iso import library, render, reporting
+from scara_iso import library, reporting
 from scara_iso.cli.options import NOT_WITHIN_LIMITS, AsJson, Full
 from scara_iso.cli.output import check_outputs, say_written, write_json, write_report
+from scara_iso.published import to_json
 
 Record = Annotated[
     Path | None,
@@ -30,7 +31,9 @@ def selftest_command(*, report: Record = None, full: Full = False, json: AsJson 
     check_outputs([report], [])
     found = library.selftest(report)
     if json:
-        write_json(render.validation_json(found))
+        from scara_iso.validation import published_validation
+
+        write_json(to_json(published_validation(found)))
     else:
         show = reporting.validation_report if full else reporting.validation_brief
         write_report(show(found))

@@ -11,6 +11,7 @@ import typer
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile, OwnEffectsFile
 from scara_iso.cli.output import check_outputs, write_json, write_text
 from scara_iso.errors import UsageError
+from scara_iso.published import to_json
 
 
 class Side(StrEnum):
@@ -68,8 +69,7 @@ def simulate_command(
 
     Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
     """
-    from scara_iso.library import simulate
-    from scara_iso.render import run_json
+    from scara_iso.library import published_run, simulate
     from scara_iso.tables import find_locale, write_table
 
     check_outputs([output], [model, effects])
@@ -88,7 +88,7 @@ def simulate_command(
     if output is not None or not json:
         write_text(write_table(run, find_locale(excel_locale)), output)
     if json:
-        write_json(run_json(run, seed=seed))
+        write_json(to_json(published_run(run, seed=seed)))
 
 
 def _ends(text: str) -> tuple[float, float]:

@@ -43,9 +43,10 @@ def tables_command(
     if output is not None:
         write_text(write_table(run, find_locale(excel_locale)), output)
     if json:
-        from scara_iso.render import table_json
+        from scara_iso.published import to_json
+        from scara_iso.tables import published_table
 
-        write_json(table_json(run))
+        write_json(to_json(published_table(run)))
     else:
         from scara_iso.reporting import table_report
 

@@ -59,9 +59,10 @@ def new_command(
         dwell=dwell,
     )
     if json:
-        from scara_iso.render import status_json
+        from scara_iso.acceptance import published_status
+        from scara_iso.published import to_json
 
-        write_json(status_json(read_folder(folder)))
+        write_json(to_json(published_status(read_folder(folder))))
         return
     parts = len(read_folder(folder).parts)
     write_text(
@@ -81,9 +82,10 @@ def status_command(folder: Directory, *, json: AsJson = False) -> None:
 
     found = read_folder(folder)
     if json:
-        from scara_iso.render import status_json
+        from scara_iso.acceptance import published_status
+        from scara_iso.published import to_json
 
-        write_json(status_json(found))
+        write_json(to_json(published_status(found)))
     else:
         from scara_iso.reporting import status_report
 

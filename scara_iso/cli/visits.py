@@ -77,9 +77,10 @@ def visits_command(
     if output is not None:
         write_text(write_table(found.run, find_locale(excel_locale)), output)
     if json:
-        from scara_iso.render import visits_json
+        from scara_iso.published import to_json
+        from scara_iso.streams import published_visits
 
-        write_json(visits_json(found))
+        write_json(to_json(published_visits(found)))
     else:
         from scara_iso.reporting import NextStep, visits_brief, visits_report
 

@@ -8,6 +8,10 @@ if TYPE_CHECKING:
     from scara_iso.comparison.decision import MOST_CYCLES as MOST_CYCLES
     from scara_iso.comparison.matching import PAGES as PAGES, poses_in_common as poses_in_common
     from scara_iso.comparison.pairs import SEED as SEED, compare as compare
+    from scara_iso.comparison.published import (
+        PublishedComparison as PublishedComparison,
+        published_comparison as published_comparison,
+    )
     from scara_iso.comparison.result import (
         Comparison as Comparison,
         Contrast as Contrast,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -18,9 +19,10 @@ from scara_iso.comparison.decision import (
 from scara_iso.comparison.dial import largest_bias, through_dial
 from scara_iso.comparison.matching import axes_in_common, poses_in_common, unlike
 from scara_iso.comparison.permutation import FigureColumns, mean_error, permute
-from scara_iso.comparison.result import Comparison, Contrast, Pair
+from scara_iso.comparison.result import Comparison, Contrast, FigureName, Pair
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Analysis, Finding, PoseResult
+from scara_iso.published import Unit
 from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import Axis, FloatArray
 
@@ -146,18 +148,21 @@ def _mean(
     x, y = column.readings
     before = float(x.mean())
     observed = float((y - x[0]).mean() - (x - x[0]).mean())
+    after = before + observed
     bias = largest_bias(x, column.before.resolution) + largest_bias(y, column.after.resolution)
     distance = Distance(observed, observed - bias, observed + bias, float(mean_error(x, y)))
     found = chance.decide(distance, k, cycles=(len(x), len(y)))
     reach = found.critical * distance.error
     return Contrast(
-        figure=column.before.name,
         pose=column.pose,
+        figure=cast(FigureName, column.before.name),
         quantity="mean",
-        unit=column.before.unit,
+        unit=cast(Unit, column.before.unit),
         before=before,
-        after=before + observed,
-        interval=(distance.lower - reach, distance.upper + reach),
+        after=after,
+        difference=after - before,
+        difference_interval=(distance.lower - reach, distance.upper + reach),
+        ratio=None,
         ratio_interval=None,
         p_value=found.p_value,
         p_value_at_floor=found.p_value_at_floor,
@@ -179,13 +184,15 @@ def _spread(
     distance = log_ratio(old, new)
     found = chance.decide(distance, k, cycles=(positions[0].shape[1], positions[1].shape[1]))
     return Contrast(
-        figure=name,
         pose=used[0].pose,
+        figure=cast(FigureName, name),
         quantity="three_sigma" if angle else "RP",
-        unit=used[0].before.unit,
+        unit=cast(Unit, used[0].before.unit),
         before=old.read,
         after=new.read,
-        interval=difference_interval(old, new, found),
+        difference=new.read - old.read,
+        difference_interval=difference_interval(old, new, found),
+        ratio=None if old.read == 0 else new.read / old.read,
         ratio_interval=ratio_interval(distance, found.critical),
         p_value=found.p_value,
         p_value_at_floor=found.p_value_at_floor,

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from scara_iso.display import Plotted
 from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283 import Analysis, Characteristic, Finding
+from scara_iso.published import Count, Size, Unit
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Ends = tuple[float | None, float | None]
 """Of an interval; None where nothing bounds it."""
-Quantity = Literal["mean", "RP", "three_sigma"]
+Quantity: TypeAlias = Literal["mean", "RP", "three_sigma"]
+FigureName: TypeAlias = Literal["X", "Y", "Z", "theta", "XY", "XYZ"]
+Probability: TypeAlias = Annotated[float, ("minimum", 0), ("maximum", 1)]
 
 
 class ContrastVerdict(Enum):
@@ -29,52 +32,65 @@ class ContrastVerdict(Enum):
     """The difference is one that the two dials' rounding can make."""
 
 
-@dataclass(frozen=True, slots=True)
-class Contrast:
-    """One figure of one pose before and after; values in ``unit``.
+@dataclass(frozen=True, kw_only=True)
+class Difference:
+    """One figure of one pose before and after, in its unit.
 
     Intervals hold together: all those of one quantity and one pair with 95 %.
     """
 
-    figure: str
-    """``X``, ``XY`` and so on."""
     pose: str | None
-    """Label; None for runs of one pose."""
+    """Label; null for runs of one pose."""
+    figure: FigureName
+    """The axis, or the plane or space."""
     quantity: Quantity
     """What is compared."""
-    unit: str
+    unit: Unit
+    """Of both values and the difference."""
     before: float
-    """Value of the first run, in `unit`."""
+    """Value of the first run."""
     after: float
-    """Value of the other run, in `unit`."""
-    interval: Ends
-    """Of the difference, after minus before."""
+    """Value of the other run."""
+    difference: float
+    """After minus before."""
+    difference_interval: Ends
+    """Null where nothing bounds it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ratio:
+    """After over before."""
+
+    ratio: Size | None
+    """After over before; null for a mean, and where the figure was 0 before."""
     ratio_interval: Ends | None
-    """Of after over before; None for a mean."""
-    p_value: float
+    """Null for a mean; its ends where nothing bounds them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Significance:
+    """What a difference decides."""
+
+    p_value: Probability
     """Among all figures of this quantity and all pairs."""
     p_value_at_floor: bool
     """No permutation came as far apart: the chance is at most the p-value."""
-    p_value_alone: float
+    p_value_alone: Probability
     """As if no other figure had been looked at."""
     verdict: ContrastVerdict
     """Whether the difference is shown, and which way."""
-    cycles_needed: int | None
-    """Cycles in each run that would show the observed difference in 4 of 5 tests."""
-    smallest_shown: float | None
+    cycles_needed: Count | None
+    """In each run, to show the observed difference in 4 of 5 tests; null where it is shown, 0, or
+    the dial's; 100000: that many or more."""
+    smallest_shown: Size | None
     """What these cycles show in 4 of 5 tests: a distance of means, or a ratio above 1."""
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[str, ...]
     """Codes of findings of either run that this figure must be read with."""
 
-    @property
-    def difference(self) -> float:
-        """After minus before."""
-        return self.after - self.before
 
-    @property
-    def ratio(self) -> float | None:
-        """After over before; None for a mean, and where the figure was 0 before."""
-        return None if self.quantity == "mean" or self.before == 0 else self.after / self.before
+@dataclass(frozen=True, kw_only=True)
+class Contrast(Significance, Ratio, Difference):
+    """One figure of one pose before and after, and what its difference decides."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -128,7 +144,7 @@ class Comparison(Plotted):
 
 
 def _row(table: str, one: Contrast) -> dict[str, Any]:
-    low, high = one.interval
+    low, high = one.difference_interval
     ratio_low, ratio_high = one.ratio_interval or (None, None)
     numbers = {
         "before": one.before, "after": one.after, "difference": one.difference, "low": low,

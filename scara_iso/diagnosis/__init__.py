@@ -48,6 +48,10 @@ if TYPE_CHECKING:
         design_of_poses as design_of_poses,
         like_test as like_test,
     )
+    from scara_iso.diagnosis.next_test.published import (
+        PublishedSeparatingPlan as PublishedSeparatingPlan,
+        published_separating_plan as published_separating_plan,
+    )
     from scara_iso.diagnosis.next_test.separating import (
         GIVEN as GIVEN,
         PROPOSED as PROPOSED,
@@ -60,6 +64,18 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.poses_result import (
         DiagnosisOfPoses as DiagnosisOfPoses,
         Separation as Separation,
+    )
+    from scara_iso.diagnosis.published import (
+        published_diagnosis as published_diagnosis,
+        published_tables as published_tables,
+    )
+    from scara_iso.diagnosis.published_designs import (
+        published_design as published_design,
+        published_poses_design as published_poses_design,
+    )
+    from scara_iso.diagnosis.published_gears import published_backlash as published_backlash
+    from scara_iso.diagnosis.published_poses import (
+        published_poses_diagnosis as published_poses_diagnosis,
     )
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.display import Plotted
 from scara_iso.frames import make_frame
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.published import Probability, Size
+from scara_iso.run import AxisKey, FloatArray, IntArray
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,11 +87,11 @@ class Found:
 class Flag:
     """A reading that stands apart: look at the sheet. No cause and no verdict by itself."""
 
-    axis: str
+    axis: AxisKey
     """Where the reading is."""
     cycle: int
     """Its cycle number."""
-    p_value: float
+    p_value: Probability
     """Chance in Gaussian scatter; heavier tails make such readings common."""
     p_value_at_floor: bool
     """No simulation was as far: the chance is at most the p-value."""
@@ -100,9 +101,9 @@ class Flag:
 class Error:
     """Root mean square of measured minus predicted, by axis."""
 
-    rms: ByAxis
+    rms: Mapping[AxisKey, Size]
     """On the cycles that the fit saw [mm, deg]."""
-    held_out_rms: ByAxis
+    held_out_rms: Mapping[AxisKey, Size]
     """On cycles that the fit did not see."""
 
 
@@ -164,11 +165,11 @@ class Series:
 
     cycle: IntArray = field(repr=False)
     """Cycle numbers, shape (n,)."""
-    measured: Mapping[str, FloatArray] = field(repr=False)
+    measured: Mapping[AxisKey, FloatArray] = field(repr=False)
     """By axis [mm, deg]."""
-    predicted_before: Mapping[str, FloatArray] = field(repr=False)
+    predicted_before: Mapping[AxisKey, FloatArray] = field(repr=False)
     """By the model as it was."""
-    predicted_after: Mapping[str, FloatArray] = field(repr=False)
+    predicted_after: Mapping[AxisKey, FloatArray] = field(repr=False)
     """By the model with the effects found."""
 
 
@@ -188,16 +189,16 @@ class Shares:
 class UnexplainedCourse:
     """What is left unexplained in one axis: how it goes, and a formula if one foretells it."""
 
-    axis: str
+    axis: AxisKey
     """Where it is."""
     words: str
     """What it does over the cycles; empty where no smooth course is there."""
     formula: str | None
     """In ``k``, the cycle's number, in the unit of the axis; None where none foretells cycles that
     it has not seen."""
-    held_out_rms: ByAxis
+    held_out_rms: Mapping[Annotated[str, ("enum", ("without", "with_formula"))], Size]
     """Error on unseen cycles ``without`` the formula, and ``with_formula``, chosen in each fold."""
-    p_value: float | None
+    p_value: Probability | None
     """Share of random orders of the cycles that a formula foretells as well."""
 
 

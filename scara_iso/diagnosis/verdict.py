@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from scara_iso.published import Probability
+
 
 class Verdict(Enum):
     """What the residual holds; the value is the word used in outputs."""
@@ -20,5 +22,5 @@ class Rival:
 
     effect: str
     """Its name."""
-    probability: float
+    probability: Probability
     """Posterior, 0 to 1."""

@@ -26,6 +26,12 @@ if TYPE_CHECKING:
     )
     from scara_iso.fleets.names import NameAlone as NameAlone, SeveralNames as SeveralNames
     from scara_iso.fleets.parts import ReadAs as ReadAs
+    from scara_iso.fleets.published import (
+        PublishedFleet as PublishedFleet,
+        PublishedFleetFigures as PublishedFleetFigures,
+        published_fleet as published_fleet,
+        published_fleet_figures as published_fleet_figures,
+    )
     from scara_iso.fleets.runs import FleetRun as FleetRun, run_fleet as run_fleet
     from scara_iso.fleets.summary import (
         FailedTable as FailedTable,

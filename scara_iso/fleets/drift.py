@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.fleets.database import Query
+from scara_iso.published import Count, Interval
 from scara_iso.run import FloatArray
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
@@ -41,13 +42,13 @@ class DriftPeriod:
 
     period: str
     """``2026-05-12``, ``2026-05`` or ``2026``."""
-    robots: int
+    robots: Count
     """That were tested in it."""
     RP_quantiles: tuple[float, ...]
     """5, 25, 50, 75 and 95 % of RP of the tests [mm, deg]."""
-    compared: int
+    compared: Count
     """Tests of robots that have one before."""
-    worse: int
+    worse: Count
     """Of these, how many have a larger RP than the one before."""
 
 
@@ -57,7 +58,7 @@ class RobotGrowth:
 
     robot: str
     """Its name."""
-    dates: int
+    dates: Count
     """On which it was tested."""
     per_month: float
     """Growth of RP, as a share."""
@@ -73,15 +74,15 @@ class FleetDrift:
 
     figure: str
     """``XY``, else the first axis that is there."""
-    periods: tuple[DriftPeriod, ...]
-    """In order of time."""
-    robots: int
+    robots: Count
     """That were tested on several dates."""
     per_month: float
     """Growth of RP of the median robot, as a share."""
-    interval: tuple[float, float] | None
-    """95 %; None for fewer than six robots."""
-    asked: int
+    interval: Interval | None
+    """95 %; null for fewer than six robots."""
+    periods: tuple[DriftPeriod, ...]
+    """In order of time."""
+    asked: Count
     """Robots with three dates or more, of which it is asked whether they grow."""
     growing: tuple[RobotGrowth, ...]
     """Robots that are named, the surest first."""
@@ -108,10 +109,10 @@ def fleet_drift(query: Query, level: float) -> FleetDrift | None:
     slopes = np.array([row[2] for row in rows]) * MONTH
     return FleetDrift(
         figure=figure,
-        periods=_periods(query),
         robots=len(rows),
         per_month=math.expm1(float(np.median(slopes))),
         interval=_of_median(slopes),
+        periods=_periods(query),
         asked=sum(row[1] >= _FEWEST for row in rows),
         growing=tuple(_growing(rows, level)),
     )

@@ -26,6 +26,7 @@ from scara_iso.fleets.names import (
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
+from scara_iso.published import Count
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,17 +35,15 @@ LEVEL = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class RobotResult:
-    """What is found of one robot."""
+class RobotFinding:
+    """What is published of one robot."""
 
     robot: str
     """Its name."""
-    tables: int
+    tables: Count
     """How many there are of it."""
     p_value: float
     """Smallest of its tables times their number, 1 at most."""
-    p_value_at_floor: bool
-    """Nothing drawn came as far as that table: the p-value is a bound."""
     q_value: float
     """Smallest false discovery rate at which it is named."""
     found: bool
@@ -52,7 +51,15 @@ class RobotResult:
     effects: tuple[str, ...]
     """What its tables show, each once."""
     RP_XY: float | None
-    """Largest of its tables [mm]; None without X and Y."""
+    """Largest of its tables [mm]; null without X and Y."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotResult(RobotFinding):
+    """What is found of one robot."""
+
+    p_value_at_floor: bool
+    """Nothing drawn came as far as that table: the p-value is a bound."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +171,16 @@ def _robots(query: Query, level: float) -> tuple[RobotResult, ...]:
 
     q_values = false_discovery_control([row[2] for row in rows], method="bh")
     found = [
-        RobotResult(robot, tables, p, at_floor, float(q), bool(q <= level), _names(effects), RP)
+        RobotResult(
+            robot,
+            tables,
+            p,
+            float(q),
+            bool(q <= level),
+            _names(effects),
+            RP,
+            p_value_at_floor=at_floor,
+        )
         for (robot, tables, p, at_floor, effects, RP), q in zip(rows, q_values, strict=True)
     ]
     return tuple(sorted(found, key=lambda one: (one.q_value, -(one.RP_XY or 0.0), one.robot)))

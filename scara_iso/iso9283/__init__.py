@@ -54,24 +54,36 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.pose_plan import (
         DiagonalPlane as DiagonalPlane,
         PlannedPose as PlannedPose,
+        PlannedVisit as PlannedVisit,
         PosePlan as PosePlan,
         PoseTestConditions as PoseTestConditions,
         Solid as Solid,
-        visit_rows as visit_rows,
+        planned_visits as planned_visits,
     )
     from scara_iso.iso9283.poses import make_plan as make_plan, planned_poses as planned_poses
     from scara_iso.iso9283.published import (
+        AxisName as AxisName,
         BesidePoses as BesidePoses,
         ConditionAnalysis as ConditionAnalysis,
         FolderAnalysis as FolderAnalysis,
         PublishedAnalysis as PublishedAnalysis,
+        PublishedCharacteristic as PublishedCharacteristic,
         PublishedCycles as PublishedCycles,
+        PublishedFinding as PublishedFinding,
+        PublishedPose as PublishedPose,
         published_analysis as published_analysis,
         published_characteristic as published_characteristic,
         published_finding as published_finding,
         published_limit as published_limit,
         published_pose as published_pose,
     )
+    from scara_iso.iso9283.published_pose_plan import (
+        PlannedCycles as PlannedCycles,
+        PublishedPlan as PublishedPlan,
+        PublishedRated as PublishedRated,
+        published_plan as published_plan,
+    )
+    from scara_iso.iso9283.published_push import published_push_test as published_push_test
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,

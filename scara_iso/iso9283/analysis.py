@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from scara_iso.dial import step_of
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283.blocks import block_of_rows, every_visit
 from scara_iso.iso9283.by_name import Poses
@@ -16,28 +12,11 @@ from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.conformity import DecisionRule
 from scara_iso.iso9283.cycles import AS_THE_TABLE_SAYS, Counting, Rows, UsedCycles, used_cycles
-from scara_iso.iso9283.drift import drift_courses
-from scara_iso.iso9283.estimates import largest_calibration, reading_uncertainty, scatter_estimates
-from scara_iso.iso9283.figures import AxisResult, PoseResult, RadialResult, ThetaAngle
+from scara_iso.iso9283.figures import AxisResult, PoseResult, axis_results, radial_results
 from scara_iso.iso9283.limits import binding, check_limits
 from scara_iso.iso9283.other_definitions import definitions
 from scara_iso.iso9283.results import Analysis, Cycles, Measured
-from scara_iso.iso9283.statistics import (
-    SamplingInterval,
-    repeatability,
-    root_sum_of_squares,
-    rp_interval,
-    rss_interval,
-    standard_deviation,
-    three_sigma_interval,
-)
-from scara_iso.quantities import (
-    Dimension,
-    Estimate,
-    parse_number,
-    within_half_a_turn,
-)
-from scara_iso.run import Axis, FloatArray, Run
+from scara_iso.run import Run
 
 _FEWEST_CYCLES = 2
 
@@ -81,6 +60,8 @@ def analyze(
         block=block,
     )
     if block is not None:
+        from scara_iso.iso9283.drift import drift_courses  # noqa: PLC0415 - for drift tests only
+
         measured = replace(measured, drift=tuple(drift_courses(run, measured.poses, block)))
     found = [one for compute in find_characteristics() for one in compute(measured)]
     measured = replace(measured, codes=frozenset(one.code for one in found))
@@ -118,10 +99,10 @@ def _pose_results(run: Run, chosen: UsedCycles, *, other_definitions: bool) -> P
 
 
 def _results_together(run: Run, chosen: Rows, *, other_definitions: bool) -> tuple[PoseResult, ...]:
-    axes = {name: _axis_results(run, axis, chosen) for name, axis in run.axes.items()}
+    axes = {name: axis_results(run, axis, chosen) for name, axis in run.axes.items()}
     if other_definitions:
         axes = {name: _with_definitions(run, chosen, found) for name, found in axes.items()}
-    planes, spaces = _radial_results(run, chosen, "XY"), _radial_results(run, chosen, "XYZ")
+    planes, spaces = radial_results(run, chosen, "XY"), radial_results(run, chosen, "XYZ")
     return tuple(
         PoseResult(
             label=label,
@@ -135,75 +116,6 @@ def _results_together(run: Run, chosen: Rows, *, other_definitions: bool) -> tup
     )
 
 
-def _axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
-    readings = axis.readings[chosen.rows]
-    positions = readings[:, np.newaxis, :]
-    folded = repeatability(positions)
-    RP = _estimates(rp_interval, folded.RP, positions, [axis])
-    spread = 3 * standard_deviation(readings)
-    three_S = _estimates(three_sigma_interval, spread, positions, [axis])
-    radius = _theta_radius(run, axis)
-    uncertainty = reading_uncertainty(axis)
-    return [
-        AxisResult(
-            name=axis.name,
-            dimension=axis.dimension,
-            unit=axis.dimension.value,
-            readings=readings[k],
-            n=readings.shape[1],
-            mean=float(folded.mean[k, 0]),
-            l_bar=float(folded.l_bar[k]),
-            S_l=float(folded.S_l[k]),
-            repeatability=RP[k],
-            RP=RP[k].value,
-            RP_interval=RP[k].interval,
-            three_S=three_S[k],
-            three_sigma=three_S[k].value,
-            three_sigma_interval=three_S[k].interval,
-            resolution=axis.resolution,
-            uncertainty=uncertainty,
-            uncertainty_ratio=_ratio(uncertainty, RP[k].value),
-            calibration=axis.uncertainty,
-            accuracy=_accuracy(run, axis, chosen.poses[k], float(folded.mean[k, 0])),
-            angle=_theta_angle(RP[k].value, three_S[k].value, radius),
-        )
-        for k in range(len(readings))
-    ]
-
-
-def _ratio(uncertainty: float | None, RP: float) -> float | None:
-    return None if uncertainty is None or RP == 0 else uncertainty / RP
-
-
-def _accuracy(run: Run, axis: Axis, pose: str | None, mean: float) -> float | None:
-    """Return mean minus command (7.2.1), where the dial's zero is referred to the command pose."""
-    command = run.command_of(axis.name, pose)
-    if command is None or not run.dial_zero_is_command:
-        return None
-    return within_half_a_turn(mean - command) if axis.unit == "deg" else mean - command
-
-
-def _theta_radius(run: Run, axis: Axis) -> float | None:
-    text = run.metadata.get("theta_radius_mm")
-    if text is None or axis.name != "theta" or axis.dimension is not Dimension.LENGTH:
-        return None
-    radius = parse_number(text)
-    if radius is None or radius <= 0:
-        raise DataError(
-            f"theta_radius_mm is {text!r}", where=run.origin.source,
-            remedy="give the distance from the axis of rotation to the contact in mm",
-        )  # fmt: skip
-    return radius
-
-
-def _theta_angle(RP: float, three_sigma: float, radius: float | None) -> ThetaAngle | None:
-    if radius is None:
-        return None
-    # The paper gives theta as a length and no formula: arc over radius is decided here; chord and
-    # tangent differ from it by less than 1e-4 of the figure below one degree.
-    return ThetaAngle(radius, math.degrees(RP / radius), math.degrees(three_sigma / radius))
-
-
 def _with_definitions(run: Run, chosen: Rows, found: Sequence[AxisResult]) -> list[AxisResult]:
     approach = run.covariates.get("approach")
     return [
@@ -213,57 +125,3 @@ def _with_definitions(run: Run, chosen: Rows, found: Sequence[AxisResult]) -> li
         )
         for axis, rows in zip(found, chosen.rows, strict=True)
     ]
-
-
-def _radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult | None]:
-    axes = [run.axes[name] for name in names if name in run.axes]
-    if len(axes) < len(names) or any(axis.dimension is not Dimension.LENGTH for axis in axes):
-        return [None] * len(chosen.poses)
-    positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
-    folded = repeatability(positions)
-    RP = _estimates(rp_interval, folded.RP, positions, axes)
-    offsets = [
-        [_accuracy(run, axis, pose, mean) for axis, mean in zip(axes, means, strict=True)]
-        for pose, means in zip(chosen.poses, folded.mean.tolist(), strict=True)
-    ]
-    parts = [u for u in map(reading_uncertainty, axes) if u is not None]
-    rss = _estimates(
-        rss_interval, root_sum_of_squares(positions), positions, axes, clause="paper eq. 23"
-    )
-    return [
-        RadialResult(
-            repeatability=RP[k],
-            l_bar=float(folded.l_bar[k]),
-            S_l=float(folded.S_l[k]),
-            root_sum_of_squares=rss[k] if names == "XY" else None,
-            # A distance to the barycentre is no less certain than its least certain axis.
-            uncertainty=max(parts) if len(parts) == len(axes) else None,
-            calibration=largest_calibration(axes),
-            accuracy=_distance(offsets[k]),
-        )
-        for k in range(len(positions))
-    ]
-
-
-def _distance(offsets: Sequence[float | None]) -> float | None:
-    known = [offset for offset in offsets if offset is not None]
-    return math.hypot(*known) if len(known) == len(offsets) else None
-
-
-def _estimates(
-    interval: SamplingInterval,
-    figures: FloatArray,
-    positions: FloatArray,
-    axes: Sequence[Axis],
-    *,
-    clause: str = "7.2.2",
-) -> list[Estimate]:
-    return scatter_estimates(
-        interval,
-        figures,
-        positions,
-        steps=[step_of(axis) for axis in axes],
-        calibration=largest_calibration(axes),
-        unit=axes[0].unit,
-        clause=clause,
-    )

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from scara_iso.iso9283.checks.parts_missing import not_recorded
 from scara_iso.iso9283.conformity import Conformity
-from scara_iso.iso9283.pushed_joint import PushResult
 from scara_iso.iso9283.results import Analysis, Characteristic, Finding, LimitCheck, gravest
+
+if TYPE_CHECKING:
+    from scara_iso.iso9283.pushed_joint import PushResult
 
 _DRIFT, _PUSH = "drift", "push"
 

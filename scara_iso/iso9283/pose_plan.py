@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, get_args
 
 from scara_iso.display import Plotted
 from scara_iso.errors import UsageError
 from scara_iso.frames import frame_of
 from scara_iso.iso9283.by_name import Poses
+from scara_iso.published import Count, publish
 from scara_iso.robot import Arm, Elbow, Rated
 from scara_iso.run import FloatArray
 
@@ -23,7 +24,12 @@ if TYPE_CHECKING:
 
 UNRATED = Rated()
 
-POSES = ("P1", "P2", "P3", "P4", "P5")
+PoseName: TypeAlias = Literal["P1", "P2", "P3", "P4", "P5"]
+POSES: tuple[str, ...] = get_args(PoseName)
+Travel: TypeAlias = Literal["linear", "joint"]
+Coordinate: TypeAlias = Annotated[float, ("unit", "mm")]
+Degrees: TypeAlias = Annotated[float, ("unit", "deg")]
+Kilograms: TypeAlias = Annotated[float, ("unit", "kg")]
 
 
 class Solid(Enum):
@@ -127,6 +133,52 @@ class PlannedPose:
         return self.name
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedVisit:
+    """One visit of a cycle; what the model does not rate is null."""
+
+    visit: Count
+    """From 1, in order."""
+    pose: PoseName
+    """Which is visited."""
+    x_mm: Coordinate
+    """Of the tool in the base frame."""
+    y_mm: Coordinate
+    """Likewise."""
+    z_mm: Coordinate
+    """Likewise."""
+    theta_deg: Degrees
+    """About z, of the tool."""
+    joint_1_deg: Degrees
+    """Angle of joint 1."""
+    joint_2_deg: Degrees
+    """Angle of joint 2."""
+    joint_3_mm: Coordinate
+    """Vertical."""
+    joint_4_deg: Degrees
+    """Wrist."""
+    singularity_deg: Degrees
+    """By how much joint 2 misses straight or folded, where the arm is singular."""
+    manipulability: float
+    """|sin joint 2|: 1 where the arm moves equally well in all directions, 0 where singular."""
+    from_pose: PoseName
+    """The pose visited before."""
+    path: Travel
+    """A line of the tool, or the joints turn."""
+    velocity_percent: float
+    """Per cent of the rated one."""
+    velocity_mm_s: Annotated[float, ("unit", "mm/s")] | None
+    """The same as a velocity."""
+    load_percent: float
+    """Per cent of the rated one."""
+    load_kg: Kilograms | None
+    """The same as a load."""
+    dwell_s: Annotated[float, ("unit", "s")]
+    """Time at the pose before the reading."""
+    cycles: Count
+    """Cycles run."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class PosePlan(Plotted):
     """The planned test. Lengths in mm, in the base frame; arrays read-only."""
@@ -180,36 +232,40 @@ class PosePlan(Plotted):
         return frame_of(self.rows(), {})
 
     def rows(self) -> list[Mapping[str, str | int | float | None]]:
-        """Return one cycle as a table, one row for each visit in order, for a robot program.
+        """Return one cycle as a table, one row for each visit in order, for a robot program."""
+        return [asdict(visit) for visit in self.visits()]
+
+    def visits(self) -> tuple[PlannedVisit, ...]:
+        """Return one cycle, one visit after the other.
 
         A cycle begins at P1, so every pose is always approached from the same one; the path from
         it is a line in the plane, as the paper's.
         """
-        return visit_rows(self.poses, self.conditions, self.rated, path="linear")
+        return planned_visits(self.poses, self.conditions, self.rated, path="linear")
 
 
-def visit_rows(
-    poses: Poses[PlannedPose], how: PoseTestConditions, rated: Rated, *, path: str
-) -> list[Mapping[str, str | int | float | None]]:
-    """Return one cycle as a table, one row for each visit in order; ``path`` leads to each."""
-    numbers = PlannedPose.__slots__[1:]
+def planned_visits(
+    poses: Poses[PlannedPose], how: PoseTestConditions, rated: Rated, *, path: Travel
+) -> tuple[PlannedVisit, ...]:
+    """Return one cycle, one visit after the other; ``path`` leads to each."""
     before = ("P1", *how.order)
-    return [
-        {
-            "visit": number,
-            "pose": name,
-            **{key: getattr(poses[name], key) for key in numbers},
-            "from_pose": before[number - 1],
-            "path": path,
-            "velocity_percent": how.velocity_percent,
-            "velocity_mm_s": _share(how.velocity_percent, rated.velocity_mm_s),
-            "load_percent": how.load_percent,
-            "load_kg": _share(how.load_percent, rated.load_kg),
-            "dwell_s": how.dwell_s,
-            "cycles": how.cycles,
-        }
+    return tuple(
+        publish(
+            PlannedVisit,
+            poses[name],
+            visit=number,
+            pose=name,
+            from_pose=before[number - 1],
+            path=path,
+            velocity_percent=how.velocity_percent,
+            velocity_mm_s=_share(how.velocity_percent, rated.velocity_mm_s),
+            load_percent=how.load_percent,
+            load_kg=_share(how.load_percent, rated.load_kg),
+            dwell_s=how.dwell_s,
+            cycles=how.cycles,
+        )
         for number, name in enumerate(how.order, start=1)
-    ]
+    )
 
 
 def _share(percent: float, rated: float | None) -> float | None:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal, TypeVar, cast
+from typing import Annotated, Literal, cast
 
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.drift import DriftCourse, DriftFit
 from scara_iso.iso9283.figures import (
     AxisFigures,
     AxisResult,
+    Millimetres,
     PoseResult,
-    RadialResult,
+    SpaceFigures,
 )
 from scara_iso.iso9283.results import (
     Analysis,
@@ -24,7 +25,6 @@ from scara_iso.iso9283.results import (
 from scara_iso.published import Count, Interval, Size, publish
 from scara_iso.run import FloatArray
 
-Millimetres = Annotated[float, ("unit", "mm"), ("minimum", 0)]
 AxisName = Literal["X", "Y", "Z", "theta"]
 OfSeveral = Annotated[int, ("minimum", 2)]
 
@@ -35,29 +35,6 @@ class PublishedAxis(AxisFigures):
 
     definitions: Mapping[str, float] | None = None
     """Where asked for: other words for repeatability, in the unit of the axis."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SpaceFigures:
-    """Several lengths together, by the distance to the barycentre."""
-
-    RP_radial: Millimetres
-    """l_bar + 3 S_l of the distances, ISO 9283 7.2.2."""
-    RP_radial_interval: Interval | None
-    """95 %; null where so few cycles allow none."""
-    l_bar: Millimetres
-    """Mean distance to the barycentre."""
-    S_l: Millimetres
-    """Standard deviation of these distances, n - 1."""
-    uncertainty: Millimetres | None
-    """Standard, of one distance; null where an axis states none."""
-    uncertainty_ratio: Size | None
-    """Uncertainty over RP_radial."""
-    accuracy: Millimetres | None
-    """AP, ISO 9283 7.2.1: distance from the command pose; null where that is not stated."""
-
-
-Space = TypeVar("Space", bound=SpaceFigures)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -364,18 +341,14 @@ def published_pose(found: PoseResult) -> PublishedPose:
     return PublishedPose(
         pose=found.label,
         axes={cast(AxisName, name): _axis(axis) for name, axis in found.axes.items()},
-        XY=None if found.XY is None else _together(PlaneFigures, found.XY),
-        XYZ=None if found.XYZ is None else _together(SpaceFigures, found.XYZ),
+        XY=None if found.XY is None else publish(PlaneFigures, found.XY),
+        XYZ=None if found.XYZ is None else publish(SpaceFigures, found.XYZ),
     )
 
 
 def _axis(found: AxisResult) -> PublishedAxis:
     defined = {one.name: one.value for one in found.definitions}
     return publish(PublishedAxis, found, definitions=defined or None)
-
-
-def _together(kind: type[Space], found: RadialResult) -> Space:
-    return publish(kind, found, RP_radial=found.RP, RP_radial_interval=found.RP_interval)
 
 
 def published_characteristic(found: Characteristic) -> PublishedCharacteristic:

@@ -15,7 +15,6 @@ from scara_iso.display import Displayed
 from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283.by_name import Poses
 from scara_iso.iso9283.conformity import Conformity, DecisionRule
-from scara_iso.iso9283.drift import DriftCourse
 from scara_iso.iso9283.figures import AxisResult, PoseResult, RadialResult
 from scara_iso.published import Interval
 from scara_iso.quantities import Dimension, Estimate
@@ -23,6 +22,8 @@ from scara_iso.run import IntArray, Run
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from scara_iso.iso9283.drift import DriftCourse
 
 Severity = Literal["error", "warning", "info"]
 

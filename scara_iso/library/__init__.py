@@ -56,6 +56,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.library.selftests import selftest as selftest
     from scara_iso.library.several import compare as compare
+    from scara_iso.library.simulated import (
+        PublishedRun as PublishedRun,
+        published_run as published_run,
+    )
     from scara_iso.library.streams import visits as visits
     from scara_iso.library.watching import Watcher as Watcher
 else:

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
         Crossed as Crossed,
     )
     from scara_iso.measurement_system.linearity import Linearity as Linearity
+    from scara_iso.measurement_system.published import (
+        PublishedGaugeStudy as PublishedGaugeStudy,
+        published_gauge_study as published_gauge_study,
+    )
     from scara_iso.measurement_system.ranges import (
         ByRanges as ByRanges,
         whole_categories as whole_categories,

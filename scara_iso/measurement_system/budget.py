@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.measurement_system.pivots import between
-from scara_iso.measurement_system.readings import Interval
+from scara_iso.published import Interval
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray
 

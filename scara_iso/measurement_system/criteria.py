@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scara_iso.iso9283 import Conformity, DecisionRule
-from scara_iso.measurement_system.readings import Interval
+from scara_iso.published import Interval
 
 
 @dataclass(frozen=True, slots=True)

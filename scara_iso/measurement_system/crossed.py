@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -23,31 +24,38 @@ from scara_iso.measurement_system.ranges import (
     by_ranges,
     whole_categories,
 )
-from scara_iso.measurement_system.readings import GaugeReadings, Interval, numbered
+from scara_iso.measurement_system.readings import GaugeReadings, numbered
+from scara_iso.published import Count, Interval
 from scara_iso.run import FloatArray, IntArray
 
 POOLED_ABOVE = 0.25
+ComponentName: TypeAlias = Literal["EV", "AV", "INT", "GRR", "PV", "TV"]
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
     """A line of the ANOVA table."""
 
-    name: str
+    source: str
+    """`part`, `operator`, `part x operator`, `repeatability` or `total`."""
     squares: float
-    freedom: int
+    """Sum of squares."""
+    freedom: Count
+    """Degrees of freedom."""
     mean_square: float
+    """Squares over freedom."""
     F: float | None
+    """Over the mean square that it is held against; null where nothing scatters, or none is."""
     p_value: float | None
+    """Chance of such an F where the source makes nothing."""
 
 
 @dataclass(frozen=True, slots=True)
 class Component:
     """A standard deviation of the study."""
 
-    name: str
-    """``EV``, ``AV``, ``INT``, ``GRR``, ``PV`` or ``TV``."""
     sigma: float
+    """In the readings' unit."""
     interval: Interval
     """95 %, of `sigma`."""
     contribution: float
@@ -57,37 +65,45 @@ class Component:
     of_study_interval: Interval
     """95 %."""
     of_tolerance: float | None
-    """6 sigma / T; None without a tolerance."""
+    """6 sigma / T; null without a tolerance."""
     of_tolerance_interval: Interval | None
     """95 %."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Crossed:
+class CrossedFigures:
     """Figures of a study of parts, in the readings' unit."""
 
     parts: tuple[str, ...]
+    """Their names."""
     operators: tuple[str, ...]
     """Empty where one operator, or a machine, read all."""
-    trials: int
-    cells: FloatArray
-    """Readings, shape (parts, operators or 1, trials)."""
+    trials: Count
+    """Readings of each part by each operator."""
     anova: tuple[Source, ...]
-    pooled: bool
+    """Lines of the ANOVA table."""
+    interaction_pooled: bool
     """Whether part x operator counts as repeatability."""
-    components: Mapping[str, Component]
+    components: Mapping[ComponentName, Component]
+    """Repeatability, operators, part x operator, R&R, parts, total."""
+    ndc: int | None
+    """Number of distinct categories: whole, and at least 1 (AIAG)."""
     ndc_raw: float | None
-    """1.41 PV / GRR; None where nothing scatters."""
+    """1.41 PV / GRR; null where nothing scatters."""
     ndc_interval: Interval | None
     """95 %, of `ndc_raw`."""
-    ranges: ByRanges
+    by_ranges: ByRanges
     """The same by ranges, for comparison."""
-    budget: Budget
 
-    @property
-    def ndc(self) -> int | None:
-        """Number of distinct categories: whole, and at least 1 (AIAG)."""
-        return None if self.ndc_raw is None else whole_categories(self.ndc_raw)
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Crossed(CrossedFigures):
+    """A study of parts."""
+
+    cells: FloatArray
+    """Readings, shape (parts, operators or 1, trials)."""
+    budget: Budget
+    """The uncertainties by VDA 5."""
 
 
 def crossed(readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator) -> Crossed:
@@ -98,30 +114,31 @@ def crossed(readings: GaugeReadings, tolerance: float | None, rng: np.random.Gen
     parts, operators, cells = _cells(readings)
     p, o, r = cells.shape
     anova, pooled = _anova(cells)
-    squares = {one.name: one.mean_square for one in anova}
+    squares = {one.source: one.mean_square for one in anova}
     point = _variances(squares, (p, o, r), pooled=pooled)
     drawn = {
-        one.name: drawn_variance(one.mean_square, one.freedom, rng)
+        one.source: drawn_variance(one.mean_square, one.freedom, rng)
         for one in anova
-        if one.name != "total"
+        if one.source != "total"
     }
     draws = _variances(drawn, (p, o, r), pooled=pooled)
     sigma = {name: math.sqrt(value) for name, value in point.items()}
     sigmas = {name: np.sqrt(value) for name, value in draws.items()}
     ndc = CATEGORIES * sigma["PV"] / sigma["GRR"] if sigma["GRR"] > 0 else None
     stated = stated_parts(readings.resolution, readings.uncertainty)
-    named = {"EVO": "EV", "AV": "AV", "IA": "INT"}
+    named: dict[str, ComponentName] = {"EVO": "EV", "AV": "AV", "IA": "INT"}
     return Crossed(
         parts=parts,
         operators=operators,
         trials=r,
-        cells=cells,
         anova=anova,
-        pooled=pooled,
-        components={name: _component(name, sigma, sigmas, tolerance) for name in sigma},
+        interaction_pooled=pooled,
+        components={name: _component(name, sigma, sigmas, tolerance) for name in point},
+        ndc=None if ndc is None else whole_categories(ndc),
         ndc_raw=ndc,
         ndc_interval=None if ndc is None else between(CATEGORIES * sigmas["PV"] / sigmas["GRR"]),
-        ranges=by_ranges(cells, tolerance),
+        by_ranges=by_ranges(cells, tolerance),
+        cells=cells,
         budget=budget(
             "MP",
             {**stated, **{to: sigma[of] for to, of in named.items() if of in sigma}},
@@ -208,13 +225,13 @@ def _f_test(one: tuple[float, int], other: tuple[float, int]) -> tuple[float | N
 
 def _variances(
     squares: Mapping[str, float | FloatArray], sizes: tuple[int, int, int], *, pooled: bool
-) -> dict[str, FloatArray]:
+) -> dict[ComponentName, FloatArray]:
     """Return the variances that mean squares are made of (AIAG's estimators), none below 0."""
     p, o, r = sizes
     repeatability = np.asarray(squares["repeatability"])
     interaction = squares.get("part x operator")
     beside = repeatability if interaction is None else np.asarray(interaction)
-    found = {"EV": repeatability}
+    found: dict[ComponentName, FloatArray] = {"EV": repeatability}
     if "operator" in squares:
         found["AV"] = np.maximum((squares["operator"] - beside) / (p * r), 0.0)
         if not pooled:
@@ -225,9 +242,9 @@ def _variances(
 
 
 def _component(
-    name: str,
-    sigma: Mapping[str, float],
-    sigmas: Mapping[str, FloatArray],
+    name: ComponentName,
+    sigma: Mapping[ComponentName, float],
+    sigmas: Mapping[ComponentName, FloatArray],
     tolerance: float | None,
 ) -> Component:
     total = sigma["TV"]
@@ -236,7 +253,6 @@ def _component(
     shares = sigmas[name] / sigmas["TV"] if total > 0 else np.zeros(1)
     width = None if tolerance is None else STUDY / tolerance
     return Component(
-        name=name,
         sigma=sigma[name],
         interval=ends,
         contribution=share**2,

@@ -9,16 +9,19 @@ import numpy as np
 
 from scara_iso.measurement_system.budget import Budget, budget, rectangular, stated_parts
 from scara_iso.measurement_system.pivots import CONFIDENCE, drawn_variance, p_of_t
-from scara_iso.measurement_system.readings import GaugeReadings, Interval
+from scara_iso.measurement_system.readings import GaugeReadings
+from scara_iso.published import Count, Interval
 from scara_iso.run import FloatArray, IntArray
 
 FEWEST = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Linearity:
+class LinearityFigures:
     """The line bias = slope x reference + intercept, in the readings' unit."""
 
+    n: Count
+    """Number of readings."""
     references: FloatArray
     """Each true value once, ascending, shape (k,)."""
     biases: FloatArray
@@ -28,27 +31,31 @@ class Linearity:
     upper: FloatArray
     """Upper end."""
     slope: float
+    """Change of the bias with the reference."""
     slope_interval: Interval
+    """95 %."""
     slope_p_value: float | None
-    """Chance of such a slope where there is none; None where the line goes through all."""
+    """Chance of such a slope where there is none; null where the line goes through all."""
     intercept: float
+    """Bias at reference 0."""
     intercept_p_value: float | None
+    """Chance of such an intercept where there is none."""
     residual: float
     """Standard deviation about the line."""
     explained: float | None
-    """R squared; None where no bias differs."""
-    n: int
+    """R squared; null where no bias differs."""
+    largest_bias: float
+    """Mean bias farthest from 0."""
+    holds_zero: bool
+    """Whether no bias lies within the band over the whole range: AIAG's criterion."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Linearity(LinearityFigures):
+    """A study of linearity."""
+
     budget: Budget
-
-    @property
-    def holds_zero(self) -> bool:
-        """Whether no bias lies within the band over the whole range: AIAG's criterion."""
-        return bool(np.all((self.lower <= 0) & (self.upper >= 0)))
-
-    @property
-    def largest_bias(self) -> float:
-        """Mean bias farthest from 0."""
-        return float(self.biases[np.argmax(np.abs(self.biases))])
+    """The uncertainties by VDA 5."""
 
 
 def linearity(
@@ -73,9 +80,8 @@ def linearity(
     slope = float(((x - centre) * (bias - bias.mean())).sum()) / S_xx
     intercept = float(bias.mean() - slope * centre)
     left = bias - slope * x - intercept
-    freedom = n - 2
+    freedom, total = n - 2, float(((bias - bias.mean()) ** 2).sum())
     residual = math.sqrt(float(left @ left) / freedom)
-    total = float(((bias - bias.mean()) ** 2).sum())
     t = float(stdtrit(freedom, (1 + CONFIDENCE) / 2))
     of_slope = residual / math.sqrt(S_xx)
     half = t * residual * np.sqrt(1 / n + (references - centre) ** 2 / S_xx)
@@ -83,6 +89,7 @@ def linearity(
     of_intercept = residual * math.sqrt(1 / n + float(centre) ** 2 / S_xx)
     biases = np.bincount(at, bias) / np.bincount(at)
     return Linearity(
+        n=n,
         references=references,
         biases=biases,
         lower=line - half,
@@ -94,7 +101,8 @@ def linearity(
         intercept_p_value=p_of_t(intercept / of_intercept, freedom) if residual > 0 else None,
         residual=residual,
         explained=None if total == 0 else 1 - float(left @ left) / total,
-        n=n,
+        largest_bias=float(biases[np.argmax(np.abs(biases))]),
+        holds_zero=bool(np.all(np.abs(line) <= half)),
         budget=_budget(readings, biases, at, tolerance, rng),
     )
 

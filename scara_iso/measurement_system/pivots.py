@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from scara_iso.measurement_system.readings import Interval
+from scara_iso.published import Interval
 from scara_iso.run import FloatArray
 
 DRAWS = 20_000

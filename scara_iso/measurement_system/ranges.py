@@ -27,15 +27,21 @@ class ByRanges:
     """Standard deviations by ranges, in the readings' unit."""
 
     EV: float
+    """Repeatability."""
     AV: float
+    """Operators."""
     GRR: float
+    """Both together."""
     PV: float
+    """Parts."""
     TV: float
+    """Total."""
     of_study: float
     """GRR / TV."""
     of_tolerance: float | None
     """6 GRR / T."""
     ndc: int | None
+    """Number of distinct categories; null where nothing scatters."""
 
 
 def by_ranges(cells: FloatArray, tolerance: float | None) -> ByRanges:

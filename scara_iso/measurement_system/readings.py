@@ -11,9 +11,6 @@ import numpy as np
 from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray
 
-Interval = tuple[float, float]
-"""Lower and upper end, 95 %."""
-
 
 @dataclass(frozen=True, slots=True)
 class Remark:
@@ -23,7 +20,7 @@ class Remark:
     """Whether it doubts the figures."""
     axis: str
     """Whose dial."""
-    said: str
+    message: str
     """In words."""
 
 

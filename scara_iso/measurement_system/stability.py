@@ -9,6 +9,7 @@ import numpy as np
 
 from scara_iso.measurement_system.pivots import p_of_t
 from scara_iso.measurement_system.readings import GaugeReadings, numbered
+from scara_iso.published import Count
 from scara_iso.run import FloatArray, IntArray
 
 FEWEST = 3
@@ -21,15 +22,17 @@ class Stability:
     """The course of a part's readings over sessions, in the readings' unit."""
 
     sessions: tuple[str, ...]
-    counts: IntArray
-    """Readings of each session, shape (sessions,)."""
+    """Their names."""
+    counts: tuple[Count, ...]
+    """Readings of each session."""
     means: FloatArray
     """Shape (sessions,)."""
     scatters: FloatArray | None
-    """Standard deviation of each; None where each has one reading only."""
+    """Standard deviation of each; null where each has one reading only."""
     sigma: float
     """Standard deviation of one reading within a session; between neighbours where it has one."""
     centre: float
+    """Mean of all readings."""
     half_width: FloatArray
     """From the centre to either limit of the mean, 3 sigma / sqrt(n), shape (sessions,)."""
     scatter_limits: tuple[FloatArray, FloatArray] | None
@@ -41,7 +44,7 @@ class Stability:
     trend: float
     """Change of the mean from session to session."""
     trend_p_value: float | None
-    """None where the means lie on a line."""
+    """Chance of such a trend where there is none; null where the means lie on a line."""
 
 
 def stability(readings: GaugeReadings) -> Stability:
@@ -69,7 +72,7 @@ def stability(readings: GaugeReadings) -> Stability:
     trend, p_value = _trend(means)
     return Stability(
         sessions=sessions,
-        counts=counts,
+        counts=tuple(counts.tolist()),
         means=means,
         scatters=scatters,
         sigma=sigma,

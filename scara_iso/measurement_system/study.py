@@ -16,11 +16,12 @@ from scara_iso.measurement_system.budget import Budget
 from scara_iso.measurement_system.criteria import Criterion, worst
 from scara_iso.measurement_system.crossed import Crossed, crossed
 from scara_iso.measurement_system.linearity import Linearity, linearity
-from scara_iso.measurement_system.readings import GaugeReadings, Interval, Remark
+from scara_iso.measurement_system.readings import GaugeReadings, Remark
 from scara_iso.measurement_system.remarks import study_remarks
 from scara_iso.measurement_system.stability import Stability, stability
 from scara_iso.measurement_system.table import GaugeTables
 from scara_iso.measurement_system.type_1 import TypeOne, type_1
+from scara_iso.published import Interval
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -16,7 +16,8 @@ from scara_iso.measurement_system.pivots import (
     interval_of_s,
     p_of_t,
 )
-from scara_iso.measurement_system.readings import GaugeReadings, Interval
+from scara_iso.measurement_system.readings import GaugeReadings
+from scara_iso.published import Count, Interval
 
 FEWEST = 5
 SHARE = 0.2
@@ -24,25 +25,43 @@ SHARE = 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class TypeOne:
-    """Figures of a type 1 study, in the readings' unit; None where something is not stated."""
+class TypeOneFigures:
+    """Figures of a type 1 study, in the readings' unit; null where something is not stated."""
 
-    n: int
+    n: Count
+    """Number of readings."""
     mean: float
+    """Of the readings."""
     s: float
+    """Their standard deviation, n - 1."""
     s_interval: Interval
+    """95 %."""
     reference: float | None
+    """True value of the part."""
     bias: float | None
     """Mean less reference."""
     bias_interval: Interval | None
+    """95 %."""
     t: float | None
+    """Bias over its standard error."""
     p_value: float | None
-    """Chance of such a bias where there is none; None where all readings are alike."""
+    """Chance of such a bias where there is none; null where all readings are alike."""
     Cg: float | None
+    """0.2 T / (6 s): a fifth of the tolerance over the scatter."""
     Cg_interval: Interval | None
+    """95 %."""
     Cgk: float | None
+    """(0.1 T - |bias|) / (3 s): the same with the bias."""
     Cgk_interval: Interval | None
+    """95 %."""
+
+
+@dataclass(frozen=True, slots=True)
+class TypeOne(TypeOneFigures):
+    """A type 1 study."""
+
     budget: Budget
+    """The uncertainties by VDA 5."""
 
 
 def type_1(readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator) -> TypeOne:

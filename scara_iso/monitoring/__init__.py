@@ -26,6 +26,10 @@ if TYPE_CHECKING:
         moment_said as moment_said,
     )
     from scara_iso.monitoring.events import ServiceEvent as ServiceEvent, read_events as read_events
+    from scara_iso.monitoring.published import (
+        PublishedHistory as PublishedHistory,
+        published_history as published_history,
+    )
     from scara_iso.monitoring.result import (
         DatedAnalysis as DatedAnalysis,
         MeanHistory as MeanHistory,

@@ -11,34 +11,12 @@ if TYPE_CHECKING:
     from scara_iso.render.formats.json import report_json as report_json
     from scara_iso.render.json import (
         analysis_json as analysis_json,
-        comparison_json as comparison_json,
         explain_json as explain_json,
-        plan_json as plan_json,
-        run_json as run_json,
-        separating_json as separating_json,
         to_text as to_text,
     )
-    from scara_iso.render.json_diagnosis import (
-        backlash_json as backlash_json,
-        design_json as design_json,
-        design_of_poses_json as design_of_poses_json,
-        diagnosis_json as diagnosis_json,
-        poses_diagnosis_json as poses_diagnosis_json,
-    )
-    from scara_iso.render.json_fleet import (
-        fleet_figures_json as fleet_figures_json,
-        fleet_json as fleet_json,
-    )
-    from scara_iso.render.json_gauge_study import gauge_study_json as gauge_study_json
-    from scara_iso.render.json_history import history_json as history_json
-    from scara_iso.render.json_push import push_json as push_json
-    from scara_iso.render.json_streams import visits_json as visits_json
-    from scara_iso.render.json_tables import table_json as table_json
-    from scara_iso.render.json_validation import validation_json as validation_json
     from scara_iso.render.json_whole_test import (
         beside_json as beside_json,
         conditions_json as conditions_json,
-        status_json as status_json,
     )
     from scara_iso.render.live import (
         AxisView as AxisView,

@@ -40,7 +40,7 @@ def plot_comparison(comparison: Comparison) -> Figure:
         low, high = row[1].get_xlim()
         ticks = [tick for tick in _RATIOS if low <= tick <= high]
         row[1].set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-        changes = [(one.difference, one.interval) for one in pair.means]
+        changes = [(one.difference, one.difference_interval) for one in pair.means]
         _draw_intervals(row[2], pair.means, changes, none=0.0)
         units = ", ".join(dict.fromkeys(one.unit for one in pair.means))
         row[2].locator_params(axis="x", nbins=5)

@@ -9,15 +9,12 @@ from enum import Enum
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from scara_iso.iso9283 import published_analysis, published_characteristic, published_finding
+from scara_iso.iso9283 import published_analysis
 from scara_iso.published import Json, to_json
 
 if TYPE_CHECKING:
-    from scara_iso.comparison import Comparison, Contrast
-    from scara_iso.diagnosis import SeparatingPlan
-    from scara_iso.iso9283 import Analysis, PosePlan
+    from scara_iso.iso9283 import Analysis
     from scara_iso.reporting import Page
-    from scara_iso.run import Run
 
 _HALF = re.compile("[\ud800-\udfff]")
 """Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
@@ -63,85 +60,6 @@ def analysis_json(analysis: Analysis) -> Json:
     """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/2``."""
     found: Json = to_json(published_analysis(analysis))
     return found
-
-
-def run_json(run: Run, *, seed: int) -> Json:
-    """Return the JSON object of ``simulate``, schema ``scara-iso/simulate/1``."""
-    return {
-        "schema": "scara-iso/simulate/1",
-        "unit": "mm",
-        "seed": seed,
-        **picked(run, "metadata cycle"),
-        "axes": {n: picked(axis, "unit resolution readings") for n, axis in run.axes.items()},
-        **picked(run, "covariates"),
-    }
-
-
-def plan_json(plan: PosePlan) -> Json:
-    """Return the JSON object of ``plan``, schema ``scara-iso/plan/1``."""
-    return {
-        "schema": "scara-iso/plan/1",
-        "unit": "mm",
-        **picked(plan, "solid size_mm corners plane elbow diagonal_mm m_mm stroke_limits"),
-        "rated": picked(plan.rated, "load_kg velocity_mm_s"),
-        "cycles": picked(plan.conditions, "run=cycles used"),
-        "visits": plain(plan.rows()),
-    }
-
-
-def separating_json(plan: SeparatingPlan) -> Json:
-    """Return the object of separating poses, schema ``scara-iso/plan-separating/1``."""
-    return {
-        "schema": "scara-iso/plan-separating/1",
-        "unit": "mm",
-        **picked(plan, "elbow"),
-        "apart": {name: picked(one, APART) for name, one in plan.apart.items()},
-        "rated": picked(plan.rated, "load_kg velocity_mm_s"),
-        "cycles": picked(plan.conditions, "run=cycles used"),
-        "visits": plain(plan.rows()),
-    }
-
-
-def comparison_json(comparison: Comparison) -> Json:
-    """Return the JSON object of ``compare``, schema ``scara-iso/compare/1``."""
-    found = [to_json(published_characteristic(one)) for one in comparison.characteristics]
-    return {
-        "schema": "scara-iso/compare/1",
-        "unit": "mm",
-        "test": {
-            "method": "studentised permutation of centred cycles, single-step maximum",
-            "level": 0.05,
-            **picked(comparison, "shuffles seed"),
-        },
-        "before": _compared(comparison.pairs[0].before),
-        "pairs": [
-            {
-                "after": _compared(pair.after),
-                "spreads": [_contrast(one) for one in pair.spreads],
-                "means": [_contrast(one) for one in pair.means],
-                "findings": [to_json(published_finding(one)) for one in pair.findings],
-            }
-            for pair in comparison.pairs
-        ],
-        **({"characteristics": found} if found else {}),
-    }
-
-
-def _compared(analysis: Analysis) -> Json:
-    cycles = picked(analysis.cycles, "read used")
-    return {
-        **picked(analysis.run, "source=origin.source read_as=origin.understood metadata"),
-        "cycles": cycles,
-    }
-
-
-def _contrast(one: Contrast) -> Json:
-    ratio = "" if one.quantity == "mean" else "ratio ratio_interval"
-    return picked(
-        one,
-        f"pose figure quantity unit before after difference difference_interval=interval {ratio} "
-        "p_value p_value_at_floor p_value_alone verdict cycles_needed smallest_shown doubts",
-    )
 
 
 def explain_json(pages: Iterable[Page]) -> Json:

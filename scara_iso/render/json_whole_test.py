@@ -1,4 +1,4 @@
-"""The states of a test's parts as a JSON object."""
+"""The conditions of a test as a JSON object."""
 
 from __future__ import annotations
 
@@ -6,14 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
-from scara_iso.acceptance import (
-    Condition,
-    Folder,
-    PartState,
-    lacking,
-    seconds_a_cycle,
-    seconds_left,
-)
+from scara_iso.acceptance import Condition
 from scara_iso.iso9283 import (
     Analysis,
     Beside,
@@ -105,45 +98,3 @@ def _analysed(source: str, one: OfCondition, analysis: Analysis | None) -> Publi
         deviations=(),
         findings=(published_finding(missing),),
     )
-
-
-def status_json(folder: Folder) -> dict[str, Any]:
-    """Return the JSON object of ``test status``, schema ``scara-iso/test-status/1``."""
-    following = folder.next
-    return {
-        "schema": "scara-iso/test-status/1",
-        "folder": str(folder.path),
-        "robot": folder.test.robot.name,
-        "poses": list(folder.test.poses),
-        "velocities": list(folder.test.schedule.velocities),
-        "loads": list(folder.test.schedule.loads),
-        "parts": [_part(state) for state in folder.parts],
-        "missing": [lacking(state) for state in folder.parts if state.is_open],
-        "not_measured": list(folder.unmeasured),
-        "unknown": list(folder.foreign),
-        "complete": all(state.is_whole for state in folder.parts),
-        "next": None if following is None else following.part.name,
-        "seconds_a_cycle": seconds_a_cycle(folder),
-        "seconds_left": seconds_left(folder),
-    }
-
-
-def _part(state: PartState) -> dict[str, Any]:
-    cycles = not state.part.is_push
-    readable = cycles and state.recording is not None and not state.why
-    done, wanted = state.recording.cycles if readable and state.recording else (None, None)
-    return {
-        "part": state.part.name,
-        "pose": state.part.pose or None,
-        "velocity": state.part.condition.velocity if cycles else None,
-        "load": state.part.condition.load if cycles else None,
-        "state": state.state,
-        "recording": None if state.recording is None else state.recording.table.name,
-        "cycles": done,
-        "cycles_planned": wanted,
-        "deviations": [
-            {"code": finding.code, "message": finding.message} for finding in state.deviations
-        ],
-        "struck": [{"recording": s.recording, "reason": s.reason} for s in state.struck],
-        "why": state.why,
-    }

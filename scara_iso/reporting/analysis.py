@@ -23,6 +23,7 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
+    table_by_name,
 )
 from scara_iso.reporting.characteristics import characteristics
 from scara_iso.reporting.digits import U_of_scatter, interval, rounded
@@ -159,64 +160,55 @@ def pose_figures(pose: PoseResult) -> Iterator[Block]:
 
 
 def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Table:
-    angle = unit == "deg"
-    rows = [
-        (
-            axis.name,
-            rounded(axis.mean, U_of_mean(axis)),
-            *_parts(axis, axis.n),
-            *_with_interval(axis),
-            _share(axis.expanded_ratio),
-        )
-        for axis in axes
-    ]
-    rule = "; an angle's RP is ± 3 s (7.2.2)" if angle else ""
-    return Table(
-        (
-            "axis",
-            "mean",
-            "l_bar",
-            "S_l",
-            "RP",
-            *(("± 3 s", "95 % interval") if angle else ("95 % interval", "3 s")),
-            "U/3 s" if angle else "U/RP",
-        ),
-        (*rows, *(() if angle else _radial_rows(pose))),
-        f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u",
-    )
+    rows = [_axis_row(axis) for axis in axes]
+    rows += [] if unit == "deg" else _radial_rows(pose)
+    rule = "; an angle's RP is ± 3 s (7.2.2)" if unit == "deg" else ""
+    note = f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u"
+    return table_by_name(rows, note)
 
 
-def _with_interval(axis: AxisResult) -> tuple[Cell, Cell]:
-    """Return the interval of RP and 3 s; of an angle, ± 3 s and its own interval."""
-    three_sigma = _of_scatter(axis.three_sigma, axis.n)
-    if axis.unit == "deg":
-        return three_sigma, interval(axis.three_sigma_interval)
-    return interval(axis.RP_interval), three_sigma
+def _axis_row(axis: AxisResult) -> dict[str, Cell]:
+    """Return the row of an axis by column; of an angle, ± 3 s and its own interval."""
+    angle = axis.unit == "deg"
+    three_sigma: Cell = _of_scatter(axis.three_sigma, axis.n)
+    return {
+        "axis": axis.name,
+        "mean": rounded(axis.mean, U_of_mean(axis)),
+        **_parts(axis, axis.n),
+        **({"± 3 s": three_sigma} if angle else {}),
+        "95 % interval": interval(axis.three_sigma_interval if angle else axis.RP_interval),
+        **({} if angle else {"3 s": three_sigma}),
+        "U/3 s" if angle else "U/RP": _share(axis.expanded_ratio),
+    }
 
 
-def _radial_rows(pose: PoseResult) -> Iterator[tuple[Cell, ...]]:
+def _radial_rows(pose: PoseResult) -> Iterator[dict[str, Cell]]:
     n = len(pose.rows)
     for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
         if found is None:
             continue
-        yield (
-            f"{name} radial",
-            "",
-            *_parts(found, n),
-            interval(found.RP_interval),
-            "",
-            _share(found.expanded_ratio),
-        )
+        yield {
+            "axis": f"{name} radial",
+            **_parts(found, n),
+            "95 % interval": interval(found.RP_interval),
+            "U/RP": _share(found.expanded_ratio),
+        }
         if found.RP_rss is not None:
-            rss = rounded(found.RP_rss, U_of_RP(found, n))
-            ends = interval(found.RP_rss_interval)
-            yield (f"{name} eq. 23", "", "", "", rss, ends, "", "")
+            yield {
+                "axis": f"{name} eq. 23",
+                "RP": rounded(found.RP_rss, U_of_RP(found, n)),
+                "95 % interval": interval(found.RP_rss_interval),
+            }
 
 
-def _parts(found: AxisResult | RadialResult, n: int) -> list[Number]:
+def _parts(found: AxisResult | RadialResult, n: int) -> dict[str, Cell]:
     """Return l_bar, S_l and RP to the same place; the appendix of a report has all digits."""
     U = U_of_RP(found, n)
-    return [rounded(x, U) for x in (found.l_bar, found.S_l, found.RP)]
+    return {
+        "l_bar": rounded(found.l_bar, U),
+        "S_l": rounded(found.S_l, U),
+        "RP": rounded(found.RP, U),
+    }
 
 
 def _of_scatter(figure: float, n: int) -> Number:

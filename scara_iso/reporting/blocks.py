@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -112,11 +113,25 @@ class NextStep:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns of cells; the first is aligned to the left, the others to the right."""
+    """Columns of cells; the first is aligned to the left, the others to the right.
+
+    A row that is not as wide as the header is a `ValueError`.
+    """
 
     header: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
+
+    def __post_init__(self) -> None:
+        for row in self.rows:
+            if len(row) != len(self.header):
+                raise ValueError(f"{len(row)} cells for {len(self.header)} columns: {row}")
+
+
+def table_by_name(rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
+    """Return a table of rows by column; a column that a row does not name is empty in it."""
+    header = tuple(dict.fromkeys(name for row in rows for name in row))
+    return Table(header, tuple(tuple(row.get(name, "") for name in header) for row in rows), note)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

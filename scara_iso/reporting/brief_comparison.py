@@ -133,7 +133,7 @@ def _changed(one: Contrast) -> str:
 def _values(one: Contrast, way: str = "") -> str:
     U = U_of_change(one)
     if one.ratio is None or one.ratio_interval is None:
-        between = str(ends_said(one.interval, U, sign="+")).replace("..", ", ")
+        between = str(ends_said(one.difference_interval, U, sign="+")).replace("..", ", ")
         return f"{figure_name(one)} {rounded(one.difference, U, sign='+')} {one.unit} [{between}]"
     ratio, ends = ratio_said(one)
     values = f"{rounded(one.before, U)} to {rounded(one.after, U)} {one.unit}"
@@ -171,7 +171,7 @@ def _row(one: Contrast) -> tuple[Cell, ...]:
         rounded(one.before, U),
         rounded(one.after, U),
         rounded(one.difference, U, sign="+"),
-        ends_said(one.interval, U, sign="+"),
+        ends_said(one.difference_interval, U, sign="+"),
         SAID[one.verdict] + ("*" if one.doubts else ""),
     )
 

@@ -153,7 +153,7 @@ def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
             rounded(one.before, U_of_change(one)),
             rounded(one.after, U_of_change(one)),
             rounded(one.difference, U_of_change(one), sign="+"),
-            ends_said(one.interval, U_of_change(one), sign="+"),
+            ends_said(one.difference_interval, U_of_change(one), sign="+"),
             p_value(one),
             SAID[one.verdict] + ("*" if one.doubts else ""),
         )
@@ -200,7 +200,7 @@ def figure_name(one: Contrast) -> str:
 
 def U_of_change(one: Contrast) -> float:  # noqa: N802 - GUM's symbol
     """Return U of a difference, half of its interval."""
-    return _reach(one.difference, one.interval)
+    return _reach(one.difference, one.difference_interval)
 
 
 def _reach(figure: float, ends: Ends) -> float:

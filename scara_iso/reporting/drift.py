@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scara_iso.iso9283 import Analysis, Characteristic, DriftCourse
+from scara_iso.iso9283 import Analysis, Characteristic
 from scara_iso.reporting.blocks import (
     Block,
     Figure,
@@ -18,6 +19,9 @@ from scara_iso.reporting.blocks import (
     Text,
 )
 from scara_iso.reporting.digits import rounded
+
+if TYPE_CHECKING:
+    from scara_iso.iso9283 import DriftCourse
 
 _WHOLE = ("XYZ", "XY")
 

@@ -135,7 +135,7 @@ def _remarks(found: GaugeStudy) -> Iterator[Text]:
     for one in found.remarks:
         of = f"{one.axis}: " if several and one.axis else ""
         grave = one.severity == "warning"
-        yield Text(f"{'! ' if grave else '- '}{of}{one.said}", "warn" if grave else "plain")
+        yield Text(f"{'! ' if grave else '- '}{of}{one.message}", "warn" if grave else "plain")
 
 
 def _criteria(found: GaugeStudy) -> Table:
@@ -207,10 +207,10 @@ def _anova(figures: Crossed) -> Table:
         if one.F is not None and one.p_value is not None:
             tests = (four_digits(one.F), four_digits(one.p_value))
         squares, mean_square = four_digits(one.squares), four_digits(one.mean_square)
-        rows.append((one.name, squares, Number(one.freedom), mean_square, *tests))
+        rows.append((one.source, squares, Number(one.freedom), mean_square, *tests))
     pooled = "part x operator has p above 0.25 and counts as repeatability (AIAG)"
     header = ("source", "squares", "df", "mean square", "F", "p")
-    return Table(header, tuple(rows), pooled if figures.pooled else "")
+    return Table(header, tuple(rows), pooled if figures.interaction_pooled else "")
 
 
 def _components(figures: Crossed, unit: str) -> Table:
@@ -228,7 +228,7 @@ def _components(figures: Crossed, unit: str) -> Table:
 
 
 def _by_ranges(figures: Crossed, unit: str) -> Table:
-    ranges = figures.ranges
+    ranges = figures.by_ranges
     pairs = (("EV", ranges.EV), ("AV", ranges.AV), ("GRR", ranges.GRR), ("PV", ranges.PV),
              ("TV", ranges.TV))  # fmt: skip
     rows = tuple((_COMPONENTS[name], four_digits(value), unit) for name, value in pairs)

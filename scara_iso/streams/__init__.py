@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.streams.published import published_visits as published_visits
     from scara_iso.streams.result import (
         Doubt as Doubt,
         Rule as Rule,

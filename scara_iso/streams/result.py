@@ -4,54 +4,63 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 from scara_iso.display import Displayed
 from scara_iso.iso9283 import Characteristic
-from scara_iso.run import Run
+from scara_iso.published import Count, Size
+from scara_iso.run import AxisKey, Run
 
 if TYPE_CHECKING:
     import pandas as pd
+
+DOUBTS = (
+    "begins-at-rest", "short-rest", "creeps", "interrupted", "long-rest", "threshold",
+    "missing-samples", "does-not-settle",
+)  # fmt: skip
+Seconds: TypeAlias = Annotated[float, ("unit", "s")]
+Duration: TypeAlias = Annotated[float, ("unit", "s"), ("minimum", 0)]
+SizeByAxis: TypeAlias = Mapping[AxisKey, Size]
 
 
 @dataclass(frozen=True, slots=True)
 class Visit:
     """One stay at a pose; times in s of the stream, lengths in mm, angles in degrees."""
 
-    start: float
+    start: Seconds
     """First sample at rest."""
-    settled: float
+    settled: Seconds
     """From here on every axis keeps the limit band."""
-    end: float
+    end: Seconds
     """Last sample at rest."""
-    averaged: tuple[float, float]
+    averaged: tuple[Seconds, Seconds]
     """First and last sample of the reading."""
-    samples: int
+    samples: Count
     """Of the mean."""
-    mean: Mapping[str, float]
+    mean: Mapping[AxisKey, float]
     """By axis, over `averaged`: the reading."""
-    scatter: Mapping[str, float]
+    scatter: SizeByAxis
     """Their standard deviation, by axis."""
-    approach: Mapping[str, int]
+    approach: Mapping[AxisKey, Annotated[int, ("enum", (-1, 0, 1))]]
     """By axis: +1 where the reading rose to the pose, -1 where it fell, 0 where it hardly moved."""
-    stabilisation_s: Mapping[str, float | None]
-    """By axis [s]; None where it cannot be told."""
-    overshoot: Mapping[str, float | None]
-    """Both by axis, None where the axis hardly moved or the stream is too slow."""
-    pose: str | None = None
-    """Label; None where the stream has one pose."""
+    stabilisation_s: Mapping[AxisKey, Duration | None]
+    """By axis; null where it cannot be told."""
+    overshoot: Mapping[AxisKey, Size | None]
+    """By axis; null, as `stabilisation_s`, where it hardly moved or the stream is too slow."""
+    pose: str | None
+    """Label; null where the stream has one pose."""
 
 
 @dataclass(frozen=True, slots=True)
 class Doubt:
     """A stretch of the stream that is not plainly a visit, or a visit that is not plainly one."""
 
-    code: str
+    code: Annotated[str, ("enum", DOUBTS)]
     """Kind of doubt, a word."""
-    start: float
-    """Begin of the stretch [s]."""
-    end: float
-    """End of the stretch [s]."""
+    start: Seconds
+    """Begin of the stretch."""
+    end: Seconds
+    """End of the stretch."""
     message: str
     """What is doubtful, in a sentence."""
     counted: bool
@@ -62,17 +71,17 @@ class Doubt:
 class Rule:
     """The parameters by which rest is distinguished from motion, as used; lengths in mm."""
 
-    dwell_s: float
+    dwell_s: Duration
     """Shortest rest that is a visit."""
-    window_s: float
-    """Length of the sliding window [s]."""
-    samples_in_window: int
+    window_s: Duration
+    """Length of the sliding window."""
+    samples_in_window: Count
     """How many samples the window holds."""
-    still: float
+    still: Size
     """Largest range of the readings within a window at rest."""
     still_stated: bool
     """Whether the user stated it; else the one on which the number of rests depends least."""
-    band: Mapping[str, float]
+    band: SizeByAxis
     """Half width of the limit band, by axis."""
     band_stated: bool
     """Whether the user stated it; else it is made of the scatter at rest."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -106,8 +106,8 @@ def _visits(
     visits, doubts = [], []
     fast = rate_hz >= SLOWEST_HZ * _ALMOST
     for stay, pose in zip(kept, labels, strict=True):
-        visit, unsettled = _visit(stream, stay, before[stay], rule, fast=fast)
-        visits.append(replace(visit, pose=pose))
+        visit, unsettled = _visit(stream, stay, before[stay], rule, pose, fast=fast)
+        visits.append(visit)
         doubts += unsettled
     return visits, doubts
 
@@ -211,7 +211,7 @@ def _scatter_at_rest(values: FloatArray, kept: Sequence[Stay]) -> float:
 
 
 def _visit(
-    stream: Samples, stay: Stay, before: int, rule: Rule, *, fast: bool
+    stream: Samples, stay: Stay, before: int, rule: Rule, pose: str | None, *, fast: bool
 ) -> tuple[Visit, list[Doubt]]:
     """Return the visit of a stay, and whether an axis never settles; ``before`` ends the last rest.
 
@@ -245,6 +245,7 @@ def _visit(
         approach={name: arrival.direction for name, arrival in arrivals.items()},
         stabilisation_s={n: a.stabilisation_s if fast else None for n, a in arrivals.items()},
         overshoot={n: a.overshoot if fast else None for n, a in arrivals.items()},
+        pose=pose,
     )
     message = f"{', '.join(late)} leaves the limit band beyond the middle of the rest"
     doubt = Doubt("does-not-settle", visit.start, visit.end, message, counted=True)

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from scara_iso.tables.other_units import converted as converted
     from scara_iso.tables.parts import PosePart as PosePart, merge as merge
     from scara_iso.tables.pose_names import pose_in as pose_in
+    from scara_iso.tables.published import published_table as published_table
     from scara_iso.tables.read import read_table as read_table
     from scara_iso.tables.source import Source as Source, read_bytes as read_bytes
     from scara_iso.tables.stated_sizes import (

@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.validation.published import (
+        PublishedValidation as PublishedValidation,
+        published_validation as published_validation,
+    )
     from scara_iso.validation.result import (
         Installation as Installation,
         ReferenceCheck as ReferenceCheck,

@@ -1,37 +1,51 @@
-"""What a session says as it goes, and what its operator says to it."""
+"""What a session says as it goes, a line of JSON each, and what its operator says."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
-from typing import Literal, Protocol, TypeAlias
+from dataclasses import dataclass, field
+from typing import Annotated, Literal, Protocol, TypeAlias
+
+from scara_iso.published import Count, Json, Probability, Size, publish, to_json
+from scara_iso.run import AXES, AxisKey
 
 ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed", "place"]
 """Why there is no reading."""
+Number: TypeAlias = Annotated[int, ("minimum", 1)]
 
 
 @dataclass(frozen=True, slots=True)
 class Started:
-    """The session begins, or goes on, with ``cycle``; ``gauges`` says what is on each axis.
+    """The session begins, or goes on, with ``cycle``."""
 
-    Here and below, ``pose`` is None where the poses have no names.
-    """
-
-    gauges: Mapping[str, str]
-    cycle: int
-    cycles: int
+    event: Literal["started"] = field(default_factory=lambda: "started", init=False, repr=False)
+    """What happens."""
+    gauges: Mapping[AxisKey, str]
+    """What is on each axis."""
+    cycle: Count
+    """The first that is recorded."""
+    cycles: Count
+    """How many are planned."""
     trigger: str
+    """What takes a reading."""
     pose: str | None = None
+    """The first one, where the poses have names."""
     poses: tuple[str, ...] | None = None
+    """Those that every cycle visits, in their order."""
 
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """Readings of ``cycle`` are awaited, from the axes that ``missing`` names."""
+    """Readings of ``cycle`` are awaited."""
 
-    cycle: int
-    missing: tuple[str, ...]
+    event: Literal["waiting"] = field(default_factory=lambda: "waiting", init=False, repr=False)
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    missing: tuple[AxisKey, ...]
+    """Axes that have no reading yet."""
     pose: str | None = None
+    """Where the poses have names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,37 +63,68 @@ class Stored:
     pose: str | None = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredLine:
+    """A reading is safely on disk."""
+
+    event: Literal["stored"]
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    pose: str | None = None
+    """Where the poses have names."""
+    axis: AxisKey
+    """Of the indicator."""
+    value: float
+    """In mm or degrees, as in the table."""
+
+
 @dataclass(frozen=True, slots=True)
 class CycleDone:
-    """Every axis of the cycle (at ``pose``) is stored.
+    """Every axis of the cycle is stored."""
 
-    ``discarded`` for the one that `analyze` leaves out.
-    """
-
-    cycle: int
+    event: Literal["cycle"] = field(default_factory=lambda: "cycle", init=False, repr=False)
+    """What happens."""
+    cycle: Count
+    """Its number."""
     discarded: bool
+    """Whether `analyze` leaves it out."""
     pose: str | None = None
+    """Where the poses have names."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gross:
-    """A stored reading lies far from those before; ``value`` and ``distance`` in mm or degrees."""
+    """A stored reading lies far from those before."""
 
-    cycle: int
-    axis: str
+    event: Literal["gross"] = field(default_factory=lambda: "gross", init=False, repr=False)
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    axis: AxisKey
+    """Of the indicator."""
     value: float
+    """In mm or degrees, as in the table."""
     distance: float
+    """From those before, in mm or degrees."""
     message: str
+    """What is far from what, and what to do."""
     pose: str | None = None
+    """Where the poses have names."""
 
 
 @dataclass(frozen=True, slots=True)
 class Refused:
     """A valid reading that was not taken, and why."""
 
-    axis: str
+    event: Literal["refused"] = field(default_factory=lambda: "refused", init=False, repr=False)
+    """What happens."""
+    axis: AxisKey
+    """Of the indicator."""
     text: str
+    """As it was sent."""
     reason: str
+    """Why it was not taken."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,104 +137,138 @@ class Problem:
 
 
 @dataclass(frozen=True, slots=True)
-class Noticed:
-    """The instrument said something that is neither a reading nor a fault."""
+class ProblemLine:
+    """No reading, and why."""
 
-    axis: str
+    event: ProblemKind
+    """`changed`: unit, resolution or zero of the display; `place`: where the arm stands in a tour
+    is not known."""
+    axis: AxisKey
+    """Of the indicator."""
     message: str
+    """Why there is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Noticed:
+    """Something was said that is neither a reading nor a fault."""
+
+    event: Literal["notice"] = field(default_factory=lambda: "notice", init=False, repr=False)
+    """What happens."""
+    axis: Annotated[str, ("enum", (*AXES, ""))]
+    """Of the indicator that said it; empty where the session did."""
+    message: str
+    """What was said."""
 
 
 @dataclass(frozen=True, slots=True)
 class Voided:
     """Stored readings were struck out: kept in the raw file, not in the table."""
 
-    cycle: int
-    axes: tuple[str, ...]
+    event: Literal["voided"] = field(default_factory=lambda: "voided", init=False, repr=False)
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    axes: tuple[AxisKey, ...]
+    """Whose readings."""
     reason: str
+    """As the operator says it."""
     pose: str | None = None
+    """Where the poses have names."""
 
 
 @dataclass(frozen=True, slots=True)
 class Noted:
     """A remark went into the raw file."""
 
+    event: Literal["note"] = field(default_factory=lambda: "note", init=False, repr=False)
+    """What happens."""
     text: str
+    """The remark."""
 
 
 @dataclass(frozen=True, slots=True)
 class Paused:
-    """Readings are (``on``) or are no longer refused."""
+    """Readings are or are no longer refused."""
 
+    event: Literal["paused"] = field(default_factory=lambda: "paused", init=False, repr=False)
+    """What happens."""
     on: bool
+    """Whether they are."""
 
 
 @dataclass(frozen=True, slots=True)
 class NextWay:
-    """A way to tell rivals apart: so many more ``cycles``, after a ``pause`` or without.
-
-    ``right`` is the chance that the likeliest name is right then.
-    """
+    """A way to tell rivals apart."""
 
     pause: bool
-    cycles: int
-    right: float
+    """Whether behind a pause as long as 20 cycles."""
+    cycles: Number
+    """How many more."""
+    right: Probability
+    """Chance that the likeliest name is right then."""
 
 
 @dataclass(frozen=True, slots=True)
 class Watched:
-    """What all readings up to ``cycle`` say together: ``structure`` at an alarm.
+    """What all readings up to ``cycle`` say together."""
 
-    Then ``effect`` is the likeliest one so far, ``since`` the cycle from which it acts, ``share``
-    its probability, and ``rivals`` the others that are likely, with theirs. ``next`` are ways to
-    tell these apart, the best one first.
-    """
-
-    cycle: int
-    evidence: float
+    event: Literal["watch"] = field(default_factory=lambda: "watch", init=False, repr=False)
+    """What happens."""
+    cycle: Number
+    """Counted from 1, the first included."""
+    evidence: Size
+    """20 and more is an alarm: at most 5 % of recordings in which nothing acts come so far."""
     says: Literal["structure", "nothing yet"]
+    """`structure` at an alarm."""
     effect: str | None = None
-    since: int | None = None
-    share: float | None = None
-    rivals: Mapping[str, float] | None = None
-    next: tuple[NextWay, ...] | None = None
+    """The likeliest effect so far, at an alarm."""
+    since: Number | None = None
+    """The cycle from which it acts."""
+    share: Probability | None = None
+    """Probability of that effect among those that the program knows and the unknown."""
+    rivals: Mapping[str, Probability] | None = None
+    """Others at least a tenth as likely, with theirs."""
+    next: Annotated[tuple[NextWay, ...], ("minItems", 1)] | None = None
+    """Ways to tell the rivals apart, the best one first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """The files are written; ``cycles`` of ``planned`` are in the table."""
+    """The files are written."""
 
-    cycles: int
-    planned: int
+    event: Literal["done"] = field(default_factory=lambda: "done", init=False, repr=False)
+    """What happens."""
+    cycles: Count
+    """How many are in the table."""
+    planned: Count
+    """How many were to be."""
     table: str
+    """Its file."""
     raw: str
+    """File of all that was received."""
 
 
 Said: TypeAlias = (
     Started | Waiting | Stored | Gross | CycleDone | Refused | Problem | Noticed | Voided | Noted
     | Paused | Watched | Done
 )  # fmt: skip
+PUBLISHED = (
+    Started, Waiting, StoredLine, Gross, CycleDone, Refused, ProblemLine, Noticed, Voided, Noted,
+    Paused, Watched, Done,
+)  # fmt: skip
+"""The lines that ``record`` writes as JSON."""
 
-_NAMES = {CycleDone: "cycle", Noticed: "notice", Noted: "note", Watched: "watch"}
 
-
-def as_json(said: Said) -> dict[str, object]:
+def as_json(said: Said) -> Json:
     """Return the JSON object of one line."""
-    match said:
-        case Stored(cycle=cycle, axis=axis, value=value, pose=pose):
-            found = {"event": "stored", "cycle": cycle, "pose": pose, "axis": axis, "value": value}
-        case Problem(axis=axis, kind=kind, message=message):
-            found = {"event": kind, "axis": axis, "message": message}
-        case _:
-            event = _NAMES.get(type(said), type(said).__name__.lower())
-            stated = {f.name: _plain(getattr(said, f.name)) for f in fields(said)}
-            found = {"event": event, **stated}
-    return {key: value for key, value in found.items() if value is not None}
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, tuple):
-        return [asdict(one) if isinstance(one, NextWay) else one for one in value]
-    return dict(value) if isinstance(value, Mapping) else value
+    line: object = said
+    if isinstance(said, Stored):
+        line = publish(StoredLine, said, event="stored")
+    elif isinstance(said, Problem):
+        line = publish(ProblemLine, said, event=said.kind)
+    found: Json = to_json(line)
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -25,11 +25,13 @@ from scara_iso.errors import UsageError
 from scara_iso.frames import frame_of
 from scara_iso.iso9283 import (
     PlannedPose,
+    PlannedVisit,
     Poses,
     PoseTestConditions,
     planned_poses,
-    visit_rows,
+    planned_visits,
 )
+from scara_iso.published import Size
 from scara_iso.robot import Arm, Elbow, Rated
 from scara_iso.run import FloatArray
 
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
 
 MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
 """What moves the tool at every pose, each along a direction of its own."""
+Angle: TypeAlias = Annotated[float, ("unit", "deg"), ("minimum", 0)]
 PROPOSED, GIVEN, STANDARD = "proposed", "given", "standard"
 """The poses of a plan, of the model, and of ISO 9283."""
 _POSES = 5
@@ -59,20 +62,19 @@ _DIGITS = 9
 
 @dataclass(frozen=True, slots=True)
 class PosesApart:
-    """How well poses tell apart what moves them.
+    """How well poses tell apart what moves them."""
 
-    ``angle_deg`` and ``observability_index`` are of joint 1 and joint 2, as those of
-    `Separation`; ``smallest_angle_deg`` is the smallest between any
-    two of `MOVEMENTS`, which are ``between``.
-    """
-
-    angle_deg: float
-    observability_index: float
-    smallest_angle_deg: float
+    angle_deg: Angle
+    """Between joints 1 and 2."""
+    observability_index: Size
+    """Of joints 1 and 2."""
+    smallest_angle_deg: Angle
+    """Between any two of joints, arm, X and Y everywhere."""
     between: tuple[str, str]
-    uncertainty: float
+    """The two movements of that angle."""
+    uncertainty: Size
     """Of the size of an effect in a joint from one cycle, in that joint's scatter, where any one of
-    the other movements may act too: the larger of both joints, joints scattering as `_nominal`."""
+    the other movements may act too: the larger of both joints."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -102,8 +104,12 @@ class SeparatingPlan(Plotted):
         return frame_of(self.rows(), {})
 
     def rows(self) -> list[Mapping[str, str | int | float | None]]:
-        """Return one cycle as a table, as `PosePlan.rows`; from pose to pose the joints turn."""
-        return visit_rows(self.poses, self.conditions, self.rated, path="joint")
+        """Return one cycle as a table, as `PosePlan.rows`."""
+        return [asdict(visit) for visit in self.visits()]
+
+    def visits(self) -> tuple[PlannedVisit, ...]:
+        """Return one cycle, one visit after the other; from pose to pose the joints turn."""
+        return planned_visits(self.poses, self.conditions, self.rated, path="joint")
 
 
 def separating_plan(

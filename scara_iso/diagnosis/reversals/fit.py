@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import cast
+from typing import Annotated, TypeAlias, cast
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from scara_iso.diagnosis.tuning import SCATTER_POWERS
 from scara_iso.effects import GearEffect, Sizes, Sweep
 from scara_iso.run import FloatArray, IntArray
 
-Joint = int | None
+Joint: TypeAlias = Annotated[int, ("enum", (1, 2))] | None
 """A joint's number; None for a sweep, which has one joint only."""
 
 _RELATIVE_FLOOR = 1e-6

@@ -12,9 +12,10 @@ from scara_iso.diagnosis.reversals.fit import Reversals
 from scara_iso.diagnosis.reversals.search import GearDiagnosis, diagnose_reversals
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Conditions
+from scara_iso.published import Count, Size
 from scara_iso.quantities import Dimension, rounding_uncertainty
 from scara_iso.robot import Model, lever_mm, predict, sweep_of
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import AxisKey, FloatArray, Run
 
 _PLANE = ("X", "Y")
 _LISTED = 5
@@ -26,19 +27,19 @@ _COARSE = 0.5
 class Reversal:
     """Half the distance between the two approaches, of one axis at one payload."""
 
-    axis: str
+    axis: AxisKey
     """``X`` or ``Y``."""
     payload_kg: float
     """Payload [kg]."""
-    cycles: tuple[int, int]
+    cycles: tuple[Count, Count]
     """How many arrived with approach +1, and -1."""
     half_width_mm: float
     """Mean of approach +1 less mean of approach -1, over 2; known effects subtracted."""
-    uncertainty_mm: float
+    uncertainty_mm: Size
     """Standard uncertainty; the scatter is pooled over payloads and approaches."""
-    predicted_before_mm: float | None = None
+    predicted_before_mm: float | None
     """By eq. 16 and the gear effects that the model declares; None where it cannot say."""
-    predicted_after_mm: float | None = None
+    predicted_after_mm: float | None
     """With the effects that were found; None likewise."""
 
 
@@ -116,6 +117,8 @@ def _reversals(
             cycles=(counts := (int(plus.sum()), int(minus.sum()))),
             half_width_mm=float(row[plus].mean() - row[minus].mean()) / 2,
             uncertainty_mm=scatter.of_half_width(direction, counts),
+            predicted_before_mm=None,
+            predicted_after_mm=None,
         )
         for name, row, direction in zip(names, left, np.eye(len(names)), strict=True)
         for p, plus, minus in both

@@ -29,6 +29,7 @@ from scara_iso.diagnosis.tuning import FURTHER_LEVEL, LEVEL, SEED, UNKNOWN
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import GearEffect, Sweep, find_gear_effects
 from scara_iso.errors import DataError
+from scara_iso.published import Probability
 from scara_iso.run import FloatArray
 
 _FEWEST = 3
@@ -46,9 +47,9 @@ class GearFound:
     """By name, in the units that the effect's page states."""
     intervals: Mapping[str, tuple[float, float]]
     """95 %, by the name of the parameter."""
-    p_value: float
+    p_value: Probability
     """Chance of as much in scatter alone."""
-    probability: float
+    probability: Probability
     """Of the effects found, together."""
     rivals: tuple[Rival, ...]
     """Other effects that fit as well, likeliest first."""

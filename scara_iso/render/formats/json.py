@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from scara_iso.diagnosis import published_backlash, published_diagnosis
 from scara_iso.errors import UsageError
-from scara_iso.measurement_system import GaugeStudy
-from scara_iso.published import Json
+from scara_iso.measurement_system import GaugeStudy, published_gauge_study
+from scara_iso.published import Json, to_json
 from scara_iso.render.json import analysis_json, to_text
-from scara_iso.render.json_diagnosis import backlash_json, diagnosis_json
-from scara_iso.render.json_gauge_study import gauge_study_json
 from scara_iso.reporting import Document, Dossier, Failure, head, uncertainty_budget
 
 
@@ -19,7 +18,7 @@ def render(document: Document) -> bytes:
         case Dossier():
             found = report_json(document.source)
         case GaugeStudy():
-            found = gauge_study_json(document.source)
+            found = to_json(published_gauge_study(document.source))
         case _:
             raise UsageError(
                 f"{document.title}: only a whole test or a study is written as JSON",
@@ -42,11 +41,11 @@ def report_json(dossier: Dossier) -> Json:
         "diagnoses": [
             {"pose": pose, "error": found.message}
             if isinstance(found, Failure)
-            else {"pose": pose, **diagnosis_json(found)}
+            else {"pose": pose, **to_json(published_diagnosis(found))}
             for pose, found in dossier.diagnoses.items()
         ],
         "backlash": [
-            {"joint": joint, **backlash_json(gearbox.backlash(arm))}
+            {"joint": joint, **to_json(published_backlash(gearbox.backlash(arm)))}
             for joint, (gearbox, arm) in dossier.gearboxes.items()
         ],
         "readings": {

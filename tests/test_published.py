@@ -1,0 +1,67 @@
+"""A published class says which keys its JSON object has, and no number in it is NaN."""
+
+import json
+import math
+from dataclasses import MISSING, fields, replace
+from pathlib import Path
+
+import pytest
+
+from scara_iso import analyze, read_table
+from scara_iso.iso9283 import published_analysis
+from scara_iso.published import to_json
+from scara_iso.render import analysis_json, to_text
+from scara_iso.reporting.blocks import Table, table_by_name
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+@pytest.fixture(scope="module")
+def analysis():
+    return analyze(read_table(EXAMPLES / "fum_scara_table1.csv"))
+
+
+def objects(found):
+    """Yield a published object and those within it, each with its JSON."""
+    if isinstance(found, tuple):
+        for one in found:
+            yield from objects(one)
+    elif hasattr(found, "items"):
+        yield from objects(tuple(found.values()))
+    elif hasattr(found, "__dataclass_fields__"):
+        yield found
+        yield from objects(tuple(getattr(found, field.name) for field in fields(found)))
+
+
+def test_a_key_without_a_default_is_always_there_and_one_with_it_is_never_null(analysis):
+    met = list(objects(published_analysis(analysis)))
+    assert len({type(one) for one in met}) > 6
+    for one in met:
+        keys = to_json(one)
+        assert {f.name for f in fields(one) if f.default is MISSING} <= set(keys)
+        assert not [
+            f.name for f in fields(one) if f.default is None and keys.get(f.name, 0) is None
+        ]
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf])
+@pytest.mark.parametrize("figure", ["mean", "RP", "uncertainty"])
+def test_a_figure_that_is_no_number_is_an_error_and_no_null(analysis, figure, wrong):
+    pose = analysis.poses[0]
+    axes = {**pose.axes, "X": replace(pose.axes["X"], **{figure: wrong})}
+    broken = replace(analysis, poses=type(analysis.poses)([replace(pose, axes=axes)]))
+    assert json.loads(to_text(analysis_json(analysis)))
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        to_text(analysis_json(broken))
+
+
+@pytest.mark.parametrize("row", [("X",), ("X", "1", "2")])
+def test_a_row_of_another_width_than_the_header_is_refused(row):
+    with pytest.raises(ValueError, match="cells for 2 columns"):
+        Table(("axis", "RP"), (("Y", "3"), row))
+
+
+def test_a_table_by_name_has_every_column_of_any_row_and_loses_no_cell():
+    table = table_by_name([{"axis": "X", "mean": "1"}, {"axis": "XY", "RP": "2"}])
+    assert table.header == ("axis", "mean", "RP")
+    assert table.rows == (("X", "1", ""), ("XY", "", "2"))
