@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias, TypeVar
 
 from scara_iso.iso9283.conformity import Conformity
+from scara_iso.iso9283.figures import Millimetres
 from scara_iso.iso9283.published import (
-    Millimetres,
     PublishedCharacteristic,
     PublishedLimit,
     published_characteristic,
