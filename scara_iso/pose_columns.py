@@ -109,12 +109,17 @@ def arrival_at(
     return None if pose is None else str(pose[row]), str(direction[row])
 
 
-def distinct(labels: Labels) -> set[str]:
-    """Return each label once, without a list of all."""
-    found: set[str] = set()
-    for some in np.array_split(labels, 1 + len(labels) // _SAMPLE):
-        found.update(some.tolist())
-    return found
+def coded(labels: Labels) -> tuple[list[str], npt.NDArray[np.int32]]:
+    """Return each label once, in order of first appearance, and the place among them of each row's.
+
+    Without a list of all rows, and several times as fast as `np.unique`, which sorts texts.
+    """
+    known: dict[str, int] = {}
+    codes = np.empty(len(labels), np.int32)
+    for k in range(0, len(labels), _SAMPLE):
+        some = labels[k : k + _SAMPLE].tolist()
+        codes[k : k + len(some)] = [known.setdefault(label, len(known)) for label in some]
+    return list(known), codes
 
 
 def rows_by_label(labels: Labels | None, rows: int) -> Iterator[tuple[str | None, IntArray]]:
@@ -122,10 +127,9 @@ def rows_by_label(labels: Labels | None, rows: int) -> Iterator[tuple[str | None
     if labels is None:
         yield None, np.arange(rows)
         return
-    names, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
-    found = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
-    for k in np.argsort(first, kind="stable"):
-        yield str(names[k]), found[k]
+    names, codes = coded(labels)
+    found = np.split(np.argsort(codes, kind="stable"), np.cumsum(np.bincount(codes))[:-1])
+    yield from zip(names, found, strict=True)
 
 
 def unwrap_by_pose(
@@ -158,17 +162,18 @@ def in_base(command: Commanded, unit: Unit) -> Commanded:
 
 
 def number_cycles(
-    counted: npt.NDArray[np.float64] | None, pose: npt.NDArray[np.str_] | None, rows: int
+    counted: npt.NDArray[np.float64] | IntArray | None, pose: npt.NDArray[np.str_] | None, rows: int
 ) -> npt.NDArray[np.int64]:
     """Return the cycle of each row, shape (rows,), of which ``counted`` are the numbers if any.
 
     Where rows of several poses have none, or numbers that count all visits, the n-th row of a pose
     is its cycle n; numbers of visits in turn also tell which of them is missing.
     """
-    numbers = np.arange(1, rows + 1) if counted is None else counted.astype(np.int64)
-    if pose is None or np.any(np.diff(numbers) < 1):
+    numbers = np.arange(1, rows + 1) if counted is None else counted.astype(np.int64, copy=False)
+    if pose is None or np.any(numbers[1:] <= numbers[:-1]):
         return numbers
-    _, place, visits = np.unique(pose, return_inverse=True, return_counts=True)
+    _, place = coded(pose)
+    visits = np.bincount(place)
     poses = len(visits)
     if poses < 2 or visits.max() < 2:
         return numbers

@@ -134,7 +134,7 @@ class Run(Displayed):
             {name: _frozen(values, np.float64) for name, values in self.covariates.items()}
         ))  # fmt: skip
         set_(self, "metadata", MappingProxyType(dict(self.metadata)))
-        for name, kind in (("pose", np.str_), ("direction", np.str_), ("lines", np.int64)):
+        for name, kind in (("pose", np.str_), ("direction", np.str_), ("lines", np.int32)):
             if getattr(self, name) is not None:
                 set_(self, name, _frozen(getattr(self, name), kind))
         self._check_shapes()
@@ -156,7 +156,7 @@ class Run(Displayed):
         wrong = [name for name, values in columns.items() if values.shape != self.cycle.shape]
         if wrong:
             raise DataError(f"{', '.join(wrong)}: not one value for each of {len(self)} rows")
-        absurd = [n for n, a in self.axes.items() if not np.all(np.abs(a.readings) <= FARTHEST)]
+        absurd = [n for n, a in self.axes.items() if beyond_dials(a.readings).any()]
         if absurd:
             raise DataError(f"{', '.join(absurd)}: a reading is not finite, or beyond any dial")
         gone = [name for name, values in self.covariates.items() if not np.isfinite(values).all()]
@@ -298,6 +298,11 @@ def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Com
     known = {**stated, **({} if command is None else {"command": command})}
     sizes: dict[str, Any] = {k: in_base(known[k], size) for k in known if k != "unit"}
     return Axis(name, size.to_base(values), size.dimension, **sizes)
+
+
+def beyond_dials(readings: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return which readings are not finite, or beyond any dial, shape (rows,)."""
+    return ~((readings >= -FARTHEST) & (readings <= FARTHEST))
 
 
 def _ordered(axes: Mapping[str, Axis]) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 from scara_iso.condition_columns import UNITS, unit_of_condition
 from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
-from scara_iso.run import FARTHEST, Axis, FloatArray, IntArray, Run
+from scara_iso.run import Axis, FloatArray, IntArray, Run, beyond_dials
 from scara_iso.tables.body import Body
 from scara_iso.tables.clocks import seconds_of_stamps, with_clock
 from scara_iso.tables.columns import Columns
@@ -70,7 +70,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()
     comments = layout.of(Kind.COMMENT)
-    texts = {layout.header[c.position]: columns.labels(c) for c in comments}
+    texts = {layout.header[c.position]: columns.codes(c) for c in comments}
     beside = {**run.covariates, **texts}
     check_clusters(run.axes, run.rows_by_pose(), beside, run.metadata, where=faults.where)
     notes += [clocks.get(c, f"{called(layout, c)} not used") for c in comments]
@@ -170,7 +170,7 @@ def _run(
         covariates["time_s"] = seconds_of_stamps(column, columns, lines, metadata, faults)
     faults.check()
     counters = layout.of(Kind.CYCLE)
-    counted = columns.numbers(counters[0]) if counters else None
+    counted = columns.counts(counters[0]) if counters else None
     direction = next((columns.labels(c) for c in layout.of(Kind.DIRECTION)), None)
     return Run(
         cycle=number_cycles(counted, arrival_labels(pose, direction), len(lines)),
@@ -210,7 +210,7 @@ def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
             yield f"{last} is the mean of those above: a reading?"
     elif not counters:
         yield "no cycle column: the n-th row of a pose is its cycle n"
-    elif not np.array_equal(columns.numbers(counters[0]), run.cycle):
+    elif not np.array_equal(columns.counts(counters[0]), run.cycle):
         yield "the cycle column counts all visits: the n-th of a pose is its cycle n"
 
 
@@ -229,7 +229,7 @@ def _axis(
     if unit.numerator != unit.denominator:
         with np.errstate(over="ignore"):
             readings = unit.to_base(readings)
-    for k in np.flatnonzero(~(np.abs(readings) <= FARTHEST)).tolist():
+    for k in np.flatnonzero(beyond_dials(readings)).tolist():
         faults.add(
             f"a reading beyond any dial, in {scale.unit.name}",
             int(lines[k]),

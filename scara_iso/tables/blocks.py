@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from scara_iso.tables.columns import Cell
+from scara_iso.tables.faults import refuse
 from scara_iso.tables.layout import names_an_axis
 from scara_iso.tables.numbers import BLANKS, parse_cell
 from scara_iso.tables.pose_names import pose_alone
@@ -14,6 +15,8 @@ from scara_iso.tables.text import Row
 
 Line = tuple[int, Sequence[Cell]]
 """A row's number and its cells."""
+BESIDE = 300
+"""Poses that may stand side by side: each is read for itself, with the columns of all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +45,16 @@ def has_blocks(rows: Sequence[Row]) -> bool:
     return next(_titles([(row.line, row.cells) for row in rows]), None) is not None
 
 
-def find_blocks(rows: Sequence[Line]) -> list[Block]:
-    """Return the blocks of a sheet; none where fewer than two poses stand above a header."""
+def find_blocks(rows: Sequence[Line], where: str) -> list[Block]:
+    """Return the blocks of a sheet; none where fewer than two poses stand above a header.
+
+    Raises `DataError` for more than `BESIDE` side by side.
+    """
     titles = list(_titles(rows))
     if sum(len(one.poses) for one in titles) < 2:
         return []
+    for one in titles:
+        check_beside(len(one.poses), rows[one.at][0], where)
     above = list(rows[: titles[0].at])
     ends = [*(one.at for one in titles[1:]), len(rows)]
     return [
@@ -54,6 +62,14 @@ def find_blocks(rows: Sequence[Line]) -> list[Block]:
         for one, end in zip(titles, ends, strict=True)
         for k, (_, pose) in enumerate(one.poses)
     ]
+
+
+def check_beside(poses: int, line: int, where: str) -> None:
+    """Raise `DataError` where a row heads more poses than may stand side by side."""
+    if poses > BESIDE:
+        what = f"row {line} heads {poses} poses side by side, more than {BESIDE}"
+        remedy = "put the rows of the poses below each other, with a column 'pose'"
+        raise refuse(where, what, remedy=remedy)
 
 
 def _titles(rows: Sequence[Line]) -> Iterator[_Titles]:

@@ -15,8 +15,11 @@ from scara_iso.tables.statements import is_of_axes
 from scara_iso.tables.text import Row
 
 _NOTES = 50
-_STRANGE = 30_000
-"""Cells in rows that are not readings, beyond which a file is not read on: a few seconds' work."""
+_STRANGE, _STRANGE_ROWS = 30_000, 20
+"""Cells in rows that are not readings, beyond which a file is not read on: a few seconds' work.
+
+As many rows of the header's width may be there, such as footers of a very wide table.
+"""
 _ONE_HEADER = "name each column in one header row, right above the first row of readings"
 _ABOVE = "write this line above the header"
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
@@ -72,11 +75,14 @@ class Body:
 
     def _count_strange(self, line: int, cells: Sequence[Cell]) -> None:
         """Bound the work that a file without readings makes."""
-        if len(cells) == self.layout.width and self._is_numbered(cells):
+        width = self.layout.width
+        beside = any(map(_is_filled, cells[width:]))  # another pose's empty cells are none
+        if len(cells) >= width and not beside and self._is_numbered(cells):
             return
         self._strange += len(cells)
-        if self._strange > _STRANGE:
-            message = f"more than {_STRANGE} cells in rows that are no readings"
+        most = max(_STRANGE, _STRANGE_ROWS * width)
+        if self._strange > most:
+            message = f"more than {most} cells in rows that are no readings"
             self.faults.add(message, line, remedy=_ONE_TABLE)
             self.faults.check()
 

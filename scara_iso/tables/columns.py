@@ -40,6 +40,10 @@ Cell = str | float
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
 _NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
+_LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT}
+_TYPES = {
+    **dict.fromkeys(_LABELS, np.int32), Kind.CYCLE: np.int64, Kind.TIMESTAMP: np.object_,
+}  # fmt: skip
 _REMARK = 24  # enough to tell the remarks of two poses apart
 _LARGEST = 2**53
 
@@ -47,15 +51,18 @@ _LARGEST = 2**53
 class Columns:
     """Gather the columns of a table, piece by piece, with every fault on the way."""
 
-    def __init__(self, layout: Layout, decimal: str | None, faults: Faults) -> None:
+    def __init__(self, layout: Layout, decimal: str | None, faults: Faults, most: int) -> None:
+        """Make room for ``most`` rows: an array that grows as it is read takes twice its memory."""
         self.layout = layout
         self.decimal = decimal
         self.faults = faults
-        self.lines: list[IntArray] = []
         self.marks: dict[Mark, tuple[int, int, str]] = {}
         self.units: dict[Column, dict[str, int]] = {}
         self.beside: list[str] = []
-        self._parts: dict[Column, list[npt.NDArray[np.generic]]] = {c: [] for c in layout.columns}
+        self._lines = np.empty(most, np.int32)
+        self._values: dict[Column, npt.NDArray[Any]] = {}
+        self._codes: dict[Column, dict[str, int]] = {}
+        self._rows = 0
 
     def add_clean(self, columns: Sequence[Sequence[str]], first_line: int) -> bool:
         """Take columns of cells that are all as the header says, or take none and return False."""
@@ -70,7 +77,7 @@ class Columns:
         lines = range(first_line, first_line + len(columns[0]))
         for column, cells, part in zip(self.layout.columns, columns, parts, strict=True):
             self._keep(column, part, cells, lines)
-        self._add_lines(np.array(lines))
+        self._add_lines(lines)
         return True
 
     def add_block(self, lines: Sequence[str], separator: str, first_line: int) -> bool:
@@ -84,16 +91,16 @@ class Columns:
         if values is None or not _are_counts(values[:, counted]):
             return False
         for k, column in enumerate(columns):
-            self._parts[column].append(values[:, k].copy())
+            self._fill(column, values[:, k])
             self._note_unit(column, "", first_line)
-        self._add_lines(np.arange(first_line, first_line + len(lines)))
+        self._add_lines(range(first_line, first_line + len(lines)))
         return True
 
     def _keep(
         self, column: Column, part: _Part, cells: Sequence[str], lines: Sequence[int]
     ) -> None:
         values, mark, unit = part
-        self._parts[column].append(values)
+        self._fill(column, values)
         self._note_unit(column, unit, lines[0])
         if mark is not Mark.NONE and mark not in self.marks:
             character = "." if mark is Mark.POINT else ","
@@ -133,10 +140,22 @@ class Columns:
         for column in self.layout.columns:
             cells = [cells[column.position] for _, cells in rows]
             self._add_part(column, cells, lines)
-        self._add_lines(np.array(lines))
+        self._add_lines(lines)
 
-    def _add_lines(self, lines: IntArray) -> None:
-        self.lines.append(lines.astype(np.int64))
+    def _add_lines(self, lines: Sequence[int]) -> None:
+        self._lines[self._rows : self._rows + len(lines)] = lines
+        self._rows += len(lines)
+
+    def _fill(self, column: Column, part: npt.NDArray[Any]) -> None:
+        """Put the values of the rows that come next in their place; labels by their codes."""
+        if column.kind is Kind.NAMELESS:
+            return
+        if column.kind in _LABELS:
+            codes = self._codes.setdefault(column, {})
+            part = np.array([codes.setdefault(one, len(codes)) for one in part.tolist()], np.int32)
+        if column not in self._values:
+            self._values[column] = np.empty(len(self._lines), _TYPES.get(column.kind))
+        self._values[column][self._rows : self._rows + len(part)] = part
 
     def _add_part(self, column: Column, cells: Sequence[Cell], lines: Sequence[int]) -> None:
         remark = column.kind is Kind.COMMENT
@@ -145,8 +164,7 @@ class Columns:
         if clean is not None:
             self._keep(column, clean, texts, lines)
         else:
-            part = self._part_by_cell(column, zip(cells, lines, strict=True))
-            self._parts[column].append(part)
+            self._fill(column, self._part_by_cell(column, zip(cells, lines, strict=True)))
 
     def _part_by_cell(
         self, column: Column, pairs: Iterable[tuple[Cell, int]]
@@ -245,34 +263,50 @@ class Columns:
 
     def numbers(self, column: Column) -> FloatArray:
         """Return a numeric column, shape (rows,), in the units of the file."""
-        return self._whole(column, np.float64)
+        return self._whole(column)
+
+    def counts(self, column: Column) -> IntArray:
+        """Return the numbers of the cycles, shape (rows,)."""
+        return self._whole(column)
 
     def labels(self, column: Column) -> npt.NDArray[np.str_]:
         """Return the labels of poses or directions, or the remarks of a column, shape (rows,)."""
-        return self._whole(column, np.str_)
+        return _frozen(np.array(self.distinct(column), dtype=np.str_)[self.codes(column)])
+
+    def distinct(self, column: Column) -> list[str]:
+        """Return each label or remark of a column once, in order of first appearance."""
+        return list(self._codes.get(column, ()))
+
+    def codes(self, column: Column) -> IntArray:
+        """Return the place of each row's label among those that are distinct, shape (rows,)."""
+        return self._whole(column)
 
     def stamps(self, column: Column) -> list[datetime | None]:
         """Return the instants of a timestamp column; None where a fault was noted."""
-        return [stamp for part in self._parts[column] for stamp in part.tolist()]
+        return list(self._whole(column))
 
     def all_lines(self) -> IntArray:
         """Return the line of each row, shape (rows,)."""
-        self.lines = [_joined(self.lines, np.int64)]
-        return self.lines[0]
+        return self._cut(self._lines)
 
-    def _whole(self, column: Column, kind: type[np.generic]) -> npt.NDArray[Any]:
-        self._parts[column] = [_joined(self._parts[column], kind)]
-        return self._parts[column][0]
+    @property
+    def last_line(self) -> int | None:
+        """The line of the last row."""
+        return int(self._lines[self._rows - 1]) if self._rows else None
+
+    def _whole(self, column: Column) -> npt.NDArray[Any]:
+        return self._cut(self._values.setdefault(column, np.empty(0, _TYPES.get(column.kind))))
+
+    def _cut(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return an array without the room that was not needed, which a `Run` keeps as it is."""
+        if values.flags.writeable:
+            values.resize(self._rows, refcheck=False)
+        return _frozen(values)
 
 
-def _joined(parts: Sequence[npt.NDArray[Any]], kind: type[np.generic]) -> npt.NDArray[Any]:
-    """Return parts as one array that nobody may change: a `Run` keeps it as it is."""
-    if len(parts) == 1 and not parts[0].flags.writeable:
-        return parts[0]
-    whole = np.concatenate([np.empty(0, dtype=kind), *parts])
-    whole = whole if kind is np.str_ else whole.astype(kind, copy=False)
-    whole.flags.writeable = False
-    return whole
+def _frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    values.flags.writeable = False
+    return values
 
 
 _ESCAPED = ("'", *FORMULA)

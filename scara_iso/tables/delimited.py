@@ -28,11 +28,17 @@ class Delimited:
     """How the rows of a text are parted, how many lines it has, the last ones, and the end."""
 
     lines: int
+    size: int
+    """Characters."""
     last: Sequence[str]
     """At most the two hundred last."""
     delimiter: Delimiter
     ended: bool
     """Whether the last line is ended."""
+
+    def most_rows(self, width: int) -> int:
+        """Return how many rows of ``width`` fields there can be: a field takes a character."""
+        return min(self.lines, self.size // max(width, 1) + 1)
 
     def check_end(
         self, head: Sequence[Row], columns: Columns, body: Body, resolution: float | None
@@ -44,7 +50,7 @@ class Delimited:
         made.
         """
         line, last = self.lines, columns.layout.columns[-1]
-        if self.ended or not columns.lines or columns.lines[-1][-1] != line:
+        if self.ended or columns.last_line != line:
             return
         rows = [
             row for _, row in
@@ -91,7 +97,8 @@ def delimited(pieces: Sequence[str], delimiter: Delimiter, ended: bool) -> Delim
         if len(last) >= _ABOVE:
             break
     count = len(pieces) + sum(piece.count("\n") for piece in pieces)
-    return Delimited(count, last[-_ABOVE:], delimiter, ended)
+    size = count + sum(map(len, pieces))
+    return Delimited(count, size, last[-_ABOVE:], delimiter, ended)
 
 
 def split_each(
@@ -134,8 +141,9 @@ def _called(column: Column, columns: Columns) -> str:
 def _whole_numbers(column: Column, columns: Columns) -> FloatArray | None:
     """Return the whole numbers that a column holds, in sizes; None for another or the time."""
     if column.kind is Kind.COMMENT:
-        labels = columns.labels(column).tolist()
-        return np.array(labels, dtype=np.float64) if all(map(str.isdecimal, labels)) else None
+        labels = columns.distinct(column)
+        whole = all(map(str.isdecimal, labels))
+        return np.array(labels, dtype=np.float64)[columns.codes(column)] if whole else None
     if column.kind not in (Kind.AXIS, Kind.COVARIATE) or column.name == "time_s":
         return None
     values = np.abs(columns.numbers(column))

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.errors import DataError
-from scara_iso.pose_columns import Commanded, by_pose, distinct
+from scara_iso.pose_columns import Commanded, by_pose, coded
 from scara_iso.run import FloatArray
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
@@ -25,7 +25,7 @@ def find_pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | N
     for column in columns.layout.of(Kind.POSE):
         labels = columns.labels(column)
         name = columns.layout.header[column.position]
-        often = 2 * len(distinct(labels)) <= len(labels)
+        often = 2 * len(columns.distinct(column)) <= len(labels)
         numbers = None if often or name.lower().startswith("pose") else _numbers(columns, labels)
         if numbers is None:
             return labels
@@ -47,12 +47,13 @@ def find_commands(
     faults: Faults,
 ) -> dict[str, Commanded]:
     """Return the command coordinates by axis, from columns and from statements."""
-    own = [metadata["pose"]] if "pose" in metadata else []
-    labels = {normal_key(label): label for label in (own if pose is None else distinct(pose))}
     found: dict[str, Commanded] = {}
     for axis, scale in scales.items():
         stated = scale.command
         if isinstance(stated, Mapping):
+            own = [metadata["pose"]] if "pose" in metadata else []
+            names = own if pose is None else coded(pose)[0]
+            labels = {normal_key(label): label for label in names}
             stated = {labels.get(key, key): value for key, value in stated.items()}
         found[axis] = stated
     for column in columns.layout.of(Kind.COMMAND):

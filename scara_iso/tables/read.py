@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.errors import DataError, UsageError
@@ -16,7 +16,7 @@ from scara_iso.tables.delimited import delimited, split_each
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.kinds import TEXT_HEAD, called_text
 from scara_iso.tables.labelled import find_labelled
-from scara_iso.tables.layout import HEAD, Layout, find_layout, runs_across
+from scara_iso.tables.layout import COLUMNS, HEAD, Layout, find_layout, runs_across
 from scara_iso.tables.marks import refuse_other_marks
 from scara_iso.tables.positions import (
     ONE_A_ROW,
@@ -44,6 +44,9 @@ from scara_iso.tables.text import (
 from scara_iso.tables.wide import find_wide
 
 _SHOWN = 20
+_TOO_WIDE = (
+    "leave the columns in the file that are needed: cycle, pose, the axes, and what they depend on"
+)
 
 
 def read_table(
@@ -102,9 +105,14 @@ def _read_text(
     head = pieces[0].split("\n")[:HEAD]
     _check_length(1, head, faults)
     faults.check()
-    understood = _understand(head, options.columns)
+    tables = _tables(head)
+    wide_row = _leave_out_wide(tables)
+    understood = _understand(tables, options.columns)
     sure = options.columns is not None or (understood is not None and understood[2].sure)
-    if wide := None if sure else _wide(pieces, head, name):
+    if wide_row and not (understood and understood[2].sure):
+        what = f"line {wide_row.line} has {len(wide_row.cells)} fields, more than {COLUMNS}"
+        raise refuse(name, what, remedy=_TOO_WIDE)
+    if wide := None if sure else _wide(pieces, tables, name):
         delimiter, blocks = wide
         how = f"{delimiter.value}, {encoding}"
         return read_blocks(blocks, name, options, how, text=delimited(pieces, delimiter, ended))
@@ -117,9 +125,9 @@ def _read_text(
         raise refuse(name, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
     if options.columns is not None:
         check_header(rows, layout, faults)
-    elif has_blocks(rows) and (blocks := find_blocks(_split_all(pieces, delimiter, name))):
+    elif has_blocks(rows) and (blocks := find_blocks(_split_all(pieces, delimiter, name), name)):
         return read_blocks(blocks, name, options, how, text=parted)
-    columns = Columns(layout, options.decimal, faults)
+    columns = Columns(layout, options.decimal, faults, parted.most_rows(layout.width))
     body = Body(layout, faults)
     for first, lines in taken_from(pieces):
         skip = max(0, layout.data_line - first)
@@ -127,11 +135,30 @@ def _read_text(
     return finish(rows, columns, body, options, how, parted)
 
 
-def _wide(pieces: list[str], head: list[str], name: str) -> tuple[Delimiter, list[Block]] | None:
+def _tables(head: list[str]) -> dict[Delimiter, list[Row]]:
+    """Return the rows of a file's head by each delimiter that there can be."""
+    stated = stated_delimiter(head[0])
+    lines = ["", *head[1:]] if stated else head
+    return {
+        delimiter: split_head(lines, delimiter) for delimiter in ([stated] if stated else Delimiter)
+    }
+
+
+def _leave_out_wide(tables: dict[Delimiter, list[Row]]) -> Row | None:
+    """Take out each delimiter under which a row has too many fields; return such a row."""
+    too_wide = {d: row for d, rows in tables.items() for row in rows if len(row.cells) > COLUMNS}
+    for delimiter in too_wide:
+        del tables[delimiter]
+    return next(iter(too_wide.values()), None)
+
+
+def _wide(
+    pieces: list[str], tables: Mapping[Delimiter, list[Row]], name: str
+) -> tuple[Delimiter, list[Block]] | None:
     """Return what parts a table whose headings name poses, and its blocks; None for another."""
-    for delimiter in Delimiter:
-        if find_wide([(row.line, row.cells) for row in split_head(head, delimiter)]):
-            return delimiter, find_wide(_split_all(pieces, delimiter, name))
+    for delimiter, rows in tables.items():
+        if find_wide([(row.line, row.cells) for row in rows], name):
+            return delimiter, find_wide(_split_all(pieces, delimiter, name), name)
     return None
 
 
@@ -169,16 +196,14 @@ def _check_length(first: int, lines: list[str], faults: Faults) -> None:
 
 
 def _understand(
-    head: list[str], names: Sequence[str] | None
+    tables: Mapping[Delimiter, list[Row]], names: Sequence[str] | None
 ) -> tuple[Delimiter, list[Row], Layout] | None:
     """Return the delimiter under which a header and a row below it name and hold most.
 
     With the columns' ``names`` it is the one under which most rows have as many fields.
     """
-    stated = stated_delimiter(head[0])
     best: tuple[tuple[bool, int], Delimiter, list[Row], Layout] | None = None
-    for delimiter in (stated,) if stated else Delimiter:
-        rows = split_head(["", *head[1:]] if stated else head, delimiter)
+    for delimiter, rows in tables.items():
         layout = place_columns(rows, names) if names else find_layout(rows)
         score = (layout.sure, layout.known) if layout else (False, 0)
         score = (True, count_fitting(rows, names)) if names else score

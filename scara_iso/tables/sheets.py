@@ -34,7 +34,7 @@ def read_workbook(data: bytes, name: str, options: ReadOptions) -> Run:
         rows: Sequence[Line] = list(enumerate(cells, 1))
         if options.sheet in (None, title):
             heads.append(_head(rows))
-            if _find_table(rows, options.columns) or _blocks(rows, options):
+            if _find_table(rows, options.columns) or _blocks(rows, name, options):
                 found[title] = rows
     if len(found) == 1:
         ((title, rows),) = found.items()
@@ -96,13 +96,13 @@ def _poses_of(
 
 def _read_sheet(rows: Sequence[Line], name: str, options: ReadOptions, sheet: str) -> Run:
     how = f"workbook, sheet {quoted(sheet)}"
-    if blocks := _blocks(rows, options):
+    if blocks := _blocks(rows, name, options):
         return read_blocks(blocks, name, options, how, sheet)
     return read_rows(rows, name, options, how, sheet)
 
 
-def _blocks(rows: Sequence[Line], options: ReadOptions) -> list[Block]:
-    return [] if options.columns is not None else find_blocks(rows) or find_wide(rows)
+def _blocks(rows: Sequence[Line], name: str, options: ReadOptions) -> list[Block]:
+    return [] if options.columns is not None else find_blocks(rows, name) or find_wide(rows, name)
 
 
 def read_rows(
@@ -125,7 +125,8 @@ def read_rows(
     faults = Faults(name, sheet=sheet)
     if options.columns is not None:
         check_header(head, layout, faults)
-    columns = Columns(layout, options.decimal, faults)
+    most = sum(len(cells) for _, cells in rows) // max(layout.width, 1) + 1
+    columns = Columns(layout, options.decimal, faults, most)
     body = Body(layout, faults)
     below = ((line, cells) for line, cells in rows if line >= layout.data_line)
     columns.add(list(body.sort(below)))

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from scara_iso.tables.blocks import Block, Line
+from scara_iso.tables.blocks import Block, Line, check_beside
 from scara_iso.tables.layout import HEAD, names_an_axis
 from scara_iso.tables.names import Kind, read_name
 from scara_iso.tables.pose_names import pose_and_name
 
 
-def find_wide(rows: Sequence[Line]) -> list[Block]:
+def find_wide(rows: Sequence[Line], where: str) -> list[Block]:
     """Return a block for each pose of the first row that heads the axes of two poses or more.
 
     Other poses' cells are empty there, so lines and columns of a fault are those of the file. There
-    is none where a row names an axis of no pose: that is the header.
+    is none where a row names an axis of no pose: that is the header. Raises `DataError` for more
+    than `BESIDE`.
     """
     head = [[cell if isinstance(cell, str) else repr(cell) for cell in cells]
             for _, cells in rows[:HEAD]]  # fmt: skip
@@ -25,6 +26,7 @@ def find_wide(rows: Sequence[Line]) -> list[Block]:
         axes = {pose for pose, name in named.values() if read_name(name).kind is Kind.AXIS}
         if len(axes) > 1:
             poses = dict.fromkeys(pose for pose, _ in named.values())
+            check_beside(len(poses), rows[k][0], where)
             return [
                 Block(pose, [*rows[:k], *_of(pose, rows[k:], named)], "the heading of its columns")
                 for pose in poses
