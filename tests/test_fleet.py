@@ -28,6 +28,7 @@ from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageEr
 from scara_iso.fleets import Engine, ReadAs
 from scara_iso.fleets.database import as_parquet, results_in, workspace
 from scara_iso.fleets.dispatch import done_by
+from scara_iso.fleets.ledger import PartLedger
 from scara_iso.fleets.parts import tables_in
 from scara_iso.fleets.work import PartResult, whole_part
 from scara_iso.library import engines
@@ -157,6 +158,29 @@ def test_what_is_done_is_not_done_again(done, capsys):
     (out / "manifest.jsonl").write_bytes(torn)
     assert scara_iso.fleet(source, out, workers=1).run.before == 4
     assert results(out) == before
+
+
+def test_a_head_that_a_kill_left_unfinished_is_begun_anew(tmp_path):
+    manifest = tmp_path / "manifest.jsonl"
+    manifest.write_text('{"schema": "scara-iso/fleet-man')
+    for _ in range(2):
+        PartLedger(tmp_path, "1", {}).close()
+    assert manifest.read_bytes().count(b"\n") == 1
+    manifest.write_text("mine")
+    with pytest.raises(DataError, match="no manifest"):
+        PartLedger(tmp_path, "1", {})
+    assert manifest.read_text() == "mine"
+
+
+def test_results_of_which_a_kill_left_some_lines_only_count_once(tmp_path):
+    source = Path(__file__).parents[1] / "examples" / "fleet"
+    whole = scara_iso.fleet_figures(source, tmp_path / "o")
+    manifest = tmp_path / "o" / "manifest.jsonl"
+    manifest.write_bytes(b"".join(manifest.read_bytes().splitlines(keepends=True)[:3]))
+    again = scara_iso.fleet_figures(source, tmp_path / "o")
+    assert again.run.before == 0
+    assert again.twice == whole.twice == ()
+    assert again.RP_quantiles == whole.RP_quantiles
 
 
 def test_a_manifest_of_another_version_or_other_options_is_refused(tmp_path, done, capsys):

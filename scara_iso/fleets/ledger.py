@@ -18,6 +18,7 @@ from scara_iso.errors import CannotCreateError, DataError, WriteError
 
 SCHEMA = "scara-iso/fleet-manifest/5"
 NAME = "manifest.jsonl"
+_BEGUN = b'{"schema": "scara-iso/fleet-manifest/'
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +66,8 @@ class PartLedger:
     def _read(self, version: str, options: dict[str, Any]) -> dict[str, PartDone]:
         data = self._path.read_bytes()
         whole = data[: data.rfind(b"\n") + 1]
+        if not whole and not data.startswith(_BEGUN[: len(data)]):
+            whole = data  # another's, and no head that a kill left unfinished
         lines = [line for line in whole.splitlines() if line.strip()]
         if not lines:
             others = [path.name for path in self._path.parent.iterdir() if path.name != NAME]
@@ -74,6 +77,7 @@ class PartLedger:
                     f"is not empty: {others[0]}", where=str(self._path.parent),
                     remedy="name another folder",
                 )  # fmt: skip
+            os.truncate(self._path, 0)
             self._add([{"schema": SCHEMA, "version": version, "options": options}])
             return {}
         try:

@@ -138,12 +138,17 @@ def run_parts(
 
 
 def _done_before(ledger: PartLedger, to: Path, paths: Mapping[str, Path]) -> set[str]:
-    """Return the parts that are done: all that share a file of results are as they were."""
-    changed = {
-        one.result for name, one in ledger.done.items()
-        if name not in paths or not _is_as_done(one, to, paths[name])
-    }  # fmt: skip
-    return {name for name, one in ledger.done.items() if one.result not in changed}
+    """Return the parts that are done: all that share a file of results are there, as they were."""
+    sharing: dict[str, list[PartDone]] = {}
+    for one in ledger.done.values():
+        sharing.setdefault(one.result, []).append(one)
+    return {
+        one.part
+        for result, together in sharing.items()
+        if result == _result_name(together)  # a kill may leave the lines of some of them only
+        and all(one.part in paths and _is_as_done(one, to, paths[one.part]) for one in together)
+        for one in together
+    }
 
 
 def _is_as_done(done: PartDone, to: Path, path: Path) -> bool:
@@ -189,19 +194,26 @@ def _version() -> str:
 
 
 def _keep(ledger: PartLedger, to: Path, results: Sequence[PartResult]) -> None:
-    """Put the results of parts, which one of them holds, on the disk, then the lines that say so.
-
-    What several share is named after all that they were made from: others never take its name.
-    """
+    """Put the results of parts, which one of them holds, on the disk; then add their lines."""
     kept = [one for one in results if one.sha256]
     if not kept:
         return
-    name = kept[0].part
-    if len(results) > 1:
-        all_of_them = "\n".join(f"{one.part} {one.sha256}" for one in kept)
-        name += f"-{hashlib.sha256(all_of_them.encode()).hexdigest()}"
+    name = _result_name(kept)
     if made := next((one.parquet for one in results if one.parquet), b""):
         write_file(_result_path(to, name), made)
     ledger.add([
         PartDone(one.part, one.sha256, one.tables, one.failed, one.error, name) for one in kept
     ])  # fmt: skip
+
+
+def _result_name(together: Sequence[PartDone | PartResult]) -> str:
+    """Return the name of the file of results that parts share, after all that it is made from.
+
+    Others never take it.
+    """
+    found = sorted(f"{one.part} {one.sha256}" for one in together)
+    name = min(one.part for one in together)
+    if len(found) == 1:
+        return name
+    all_of_them = "\n".join(found)
+    return f"{name}-{hashlib.sha256(all_of_them.encode()).hexdigest()}"
