@@ -10,7 +10,9 @@ After SIGTERM and SIGINT no part of a file may be left; its code is 130, or 0 if
 from __future__ import annotations
 
 import argparse
+import builtins
 import io
+import json
 import os
 import random
 import resource
@@ -19,7 +21,8 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,21 +35,31 @@ from scara_iso import Run, interrupts  # noqa: E402
 from scara_iso.acquisition.manifest import raw_path  # noqa: E402
 from scara_iso.acquisition.recorder import read_history, rebuild  # noqa: E402
 from scara_iso.cli import main as scara_iso  # noqa: E402
+from scara_iso.cli.record_options import RecordOptions  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
 from scara_iso.disk import SystemDisk  # noqa: E402
 from scara_iso.errors import ScaraIsoError  # noqa: E402
+from scara_iso.fleets import runs  # noqa: E402
+from scara_iso.library import engines, selftests  # noqa: E402
 
 EXAMPLES = ROOT / "examples"
 MODEL, TABLE = str(EXAMPLES / "fum_scara.toml"), str(EXAMPLES / "fum_scara_table1.csv")
 PAIR = [str(EXAMPLES / "before_repair.csv"), str(EXAMPLES / "after_repair.csv")]
 GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
+STREAM = str(EXAMPLES / "stream.csv")
 STUDY = [str(EXAMPLES / "dial_type_1.csv"), "--tolerance", "0.03"]
 TIMER = [*GAUGES, "--trigger", "timer:1"]
+FIVE = [str(EXAMPLES / "five_poses.csv"), "--model", str(EXAMPLES / "five_poses.toml")]
+FLEET = ["fleet", str(EXAMPLES / "fleet"), "--workers", "1", "-o", "out"]
+GUIDE = "record, asked"
+BENCH = '[gauges]\nY = "opto-rs232@sim:?pace=0"\n'
+ANSWERS = ("no", "X=sim:?pace=0", "timer:1", "run.csv")
 
 COMMANDS: dict[str, tuple[str, list[str]]] = {
     "record": ("run.csv", ["record", "run.csv", *TIMER]),
     "record --resume": ("run.csv", ["record", "run.csv", *TIMER, "--cycles", "60", "--resume"]),
     "record --rebuild": ("run.csv", ["record", "--rebuild", "run.raw.jsonl"]),
+    GUIDE: ("bench.toml", ["record", "--cycles", "3"]),
     **{
         f"report {kind}": (f"out{kind}", ["report", TABLE, "--model", MODEL, "-o", f"out{kind}"])
         for kind in (".html", ".md", ".csv", ".xlsx", ".pdf", ".json")
@@ -54,7 +67,7 @@ COMMANDS: dict[str, tuple[str, list[str]]] = {
     "report --archive": ("out.zip", ["report", TABLE, "--json", "--archive", "out.zip"]),
     "test new": ("new/test.toml", ["test", "new", "new", "--model", MODEL]),
     "tables": ("out.csv", ["tables", TABLE, "-o", "out.csv"]),
-    "visits": ("out.csv", ["visits", str(EXAMPLES / "stream.csv"), "-o", "out.csv"]),
+    "visits": ("out.csv", ["visits", STREAM, "--poses", "P1,-", "-o", "out.csv"]),
     "history": ("out.html", ["history", str(EXAMPLES / "months"), "-o", "out.html"]),
     "gauge-study": ("out.html", ["gauge-study", *STUDY, "-o", "out.html"]),
     "gauge-study --plot": ("out.svg", ["gauge-study", *STUDY, "--plot", "out.svg"]),
@@ -64,6 +77,10 @@ COMMANDS: dict[str, tuple[str, list[str]]] = {
     "plan --picture": ("out.svg", ["plan", MODEL, "--picture", "out.svg"]),
     "compare --plot": ("out.png", ["compare", *PAIR, "--plot", "out.png"]),
     "diagnose --plot": ("out.svg", ["diagnose", TABLE, "--plot", "out.svg"]),
+    "diagnose --map": ("out.csv", ["diagnose", *FIVE, "--map", "out.csv"]),
+    "fleet": ("out/manifest.jsonl", FLEET),
+    "fleet --figures": ("out/manifest.jsonl", [*FLEET, "--figures"]),
+    "selftest --report": ("out.html", ["selftest", "--report", "out.html"]),
     "diagnose --save-model": (
         "out.toml",
         ["diagnose", TABLE, "--model", MODEL, "--save-model", "out.toml"],
@@ -98,10 +115,12 @@ class Command:
         self.folder = folder
         self.before = folder / "before"
         self.before.mkdir()
+        self.answer: object = None
+        """What a fleet's command says once it is done."""
         self._prepare()
         self.old = self._read(self.before)
         with chdir(self.place("warm")), redirect_stdout(io.StringIO()):
-            scara_iso(self.arguments)
+            _called(self.arguments)
         place = self.place("whole")
         start = time.perf_counter()
         code = run(lambda: None, self.arguments, place)
@@ -109,11 +128,14 @@ class Command:
         self.new = self._read(place)
         if code != 0 or self.new is None:
             raise SystemExit(f"{name}: exit code {code}")
+        self.is_whole(place)
 
     def _prepare(self) -> None:
-        if self.name in NEW_ONLY:
+        if self.name in NEW_ONLY or self.name.startswith("fleet"):
             return
-        if not self.name.startswith("record"):
+        if self.name == GUIDE:
+            (self.before / self.file).write_text(BENCH)
+        elif not self.name.startswith("record"):
             (self.before / self.file).write_bytes(b"the old one\n")
         elif self.name != "record":
             run(lambda: None, COMMANDS["record"][1], self.before)
@@ -132,6 +154,8 @@ class Command:
 
     def is_whole(self, place: Path) -> bool:
         """Say whether the file is the old or the new one and a recording is as it was or more."""
+        if self.name.startswith("fleet"):
+            return self._goes_on(place)
         found = self._read(place)
         raw = raw_path(place / self.file)
         if not raw.exists():
@@ -145,6 +169,28 @@ class Command:
             return True
         rebuilt, _ = rebuild(raw, place / "rebuilt.csv", disk=SystemDisk())
         return found == rebuilt.read_bytes()
+
+    def _goes_on(self, place: Path) -> bool:
+        """Say whether the same command goes on and, done, says what one that was not killed does.
+
+        Once more it says so too, and that every part was done before.
+        """
+        before = []
+        for name in ("said", "again"):
+            said = place / name
+            code = run(lambda: _say_into(said), [*self.arguments, "--json"], place)  # noqa: B023
+            if code != 0:
+                return False
+            found = json.loads(said.read_bytes())
+            before.append(found.pop("parts"))
+            if self.answer and found != self.answer:
+                return False
+            self.answer = found
+        return before[1]["done_before"] == before[1]["count"]
+
+
+def _say_into(path: Path) -> None:
+    os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT), 1)
 
 
 def run(
@@ -173,12 +219,18 @@ def run(
 def _called(arguments: list[str]) -> int:
     """Return the code of a command as the program's door does."""
     code = 0
+    builtins.input = _answers().__next__
     try:
         code = scara_iso(arguments)
         interrupts.stop_listening()
     except KeyboardInterrupt:
         interrupts.stop_listening()
     return interrupts.INTERRUPTED if interrupts.were_heard() else code
+
+
+def _answers() -> Iterator[str]:
+    yield from ANSWERS
+    raise EOFError
 
 
 def kills(command: Command, how: str, count: int, rng: random.Random) -> Row:
@@ -244,7 +296,7 @@ def full_disks(command: Command, count: int, rng: random.Random, row: Row) -> No
         place = command.place(f"full{k}")
         room = rng.randrange(size)
         code = run(lambda: _limit(room), command.arguments, place)  # noqa: B023
-        row.failures += code not in (73, 74)
+        row.failures += code not in ((2,) if command.name == GUIDE else (73, 74))  # asks again
         judge(row, command, place)
 
 
@@ -252,17 +304,30 @@ def _limit(room: int) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
 
 
-def _diagnose_once() -> None:
-    """Let the diagnosis of each command be computed once, before the forks."""
-    whole, found = closing.close_the_loop, {}
+def _compute_once() -> None:
+    """Let what takes long be computed once, before the forks; let questions be answered."""
 
-    def remembered(run: Run, model: object, wanted: object, **options: object) -> object:
-        key = (run.origin.source, model is None)
-        if key not in found:
-            found[key] = whole(run, model, wanted, **options)
-        return found[key]
+    def once(module: object, name: str, key: Callable[..., object]) -> None:
+        whole, found = getattr(module, name), {}
 
-    closing.close_the_loop = remembered
+        def remembered(*arguments: object, **options: object) -> object:
+            of_these = key(*arguments, **options)
+            if of_these not in found:
+                found[of_these] = whole(*arguments, **options)
+            return found[of_these]
+
+        setattr(module, name, remembered)
+
+    def of_a_run(run: Run, model: object, *_: object, **options: object) -> object:
+        return run.origin.source, model is None, bool(options.get("reach"))
+
+    once(closing, "close_the_loop", of_a_run)
+    once(closing, "close_the_loop_at_poses", of_a_run)
+    once(runs, "examine", lambda piece, task: (piece, repr(task)))
+    checks = tuple(selftests._every_check())
+    selftests._every_check = lambda: iter(checks)
+    engines.open_processes = ThreadPoolExecutor  # processes are not forked with what is computed
+    RecordOptions.guided = property(lambda _: True)  # for one without a table
 
 
 def main() -> int:
@@ -272,7 +337,7 @@ def main() -> int:
     parser.add_argument("--full", type=int, default=20, help="full disks for each command")
     parser.add_argument("--only", choices=list(COMMANDS), action="append")
     options = parser.parse_args()
-    _diagnose_once()
+    _compute_once()
     names = options.only or list(COMMANDS)
     rng = random.Random(20261122)  # noqa: S311
     operations = Row("kill -9 before, within or behind each operation on the disk, all commands")

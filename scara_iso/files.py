@@ -17,6 +17,16 @@ _NEARLY = 0.8
 _REMEDY = "name a file that can be read"
 
 
+def is_folder(path: str | Path) -> bool:
+    """Say whether a folder is there; a name that no disk takes is none, where `Path` raises."""
+    return os.path.isdir(path)  # noqa: PTH112
+
+
+def is_file(path: str | Path) -> bool:
+    """Say likewise whether a regular file is there."""
+    return os.path.isfile(path)  # noqa: PTH113
+
+
 def open_file(path: str | Path) -> BinaryIO:
     """Open a regular file; `NoInputError` where there is none or it cannot be read."""
     try:

@@ -1,7 +1,9 @@
 """Every output of every command is checked before anything is read, opened or computed."""
 
 import errno
+import importlib
 import os
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -12,7 +14,7 @@ from scara_iso import library
 from scara_iso.acquisition import raw_path
 from scara_iso.cli import build_app, main
 from scara_iso.disk import SystemDisk, check_output, write_file
-from scara_iso.errors import CannotCreateError
+from scara_iso.errors import CannotCreateError, NoInputError
 
 ROOT = Path(__file__).parents[1]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
@@ -287,6 +289,63 @@ def test_an_input_with_too_long_a_name_is_none(tmp_path, monkeypatch, capsys, ar
     assert main(words) == 66, capsys.readouterr().err
     assert len(capsys.readouterr().err.splitlines()) <= 3
     assert names(tmp_path) == []
+
+
+READERS = {
+    "analyze": scara_iso.analyze,
+    "diagnose": scara_iso.diagnose,
+    "model": lambda name: scara_iso.diagnose(TABLE, name),
+    "hold out": lambda name: scara_iso.diagnose(TABLE, hold_out=name),
+    "report": scara_iso.report,
+    "compare": lambda name: scara_iso.compare(TABLE, name),
+    "gauge_study": lambda name: scara_iso.gauge_study(name, tolerance=1),
+    "history": scara_iso.history,
+    "fleet": lambda name: scara_iso.fleet(name, "out"),
+    "fleet_figures": lambda name: library.fleet_figures(name, "out"),
+    "plan": scara_iso.plan,
+    "simulate": scara_iso.simulate,
+    "visits": scara_iso.visits,
+    "push": scara_iso.push,
+    "new_test": lambda name: library.new_test("out", name),
+    "read_conditions": library.read_conditions,
+}
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_too_long_a_name_is_no_input_of_the_library_either(tmp_path, monkeypatch, reader):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(NoInputError):
+        READERS[reader]("b" * 300 + ".csv")
+
+
+@pytest.mark.parametrize(
+    "writer", [("compare", "plot"), ("diagnose", "plot"), ("gauge-study", "plot"),
+               ("plan", "picture"), ("diagnose", "map_"), ("gauge-study", "output"),
+               ("history", "output"), ("report", "output"), ("selftest", "report")],
+    ids=" ".join,
+)  # fmt: skip
+def test_an_ending_that_no_writer_knows_is_refused_first(place, capsys, writer):
+    assert main(call(writer, place / "out.doc")) == 2
+    assert "let the name end in" in capsys.readouterr().err
+    assert names(place) == []
+
+
+def test_the_map_of_every_condition_is_checked_before_the_first_begins(place, capsys, monkeypatch):
+    words = ["test", "new", "new", "--model", MODEL, "--velocities", "100,50"]
+    assert main(words) == 0
+    conditions = [one.condition.name for one in library.read_conditions("new")]
+    (place / f"m-{conditions[-1]}.csv").mkdir()
+    assert main(["diagnose", "new", "--model", MODEL, "--map", "m.csv"]) == 73
+    assert f"m-{conditions[-1]}.csv" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the benchmark forks")
+def test_the_benchmark_of_kills_ends_every_writer(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    calls = [set(words) for _, words in importlib.import_module("kills").COMMANDS.values()]
+    for (command, _), words in WRITERS.items():
+        option = next(a for a, b in pairwise(words) if b.startswith("out"))
+        assert any({*command.split(), option} <= call for call in calls), (command, option)
 
 
 def test_resuming_is_advised_where_something_was_stored(tmp_path, monkeypatch, capsys):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
+
+from scara_iso.files import is_file
 
 FILE = "test.toml"
 
 
 def is_test_folder(path: object) -> bool:
     """Say whether a path names the folder of a test."""
-    # os.path, since it takes a name of any length
-    return isinstance(path, str | Path) and os.path.isfile(os.path.join(path, FILE))  # noqa: PTH113, PTH118
+    return isinstance(path, str | Path) and is_file(Path(path) / FILE)

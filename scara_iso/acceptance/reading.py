@@ -26,7 +26,7 @@ from scara_iso.acceptance.whole_test import (
     WholeTest,
 )
 from scara_iso.errors import DataError, NoInputError
-from scara_iso.files import read_toml
+from scara_iso.files import is_file, read_toml
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.quantities import Dimension
 from scara_iso.run import AXES
@@ -48,7 +48,7 @@ def read_test(folder: Path) -> WholeTest:
     key.
     """
     path = folder / FILE
-    if not path.is_file():
+    if not is_file(path):
         raise NoInputError(
             f"is no folder of a test: it has no {FILE}", where=str(folder),
             remedy=f"make it one: scara-iso test new {folder} `model=MODEL.toml`",

@@ -62,7 +62,7 @@ def compare_command(
     """
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
-    check_outputs([plot], tables)
+    check_outputs([], tables, pictures=[plot])
     read = asdict(reading) | asdict(counting)
     options: dict[str, Any] = {
         **read,

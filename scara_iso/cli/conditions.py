@@ -104,13 +104,17 @@ def diagnose_folder(
     condition: str | None,
     diagnose: Callable[[ConditionRun, Run, Write], None],
     *,
+    check: Callable[[str], object],
     as_json: bool,
 ) -> None:
     """Diagnose each condition of a test that has readings; say of the others what is missing.
 
-    The JSON objects of several conditions go into one.
+    ``check`` gets the name of each before the first begins. The JSON objects of several conditions
+    go into one.
     """
     found = read_conditions(folder, condition)
+    for one in found:
+        check(one.condition.name)
     documents: list[dict[str, Any]] = []
     for one in found:
         if one.run is None:
@@ -186,11 +190,11 @@ def compare_folders(
 
     A table beside folders goes with one condition only.
     """
-    asked = list(_compared(tables, condition, options))
+    asked = list(_compared(tables, condition, plot, options))
     several = len(asked) > 1
     found = [(one, comparison) for one, comparison in asked if comparison is not None]
     for one, comparison in found:
-        write_picture(comparison, _path(plot, one, several=several))
+        write_picture(comparison, _path(plot, one.condition.name, several=several))
         if not as_json:
             typer.echo(f"{one.condition}:")
             again = [command_line([table], {"condition": one.condition.name}) for table in tables]
@@ -204,7 +208,10 @@ def compare_folders(
 
 
 def _compared(
-    tables: Sequence[str], condition: str | None, options: Mapping[str, Any]
+    tables: Sequence[str],
+    condition: str | None,
+    plot: Path | None,
+    options: Mapping[str, Any],
 ) -> Iterator[tuple[ConditionRun, Comparison | None]]:
     """Yield each condition, with what is missing of it in any test, and its comparison.
 
@@ -215,7 +222,9 @@ def _compared(
         for one in tables
         if is_test_folder(one)
     }
-    for name in _shared(tests, tables):
+    shared = _shared(tests, tables)
+    check_outputs([_path(plot, name, several=len(shared) > 1) for name in shared], [])
+    for name in shared:
         of_test = [found[name] for found in tests.values()]
         if any(one.run is None for one in of_test):
             for one in of_test:
@@ -241,10 +250,10 @@ def _shared(tests: Mapping[str, Mapping[str, ConditionRun]], tables: Sequence[st
     return shared
 
 
-def _path(path: Path | None, one: ConditionRun, *, several: bool) -> Path | None:
+def _path(path: Path | None, condition: str, *, several: bool) -> Path | None:
     if path is None or not several:
         return path
-    return path.with_name(f"{path.stem}-{one.condition.name}{path.suffix}")
+    return path.with_name(f"{path.stem}-{condition}{path.suffix}")
 
 
 def _write_report(

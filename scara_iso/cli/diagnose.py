@@ -128,7 +128,7 @@ def diagnose_command(
         show_design(named, files, reading, wanted, seed=seed, as_json=json)
         return
     files.check(named)
-    check_outputs([plot, save_model, map_], [*named, model, effects, hold_out])
+    check_outputs([save_model, map_], [*named, model, effects, hold_out], pictures=[plot])
     show = partial(_How, full=full, as_json=json)
     if (folder := test_folder(named, condition, reading)) is not None:
         _diagnose_folder(folder, condition, files, reading, wanted, show, seed=seed, as_json=json)
@@ -164,7 +164,7 @@ def _diagnose_folder(
         how = show(partial(command_line, [folder], options), write=write)
         _diagnose_run(run, files.under(one.condition.name), reading, counting, how, seed=seed)
 
-    diagnose_folder(folder, condition, diagnose, as_json=as_json)
+    diagnose_folder(folder, condition, diagnose, check=files.under, as_json=as_json)
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,7 +86,7 @@ def gauge_study_command(
     """
     from scara_iso.library import gauge_study
 
-    check_outputs([output, plot], table)
+    check_outputs([output], table, pictures=[plot])
     found = gauge_study(
         table,
         tolerance=parse_sizes("--tolerance", tolerance or (), "write --tolerance 0.06"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
 import sys
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from scara_iso.disk import check_output, write_file
 from scara_iso.errors import CannotCreateError, UsageError
+from scara_iso.files import is_folder
 
 if TYPE_CHECKING:
     from scara_iso.display import Plotted
@@ -163,20 +163,31 @@ def named(tables: Sequence[str]) -> list[str]:
     """Return the files of tables that are named, and all that is read of a folder and its own."""
     from scara_iso.library import EVENTS, folders_seen, tables_in
 
-    folders = [Path(one) for one in tables if os.path.isdir(one)]  # noqa: PTH112 - of any length
+    folders = [Path(one) for one in tables if is_folder(one)]
     within = [inner for folder in folders for inner in (folder, *folders_seen(folder))]
     files = [path for folder in within for path in (*tables_in(folder), folder / EVENTS)]
     return [*tables, *map(str, files)]
 
 
-def check_outputs(outputs: Sequence[Path | None], inputs: Sequence[str | None]) -> None:
+def check_outputs(
+    outputs: Sequence[Path | None],
+    inputs: Sequence[str | None],
+    *,
+    pictures: Sequence[Path | None] = (),
+) -> None:
     """Raise before anything is read where an output cannot be written, or is not to be.
 
     As `check_output`; `CannotCreateError` where an output is what the command reads, or of a
-    recording; `UsageError` where two outputs are one file. Of folders among ``inputs`` all is
-    read.
+    recording; `UsageError` where two outputs are one file, or one of the ``pictures`` has an
+    ending of none. Of folders among ``inputs`` all is read.
     """
-    outs = [path for path in outputs if path is not None]
+    drawn = [path for path in pictures if path is not None]
+    if drawn:
+        from scara_iso.render import check_picture
+
+        for path in drawn:
+            check_picture(path)
+    outs = [*(path for path in outputs if path is not None), *drawn]
     check_output(*outs)
     read = named([name for name in inputs if name not in (None, "-")]) if outs else []
     for path in outs:

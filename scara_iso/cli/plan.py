@@ -101,7 +101,7 @@ def plan_command(
     """
     from scara_iso.robot import read_model
 
-    check_outputs([picture, output], [model])
+    check_outputs([output], [model], pictures=[picture])
     robot = read_model(model).robot
     how = _How(None if elbow is None else elbow.value, cycles, velocity, load, dwell)
     files = _Files(picture, output, excel_locale)

@@ -46,7 +46,7 @@ from scara_iso.cli.output import settings
 from scara_iso.cli.record_options import RecordOptions, complete, confirm
 from scara_iso.cli.record_screen import Screen, write_line
 from scara_iso.disk import check_folder
-from scara_iso.errors import UsageError
+from scara_iso.errors import InstrumentError, UsageError
 from scara_iso.library import Nobody, Watcher
 from scara_iso.render import LiveScreen, open_console
 from scara_iso.reporting import printable
@@ -57,6 +57,7 @@ if TYPE_CHECKING:
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""
 _CYCLES = 31
+_GO_ON = "go on with `resume=True`"
 _REARM_S = 0.5
 _REARM_KEY_S = 1.0
 """A key held down repeats after 0.25 to 0.7 s."""
@@ -186,10 +187,15 @@ def _run(
             from scara_iso.acceptance import told_of_part
 
             tell = told_of_part(assignment, job.table.parent, tell)
-        record(
-            job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell,
-            attended=on_terminal and sys.stdin.isatty(), typed=typed,
-        )  # fmt: skip
+        try:
+            record(
+                job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell,
+                attended=on_terminal and sys.stdin.isatty(), typed=typed,
+            )  # fmt: skip
+        except InstrumentError as error:
+            if assignment is not None:  # which the same command goes on with
+                error.remedy = error.remedy.replace(_GO_ON, "record again")
+            raise
 
 
 def _screen(

@@ -100,6 +100,8 @@ def report_command(
     """
     path = output or (None if json else Path(f"{_stem(table)}.html"))
     read = [*table, model, effects, None if meta_file is None else str(meta_file)]
+    if path is not None:
+        library.check_format(path, excel_locale)
     check_outputs([output, archive], read)
     options: dict[str, Any] = {
         "model": model,

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
-from scara_iso.files import open_file
+from scara_iso.files import is_folder, open_file
 from scara_iso.fleets.database import Query, alone, fetched, workspace
 from scara_iso.fleets.decimal_marks import refuse_groups, settle_marks
 from scara_iso.fleets.pieces import WHOLE, Share
@@ -58,7 +58,7 @@ class FleetTable:
 
 def parts_of(source: Path) -> list[Path]:
     """Return the parts in a folder by name; `NoInputError` where there is none."""
-    if not source.is_dir():
+    if not is_folder(source):
         raise NoInputError("is no folder", where=str(source), remedy="name the folder of the parts")
     found = sorted(
         path

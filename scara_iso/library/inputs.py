@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, Unp
 
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
+from scara_iso.files import is_folder
 from scara_iso.frames import FRAME, is_frame
 from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.library.conditions import ConditionRun, read_condition
@@ -148,7 +149,7 @@ def tables_of(tables: Tables) -> list[Table]:
     """Return the single tables of a sequence or a folder; `NoInputError` where there is none."""
     if isinstance(tables, list | tuple):
         found = [one for table in tables for one in tables_of(table)]
-    elif isinstance(tables, str | Path) and Path(tables).is_dir():
+    elif isinstance(tables, str | Path) and is_folder(tables):
         found = list(tables_in(Path(tables)))
     else:
         return [tables]  # type: ignore[list-item]  # a sequence is a list or a tuple

@@ -10,6 +10,7 @@ from typing import Any, Unpack
 
 from scara_iso.acceptance import is_test_folder
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
+from scara_iso.files import is_file, is_folder
 from scara_iso.iso9283 import (
     Analysis,
     analyze,
@@ -79,7 +80,7 @@ def history(
 def _folders(tables: Tables) -> list[Path]:
     """Return the folders among the tables."""
     several = tables if isinstance(tables, list | tuple) else [tables]
-    found = [Path(one) for one in several if isinstance(one, str | Path) and Path(one).is_dir()]
+    found = [Path(one) for one in several if isinstance(one, str | Path) and is_folder(one)]
     for folder in found:
         if is_test_folder(str(folder)):
             raise UsageError(
@@ -158,7 +159,7 @@ def _analyses(
             raise
         except ScaraIsoError as error:
             name = str(table) if isinstance(table, str | Path) else f"table {k}"
-            if isinstance(error, NoInputError) and not Path(name).is_file():
+            if isinstance(error, NoInputError) and not is_file(name):
                 raise
             failed.append((name, error.what))
     return found, failed

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         LiveView as LiveView,
     )
     from scara_iso.render.plots import (
+        check_picture as check_picture,
         plot_diagnosis as plot_diagnosis,
         plot_plan as plot_plan,
         plot_poses as plot_poses,

@@ -131,17 +131,22 @@ def _draw_limit(axes: Axes, reach: ReachMap, limit: float) -> None:
     axes.plot([], [], "s", mfc="none", mec=ARM, ms=8, ls="none", label=said)
 
 
-def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as .svg or .png, without date or random names.
-
-    Raises `UsageError` for another ending, and as `write_file`.
-    """
-    kind = path.suffix.lower().lstrip(".")
-    if kind not in ("svg", "png"):
+def check_picture(path: Path) -> None:
+    """Raise `UsageError` for an ending that no picture has."""
+    if path.suffix.lower() not in (".svg", ".png"):
         raise UsageError(
             f"{path.name}: pictures are written as SVG or PNG",
             remedy="let the name end in .svg or .png",
         )
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as .svg or .png, without date or random names.
+
+    Raises as `check_picture` and `write_file`.
+    """
+    check_picture(path)
+    kind = path.suffix.lower().lstrip(".")
     drawn = BytesIO()
     metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
     with own_style({"svg.hashsalt": "scara-iso"}):

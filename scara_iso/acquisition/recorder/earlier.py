@@ -14,6 +14,7 @@ from scara_iso.acquisition.recorder.plan import Job
 from scara_iso.acquisition.recorder.table import doubts_beside, table_of
 from scara_iso.disk import check_output
 from scara_iso.errors import CannotCreateError, DataError, NoInputError, UsageError
+from scara_iso.files import is_folder
 
 _CUT_SHORT = "the cycle was cut short"
 
@@ -30,7 +31,7 @@ def check_files(table: Path, *, resume: bool) -> None:
 
 def refuse_existing(table: Path) -> None:
     """Raise `CannotCreateError` where a table, its raw file or its manifest is there already."""
-    if os.path.isdir(table):  # noqa: PTH112 - of a name of any length
+    if is_folder(table):
         raise CannotCreateError(
             "is a folder, and not that of a test", where=str(table),
             remedy=f"name a table in it, or make it one: scara-iso test new {table} "
