@@ -24,8 +24,9 @@ from scara_iso.acceptance.whole_test import (
     Surroundings,
     WholeTest,
 )
+from scara_iso.acquisition.recorder import recording
 from scara_iso.cli import main
-from scara_iso.errors import DataError, UsageError
+from scara_iso.errors import DataError, InstrumentError, UsageError
 from scara_iso.library import new_test, read_conditions
 from scara_iso.reporting import Notice, status_report
 from scara_iso.toml_keys import KeyFaults
@@ -209,6 +210,18 @@ def test_a_port_that_cannot_be_opened_strikes_nothing(folder):
     again = ("--part", "P1-v100-l100", "--repeat", "why")
     assert record(folder, 2, *again, gauges=("X=opto-rs232@/dev/nowhere",)) == 69
     assert states(folder)["P1-v100-l100"] == "done"
+
+
+def test_in_a_test_it_is_advised_to_record_again(folder, tmp_path, monkeypatch, capsys):
+    def lost(*_, **__):
+        raise InstrumentError("lost", remedy=f"reconnect it, {recording._GO_ON}")
+
+    monkeypatch.setattr("scara_iso.cli.recording.record", lost)
+    gauge = ["--gauge", GAUGE.format(1), "--trigger", "timer:2"]
+    for table, advised in ((folder, "record again"), (tmp_path / "run.csv", "--resume")):
+        assert main(["record", str(table), *gauge]) == 69
+        said = capsys.readouterr().err
+        assert [word for word in ("record again", "--resume") if word in said] == [advised]
 
 
 def test_an_unfinished_part_is_gone_on_with(folder, monkeypatch):
