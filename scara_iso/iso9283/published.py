@@ -218,7 +218,19 @@ class PublishedCycles:
     """Cycles that count."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)  # without slots: bases are joined, the head's keys first
+class Head:
+    """What the object of ``analyze`` begins with."""
+
+    schema: Literal["scara-iso/analyze/2"]
+    """Name and number of this schema."""
+    unit: Literal["mm"]
+    """Of every length."""
+    source: str
+    """The file, or the folder of a test."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Analysed:
     """Readings and what was found in them, beside where they came from."""
 
@@ -247,21 +259,15 @@ class Analysed:
     """Of a test's folder: parts that are not recorded."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedAnalysis(Analysed):
+@dataclass(frozen=True, kw_only=True)
+class PublishedAnalysis(Analysed, Head):
     """``analyze`` of a table, or of a test's folder with one condition."""
 
-    schema: Literal["scara-iso/analyze/2"]
-    """Name and number of this schema."""
-    unit: Literal["mm"]
-    """Of every length."""
-    source: str
-    """The file."""
     drift: tuple[PublishedCourse, ...] | None = None
     """Of a drift test (7.6) only: the course of each pose."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ConditionAnalysis(Analysed):
     """What one condition of a test's folder would give by itself."""
 
@@ -271,21 +277,15 @@ class ConditionAnalysis(Analysed):
     """Per cent of the rated one."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FolderAnalysis:
+@dataclass(frozen=True, kw_only=True)
+class FolderAnalysis(Head):
     """``analyze`` of a test's folder with several conditions."""
 
-    schema: Literal["scara-iso/analyze/2"]
-    """Name and number of this schema."""
-    unit: Literal["mm"]
-    """Of every length."""
-    source: str
-    """The folder."""
     conditions: Annotated[tuple[ConditionAnalysis, ...], ("minItems", 2)]
     """One for each velocity and load."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class BesidePoses:
     """The tests beside the poses: drift and push tests."""
 
@@ -301,18 +301,9 @@ class BesidePoses:
     """Parts that are not recorded."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FolderAndBeside(BesidePoses):
+@dataclass(frozen=True, kw_only=True)
+class FolderAndBeside(BesidePoses, FolderAnalysis):
     """``analyze`` of a test's folder with several conditions and tests beside them."""
-
-    schema: Literal["scara-iso/analyze/2"]
-    """Name and number of this schema."""
-    unit: Literal["mm"]
-    """Of every length."""
-    source: str
-    """The folder."""
-    conditions: Annotated[tuple[ConditionAnalysis, ...], ("minItems", 2)]
-    """One for each velocity and load."""
 
 
 def published_analysis(analysis: Analysis) -> PublishedAnalysis:
