@@ -51,13 +51,24 @@ _SPELLED = {
     **dict.fromkeys(("hr", "hrs", "hour", "hours", "std", "stunde", "stunden"), "h"),
     **dict.fromkeys(("degc", "deg c", "grad c", "celsius", "deg celsius", "grad celsius"), "c"),
     **dict.fromkeys(("degf", "deg f", "grad f", "fahrenheit", "deg fahrenheit"), "f"),
-    "kelvin": "k", "gram": "g", "grams": "g", "gramm": "g", "lbs": "lb", "pounds": "lb",
-}  # fmt: skip
+    "kelvin": "k",
+    "gram": "g",
+    "grams": "g",
+    "gramm": "g",
+    "lbs": "lb",
+    "pounds": "lb",
+}
 _CLOCK_NAMES = ("time", "t", "zeit")
 _CLOCK_LIKE = ("elapsed", "elapsed time", "time elapsed", "time since start", "zeit seit start")
 _LOAD_LIKE = ("load", "last", "nutzlast")
-_ROOM = ("t", "temp", "raumtemperatur", "lufttemperatur", "umgebungstemperatur",
-         "ambient temperature")  # fmt: skip
+_ROOM = (
+    "t",
+    "temp",
+    "raumtemperatur",
+    "lufttemperatur",
+    "umgebungstemperatur",
+    "ambient temperature",
+)
 _WARM = re.compile(r"(?:temp|temperature?)(?: .+)?|.*temperature?", re.ASCII)
 
 

@@ -22,11 +22,32 @@ Commanded = float | Mapping[str, float] | None
 """A coordinate of the command pose: of the only pose, or by pose; None where not stated."""
 CONDITIONS = frozenset({"approach", "block", "payload_kg", "speed", "temperature_C", "time_s"})
 """Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
-POSE_NAMES = frozenset({
-    "pose", "pose label", "pose name", "pose no", "point", "point no", "point name", "punkt",
-    "punkt nr", "target", "target point", "ziel", "zielpunkt", "position", "station", "messpunkt",
-    "messposition", "messstelle", "measuring point", "measurement point", "test point", "location",
-})  # fmt: skip
+POSE_NAMES = frozenset(
+    {
+        "pose",
+        "pose label",
+        "pose name",
+        "pose no",
+        "point",
+        "point no",
+        "point name",
+        "punkt",
+        "punkt nr",
+        "target",
+        "target point",
+        "ziel",
+        "zielpunkt",
+        "position",
+        "station",
+        "messpunkt",
+        "messposition",
+        "messstelle",
+        "measuring point",
+        "measurement point",
+        "test point",
+        "location",
+    }
+)
 """What people call the column of poses, in lower case."""
 
 _NUMBERED = r"(?:p|pose|point|punkt)[ _.-]?[0-9]{1,3}"
@@ -236,9 +257,10 @@ def check_clusters(
     """
     stated = {name.strip().lower() for name in metadata.get("covariates", "").split(",")}
     asked = {
-        name: values for name, values in columns.items()
+        name: values
+        for name, values in columns.items()
         if not (name in CONDITIONS or name.lower() in stated or not _is_few(values[:_SAMPLE]))
-    }  # fmt: skip
+    }
     at_poses = [rows for _, rows in poses] if asked else []
     for name, values in asked.items():
         for rows in at_poses:

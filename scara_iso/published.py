@@ -38,17 +38,24 @@ Count: TypeAlias = Annotated[int, ("minimum", 0)]
 Interval: TypeAlias = tuple[float, float]
 Unit: TypeAlias = Literal["mm", "deg"]
 _TYPES = {
-    "float": "number", "float64": "number", "int": "integer", "int64": "integer",
-    "str": "string", "bool": "boolean", "NoneType": "null",
-}  # fmt: skip
+    "float": "number",
+    "float64": "number",
+    "int": "integer",
+    "int64": "integer",
+    "str": "string",
+    "bool": "boolean",
+    "NoneType": "null",
+}
 
 
 def publish(kind: type[Published], found: object, **given: Any) -> Published:
     """Return a published class of what a result holds under the same names, and of ``given``."""
-    return kind(**{
-        field.name: given[field.name] if field.name in given else getattr(found, field.name)
-        for field in fields(kind)  # type: ignore[arg-type]
-    })  # fmt: skip
+    return kind(
+        **{
+            field.name: given[field.name] if field.name in given else getattr(found, field.name)
+            for field in fields(kind)  # type: ignore[arg-type]
+        }
+    )
 
 
 def to_json(result: Any) -> Any:
@@ -72,8 +79,10 @@ def schema(title: str, *kinds: Any) -> Json:
     held = sorted(_reached(kinds), key=lambda kind: kind.__name__)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": title, **whole, "$defs": {kind.__name__: _defined(kind) for kind in held},
-    }  # fmt: skip
+        "title": title,
+        **whole,
+        "$defs": {kind.__name__: _defined(kind) for kind in held},
+    }
 
 
 def _of(hint: Any) -> Json:
@@ -113,15 +122,19 @@ def _defined(kind: type[Any]) -> Json:
     hints, said = get_type_hints(kind, include_extras=True), _said(kind)
     always = {field.name: field.default is MISSING for field in fields(kind)}
     found = {
-        name: {**(_of(hints[name]) if there else _never_null(hints[name])),
-               **({"description": said[name]} if name in said else {})}
+        name: {
+            **(_of(hints[name]) if there else _never_null(hints[name])),
+            **({"description": said[name]} if name in said else {}),
+        }
         for name, there in always.items()
-    }  # fmt: skip
+    }
     return {
-        **head, "type": "object", "properties": found,
+        **head,
+        "type": "object",
+        "properties": found,
         "required": [name for name, there in always.items() if there],
         "additionalProperties": False,
-    }  # fmt: skip
+    }
 
 
 def _never_null(hint: Any) -> Json:

@@ -75,12 +75,29 @@ _UNITS = (
     Unit("arcsec", Dimension.ANGLE, 1, 3600),
 )
 _ALIASES = {
-    "millimeter": "mm", "millimetre": "mm", "µm": "um", "μm": "um", "micron": "um",
-    "microns": "um", "micrometer": "um", "micrometre": "um",
-    "mikrometer": "um", "mikron": "um", "in": "inch", "inches": "inch",
-    '"': "inch", "zoll": "inch", "°": "deg", "degree": "deg", "degrees": "deg",
-    "'": "arcmin", "′": "arcmin", "″": "arcsec", "radian": "rad", "radians": "rad",
-}  # fmt: skip
+    "millimeter": "mm",
+    "millimetre": "mm",
+    "µm": "um",
+    "μm": "um",
+    "micron": "um",
+    "microns": "um",
+    "micrometer": "um",
+    "micrometre": "um",
+    "mikrometer": "um",
+    "mikron": "um",
+    "in": "inch",
+    "inches": "inch",
+    '"': "inch",
+    "zoll": "inch",
+    "°": "deg",
+    "degree": "deg",
+    "degrees": "deg",
+    "'": "arcmin",
+    "′": "arcmin",
+    "″": "arcsec",
+    "radian": "rad",
+    "radians": "rad",
+}
 _BY_NAME = {unit.name: unit for unit in _UNITS}
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 _LONGEST = 60

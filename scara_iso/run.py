@@ -130,9 +130,13 @@ class Run(Displayed):
         set_ = object.__setattr__
         set_(self, "cycle", _frozen(self.cycle, np.int64))
         set_(self, "axes", MappingProxyType({n: self.axes[n] for n in _ordered(self.axes)}))
-        set_(self, "covariates", MappingProxyType(
-            {name: _frozen(values, np.float64) for name, values in self.covariates.items()}
-        ))  # fmt: skip
+        set_(
+            self,
+            "covariates",
+            MappingProxyType(
+                {name: _frozen(values, np.float64) for name, values in self.covariates.items()}
+            ),
+        )
         set_(self, "metadata", MappingProxyType(dict(self.metadata)))
         for name, kind in (("pose", np.str_), ("direction", np.str_), ("lines", np.int32)):
             if getattr(self, name) is not None:
@@ -180,11 +184,14 @@ class Run(Displayed):
         if one_pose:
             axes = {n: replace(a, command=self.command_of(n, label)) for n, a in axes.items()}
         return replace(
-            self, cycle=self.cycle[rows], axes=axes, pose=None if one_pose else labels,
+            self,
+            cycle=self.cycle[rows],
+            axes=axes,
+            pose=None if one_pose else labels,
             covariates={name: values[rows] for name, values in self.covariates.items()},
             lines=None if self.lines is None else self.lines[rows],
             direction=None if self.direction is None else self.direction[rows],
-        )  # fmt: skip
+        )
 
     def unwrapped(self) -> Run:
         """Return the run with the angles of each pose on one turn (`quantities.unwrap`).
@@ -275,11 +282,15 @@ class Run(Displayed):
         if counted is not None and np.any(counted != np.round(counted)):
             raise DataError("column 'cycle' holds a number that is not whole")
         axes = {
-            name: _axis(name, numbers.pop(name), kept.get(name, given),
-                        by_pose(f"command_{name}", numbers.pop(f"command_{name}", None), pose))
+            name: _axis(
+                name,
+                numbers.pop(name),
+                kept.get(name, given),
+                by_pose(f"command_{name}", numbers.pop(f"command_{name}", None), pose),
+            )
             for name in AXES
             if name in numbers
-        }  # fmt: skip
+        }
         run = cls(
             cycle=number_cycles(counted, arrival_labels(pose, direction), len(frame)),
             axes=axes,

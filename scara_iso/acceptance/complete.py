@@ -34,10 +34,11 @@ def completed(run: Run, part: Part, test: WholeTest) -> Run:
     found, wrong = corrected(known)
     if wrong:
         raise DataError(
-            f"cannot be corrected: {wrong[0]}", where=run.origin.source,
+            f"cannot be corrected: {wrong[0]}",
+            where=run.origin.source,
             faults=[Fault(one) for one in wrong],
             remedy="state the curve and its zero in test.toml: docs/test-folder.md",
-        )  # fmt: skip
+        )
     return found
 
 

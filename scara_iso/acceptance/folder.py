@@ -120,8 +120,9 @@ class Folder:
 
     def under(self, condition: Condition) -> list[PartState]:
         """Return the poses of a condition."""
-        return [one for one in self.parts
-                if one.part.condition == condition and not one.part.beside]  # fmt: skip
+        return [
+            one for one in self.parts if one.part.condition == condition and not one.part.beside
+        ]
 
     @property
     def beside(self) -> list[PartState]:
@@ -166,8 +167,12 @@ def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
 def _names(path: Path) -> set[str]:
     """Return the recordings of a folder by their names without ending."""
     files = [one.name for one in path.iterdir() if one.is_file()]
-    return {name.removesuffix(ending) for name in files for ending in (".csv", _RAW)
-            if name.endswith(ending)}  # fmt: skip
+    return {
+        name.removesuffix(ending)
+        for name in files
+        for ending in (".csv", _RAW)
+        if name.endswith(ending)
+    }
 
 
 def _recordings(path: Path, test: WholeTest) -> Iterator[tuple[str, list[Recording]]]:
@@ -217,9 +222,11 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
     except ScaraIsoError as error:
         return PartState(part, FAULTY, recording, struck, why=_why(error))
     edited = tuple(Finding("edited", "warning", line) for line in recording.doubts)
-    off = tuple(f for f in (*findings, *edited)
-                if f.severity != "info" and f.code not in PLANNED
-                and (f.rule or f.code == "edited"))  # fmt: skip
+    off = tuple(
+        f
+        for f in (*findings, *edited)
+        if f.severity != "info" and f.code not in PLANNED and (f.rule or f.code == "edited")
+    )
     lacking = tuple(finding.message for finding in findings if finding.code == "not-measured")
     return PartState(part, OUT if off else DONE, recording, struck, off, lacking)
 

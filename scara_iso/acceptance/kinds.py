@@ -120,16 +120,44 @@ def _by_axis(value: object) -> dict[str, float]:
 
 KINDS: Mapping[str, Callable[[Any], Any]] = {
     **dict.fromkeys(
-        ("name", "serial_number", "model", "solid", "plane", "elbow", "certificate", "operator",
-         "laboratory", "address", "location", "customer", "authorized_by", "report_number",
-         "recording", "reason", "pose"), _text),
+        (
+            "name",
+            "serial_number",
+            "model",
+            "solid",
+            "plane",
+            "elbow",
+            "certificate",
+            "operator",
+            "laboratory",
+            "address",
+            "location",
+            "customer",
+            "authorized_by",
+            "report_number",
+            "recording",
+            "reason",
+            "pose",
+        ),
+        _text,
+    ),
     **dict.fromkeys(
-        ("rated_payload_kg", "rated_velocity_mm_s", "uncertainty", "arm_m",
-         "correction_uncertainty", "alignment_u_deg"), _positive),
-    **dict.fromkeys(("dwell_s", "stabilisation_time_s", "warm_up_min", "alignment_deg"),
-                    _not_negative),
-    **dict.fromkeys(("x_mm", "y_mm", "z_mm", "theta_deg", "temperature_C",
-                     "correction_zero"), _number),
+        (
+            "rated_payload_kg",
+            "rated_velocity_mm_s",
+            "uncertainty",
+            "arm_m",
+            "correction_uncertainty",
+            "alignment_u_deg",
+        ),
+        _positive,
+    ),
+    **dict.fromkeys(
+        ("dwell_s", "stabilisation_time_s", "warm_up_min", "alignment_deg"), _not_negative
+    ),
+    **dict.fromkeys(
+        ("x_mm", "y_mm", "z_mm", "theta_deg", "temperature_C", "correction_zero"), _number
+    ),
     **dict.fromkeys(("calibration_date", "calibration_due", "date"), _day),
     "size_mm": _several(_positive),
     "characteristics": _several(_text),
@@ -144,5 +172,5 @@ KINDS: Mapping[str, Callable[[Any], Any]] = {
     "dial_zero": _one_of("command"),
     "temperature_limits_C": _limits_of_temperature,
     "command": _by_axis,
-}  # fmt: skip
+}
 """What each key has to be, in whichever section."""

@@ -42,11 +42,10 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
     metadata = {**run.metadata, **dict(_of_the_test(states))}
     units = tuple(said for _, said in converted(runs))
     return replace(
-        run, metadata=metadata,
-        origin=Origin(
-            str(folder.path), said, (*_notes(folder, runs), *units), other_units=units
-        ),
-    )  # fmt: skip
+        run,
+        metadata=metadata,
+        origin=Origin(str(folder.path), said, (*_notes(folder, runs), *units), other_units=units),
+    )
 
 
 def runs_as_poses(runs: Mapping[str, Run]) -> Run:
@@ -92,21 +91,25 @@ def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
         first = next(one for one in states if one.state == FAULTY)
         raise DataError(
             f"{len(faults)} part{'s' if len(faults) > 1 else ''} cannot be taken",
-            where=str(folder.path), faults=faults,
+            where=str(folder.path),
+            faults=faults,
             remedy="move a file of another test away, correct or strike it, or repeat the part: "
             f"scara-iso record {folder.path} `part={first.part.name}` `repeat='the reason'`",
-        )  # fmt: skip
+        )
 
 
 def _refuse_other_axes(folder: Folder, runs: Mapping[str, Run]) -> None:
-    found = {pose: ", ".join(f"{n} in {a.unit}" for n, a in run.axes.items())
-             for pose, run in runs.items()}  # fmt: skip
+    found = {
+        pose: ", ".join(f"{n} in {a.unit}" for n, a in run.axes.items())
+        for pose, run in runs.items()
+    }
     if len(set(found.values())) > 1:
         raise DataError(
-            "the parts do not have the same axes", where=str(folder.path),
+            "the parts do not have the same axes",
+            where=str(folder.path),
             faults=[Fault(f"{pose}: {said}") for pose, said in found.items()],
             remedy="repeat the part that differs, with the gauges of the others",
-        )  # fmt: skip
+        )
 
 
 def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:

@@ -29,11 +29,17 @@ def plan_test(
     """
     return WholeTest(
         robot=RobotTested(
-            model.robot, model.serial_number, _relative(model_path, folder),
-            model.rated.load_kg, model.rated.velocity_mm_s,
+            model.robot,
+            model.serial_number,
+            _relative(model_path, folder),
+            model.rated.load_kg,
+            model.rated.velocity_mm_s,
         ),
         schedule=Schedule(
-            CHARACTERISTICS, tuple(velocities), tuple(loads), plan.conditions.cycles,
+            CHARACTERISTICS,
+            tuple(velocities),
+            tuple(loads),
+            plan.conditions.cycles,
             dwell_s=plan.conditions.dwell_s,
         ),
         cube=Cube(plan.solid.value, plan.size_mm, plan.plane.value, plan.elbow.value),
@@ -41,7 +47,7 @@ def plan_test(
             pose.name: CommandPose(pose.x_mm, pose.y_mm, pose.z_mm, pose.theta_deg)
             for pose in plan.poses
         },
-    )  # fmt: skip
+    )
 
 
 def _relative(path: Path, folder: Path) -> str:

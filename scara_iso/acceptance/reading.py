@@ -36,9 +36,18 @@ EVERY_LENGTH = "every_length"
 _Section = TypeVar("_Section")
 _POSE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,20}")
 _SECTIONS = {
-    "robot", "test", "cube", "pose", "limits", "instrument", "people", "environment", "struck",
-    "drift", "push",
-}  # fmt: skip
+    "robot",
+    "test",
+    "cube",
+    "pose",
+    "limits",
+    "instrument",
+    "people",
+    "environment",
+    "struck",
+    "drift",
+    "push",
+}
 
 
 def read_test(folder: Path) -> WholeTest:
@@ -50,16 +59,19 @@ def read_test(folder: Path) -> WholeTest:
     path = folder / FILE
     if not is_file(path):
         raise NoInputError(
-            f"is no folder of a test: it has no {FILE}", where=str(folder),
+            f"is no folder of a test: it has no {FILE}",
+            where=str(folder),
             remedy=f"make it one: scara-iso test new {folder} `model=MODEL.toml`",
-        )  # fmt: skip
+        )
     faults = KeyFaults()
     found = parse_test(read_toml(path, "docs/test-folder.md"), faults)
     if faults:
         raise DataError(
-            f"is no test: {len(faults)} fault{'s' if len(faults) > 1 else ''}", where=str(path),
-            remedy="correct these keys; docs/test-folder.md lists them all", faults=faults,
-        )  # fmt: skip
+            f"is no test: {len(faults)} fault{'s' if len(faults) > 1 else ''}",
+            where=str(path),
+            remedy="correct these keys; docs/test-folder.md lists them all",
+            faults=faults,
+        )
     return found
 
 
@@ -73,9 +85,11 @@ def read_instruments(path: Path) -> dict[str, Instrument]:
     _check_instruments(found, faults)
     if faults:
         raise DataError(
-            "[instrument] cannot be taken", where=str(path), faults=faults,
+            "[instrument] cannot be taken",
+            where=str(path),
+            faults=faults,
             remedy="correct these keys; docs/test-folder.md lists them all",
-        )  # fmt: skip
+        )
     return found
 
 

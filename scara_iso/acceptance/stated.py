@@ -46,9 +46,11 @@ def command_of(part: Part, test: WholeTest, axis: str) -> float | None:
 def why_not_of(run: Run, part: Part, test: WholeTest) -> list[str]:
     """Return what a table's head states otherwise than the test: it is of another part or robot."""
     wanted = {
-        "part": part.name, "pose": part.pose, "robot": test.robot.name,
+        "part": part.name,
+        "pose": part.pose,
+        "robot": test.robot.name,
         "serial_number": test.robot.serial_number,
-    }  # fmt: skip
+    }
     labels = [label for label, _ in run.rows_by_pose() if label is not None]
     faults = [
         f"{key} is {run.metadata[key]!r}, and the test says {text!r}"
@@ -116,8 +118,15 @@ def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
         yield "temperature_limits", f"{limits[0]:g} .. {limits[1]:g} C"
     yield "humidity", _said(around.humidity_percent, "%")
     people = test.people
-    for key in ("operator", "laboratory", "address", "location", "customer", "authorized_by",
-                "report_number"):  # fmt: skip
+    for key in (
+        "operator",
+        "laboratory",
+        "address",
+        "location",
+        "customer",
+        "authorized_by",
+        "report_number",
+    ):
         yield key, getattr(people, key)
 
 

@@ -140,10 +140,15 @@ class CommandPose:
     @property
     def coordinates(self) -> str:
         """The pose in words, empty where it is not stated."""
-        named = (("x", self.x_mm, "mm"), ("y", self.y_mm, "mm"), ("z", self.z_mm, "mm"),
-                 ("theta", self.theta_deg, "deg"))  # fmt: skip
-        return ", ".join(f"{name} {value:g} {unit}" for name, value, unit in named
-                         if value is not None)  # fmt: skip
+        named = (
+            ("x", self.x_mm, "mm"),
+            ("y", self.y_mm, "mm"),
+            ("z", self.z_mm, "mm"),
+            ("theta", self.theta_deg, "deg"),
+        )
+        return ", ".join(
+            f"{name} {value:g} {unit}" for name, value, unit in named if value is not None
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,9 +184,12 @@ class Instrument:
     def corrects(self) -> Correction:
         """What of it is applied to readings."""
         return Correction(
-            self.correction, self.correction_zero, self.correction_uncertainty,
-            self.alignment_deg, self.alignment_u_deg,
-        )  # fmt: skip
+            self.correction,
+            self.correction_zero,
+            self.correction_uncertainty,
+            self.alignment_deg,
+            self.alignment_u_deg,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,21 +37,27 @@ _WITHOUT_HEAD = ("pose", "instrument", "drift", "push")
 _OPEN: Mapping[str, tuple[str, ...]] = {
     "robot": ('serial_number = "0123"', "rated_payload_kg = 5", "rated_velocity_mm_s = 2000"),
     "test": (
-        "stabilisation_time_s = 0.8", 'approach = "one side"', "warm_up_min = 30",
+        "stabilisation_time_s = 0.8",
+        'approach = "one side"',
+        "warm_up_min = 30",
         'dial_zero = "command"   # the dials were zeroed at the command pose: gives AP',
         "date = 2026-05-12",
     ),
     "limits": ("XY = 0.02", f"{EVERY_LENGTH} = 0.02"),
     "instrument": (
-        "[instrument.X]", 'name = "dial indicator"', 'serial_number = "4711"',
-        'certificate = "K-2026-17"', "calibration_date = 2026-01-10",
-        "calibration_due = 2027-01-10", "uncertainty = 0.0005",
+        "[instrument.X]",
+        'name = "dial indicator"',
+        'serial_number = "4711"',
+        'certificate = "K-2026-17"',
+        "calibration_date = 2026-01-10",
+        "calibration_due = 2027-01-10",
+        "uncertainty = 0.0005",
     ),
     "environment": ("temperature_C = 20.5", "temperature_limits_C = [18, 22]"),
     "drift": ("[drift]", 'pose = "P1"', "blocks = 33", "visits = 10", "limits = { dAP = 0.03 }"),
     "push": ("[push]", "arm_m = 0.25", "limits = { lost_motion = 1.2 }"),
     "people": ('operator = "A. Name"', 'laboratory = "Name, town"', 'customer = "Name, town"'),
-}  # fmt: skip
+}
 """What may be stated beside what is, as comments; a key that is stated is left out."""
 
 
@@ -64,13 +70,17 @@ def toml_of(test: WholeTest) -> str:
         document.add(tomlkit.comment(line))
     limits = {name or EVERY_LENGTH: limit for name, limit in test.limits.items()}
     sections = {
-        "robot": _plain(test.robot), "test": _plain(test.schedule), "cube": _plain(test.cube),
+        "robot": _plain(test.robot),
+        "test": _plain(test.schedule),
+        "cube": _plain(test.cube),
         "pose": {name: _plain(pose) for name, pose in test.poses.items()},
         "limits": {"decision": test.decision, **limits},
         "instrument": {axis: _plain(one) for axis, one in test.instruments.items()},
-        "drift": {} if test.drift is None else _plain(test.drift), "push": _pushes(test),
-        "environment": _plain(test.surroundings), "people": _plain(test.people),
-    }  # fmt: skip
+        "drift": {} if test.drift is None else _plain(test.drift),
+        "push": _pushes(test),
+        "environment": _plain(test.surroundings),
+        "people": _plain(test.people),
+    }
     for name, values in sections.items():
         document.add(tomlkit.nl())
         if name in _WITHOUT_HEAD:
@@ -125,9 +135,9 @@ def _add(document: Any, struck: Struck) -> None:
 def _section(values: Mapping[str, Any]) -> Any:
     import tomlkit  # noqa: PLC0415 - only where a test is written
 
-    table = tomlkit.table(is_super_table=bool(values) and all(
-        isinstance(value, dict) for value in values.values()
-    ))  # fmt: skip
+    table = tomlkit.table(
+        is_super_table=bool(values) and all(isinstance(value, dict) for value in values.values())
+    )
     for key, value in values.items():
         inner = key in _INLINE
         if isinstance(value, dict) and not inner:
@@ -147,11 +157,15 @@ def _plain(one: Any) -> dict[str, Any]:
     for name in (item.name for item in fields(one)):
         value = getattr(one, name)
         if isinstance(value, Mapping):
-            value = {key: [*map(_number, each)] if isinstance(each, tuple) else _number(each)
-                     for key, each in value.items()}  # fmt: skip
+            value = {
+                key: [*map(_number, each)] if isinstance(each, tuple) else _number(each)
+                for key, each in value.items()
+            }
         if isinstance(value, tuple):
-            value = [[*map(_number, each)] if isinstance(each, tuple) else _number(each)
-                     for each in value]  # fmt: skip
+            value = [
+                [*map(_number, each)] if isinstance(each, tuple) else _number(each)
+                for each in value
+            ]
         if value not in (None, "", [], {}):
             found[name] = value if isinstance(value, dict | list | str | date) else _number(value)
     return found

@@ -95,8 +95,9 @@ def _instruments(path: Path) -> list[str]:
 def _texts(gauges: Mapping[str, object], path: Path) -> tuple[str, ...]:
     wrong = [axis for axis, text in gauges.items() if not isinstance(text, str)]
     if wrong or not gauges:
-        raise DataError("no gauges" if not wrong else f"{wrong[0]} is no text",
-                        where=str(path), remedy=_REMEDY)  # fmt: skip
+        raise DataError(
+            "no gauges" if not wrong else f"{wrong[0]} is no text", where=str(path), remedy=_REMEDY
+        )
     return tuple(f"{axis}={text}" for axis, text in gauges.items())
 
 

@@ -251,9 +251,14 @@ def _broken(line: str, width: int) -> list[str]:
     """Return a line in parts, each as far in as the first; a path or a command word stays whole."""
     inset = " " * (len(line) - len(line.lstrip()) + 2)
     return textwrap.wrap(
-        line, width, subsequent_indent=inset, break_long_words=False, break_on_hyphens=False,
-        replace_whitespace=False, drop_whitespace=True,
-    ) or [""]  # fmt: skip
+        line,
+        width,
+        subsequent_indent=inset,
+        break_long_words=False,
+        break_on_hyphens=False,
+        replace_whitespace=False,
+        drop_whitespace=True,
+    ) or [""]
 
 
 def _explain(error: Exception) -> tuple[list[str], int]:

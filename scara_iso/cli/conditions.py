@@ -153,8 +153,11 @@ def report_folder(
     _say_not_reported(found, [place, archive])
     if made:
         written = _write_report(join_reports(found, reports), place, archive, excel_locale)
-        missing = [f"missing: {', '.join(one.missing)}" for one in found
-                   if one.run is not None and one.missing]  # fmt: skip
+        missing = [
+            f"missing: {', '.join(one.missing)}"
+            for one in found
+            if one.run is not None and one.missing
+        ]
         for line in (*written, *(missing if place else ())):
             typer.echo(reporting.printable(line), err=as_json)
     beside = read_beside(found[0].folder) if condition is None else Beside()

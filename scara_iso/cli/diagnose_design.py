@@ -66,9 +66,10 @@ def show_design(
         write = design_of_poses_report(test, found)
     else:
         plan = (
-            _like(wanted.take(reading.read(tables[0])), sigma) if tables
+            _like(wanted.take(reading.read(tables[0])), sigma)
+            if tables
             else _planned(_conditions(reading, wanted), reading, sigma)
-        )  # fmt: skip
+        )
         one = design(plan, seed=seed, effects=effects)
         show = published_design(plan, one)
         write = design_report(plan, one)

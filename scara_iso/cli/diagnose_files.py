@@ -91,7 +91,10 @@ def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
 def refuse_beside_design(files: Files) -> None:
     """Raise `UsageError` where something is wanted that needs readings."""
     given = {
-        "--hold-out": files.hold_out, "--save-model": files.save_model,
-        "--plot": files.plot, "--map": files.map, "--limit": files.limit,
-    }  # fmt: skip
+        "--hold-out": files.hold_out,
+        "--save-model": files.save_model,
+        "--plot": files.plot,
+        "--map": files.map,
+        "--limit": files.limit,
+    }
     _refuse(given, "does not go with --design", "leave it out")

@@ -85,10 +85,14 @@ def fleet_command(
     if not settings.debug:
         logging.disable()  # of Dask: what a person should know is said here
     options: dict[str, Any] = {
-        "engine": engine, "workers": workers, "unit": unit, "resolution": resolution,
+        "engine": engine,
+        "workers": workers,
+        "unit": unit,
+        "resolution": resolution,
         "decimal": decimal,
-        "track": watched, **asdict(counting),
-    }  # fmt: skip
+        "track": watched,
+        **asdict(counting),
+    }
     found: FleetSummary | FleetFigures
     try:
         if figures:

@@ -32,6 +32,7 @@ def test_folder(tables: Sequence[str], condition: str | None, reading: TableOpti
     if given:
         raise UsageError(
             f"`{given[0]}=` is for a table, and each part of a test states its own",
-            where=table, remedy="leave it out",
-        )  # fmt: skip
+            where=table,
+            remedy="leave it out",
+        )
     return table

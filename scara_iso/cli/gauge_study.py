@@ -59,10 +59,11 @@ Rule = Annotated[
 Output = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", help=f"Also write it, by the ending: {' '.join(render.endings())}; "
-        ".dfq is AQDEF."
+        "-o",
+        "--output",
+        help=f"Also write it, by the ending: {' '.join(render.endings())}; .dfq is AQDEF.",
     ),
-]  # fmt: skip
+]
 Plot = Annotated[Path | None, typer.Option("--plot", help="Also draw it: .svg or .png.")]
 
 
@@ -107,8 +108,14 @@ def gauge_study_command(
         from scara_iso.reporting import NextStep, gauge_study_brief, gauge_study_report
 
         proof = decision.value if decision is DecisionRule.INTERVAL else None
-        given = {"tolerance": tolerance, "reference": reference, "decision": proof, "unit": unit,
-                 "resolution": resolution, "decimal": decimal}  # fmt: skip
+        given = {
+            "tolerance": tolerance,
+            "reference": reference,
+            "decision": proof,
+            "unit": unit,
+            "resolution": resolution,
+            "decimal": decimal,
+        }
         again = command_line(table, given, full=True)
         following = NextStep(f"scara-iso gauge-study {again}", "every figure")
         write_report(gauge_study_report(found) if full else gauge_study_brief(found, following))

@@ -98,9 +98,10 @@ def _ask_gauges() -> tuple[str, ...]:
     _write("A port may also be typed as it is: X=/dev/ttyUSB0 or X=socket://HOST:PORT")
     usual = " ".join(f"{axis}={k + 1}" for k, axis in enumerate(_NAMES[: len(usb)]))
     return _ask(
-        "Axis and port of each indicator", usual or "X=1",
+        "Axis and port of each indicator",
+        usual or "X=1",
         lambda answer: _gauges_of(answer, ports),
-    )  # fmt: skip
+    )
 
 
 def _parted(devices: Sequence[Device]) -> tuple[list[Device], list[Device]]:
@@ -164,18 +165,20 @@ def _with_units(gauges: Sequence[str], unit: str | None) -> tuple[str, ...]:
     """State a unit where neither the frames nor the instrument would."""
     specs = parse_gauges(gauges)
     silent = [
-        spec for spec in specs
-        if spec.unit is None and not spec.dialect.sends_unit and spec.dialect.unit_request is None
+        spec
+        for spec in specs
+        if spec.unit is None
+        and not spec.dialect.sends_unit
+        and spec.dialect.unit_request is None
         and not spec.address.startswith("sim:")
-    ]  # fmt: skip
+    ]
     if not silent:
         return tuple(spec.text for spec in specs)
     axes = " ".join(spec.axis for spec in silent)
     stated = unit or _ask(f"Unit on the display of {axes}", "mm", _unit)
     texts = [
-        parse_gauges([spec.text], unit=stated if spec in silent else None)[0].text
-        for spec in specs
-    ]  # fmt: skip
+        parse_gauges([spec.text], unit=stated if spec in silent else None)[0].text for spec in specs
+    ]
     return tuple(texts)
 
 
@@ -199,9 +202,10 @@ def _ask_trigger(gauges: Sequence[str], usual: str | None) -> str:
     asked = all(s.dialect.request is not None or s.dialect.request_line is not None for s in specs)
     _write(f"   {_TRIGGERS}")
     return _ask(
-        "When is a reading taken", usual or ("enter" if asked else "data"),
+        "When is a reading taken",
+        usual or ("enter" if asked else "data"),
         lambda answer: str(parse_trigger(answer)),
-    )  # fmt: skip
+    )
 
 
 def _ask_table() -> Path:

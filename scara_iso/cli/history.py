@@ -42,10 +42,12 @@ Robot = Annotated[
 Page = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", metavar="FILE", help="The page of the robot, by its ending: .html .md "
-        ".csv .xlsx .pdf.",
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
     ),
-]  # fmt: skip
+]
 
 
 @takes_tables

@@ -197,9 +197,10 @@ def check_outputs(
             )
         if _of_a_recording(path.resolve()):
             raise CannotCreateError(
-                "holds a recording", where=str(path),
+                "holds a recording",
+                where=str(path),
                 remedy="name another file, or remove it yourself",
-            )  # fmt: skip
+            )
     if len({path.resolve() for path in outs}) < len(outs):
         raise UsageError(f"{outs[0]} is named for two outputs", remedy="name two files")
 

@@ -179,8 +179,11 @@ class _Files:
 
 def _refuse_beside_separating(solid: SolidName, plane: PlaneName, m: float) -> None:
     """Raise `UsageError` where something is wanted that only the test of ISO 9283 has."""
-    given = {"--solid": solid is not SolidName.CUBE, "--plane": plane is not PlaneName.C1,
-             "--m": m != _M}  # fmt: skip
+    given = {
+        "--solid": solid is not SolidName.CUBE,
+        "--plane": plane is not PlaneName.C1,
+        "--m": m != _M,
+    }
     for option, changed in given.items():
         if changed:
             raise UsageError(

@@ -75,16 +75,19 @@ def _dialects(name: str, *, json: bool) -> None:
     from scara_iso.reporting import dialects_report
 
     found = {
-        key: dialect for key, dialect in find_dialects().items()
+        key: dialect
+        for key, dialect in find_dialects().items()
         if name.casefold() in f"{key} {dialect.instruments}".casefold()
-    }  # fmt: skip
+    }
     if not found:
         raise UsageError(f"no dialect is called {name!r}", remedy="scara-iso ports --dialects")
     if json:
-        write_json({
-            "schema": "scara-iso/dialects/1",
-            "dialects": {key: _described(dialect) for key, dialect in found.items()},
-        })  # fmt: skip
+        write_json(
+            {
+                "schema": "scara-iso/dialects/1",
+                "dialects": {key: _described(dialect) for key, dialect in found.items()},
+            }
+        )
     else:
         write_report(dialects_report(found.values()))
 

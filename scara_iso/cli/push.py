@@ -77,8 +77,13 @@ def push_command(
 
         simple = decision is DecisionRule.SIMPLE
         held = {"limit": limit, "decision": decision.value if simple else None}
-        read = {"axis": axis, "arm": arm, "unit": unit, "resolution": resolution,
-                "decimal": decimal}  # fmt: skip
+        read = {
+            "axis": axis,
+            "arm": arm,
+            "unit": unit,
+            "resolution": resolution,
+            "decimal": decimal,
+        }
         again = command_line([loop], held | read, full=True)
         following = NextStep(f"scara-iso push {again}", "every figure")
         write_report(push_report(found) if full else push_brief(found, following))

@@ -140,11 +140,25 @@ def record_command(
         rebuild_table(rebuild, table, excel_locale=excel_locale, json=json)
         return
     options = RecordOptions(
-        table=table, gauges=tuple(gauge or ()), trigger=trigger, cycles=cycles,
-        pose=pose, stable=stable, rearm=rearm, unit=unit, meta=tuple(meta or ()),
-        meta_file=meta_file, resume=resume, part=part, repeat=repeat,
-        excel_locale=excel_locale, json=json, bench=bench, watch=watch, quiet=quiet,
-    )  # fmt: skip
+        table=table,
+        gauges=tuple(gauge or ()),
+        trigger=trigger,
+        cycles=cycles,
+        pose=pose,
+        stable=stable,
+        rearm=rearm,
+        unit=unit,
+        meta=tuple(meta or ()),
+        meta_file=meta_file,
+        resume=resume,
+        part=part,
+        repeat=repeat,
+        excel_locale=excel_locale,
+        json=json,
+        bench=bench,
+        watch=watch,
+        quiet=quiet,
+    )
     if table is None and options.guided:
         from scara_iso.cli.guide import record_guided
 

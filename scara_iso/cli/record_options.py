@@ -95,10 +95,11 @@ def usual_bench(options: RecordOptions) -> RememberedBench | None:
     say(f"gauges of {path}: {'  '.join(bench.gauges)}")
     if options.bench is None and (reached := bench.reaches_out()):
         confirm(
-            reached, f"{path} reaches beyond this machine's ports, or sends words of its own, with",
+            reached,
+            f"{path} reaches beyond this machine's ports, or sends words of its own, with",
             remedy=f"if this is your bench: --bench {shlex.quote(str(path))}",
             on_terminal=options.shown,
-        )  # fmt: skip
+        )
     return bench
 
 

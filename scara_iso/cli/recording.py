@@ -76,9 +76,10 @@ def record_as_asked(options: RecordOptions) -> None:
         return
     if options.part is not None or options.repeat is not None:
         raise UsageError(
-            "--part and --repeat are for the folder of a test", where=str(options.table),
+            "--part and --repeat are for the folder of a test",
+            where=str(options.table),
             remedy="make one: scara-iso test new DIR --model MODEL.toml",
-        )  # fmt: skip
+        )
     record_table(options, options.table)
 
 
@@ -133,11 +134,12 @@ def record_table(
     recorded = tuple(str(found["spec"]) for found in header.get("gauges", {}).values())
     if recorded and not options.gauges:
         confirm(
-            recorded, "The recording was made with",
+            recorded,
+            "The recording was made with",
             remedy="the raw file names its gauges, which are to be confirmed; give them: "
             + " ".join(f"--gauge {shlex.quote(gauge)}" for gauge in recorded),
             on_terminal=on_terminal,
-        )  # fmt: skip
+        )
     specs = parse_gauges(options.gauges or recorded, unit=options.unit)
     trigger = _trigger(
         options.trigger or header.get("trigger") or _usual_trigger(options, specs),
@@ -189,9 +191,14 @@ def _run(
             tell = told_of_part(assignment, job.table.parent, tell)
         try:
             record(
-                job, disk=SystemDisk(), clock=clock, operator=operator, tell=tell,
-                attended=on_terminal and sys.stdin.isatty(), typed=typed,
-            )  # fmt: skip
+                job,
+                disk=SystemDisk(),
+                clock=clock,
+                operator=operator,
+                tell=tell,
+                attended=on_terminal and sys.stdin.isatty(),
+                typed=typed,
+            )
         except InstrumentError as error:
             if assignment is not None:  # which the same command goes on with
                 error.remedy = error.remedy.replace(_GO_ON, "record again")
@@ -211,9 +218,14 @@ def _screen(
     where = job.table.name if assignment is None else job.table.parent
     place = None if assignment is None else assignment.said
     return Screen(
-        live, operator, title=f"scara-iso record {where}", earlier=stored, place=place, quiet=quiet,
+        live,
+        operator,
+        title=f"scara-iso record {where}",
+        earlier=stored,
+        place=place,
+        quiet=quiet,
         following=None if assignment is None else f"test status {job.table.parent}",
-    )  # fmt: skip
+    )
 
 
 def _operator(job: Job, stack: ExitStack, *, on_terminal: bool) -> Operator:

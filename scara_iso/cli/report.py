@@ -46,10 +46,12 @@ ModelFile = Annotated[
 Output = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", help=f"File, by its ending: {' '.join(render.endings())}; else "
+        "-o",
+        "--output",
+        help=f"File, by its ending: {' '.join(render.endings())}; else "
         "TABLE's name with .html, in this folder.",
     ),
-]  # fmt: skip
+]
 Meta = Annotated[
     list[str] | None,
     typer.Option(
@@ -124,8 +126,9 @@ def report_command(
     check_outputs([path, archive], read)
     found = library.report(table, to=path, **asdict(reading), **options)
     if archive is not None:
-        found.archive(archive, name="report.html" if path is None else path.name,
-                      excel_locale=excel_locale)  # fmt: skip
+        found.archive(
+            archive, name="report.html" if path is None else path.name, excel_locale=excel_locale
+        )
     _say_written(found, [path, archive], as_json=json)
     if json:
         write_json(render.report_json(found.dossier))
@@ -159,9 +162,10 @@ def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
     if nested:
         raise DataError(
-            f"{', '.join(nested)}: not a single value", where=str(file),
+            f"{', '.join(nested)}: not a single value",
+            where=str(file),
             remedy='write lines such as operator = "A. Muster"',
-        )  # fmt: skip
+        )
     stated = {key: str(value) for key, value in found.items()}
     wrong = [text for text in texts if "=" not in text]
     if wrong:

@@ -15,10 +15,11 @@ from scara_iso.published import to_json
 Record = Annotated[
     Path | None,
     typer.Option(
-        "--report", metavar="FILE", help="The record to sign, by its ending: .html .md .csv .xlsx "
-        ".pdf.",
+        "--report",
+        metavar="FILE",
+        help="The record to sign, by its ending: .html .md .csv .xlsx .pdf.",
     ),
-]  # fmt: skip
+]
 
 
 def selftest_command(*, report: Record = None, full: Full = False, json: AsJson = False) -> None:

@@ -84,8 +84,13 @@ def visits_command(
     else:
         from scara_iso.reporting import NextStep, visits_brief, visits_report
 
-        given = {"dwell": dwell if dwell != 1 else None, "still": still, "band": band,
-                 "poses": poses, **asdict(reading)}  # fmt: skip
+        given = {
+            "dwell": dwell if dwell != 1 else None,
+            "still": still,
+            "band": band,
+            "poses": poses,
+            **asdict(reading),
+        }
         following = (
             NextStep(f"scara-iso visits {command_line([stream], given)} -o run.csv", "the table")
             if output is None

@@ -11,8 +11,15 @@ from scara_iso.iso9283 import Analysis, Finding, PoseResult
 from scara_iso.run import AXES
 
 _OF_THE_TABLE = {
-    "unit", "resolution", "first_cycle_discarded", "date", "time", "source", "started", "finished",
-}  # fmt: skip
+    "unit",
+    "resolution",
+    "first_cycle_discarded",
+    "date",
+    "time",
+    "source",
+    "started",
+    "finished",
+}
 _CONDITIONS = ("robot", "serial", "payload", "load", "velocity", "speed", "acceleration", "pose")
 _MOST = 12
 
@@ -169,5 +176,6 @@ def _range(low: float, high: float) -> str:
 
 def _nothing(before: Analysis, after: Analysis, what: str, *, remedy: str) -> DataError:
     source = after.run.origin.source
-    return DataError(f"no {what} in common with {before.run.origin.source}", where=source,
-                     remedy=remedy)  # fmt: skip
+    return DataError(
+        f"no {what} in common with {before.run.origin.source}", where=source, remedy=remedy
+    )

@@ -31,9 +31,14 @@ SHUFFLES = 1999
 _SHUFFLES_A_PAIR = 400
 _FEWEST_CYCLES = 5
 _DOUBTS = (
-    "trend", "gross-reading", "stuck-channel", "no-scatter", "separate-axes",
-    "resolution-not-stated", "same-readings",
-)  # fmt: skip
+    "trend",
+    "gross-reading",
+    "stuck-channel",
+    "no-scatter",
+    "separate-axes",
+    "resolution-not-stated",
+    "same-readings",
+)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

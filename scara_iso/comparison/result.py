@@ -147,11 +147,19 @@ def _row(table: str, one: Contrast) -> dict[str, Any]:
     low, high = one.difference_interval
     ratio_low, ratio_high = one.ratio_interval or (None, None)
     numbers = {
-        "before": one.before, "after": one.after, "difference": one.difference, "low": low,
-        "high": high, "ratio": one.ratio, "ratio_low": ratio_low, "ratio_high": ratio_high,
-        "p_value": one.p_value, "p_value_alone": one.p_value_alone,
-        "cycles_needed": one.cycles_needed, "smallest_shown": one.smallest_shown,
-    }  # fmt: skip
+        "before": one.before,
+        "after": one.after,
+        "difference": one.difference,
+        "low": low,
+        "high": high,
+        "ratio": one.ratio,
+        "ratio_low": ratio_low,
+        "ratio_high": ratio_high,
+        "p_value": one.p_value,
+        "p_value_alone": one.p_value_alone,
+        "cycles_needed": one.cycles_needed,
+        "smallest_shown": one.smallest_shown,
+    }
     return {
         "table": table,
         "pose": one.pose,

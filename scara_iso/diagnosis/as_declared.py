@@ -22,9 +22,11 @@ def as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
     for again in found.effects:
         declared = {
             axis: one.on_axis(axis)
-            for one in model.effects if one.name == again.effect
-            for axis in one.axes if robot.is_random(effects[one.name], one, axis)
-        }  # fmt: skip
+            for one in model.effects
+            if one.name == again.effect
+            for axis in one.axes
+            if robot.is_random(effects[one.name], one, axis)
+        }
         if declared.keys().isdisjoint(again.axes):
             continue
         yield (

@@ -146,9 +146,12 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
         return found
     known = replace(model, effects=(*model.effects, *on_gear))
     left = diagnose_readings(
-        used, _predicted(known, used), seed=seed, directions=directions_of(model),
+        used,
+        _predicted(known, used),
+        seed=seed,
+        directions=directions_of(model),
         effects=find_effects(model.own),
-    )  # fmt: skip
+    )
     still = {one.effect for one in left.effects}
     gone = tuple(one.effect for one in found.effects if one.effect not in still)
     effects = {effect.name: effect for effect in find_effects()}

@@ -206,23 +206,31 @@ def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[Found]) -> 
         error_before=Error(here(whole.error_before.rms), here(whole.error_before.held_out_rms)),
         error_after=Error(here(whole.error_after.rms), here(whole.error_after.held_out_rms)),
         repeatability=Repeatabilities(
-            here(RP.measured), here(RP.model_before), here(RP.model_after),
-            here(RP.with_effect_removed), here(RP.completed),
-            RP.unseen and replace(
-                RP.unseen, measured=here(RP.unseen.measured),
-                model_before=here(RP.unseen.model_before), completed=here(RP.unseen.completed),
+            here(RP.measured),
+            here(RP.model_before),
+            here(RP.model_after),
+            here(RP.with_effect_removed),
+            here(RP.completed),
+            RP.unseen
+            and replace(
+                RP.unseen,
+                measured=here(RP.unseen.measured),
+                model_before=here(RP.unseen.model_before),
+                completed=here(RP.unseen.completed),
             ),
         ),
         shares=here(whole.shares),
         scatter=here(whole.scatter),
         series=Series(
-            test.parts[pose].cycle, here(series.measured), here(series.predicted_before),
+            test.parts[pose].cycle,
+            here(series.measured),
+            here(series.predicted_before),
             here(series.predicted_after),
         ),
         courses=tuple(replace(c, axis=own[c.axis]) for c in whole.courses if c.axis in own),
         flags=tuple(replace(f, axis=own[f.axis]) for f in whole.flags if f.axis in own),
         notes=tuple(note for note in whole.notes if _is_of(note, pose, test)),
-    )  # fmt: skip
+    )
 
 
 def _is_of(note: str, pose: str, test: AllPoses) -> bool:

@@ -380,9 +380,11 @@ def _on_axes(found: Found) -> EffectOnAxes:
 def _of_run(found: RunReversals) -> GearOfRun | ReversalsAlone:
     if found.gear is None:
         return publish(ReversalsAlone, found, verdict=None)
-    return of_gear(GearOfRun, found.gear, **{
-        name: getattr(found, name) for name in ("reversals", "mirrored", "missing", "notes")
-    })  # fmt: skip
+    return of_gear(
+        GearOfRun,
+        found.gear,
+        **{name: getattr(found, name) for name in ("reversals", "mirrored", "missing", "notes")},
+    )
 
 
 def of_gear(kind: type[Gear], found: GearDiagnosis, **given: Any) -> Gear:

@@ -34,8 +34,11 @@ Correlation: TypeAlias = Annotated[float, ("minimum", -1), ("maximum", 1)]
 Source: TypeAlias = Annotated[str, ("enum", ("joint 1", "joint 2", "dial", "neither"))]
 OfPlane: TypeAlias = Mapping[Annotated[str, ("enum", ("X", "Y"))], Size]
 _PLACES: Mapping[str, Place] = {
-    "joint 1": 1, "joint 2": 2, "joint 4": 4, "along the arm": "along the arm",
-}  # fmt: skip
+    "joint 1": 1,
+    "joint 2": 2,
+    "joint 4": 4,
+    "along the arm": "along the arm",
+}
 _LEAST_PLACE = 0.001
 
 

@@ -20,9 +20,11 @@ def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
     """
     reversals = diagnosis.reversals
     gear = reversals.gear if reversals is not None and not reversals.mirrored else None
-    on_gear = [] if gear is None else [
-        DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects
-    ]  # fmt: skip
+    on_gear = (
+        []
+        if gear is None
+        else [DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects]
+    )
     recorded = {effect.name for effect in find_effects() if effect.by_flank and effect.needs}
     gone = set() if reversals is None else recorded | {*reversals.accounts_for}
     kept = [f for f in diagnosis.effects if not (on_gear and f.effect in gone)]

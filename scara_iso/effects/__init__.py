@@ -60,7 +60,7 @@ __all__ = [
     "own_effects",
     "parse_formula",
     "proportional",
-]  # fmt: skip
+]
 
 
 def find_effects(own: Iterable[Effect] = ()) -> tuple[Effect, ...]:

@@ -36,9 +36,14 @@ _OPERATORS: dict[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.GtE: operator.ge,
 }
 _OF_NUMBERS: dict[str, Callable[[Any], Any]] = {
-    "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan, "tanh": np.tanh,
+    "exp": np.exp,
+    "log": np.log,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "tanh": np.tanh,
     "atan": np.arctan,
-}  # fmt: skip
+}
 _OF_ONE: dict[str, Callable[[Any], Any]] = {"abs": np.abs, "sign": np.sign, "sqrt": np.sqrt}
 _OF_TWO: dict[str, Callable[[Any, Any], Any]] = {"min": np.minimum, "max": np.maximum}
 FUNCTIONS: dict[str, Callable[..., Any]] = {**_OF_NUMBERS, **_OF_ONE, **_OF_TWO}

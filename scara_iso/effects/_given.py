@@ -77,9 +77,12 @@ def given_parameters(
             low, high = (float(entry[key]) for key in ends)
             step = entry.get("step")
             found[name] = Given(
-                low, high, None if step is None else float(step), unit,
+                low,
+                high,
+                None if step is None else float(step),
+                unit,
                 entry.get("meaning", ""),
-            )  # fmt: skip
+            )
     return found
 
 

@@ -146,8 +146,9 @@ def _unit_of_size(
         faults.add(f"{where}.formula", str(error))
         return None
     if unit.get(SIZE_NAME) != 1:
-        faults.add(f"{where}.formula", f"must be in proportion to {SIZE_NAME}, and is "
-                   f"{said_of(unit)}")  # fmt: skip
+        faults.add(
+            f"{where}.formula", f"must be in proportion to {SIZE_NAME}, and is {said_of(unit)}"
+        )
         return None
     beside = times(unit, {SIZE_NAME: 1}, -1)  # type: ignore[dict-item]
     return "reading" if not beside else f"reading/{_bracketed(spelled(beside))}"
@@ -182,9 +183,14 @@ def _parameter(name: str, given: Given, count: int) -> Parameter:
     grid = given.grid(count)
     unit = spelled(given.unit) if given.unit else ""
     return Parameter(
-        name, name, unit, given.meaning or f"{name} of the formula", grid=lambda _: grid,
-        above=float(np.nextafter(given.low, -np.inf)), up_to=given.high,
-    )  # fmt: skip
+        name,
+        name,
+        unit,
+        given.meaning or f"{name} of the formula",
+        grid=lambda _: grid,
+        above=float(np.nextafter(given.low, -np.inf)),
+        up_to=given.high,
+    )
 
 
 def _columns(

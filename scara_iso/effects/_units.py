@@ -17,8 +17,28 @@ Unit: TypeAlias = Mapping[str, Fraction]
 NUMBER: Unit = {}
 _NUMBERS = {"", "1", "rad", "cycles", "cycle"}
 _SAME = {"C": "°C", "degC": "°C", "percent": "%", "u": "um", "sec": "s"}
-_OF_COLUMNS = {"C", "K", "kg", "g", "s", "min", "h", "mm", "um", "m", "N", "Nm", "V", "A", "Hz",
-               "W", "bar", "hPa", "percent", "deg"}  # fmt: skip
+_OF_COLUMNS = {
+    "C",
+    "K",
+    "kg",
+    "g",
+    "s",
+    "min",
+    "h",
+    "mm",
+    "um",
+    "m",
+    "N",
+    "Nm",
+    "V",
+    "A",
+    "Hz",
+    "W",
+    "bar",
+    "hPa",
+    "percent",
+    "deg",
+}
 _FACTOR = re.compile(r"([A-Za-zµ°%]+[A-Za-z_0-9]*)(?:\^(-?[1-9]))?")
 
 
@@ -50,8 +70,10 @@ def unit_of_column(name: str) -> Unit:
 
 def times(one: Unit, other: Unit, power: int = 1) -> Unit:
     """Return ``one`` times ``other`` to a power."""
-    powers = {symbol: one.get(symbol, Fraction(0)) + power * other.get(symbol, Fraction(0))
-              for symbol in (*one, *other)}  # fmt: skip
+    powers = {
+        symbol: one.get(symbol, Fraction(0)) + power * other.get(symbol, Fraction(0))
+        for symbol in (*one, *other)
+    }
     return {symbol: n for symbol, n in powers.items() if n}
 
 

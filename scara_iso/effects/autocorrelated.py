@@ -20,8 +20,13 @@ EFFECT = RandomCourse(
     name="autocorrelated",
     parameters=(
         Parameter(
-            "correlation", "r", "", "share of a deviation that is left in the next cycle", above=0,
-            up_to=1, grid=lambda _: Grid.exact([0.3, 0.45, 0.6, 0.75, 0.85]),
+            "correlation",
+            "r",
+            "",
+            "share of a deviation that is left in the next cycle",
+            above=0,
+            up_to=1,
+            grid=lambda _: Grid.exact([0.3, 0.45, 0.6, 0.75, 0.85]),
         ),
         Parameter("size", "σ", "reading", "standard deviation of the course"),
     ),
@@ -33,4 +38,4 @@ EFFECT = RandomCourse(
     common=False,
     filtered=_filtered,
     variances=(1.0, 4.0),
-)  # fmt: skip
+)

@@ -30,7 +30,11 @@ EFFECT = KnownCourse(
     parameters=(
         Parameter("size", "2D", "reading", "travel across the whole gap, at the tool"),
         Parameter(
-            "full_at", "w", "speed", "speed from which the whole gap is crossed", above=0,
+            "full_at",
+            "w",
+            "speed",
+            "speed from which the whole gap is crossed",
+            above=0,
             grid=_speeds,
         ),
     ),
@@ -40,4 +44,4 @@ EFFECT = KnownCourse(
     needs=(_COLUMN,),
     direction=Direction.JOINT,
     columns=_columns,
-)  # fmt: skip
+)

@@ -27,11 +27,16 @@ EFFECT = GearEffect(
     name="friction_hold",
     parameters=(
         Parameter(
-            "held", "h", "", "share of the gap that friction keeps from crossing", above=0, up_to=1,
+            "held",
+            "h",
+            "",
+            "share of the gap that friction keeps from crossing",
+            above=0,
+            up_to=1,
             grid=_shares,
         ),
     ),
     cause="friction of seal, bearing or mesh holds the load inside the gap",
     confirm_by="vary the approach speed: a held load comes to rest elsewhere",
     changed=_changed,
-)  # fmt: skip
+)

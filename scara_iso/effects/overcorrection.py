@@ -31,8 +31,13 @@ EFFECT = RandomCourse(
     name="overcorrection",
     parameters=(
         Parameter(
-            "share", "g", "", "share of each deviation that is taken back in the next reading",
-            above=0, up_to=1.9, grid=lambda _: Grid.exact([0.7, 1.0, 1.4, 1.7]),
+            "share",
+            "g",
+            "",
+            "share of each deviation that is taken back in the next reading",
+            above=0,
+            up_to=1.9,
+            grid=lambda _: Grid.exact([0.7, 1.0, 1.4, 1.7]),
         ),
         Parameter("size", "σ", "reading", "standard deviation of the readings that it makes"),
     ),
@@ -45,4 +50,4 @@ EFFECT = RandomCourse(
     filtered=_filtered,
     variances=(4.0, 16.0),
     stays=_left_alone,
-)  # fmt: skip
+)

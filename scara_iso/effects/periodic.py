@@ -37,8 +37,13 @@ EFFECT = KnownCourse(
     name="periodic",
     parameters=(
         Parameter(
-            "period", "P", "cycles", "period; in median intervals if time_s is there", above=0,
-            grid=_periods, timed=True,
+            "period",
+            "P",
+            "cycles",
+            "period; in median intervals if time_s is there",
+            above=0,
+            grid=_periods,
+            timed=True,
         ),
         Parameter("size", "A", "reading", "amplitude"),
         Parameter("phase", "φ", "rad", "phase at the first cycle"),
@@ -52,4 +57,4 @@ EFFECT = KnownCourse(
     linear=AMPLITUDE_AND_PHASE,
     smooth=True,
     columns=_columns,
-)  # fmt: skip
+)

@@ -24,7 +24,11 @@ EFFECT = ScatterChange(
     parameters=(
         Parameter("at_cycle", "k", "", "first cycle of the other scatter", grid=_starts),
         Parameter(
-            "ratio", "r", "", "scatter from that cycle on, over scatter before it", above=0,
+            "ratio",
+            "r",
+            "",
+            "scatter from that cycle on, over scatter before it",
+            above=0,
             grid=lambda _: Grid.exact([1 / 3, 1 / 1.8, 1.8, 3.0]),
         ),
         Parameter("scatter", "σ", "reading", "standard deviation on the narrower side"),
@@ -35,4 +39,4 @@ EFFECT = ScatterChange(
     test_weight=2.0,  # benchmarks/diagnosis.py, table power
     common=False,
     scale=_scale,
-)  # fmt: skip
+)

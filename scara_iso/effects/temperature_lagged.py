@@ -41,15 +41,28 @@ EFFECT = KnownCourse(
     name="temperature_lagged",
     parameters=(
         Parameter(
-            "column", "T", "", "the recorded temperature", text=True,
+            "column",
+            "T",
+            "",
+            "the recorded temperature",
+            text=True,
             grid=lambda conditions: Grid(conditions.named("temperature*")),
         ),
         Parameter(
-            "tau", "τ", "cycles", "lag; in median intervals if time_s is there", above=0, grid=_tau,
+            "tau",
+            "τ",
+            "cycles",
+            "lag; in median intervals if time_s is there",
+            above=0,
+            grid=_tau,
             timed=True,
         ),
         Parameter(
-            "bodies", "m", "", "bodies that lag, one behind the other", above=0,
+            "bodies",
+            "m",
+            "",
+            "bodies that lag, one behind the other",
+            above=0,
             grid=lambda _: Grid.exact([1.0, 2.0]),
         ),
         Parameter("size", "α", "reading/°C", "change per degree of the lagging temperature"),
@@ -61,4 +74,4 @@ EFFECT = KnownCourse(
     weight=1.0,  # benchmarks/diagnosis.py, table gains
     smooth=True,
     columns=_columns,
-)  # fmt: skip
+)

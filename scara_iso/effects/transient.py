@@ -45,7 +45,10 @@ EFFECT = KnownCourse(
         Parameter("at_cycle", "k", "", "cycle of the peak", grid=_peaks),
         Parameter("width", "w", "cycles", "how long it lasts", above=0, grid=_widths),
         Parameter(
-            "rise", "r", "", "1: comes and goes; 0: comes at once and dies away",
+            "rise",
+            "r",
+            "",
+            "1: comes and goes; 0: comes at once and dies away",
             grid=lambda _: Grid.exact([1.0, 0.0]),
         ),
         Parameter("size", "A", "reading", "travel at the peak"),
@@ -59,4 +62,4 @@ EFFECT = KnownCourse(
     weight=0.5,  # benchmarks/diagnosis.py, tables naming and outside
     test_weight=0.8,  # benchmarks/diagnosis.py, table power
     columns=_columns,
-)  # fmt: skip
+)

@@ -38,8 +38,13 @@ EFFECT = KnownCourse(
     parameters=(
         Parameter("size", "A", "reading", "travel from the first cycle to steady temperature"),
         Parameter(
-            "tau", "τ", "cycles", "time constant; in median intervals if time_s is there", above=0,
-            grid=_tau, timed=True,
+            "tau",
+            "τ",
+            "cycles",
+            "time constant; in median intervals if time_s is there",
+            above=0,
+            grid=_tau,
+            timed=True,
         ),
     ),
     cause="motors, gears and links were still reaching their running temperature",
@@ -53,4 +58,4 @@ EFFECT = KnownCourse(
     },
     smooth=True,
     columns=_columns,
-)  # fmt: skip
+)

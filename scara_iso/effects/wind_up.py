@@ -22,11 +22,15 @@ EFFECT = GearEffect(
     name="wind_up",
     parameters=(
         Parameter(
-            "compliance", "1/k", "rad/(N m)", "inverse of the stiffness", above=0,
+            "compliance",
+            "1/k",
+            "rad/(N m)",
+            "inverse of the stiffness",
+            above=0,
             grid=_compliances,
         ),
     ),
     cause="gear and shaft wind up under the torque of the reversal",
     confirm_by="ramp the torque both ways at standstill and record the angle",
     changed=_changed,
-)  # fmt: skip
+)

@@ -23,9 +23,11 @@ _DISK_IS_FULL = ("'max_temp_directory_size'", "No space left on device")
 _MEMORY = "1GB"
 
 _NOTHING_FROM_ELSEWHERE = (
-    "autoinstall_known_extensions", "autoload_known_extensions", "allow_persistent_secrets",
+    "autoinstall_known_extensions",
+    "autoload_known_extensions",
+    "allow_persistent_secrets",
     "python_enable_replacements",
-)  # fmt: skip
+)
 """Neither a server's code, nor the user's folder of it, nor a variable for a table."""
 _ROWS = (
     "CREATE TEMP MACRO parquet(path) AS TABLE FROM read_parquet(path, hive_partitioning = false)"
@@ -137,8 +139,9 @@ def _said(error: Exception, said: str, where: str, remedy: str) -> ScaraIsoError
         return WriteError("no room for temporary files", where=tempfile.gettempdir(), remedy=_ROOM)
     if isinstance(error, duckdb.OutOfMemoryException):
         first = str(error).partition("\n")[0].removeprefix("Out of Memory Error: ")
-        return DataError(f"takes more memory than there is for it: {first}", where=where,
-                         remedy=_FEWER)  # fmt: skip
+        return DataError(
+            f"takes more memory than there is for it: {first}", where=where, remedy=_FEWER
+        )
     return DataError(f"{said}: {_brief(error)}", where=where, remedy=remedy)
 
 
@@ -180,8 +183,9 @@ def _written_beside() -> Iterator[Path]:
     except (duckdb.IOException, OSError) as error:
         raise WriteError(
             "the folder for temporary files cannot be written, as where its disk is full",
-            where=tempfile.gettempdir(), remedy=_ROOM,
-        ) from error  # fmt: skip
+            where=tempfile.gettempdir(),
+            remedy=_ROOM,
+        ) from error
 
 
 def rewrite_parquet(

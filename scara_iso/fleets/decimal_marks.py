@@ -26,8 +26,11 @@ def settle_marks(frame: Any, names: Iterable[str], decimal: str | None, where: s
     commas of the whole part may group thousands, or stand beside points.
     """
     text = {name: list(map(str, frame[name])) for name in names}
-    found = {name: [parse_cell(cell, decimal) for cell in cells] for name, cells in text.items()
-             if decimal is not None or any("," in cell for cell in cells)}  # fmt: skip
+    found = {
+        name: [parse_cell(cell, decimal) for cell in cells]
+        for name, cells in text.items()
+        if decimal is not None or any("," in cell for cell in cells)
+    }
     if decimal is None:
         _refuse_unsure(_marks(text), where)
     for name, numbers in found.items():
@@ -54,8 +57,9 @@ def _refuse_unsure(marks: Mapping[Mark, str], where: str) -> None:
     if are_undecided(marks):
         raise DataError(
             f"{marks[Mark.EITHER]!r} could have a decimal comma or group thousands",
-            where=where, remedy=WHICH_MARK,
-        )  # fmt: skip
+            where=where,
+            remedy=WHICH_MARK,
+        )
 
 
 def refuse_groups(frame: Any, axes: Mapping[str, Mapping[str, Any]], where: str) -> None:
@@ -66,6 +70,7 @@ def refuse_groups(frame: Any, axes: Mapping[str, Mapping[str, Any]], where: str)
             if numbers and may_be_grouped(np.abs(np.array(numbers))):
                 raise DataError(
                     f"{name}: {frame[name].iloc[0]} um could have a decimal point or group "
-                    "thousands", where=where,
+                    "thousands",
+                    where=where,
                     remedy=f"{WHICH_MARK}; or state the dial's resolution",
-                )  # fmt: skip
+                )

@@ -128,11 +128,11 @@ def _figure(query: Query) -> str | None:
 def _periods(query: Query) -> tuple[DriftPeriod, ...]:
     """Return the periods, by sorting and grouping alone: what these hold goes to the disk."""
     cut = next(
-        cut for cut, most in _PERIODS.items()
-        if query(
-            "SELECT count(*) FROM (SELECT DISTINCT strftime(moment, ?) FROM dated)", cut
-        )[0][0] <= most
-    )  # fmt: skip
+        cut
+        for cut, most in _PERIODS.items()
+        if query("SELECT count(*) FROM (SELECT DISTINCT strftime(moment, ?) FROM dated)", cut)[0][0]
+        <= most
+    )
     robots = query(
         "SELECT period, count(*) FROM (SELECT DISTINCT strftime(moment, ?) AS period, robot "
         "FROM dated) GROUP BY period ORDER BY period",

@@ -54,9 +54,10 @@ class PartLedger:
             ) from error
         except OSError as error:
             raise CannotCreateError(
-                f"cannot be written: {error.strerror}", where=str(folder),
+                f"cannot be written: {error.strerror}",
+                where=str(folder),
                 remedy="name another folder",
-            ) from error  # fmt: skip
+            ) from error
         try:
             self.done = self._read(version, dict(options))
         except BaseException:
@@ -74,9 +75,10 @@ class PartLedger:
             if others:
                 self._path.unlink()
                 raise CannotCreateError(
-                    f"is not empty: {others[0]}", where=str(self._path.parent),
+                    f"is not empty: {others[0]}",
+                    where=str(self._path.parent),
                     remedy="name another folder",
-                )  # fmt: skip
+                )
             os.truncate(self._path, 0)
             self._add([{"schema": SCHEMA, "version": version, "options": options}])
             return {}
@@ -85,8 +87,9 @@ class PartLedger:
             if head.get("schema") != SCHEMA:
                 raise DataError(
                     f"is no manifest of this form, but {head.get('schema')!r}",
-                    where=str(self._path), remedy=self._another,
-                )  # fmt: skip
+                    where=str(self._path),
+                    remedy=self._another,
+                )
             found = {row["part"]: PartDone(**row) for row in rows}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise DataError(
@@ -116,9 +119,10 @@ class PartLedger:
             self._disk.sync(self._file)
         except OSError as error:
             raise WriteError(
-                f"cannot be written: {error.strerror or error}", where=str(self._path),
+                f"cannot be written: {error.strerror or error}",
+                where=str(self._path),
                 remedy="make room; the same command goes on where it stopped",
-            ) from error  # fmt: skip
+            ) from error
 
     def close(self) -> None:
         """Let another run have it."""

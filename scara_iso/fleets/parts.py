@@ -170,8 +170,9 @@ def _refuse_twice(names: list[str], path: Path) -> None:
 
 def _single(path: Path, reading: ReadAs) -> FleetTable:
     try:
-        run = read_table(path, unit=reading.unit, resolution=reading.resolution,
-                         decimal=reading.decimal)  # fmt: skip
+        run = read_table(
+            path, unit=reading.unit, resolution=reading.resolution, decimal=reading.decimal
+        )
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
     name = run.metadata.get("robot")

@@ -120,8 +120,9 @@ def run_parts(
                 if result.version != __version__:
                     raise DataError(
                         f"a worker has scara-iso {result.version}, and this is {__version__}",
-                        where=result.part, remedy="install the same version on all of them",
-                    )  # fmt: skip
+                        where=result.part,
+                        remedy="install the same version on all of them",
+                    )
                 if not result.sha256:  # nothing is kept of it: the next run tries again
                     given_up[result.part] = result.error or "given up"
             _keep(ledger, to, made)
@@ -201,9 +202,9 @@ def _keep(ledger: PartLedger, to: Path, results: Sequence[PartResult]) -> None:
     name = _result_name(kept)
     if made := next((one.parquet for one in results if one.parquet), b""):
         write_file(_result_path(to, name), made)
-    ledger.add([
-        PartDone(one.part, one.sha256, one.tables, one.failed, one.error, name) for one in kept
-    ])  # fmt: skip
+    ledger.add(
+        [PartDone(one.part, one.sha256, one.tables, one.failed, one.error, name) for one in kept]
+    )
 
 
 def _result_name(together: Sequence[PartDone | PartResult]) -> str:

@@ -130,11 +130,17 @@ class FleetSummary(Displayed):
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table, a row for each robot, the worst first."""
         rows = [
-            {"robot": one.robot, "tables": one.tables, "p_value": one.p_value,
-             "q_value": one.q_value, "found": one.found, "effects": ", ".join(one.effects),
-             "RP_XY": one.RP_XY}
+            {
+                "robot": one.robot,
+                "tables": one.tables,
+                "p_value": one.p_value,
+                "q_value": one.q_value,
+                "found": one.found,
+                "effects": ", ".join(one.effects),
+                "RP_XY": one.RP_XY,
+            }
             for one in self.robots
-        ]  # fmt: skip
+        ]
         return frame_of(rows, {})
 
 

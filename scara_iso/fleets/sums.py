@@ -152,8 +152,9 @@ def _barycentres(query: Query, part: _Part) -> None:
         counted = f"CASE WHEN cycle >= {cycles.counts_from} THEN {{0}} END"
     means = ", ".join(f"sum({counted.format(a)}) / {cycles.used} AS mean_{a}" for a in axes)
     there = f"count({' + '.join(axes)}) = {count}"
-    (numbers,) = query("SELECT bit_xor(hash(c)) FROM range(?, ?) r(c)", cycles.first,
-                       cycles.last + 1)[0]  # fmt: skip
+    (numbers,) = query(
+        "SELECT bit_xor(hash(c)) FROM range(?, ?) r(c)", cycles.first, cycles.last + 1
+    )[0]
     query(
         f"CREATE TEMP TABLE means AS SELECT robot, test, pose, hash(robot, test, pose) AS key, "
         f"coalesce(count(*) = {count} AND bit_xor(hash(cycle)) = {numbers} AND {there}, false) "

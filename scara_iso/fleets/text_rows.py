@@ -74,15 +74,17 @@ def _rows(
                 yield [cell.strip() or None for cell in row]
             elif row and not (len(row) == 1 and _is_no_row(row[0])):
                 raise DataError(
-                    f"line {line}: {len(row)} cells, and the header has {width}", where=where,
+                    f"line {line}: {len(row)} cells, and the header has {width}",
+                    where=where,
                     remedy="mend that row; quotes around a cell keep it whole",
-                )  # fmt: skip
+                )
             line = above + reader.line_num + 1
     except csv.Error as error:
         raise DataError(
             f"line {line}: a quotation mark opens or closes in the wrong place: {error}",
-            where=where, remedy="mend that row",
-        ) from error  # fmt: skip
+            where=where,
+            remedy="mend that row",
+        ) from error
 
 
 def _is_no_row(text: str) -> bool:

@@ -118,9 +118,18 @@ def _diagnosed(path: Path, task: Task, share: Share) -> tuple[int, int, bytes]:
 
 
 def _columns(rows: Sequence[TableRow], part: str) -> Columns:
-    kinds = {"robot": "VARCHAR", "test": "VARCHAR", "cycles": "INTEGER", "poses": "INTEGER",
-             "verdict": "VARCHAR", "p_value": "DOUBLE", "at_floor": "BOOLEAN",
-             "orders": "INTEGER", "date": "VARCHAR", "name": "VARCHAR"}  # fmt: skip
+    kinds = {
+        "robot": "VARCHAR",
+        "test": "VARCHAR",
+        "cycles": "INTEGER",
+        "poses": "INTEGER",
+        "verdict": "VARCHAR",
+        "p_value": "DOUBLE",
+        "at_floor": "BOOLEAN",
+        "orders": "INTEGER",
+        "date": "VARCHAR",
+        "name": "VARCHAR",
+    }
     columns: dict[str, tuple[str, Sequence[object]]] = {
         name: (kind, [getattr(row, name) for row in rows]) for name, kind in kinds.items()
     }

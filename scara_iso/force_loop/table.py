@@ -76,14 +76,16 @@ def loop_of(run: Run, axis: str) -> ForceLoop:
         lengths = [n for n, one in run.axes.items() if one.dimension is Dimension.LENGTH]
         has = ["force_N"] * (force is not None) + lengths
         raise DataError(
-            f"no force_N, or no length {axis}, is in it", where=run.origin.source,
+            f"no force_N, or no length {axis}, is in it",
+            where=run.origin.source,
             remedy=f"it has {', '.join(has) or 'neither'}",
-        )  # fmt: skip
+        )
     if len(poses) > 1:
         raise DataError(
-            f"{len(poses)} poses are in it, and a loop is of one", where=run.origin.source,
+            f"{len(poses)} poses are in it, and a loop is of one",
+            where=run.origin.source,
             remedy="leave the rows of one pose",
-        )  # fmt: skip
+        )
     return ForceLoop(
         force=force,
         reading=found.readings,

@@ -158,9 +158,11 @@ def used_cycles(run: Run, counting: Counting = AS_THE_TABLE_SAYS) -> UsedCycles:
     if len({pose.discarded is None for pose in found}) > 1 or len(lengths) > 1:
         what = "some poses hold their first cycle and others do not"
         raise DataError(
-            what, where=run.origin.source, remedy="give every pose the same cycles",
+            what,
+            where=run.origin.source,
+            remedy="give every pose the same cycles",
             faults=[Fault(_of_pose(run, pose.counted, pose.label)) for pose in found],
-        )  # fmt: skip
+        )
     discarded = {pose.discarded for pose in found if pose.discarded is not None}
     return UsedCycles(
         poses=tuple(pose.label for pose in found),
@@ -213,9 +215,10 @@ def _rule(run: Run, stated: Counting) -> _Rule:
     text = run.metadata.get("first_cycle", "counts" if stated.all_count else "")
     if text and text.strip().lower() != "counts":
         raise DataError(
-            f"first_cycle is {text!r}", where=run.origin.source,
+            f"first_cycle is {text!r}",
+            where=run.origin.source,
             remedy="write counts, or leave the line out",
-        )  # fmt: skip
+        )
     if text and gone:
         raise DataError(
             "every cycle is said to count, and the first to be discarded",
@@ -235,9 +238,10 @@ def _first_gone(run: Run, stated_by_user: bool) -> bool | None:
     truth = _TRUTHS.get(text.strip().lower())
     if truth is None:
         raise DataError(
-            f"first_cycle_discarded is {text!r}", where=run.origin.source,
+            f"first_cycle_discarded is {text!r}",
+            where=run.origin.source,
             remedy="write true or false",
-        )  # fmt: skip
+        )
     if stated_by_user and not truth:
         raise DataError(
             "the table says first_cycle_discarded: false, the option says that it is discarded",

@@ -45,12 +45,19 @@ def scatter_estimates(
     sampling = (limits[1] - limits[0]) / 4
     columns = (figures, sampling, lower, upper, bounded)
     return [
-        Estimate(x, unit, math.hypot(u, calibration or 0.0), {"sampling": u, **known},
-                 (low, high), n, clause)
+        Estimate(
+            x,
+            unit,
+            math.hypot(u, calibration or 0.0),
+            {"sampling": u, **known},
+            (low, high),
+            n,
+            clause,
+        )
         if found
         else Estimate(x, unit, None, known, None, n, clause)
         for x, u, low, high, found in zip(*(column.tolist() for column in columns), strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def position_estimate(

@@ -258,9 +258,10 @@ def _theta_radius(run: Run, axis: Axis) -> float | None:
     radius = parse_number(text)
     if radius is None or radius <= 0:
         raise DataError(
-            f"theta_radius_mm is {text!r}", where=run.origin.source,
+            f"theta_radius_mm is {text!r}",
+            where=run.origin.source,
             remedy="give the distance from the axis of rotation to the contact in mm",
-        )  # fmt: skip
+        )
     return radius
 
 

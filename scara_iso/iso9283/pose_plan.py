@@ -84,10 +84,12 @@ class PoseTestConditions:
         faults = [] if 0 <= self.discarded < self.cycles else ["no cycle is left to be used"]
         faults += [
             f"{name} is {value:g}"
-            for name, value in (("velocity_percent", self.velocity_percent),
-                                ("load_percent", self.load_percent))
+            for name, value in (
+                ("velocity_percent", self.velocity_percent),
+                ("load_percent", self.load_percent),
+            )
             if not 0 <= value <= 100 or (name == "velocity_percent" and value == 0)
-        ]  # fmt: skip
+        ]
         faults += [] if 0 <= self.dwell_s < math.inf else [f"dwell_s is {self.dwell_s:g}"]
         unknown = [name for name in self.order if name not in POSES]
         faults += [f"no pose {name!r}" for name in unknown]

@@ -159,10 +159,15 @@ def _of_joint(found: Sequence[Characteristic], arm_m: float) -> list[Characteris
     per_mm = math.degrees(1 / (1000 * arm_m)) * 60
     by_code = {one.code: one.estimate for one in found}
     made = [
-        Characteristic(code, None, "joint", by_code[code].scaled(per_mm, "arcmin"),
-                       (code, EVERY_LENGTH) if code == "lost_motion" else (code,))
+        Characteristic(
+            code,
+            None,
+            "joint",
+            by_code[code].scaled(per_mm, "arcmin"),
+            (code, EVERY_LENGTH) if code == "lost_motion" else (code,),
+        )
         for code in ("lost_motion", "friction_width", "hysteresis", "deflection")
-    ]  # fmt: skip
+    ]
     torque = by_code["friction_force"].scaled(arm_m, "N m")
     angle = by_code["compliance"].scaled(per_mm / (_PER * arm_m), "arcmin/N m")
     return [

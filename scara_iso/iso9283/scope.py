@@ -19,19 +19,27 @@ class NotMeasured:
 
 # Clauses as the contents of ISO 9283:1998 name them.
 BEYOND_DIALS = (
-    NotMeasured("distance accuracy AD beyond a dial's range", "7.3",
-                "a dial measures no length beyond its own travel: use a laser tracker or a scale"),
+    NotMeasured(
+        "distance accuracy AD beyond a dial's range",
+        "7.3",
+        "a dial measures no length beyond its own travel: use a laser tracker or a scale",
+    ),
     NotMeasured("path accuracy AT", "8.2", "a dial rests at one place and follows no path"),
-    NotMeasured("path repeatability RT", "8.3",
-                "a dial follows no path: use a tracking instrument"),
+    NotMeasured(
+        "path repeatability RT", "8.3", "a dial follows no path: use a tracking instrument"
+    ),
     NotMeasured("path accuracy on reorientation", "8.4", "likewise"),
     NotMeasured("cornering deviations", "8.5", "a dial follows no path, nor a corner between two"),
-    NotMeasured("path velocity characteristics", "8.6",
-                "a dial does not measure speed along a path"),
-    NotMeasured("minimum posing time", "9",
-                "it begins when the robot leaves one pose; the dial is at the other"),
+    NotMeasured(
+        "path velocity characteristics", "8.6", "a dial does not measure speed along a path"
+    ),
+    NotMeasured(
+        "minimum posing time",
+        "9",
+        "it begins when the robot leaves one pose; the dial is at the other",
+    ),
     NotMeasured("weaving deviations", "11", "a dial follows no path"),
-)  # fmt: skip
+)
 """What dials at a pose cannot measure, by clause."""
 
 

@@ -39,8 +39,9 @@ class ConditionRun:
         if self.run is None:
             raise NoInputError(
                 f"nothing is recorded under {self.condition}; missing: {', '.join(self.missing)}",
-                where=str(self.folder.path), remedy=f"scara-iso record {self.folder.path}",
-            )  # fmt: skip
+                where=str(self.folder.path),
+                remedy=f"scara-iso record {self.folder.path}",
+            )
         return self.run
 
     @property

@@ -50,8 +50,18 @@ class Diagnoses(Displayed):
 
 def _row(name: str, found: Diagnosis | Failure) -> dict[str, Any]:
     if isinstance(found, Failure):
-        return {"name": name, "verdict": None, "effects": "", "p_value": float("nan"),
-                "failure": found.message}  # fmt: skip
+        return {
+            "name": name,
+            "verdict": None,
+            "effects": "",
+            "p_value": float("nan"),
+            "failure": found.message,
+        }
     effects = ", ".join(effect.effect for effect in found.effects)
-    return {"name": name, "verdict": found.verdict.value, "effects": effects,
-            "p_value": found.p_value, "failure": None}  # fmt: skip
+    return {
+        "name": name,
+        "verdict": found.verdict.value,
+        "effects": effects,
+        "p_value": found.p_value,
+        "failure": None,
+    }

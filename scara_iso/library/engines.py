@@ -194,6 +194,7 @@ def _threads(client: Any, address: str) -> int:
         return max(sum(map(int, client.nthreads().values())), 1)
     except (OSError, TimeoutError) as error:
         raise ServiceError(
-            f"the scheduler has had no worker for {_FIRST_WORKER} s", where=address,
+            f"the scheduler has had no worker for {_FIRST_WORKER} s",
+            where=address,
             remedy=f"start some: dask worker {address}; the same command then goes on",
-        ) from error  # fmt: skip
+        ) from error

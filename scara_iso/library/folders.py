@@ -76,9 +76,13 @@ def _write(
     loads: Sequence[float],
 ) -> Path:
     test = plan_test(
-        planned, described, model_path=model, folder=file.parent,
-        velocities=velocities, loads=loads,
-    )  # fmt: skip
+        planned,
+        described,
+        model_path=model,
+        folder=file.parent,
+        velocities=velocities,
+        loads=loads,
+    )
     write_file(file, toml_of(test).encode())
     return file
 

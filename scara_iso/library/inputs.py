@@ -106,14 +106,16 @@ class TableOptions:
         if len(several) > 1:  # of a folder, what is struck is no table
             raise UsageError(
                 "the folder of a test is not taken together with other tables",
-                where=_path(folders[0]), remedy="name it alone, or the tables of its parts",
-            )  # fmt: skip
+                where=_path(folders[0]),
+                remedy="name it alone, or the tables of its parts",
+            )
         given = [name for name, value in asdict(self).items() if value is not None]
         if given:
             raise UsageError(
                 f"`{given[0]}=` is for a table, and each part of a test states its own",
-                where=_path(folders[0]), remedy="leave it out",
-            )  # fmt: skip
+                where=_path(folders[0]),
+                remedy="leave it out",
+            )
         only = folders[0]
         return only if isinstance(only, ConditionRun) else read_condition(str(only), condition)
 

@@ -85,9 +85,10 @@ def diagnose(
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
     if second is not None and pose is None and len(list(second.rows_by_pose())) > 1:
         raise DataError(
-            "has several poses, and what it is held out of has one", where=second.origin.source,
+            "has several poses, and what it is held out of has one",
+            where=second.origin.source,
             remedy="hold out a table of one pose",
-        )  # fmt: skip
+        )
     one = close_the_loop(run, known, wanted, hold_out=second, sigma=sigma, seed=seed, own=own)
     return replace(one, notes=(*_seen(run, second), *one.notes))
 

@@ -84,9 +84,10 @@ def _folders(tables: Tables) -> list[Path]:
     for folder in found:
         if is_test_folder(str(folder)):
             raise UsageError(
-                "the folder of a test is one test", where=str(folder),
+                "the folder of a test is one test",
+                where=str(folder),
                 remedy="name a folder of tables, one a test",
-            )  # fmt: skip
+            )
     return found
 
 
@@ -181,9 +182,10 @@ def _of_robot(analyses: Sequence[Analysis], robot: str) -> list[Analysis]:
     own = {asked, *(other for other in beside.get(asked, ()) if beside[other] == {asked})}
     stated = [name | serial for name, serial in zip(names, serials, strict=True)]
     return [
-        one for one, words in zip(analyses, stated, strict=True)
+        one
+        for one, words in zip(analyses, stated, strict=True)
         if asked in words or (words and words <= own)
-    ]  # fmt: skip
+    ]
 
 
 def _stated(analysis: Analysis, keys: Sequence[str]) -> set[str]:

@@ -126,7 +126,8 @@ def _part(
     found = assign(read_folder(path), axes, part=part, repeat=repeat)
     if found is None:
         raise UsageError(
-            "nothing is missing", where=str(path),
+            "nothing is missing",
+            where=str(path),
             remedy="to repeat a part give `part=P3-v50-l100` and `repeat='the plunger stuck'`",
-        )  # fmt: skip
+        )
     return found

@@ -143,8 +143,10 @@ def report(
         check_output(Path(to))
     reading, counting = parted(**options)
     wanted: dict[str, Any] = {
-        "counting": counting, "limits": sizes_of("limits", limits), "decision": decision,
-    }  # fmt: skip
+        "counting": counting,
+        "limits": sizes_of("limits", limits),
+        "decision": decision,
+    }
     if (measured := reading.measured(table, condition)) is not None:
         run, held = measured.readings, tuple(hold(*file) for file in measured.files())
         wanted = measured.merged_with(wanted)

@@ -19,9 +19,19 @@ from scara_iso.reporting import validation_document
 from scara_iso.validation import Installation, ReferenceCheck, Validation, validate
 
 PACKAGES = (
-    "jinja2", "matplotlib", "numpy", "openpyxl", "pandas", "pyserial", "python-calamine", "rich",
-    "scipy", "threadpoolctl", "tomlkit", "typer",
-)  # fmt: skip
+    "jinja2",
+    "matplotlib",
+    "numpy",
+    "openpyxl",
+    "pandas",
+    "pyserial",
+    "python-calamine",
+    "rich",
+    "scipy",
+    "threadpoolctl",
+    "tomlkit",
+    "typer",
+)
 """What the program stands on, as pyproject.toml names it."""
 
 

@@ -27,8 +27,11 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
     wrong = [key for key in stated if not _KEY.fullmatch(key.strip())]
     if wrong:
         raise UsageError(f"`meta={wrong[0]}=..`: not a key", remedy="`meta=operator=A. Muster`")
-    fixed = [key for key, k in keys.items()
-             if is_of_axes(k) or is_of_corrections(k) or _RECORDED.fullmatch(k)]  # fmt: skip
+    fixed = [
+        key
+        for key, k in keys.items()
+        if is_of_axes(k) or is_of_corrections(k) or _RECORDED.fullmatch(k)
+    ]
     if fixed:
         raise UsageError(
             f"`meta={fixed[0]}=..`: the readings were read or recorded with it",

@@ -160,9 +160,11 @@ def _head_in(record: Mapping[str, Any]) -> dict[str, Any]:
 
 def _head(axes: Any, tour: Tour, cycles: int, metadata: Mapping[str, str]) -> dict[str, Any]:
     return {
-        "axes": sorted(axes), "poses": list(tour.poses), "cycles": cycles,
+        "axes": sorted(axes),
+        "poses": list(tour.poses),
+        "cycles": cycles,
         "metadata": {key: str(metadata[key]) for key in sorted(metadata)},
-    }  # fmt: skip
+    }
 
 
 def _seed(head: Mapping[str, Any]) -> int:

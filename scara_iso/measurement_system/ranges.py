@@ -56,11 +56,15 @@ def by_ranges(cells: FloatArray, tolerance: float | None) -> ByRanges:
     GRR = math.hypot(EV, AV)
     TV = math.hypot(GRR, PV)
     return ByRanges(
-        EV, AV, GRR, PV, TV,
+        EV,
+        AV,
+        GRR,
+        PV,
+        TV,
         of_study=GRR / TV if TV > 0 else 0.0,
         of_tolerance=None if tolerance is None else STUDY * GRR / tolerance,
         ndc=whole_categories(CATEGORIES * PV / GRR) if GRR > 0 else None,
-    )  # fmt: skip
+    )
 
 
 def whole_categories(ndc: float) -> int:

@@ -101,10 +101,16 @@ class GaugeStudy(Plotted):
     def to_frame(self) -> pd.DataFrame:
         """Return the criteria as a pandas table, a row for each."""
         rows = [
-            {"axis": c.axis, "criterion": c.name, "of": c.of, "value": c.value, "limit": c.limit,
-             "verdict": c.verdict.value}
+            {
+                "axis": c.axis,
+                "criterion": c.name,
+                "of": c.of,
+                "value": c.value,
+                "limit": c.limit,
+                "verdict": c.verdict.value,
+            }
             for c in self.criteria
-        ]  # fmt: skip
+        ]
         return frame_of(rows, {})
 
 
@@ -180,9 +186,14 @@ def _criteria(
     readings: GaugeReadings, figures: Figures, tolerance: float, decision: DecisionRule
 ) -> Iterator[Criterion]:
     def criterion(
-        name: str, of: str, value: float | None, ends: Interval | None, limit: float,
-        *, at_least: bool = False,
-    ) -> Criterion:  # fmt: skip
+        name: str,
+        of: str,
+        value: float | None,
+        ends: Interval | None,
+        limit: float,
+        *,
+        at_least: bool = False,
+    ) -> Criterion:
         return Criterion(name, of, readings.axis, value, ends, limit, at_least, decision)
 
     if readings.resolution is not None:

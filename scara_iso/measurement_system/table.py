@@ -40,14 +40,30 @@ _COLUMNS = ColumnNames(
     with_unit=frozenset((*_DIALS, "reference")),
     labels=frozenset((*_FACTORS, "timestamp", "trial", "cycle")),
     aliases={
-        "pose": "part", "sample": "part", "appraiser": "operator", "inspector": "operator",
-        "day": "session", "date": "session", "subgroup": "session", "master": "reference",
-        "value": READING, "measurement": READING, "messwert": READING, "anzeige": READING,
-        "teil": "part", "werkstück": "part", "prüfer": "operator", "bediener": "operator",
-        "datum": "session", "tag": "session", "wiederholung": "trial",
-        "normal": "reference", "referenz": "reference", "referenzwert": "reference",
+        "pose": "part",
+        "sample": "part",
+        "appraiser": "operator",
+        "inspector": "operator",
+        "day": "session",
+        "date": "session",
+        "subgroup": "session",
+        "master": "reference",
+        "value": READING,
+        "measurement": READING,
+        "messwert": READING,
+        "anzeige": READING,
+        "teil": "part",
+        "werkstück": "part",
+        "prüfer": "operator",
+        "bediener": "operator",
+        "datum": "session",
+        "tag": "session",
+        "wiederholung": "trial",
+        "normal": "reference",
+        "referenz": "reference",
+        "referenzwert": "reference",
     },
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -89,7 +105,7 @@ class _Options:
                         + (f"there is no dial {axis}" if axis else "there are several dials"),
                         where=where,
                         remedy=f"name one of {', '.join(axes)}: `{key}={axes[0]}={given[axis]:g}`",
-                    )  # fmt: skip
+                    )
 
 
 def read_gauge_tables(
@@ -119,15 +135,20 @@ def read_gauge_tables(
         if list(dials) != axes:
             raise DataError(
                 f"has the dials {', '.join(dials)}, and another table {', '.join(axes)}",
-                where=table.source, remedy="one study is of the same dials",
-            )  # fmt: skip
+                where=table.source,
+                remedy="one study is of the same dials",
+            )
     return GaugeTables(
         dials=tuple(_joined([dials[axis][0] for dials in read]) for axis in axes),
         tolerances={
             axis: size
             for axis in axes
-            if (size := _one_of("tolerance", [(t.source, d[axis][1]) for t, d in
-                                              zip(tables, read, strict=True)])) is not None
+            if (
+                size := _one_of(
+                    "tolerance", [(t.source, d[axis][1]) for t, d in zip(tables, read, strict=True)]
+                )
+            )
+            is not None
         },
         statements=_agreed(tables),
         notes=tuple(
@@ -135,7 +156,7 @@ def read_gauge_tables(
             for table in tables
             for note in (*table.notes, *(f"column {name!r} not used" for name in table.left_out))
         ),
-    )  # fmt: skip
+    )
 
 
 def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadings, float | None]]:
@@ -153,9 +174,11 @@ def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadi
     if faults:
         count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
         raise DataError(
-            f"cannot be read as a gauge study: {count}", where=table.source, remedy=_REMEDY,
+            f"cannot be read as a gauge study: {count}",
+            where=table.source,
+            remedy=_REMEDY,
             faults=faults,
-        )  # fmt: skip
+        )
     return {axis: dial for axis, dial in found.items() if dial is not None}
 
 
@@ -234,8 +257,9 @@ def _joined(dials: Sequence[GaugeReadings]) -> GaugeReadings:
             raise DataError(
                 f"axis {first.axis}: the tables have not the same {name}: "
                 + ", ".join(map(str, values)),
-                where=dials[-1].source, remedy="one study is of the same dial",
-            )  # fmt: skip
+                where=dials[-1].source,
+                remedy="one study is of the same dial",
+            )
     factors = {name: _all(dials, name) for name in (*_FACTORS, "time")}
     reference = _all_references(dials)
     alike = all(len(set(factors[name] or ("",))) == 1 for name in _FACTORS)

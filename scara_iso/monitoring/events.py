@@ -55,6 +55,7 @@ def read_events(path: str | Path) -> tuple[ServiceEvent, ...]:
         else:
             events.append(ServiceEvent(when, cells[1][:_LONGEST]))
     if faults:
-        raise DataError(f"{len(faults)} lines cannot be read", where=str(path), remedy=_REMEDY,
-                        faults=faults)  # fmt: skip
+        raise DataError(
+            f"{len(faults)} lines cannot be read", where=str(path), remedy=_REMEDY, faults=faults
+        )
     return tuple(sorted(events, key=lambda event: event.when))

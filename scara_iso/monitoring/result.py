@@ -175,7 +175,14 @@ def _row(
 ) -> Mapping[str, Any]:
     low, high = test.interval or (None, None)
     return {
-        "when": test.when, "source": test.source, "pose": history.pose, "figure": history.figure,
-        "quantity": quantity, "unit": history.unit, "n": test.n, "value": test.value,
-        "low": or_nan(low), "high": or_nan(high),
-    }  # fmt: skip
+        "when": test.when,
+        "source": test.source,
+        "pose": history.pose,
+        "figure": history.figure,
+        "quantity": quantity,
+        "unit": history.unit,
+        "n": test.n,
+        "value": test.value,
+        "low": or_nan(low),
+        "high": or_nan(high),
+    }

@@ -173,9 +173,21 @@ def _spread_history(
     sampling = pooled / np.sqrt(n)
     values = np.array([test.value for test in tests])
     history = SpreadHistory(
-        pose, of, quantity, unit, tuple(tests), float(sampling.mean()), float(sampling.mean()),
-        np.zeros(len(tests)), None, None, None, limit, None, stretches[-1].start,
-    )  # fmt: skip
+        pose,
+        of,
+        quantity,
+        unit,
+        tuple(tests),
+        float(sampling.mean()),
+        float(sampling.mean()),
+        np.zeros(len(tests)),
+        None,
+        None,
+        None,
+        limit,
+        None,
+        stretches[-1].start,
+    )
     if len(tests) < FEWEST or not values.all():  # a dial that stood still has no logarithm
         return history
     logs, last = np.log(values), stretches[-1]

@@ -37,8 +37,15 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
     """Draw curves, points and levels; no two look alike without colour."""
     for (look, colour), curve in zip(cycle(_LOOKS), chart.curves, strict=False):
         style = look if curve.joined else look[0]
-        axes.plot(curve.x, curve.y, style, color=colour, ms=3.5, lw=1.2,
-                  label=printable(curve.name) or None)  # fmt: skip
+        axes.plot(
+            curve.x,
+            curve.y,
+            style,
+            color=colour,
+            ms=3.5,
+            lw=1.2,
+            label=printable(curve.name) or None,
+        )
     for dash, (name, level) in zip(cycle(_DASHES), chart.levels.items(), strict=False):
         axes.axhline(level, ls=dash, color=EDGE, lw=1.0, label=name)
     axes.set(xlabel=chart.x_label, ylabel=f"[{chart.unit}]")

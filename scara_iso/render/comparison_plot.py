@@ -58,8 +58,16 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
             found = pose.axes[one.figure]
             label = ("before" if shift < 0 else "after") if k == 0 else None
             row = k + shift + np.linspace(-0.13, 0.13, found.n)  # the first cycle on top
-            axes.plot(found.readings - found.mean, row, marker, ms=3.5, mfc="none", color=colour,
-                      ls="none", label=label)  # fmt: skip
+            axes.plot(
+                found.readings - found.mean,
+                row,
+                marker,
+                ms=3.5,
+                mfc="none",
+                color=colour,
+                ls="none",
+                label=label,
+            )
         labels.append(_figure_name(one))
     axes.set_yticks(range(len(labels)), labels)
     axes.invert_yaxis()
@@ -84,8 +92,10 @@ def _draw_intervals(
         shown = one.verdict in (ContrastVerdict.LESS, ContrastVerdict.MORE)
         colour = PLANE if shown else EDGE
         bounded = [bool(end) or (end is not None and not none) for end in ends]
-        places = [e if b and e is not None else beyond[n]
-                  for n, (e, b) in enumerate(zip(ends, bounded, strict=True))]  # fmt: skip
+        places = [
+            e if b and e is not None else beyond[n]
+            for n, (e, b) in enumerate(zip(ends, bounded, strict=True))
+        ]
         axes.plot(places, [k, k], color=colour, lw=2)
         for place, b, arrow in zip(places, bounded, "<>", strict=True):
             axes.plot(place, k, "|" if b else arrow, color=colour, ms=7)

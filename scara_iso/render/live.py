@@ -112,10 +112,11 @@ def _foot(view: LiveView, *, blocks: bool) -> list[RenderableType]:
     mark = {"good": "✔ " if blocks else "OK ", "bad": "✘ " if blocks else "!! "}.get(tone, "")
     last = (f"{view.prompt}_", "bold") if view.prompt else (view.keys, "dim")
     lines = [
-        (f"{mark}{text}", _TONES[tone]), (view.troubles, "bold"),
+        (f"{mark}{text}", _TONES[tone]),
+        (view.troubles, "bold"),
         *((f"! {line}" if not k else line, "bold reverse") for k, line in enumerate(view.warning)),
         (view.next_step, "bold"),
-    ]  # fmt: skip
+    ]
     return [
         Padding(Text(printable(text), style), (0, 0, 0, len(_INDENT)))
         for text, style in [*lines, last]

@@ -34,11 +34,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 _STYLE: dict[str, Any] = {
-    "font.size": 8.5, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.edgecolor": EDGE, "axes.grid": True, "grid.color": "#e3e8ed", "grid.linewidth": 0.6,
-    "axes.axisbelow": True, "xtick.color": ARM, "ytick.color": ARM, "axes.labelcolor": ARM,
-    "axes.formatter.useoffset": False, "svg.fonttype": "none", "path.simplify": False,
-}  # fmt: skip
+    "font.size": 8.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": EDGE,
+    "axes.grid": True,
+    "grid.color": "#e3e8ed",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "xtick.color": ARM,
+    "ytick.color": ARM,
+    "axes.labelcolor": ARM,
+    "axes.formatter.useoffset": False,
+    "svg.fonttype": "none",
+    "path.simplify": False,
+}
 _PAGE, _LEFT, _ABOVE, _BELOW = 7.1, 0.62, 0.2, 0.36  # [inch]
 Panels = Courses | Planes | Predictions
 OneAxes = DriftPicture | MonthsPicture | ControlPicture
@@ -105,9 +115,13 @@ def _drawn(figure: Figure) -> Drawing:
     grid = drawing.subplots(rows, columns, sharex=True, sharey=columns > 1, squeeze=False)
     if columns > 1:
         drawing.subplots_adjust(
-            left=_LEFT / width, right=1 - 0.05 / width, bottom=_BELOW / height,
-            top=1 - _ABOVE / height, wspace=0.08, hspace=0.3,
-        )  # fmt: skip
+            left=_LEFT / width,
+            right=1 - 0.05 / width,
+            bottom=_BELOW / height,
+            top=1 - _ABOVE / height,
+            wspace=0.08,
+            hspace=0.3,
+        )
     else:
         drawing.subplots_adjust(left=0.2, right=0.98, bottom=0.46 / height, top=1 - 0.1 / height)
     panels = grid.ravel().tolist()
@@ -117,8 +131,9 @@ def _drawn(figure: Figure) -> Drawing:
     for k, panel in enumerate(shown):
         _panel(panels[k], figure.data, panel)
         if columns > 1:
-            panels[k].set_title(printable(panel.pose or "")[:_LABEL], parse_math=False, fontsize=8,
-                                pad=2)  # fmt: skip
+            panels[k].set_title(
+                printable(panel.pose or "")[:_LABEL], parse_math=False, fontsize=8, pad=2
+            )
         panels[k].tick_params(labelsize=7 if columns > 1 else 8)
     _name_axes(figure.data, grid, drawing)
     return drawing

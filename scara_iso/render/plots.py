@@ -82,9 +82,12 @@ def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float)
     for column in (0, 1):
         rows[-1][column].set_xlabel("cycle")
         rows[-1][column].legend(
-            loc="upper center", bbox_to_anchor=(0.5, -0.588 / height), ncols=3, fontsize=8,
+            loc="upper center",
+            bbox_to_anchor=(0.5, -0.588 / height),
+            ncols=3,
+            fontsize=8,
             frameon=False,
-        )  # fmt: skip
+        )
     return figure
 
 
@@ -116,9 +119,13 @@ def plot_reach(reach: ReachMap) -> Figure:
     for pose, (x, y) in reach.poses.items():
         axes.plot(x, y, "o", color=PLANE, mec=ARM, ms=5)
         axes.annotate(
-            pose[:_LABEL], (x, y), xytext=(4, 4), textcoords="offset points", fontsize=8,
+            pose[:_LABEL],
+            (x, y),
+            xytext=(4, 4),
+            textcoords="offset points",
+            fontsize=8,
             parse_math=False,
-        )  # fmt: skip
+        )
     axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]", title="predicted repeatability")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2, frameon=False)
     return figure
@@ -215,8 +222,14 @@ def _draw_solid(axes: Any, plan: PosePlan) -> None:
         axes.plot(*corners[[a, b]].T, color=PLANE, lw=1, ls="--")
     middle = corners.mean(axis=0)
     for k, corner in enumerate(corners, start=1):
-        axes.text(*(corner + 0.08 * (corner - middle)), f"C{k}", color=SOLID, fontsize=9,
-                  ha="center", va="center")  # fmt: skip
+        axes.text(
+            *(corner + 0.08 * (corner - middle)),
+            f"C{k}",
+            color=SOLID,
+            fontsize=9,
+            ha="center",
+            va="center",
+        )
     for pose in plan.poses:
         place = (pose.x_mm, pose.y_mm, pose.z_mm)
         axes.plot(*([v] for v in place), "o", color=PLANE, mec="black", ms=6)

@@ -63,6 +63,8 @@ def _titled(title: str, name: str) -> str:
 def _steps(found: PushResult) -> Table:
     loop = found.loop
     pairs = zip(loop.force.tolist(), loop.reading.tolist(), strict=True)
-    rows = tuple((Number(k), Number(force, ".12g"), Number(reading, ".12g"))
-                 for k, (force, reading) in enumerate(pairs, 1))  # fmt: skip
+    rows = tuple(
+        (Number(k), Number(force, ".12g"), Number(reading, ".12g"))
+        for k, (force, reading) in enumerate(pairs, 1)
+    )
     return Table(("step", "force [N]", "reading [mm]"), rows)

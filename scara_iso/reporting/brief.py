@@ -104,8 +104,9 @@ def left_behind(findings: Sequence[Finding]) -> str:
     warnings = sum(one.severity != "info" and not one.rule for one in findings)
     others = len(findings) - deviations - warnings
     counted = (
-        (warnings, "warning", ""), (deviations, "deviation", " from ISO 9283"),
+        (warnings, "warning", ""),
+        (deviations, "deviation", " from ISO 9283"),
         (others, "remark", ""),
-    )  # fmt: skip
+    )
     said = [f"{k} {name}{'s' if k > 1 else ''}{of}" for k, name, of in counted if k]
     return f"{', '.join(said) or 'every figure'}: `full=`"

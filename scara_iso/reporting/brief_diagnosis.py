@@ -179,8 +179,9 @@ def _behind(diagnosis: Diagnosis) -> Iterator[Text]:
     n = len(diagnosis.series.cycle)
     changed = [axis for axis in before if any(axis in one.axes for one in diagnosis.effects)]
     if changed:
-        said = "; ".join(f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}"
-                         for axis in changed)  # fmt: skip
+        said = "; ".join(
+            f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}" for axis in changed
+        )
         yield Text(f"Error on cycles that the model has not seen: {said}")
     yield from (Text(f"- {note}", "quiet") for note in diagnosis.notes[:_MOST_NOTES])
     more = len(diagnosis.notes) - _MOST_NOTES

@@ -97,8 +97,10 @@ def _run(chapters: Sequence[Chapter]) -> Run:
     runs = [one.dossier.analysis.run for one in chapters]
     shared = [n for n in runs[0].covariates if all(n in run.covariates for run in runs)]
     directions = [run.direction for run in runs if run.direction is not None]
-    poses = [np.array([_called(p, one.name) for p in _poses(run)])
-             for one, run in zip(chapters, runs, strict=True)]  # fmt: skip
+    poses = [
+        np.array([_called(p, one.name) for p in _poses(run)])
+        for one, run in zip(chapters, runs, strict=True)
+    ]
     return Run(
         cycle=np.concatenate([run.cycle for run in runs]),
         axes={name: _axis(name, chapters) for name in runs[0].axes},
@@ -166,11 +168,17 @@ def _analysis(
         cycles=min((found.cycles for found in analyses), key=lambda cycles: cycles.used),
         poses=poses,
         findings=tuple(_findings(pairs, missing)),
-        limits=tuple(_limit(check, names, one) for one, names in pairs
-                     for check in one.dossier.analysis.limits),
-        characteristics=tuple(_characteristic(found, names, one) for one, names in pairs
-                              for found in one.dossier.analysis.characteristics),
-    )  # fmt: skip
+        limits=tuple(
+            _limit(check, names, one)
+            for one, names in pairs
+            for check in one.dossier.analysis.limits
+        ),
+        characteristics=tuple(
+            _characteristic(found, names, one)
+            for one, names in pairs
+            for found in one.dossier.analysis.characteristics
+        ),
+    )
 
 
 def _findings(

@@ -257,9 +257,11 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
 
 def _repeatability(RP: Repeatabilities, n: int) -> Table:
     columns = {
-        "measured": RP.measured, **before_model(RP), "model after": RP.model_after,
+        "measured": RP.measured,
+        **before_model(RP),
+        "model after": RP.model_after,
         "effect removed": RP.with_effect_removed,
-    }  # fmt: skip
+    }
     return Table(
         ("RP", *columns),
         tuple(

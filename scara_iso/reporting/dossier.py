@@ -108,8 +108,11 @@ def _sections(dossier: Dossier) -> Iterator[Section]:
         said = (*interpretation(found), *pictures)
         yield Section("Diagnosis: opinions and interpretations", said)
     held = tuple(facts for facts in conditions(analysis.run, analysis.cycles) if facts.rows)
-    lacking = [Text(f"Not stated: {', '.join(names)}", "quiet")
-               for names in (not_stated(analysis.run),) if names]  # fmt: skip
+    lacking = [
+        Text(f"Not stated: {', '.join(names)}", "quiet")
+        for names in (not_stated(analysis.run),)
+        if names
+    ]
     yield Section("Conditions and instruments", (*held, *lacking, *_struck(analysis)))
     yield Section("Uncertainty budget", tuple(budget_blocks(analysis)))
     every = [

@@ -85,14 +85,20 @@ def _answer(found: FleetSummary, *, full: bool) -> Iterator[Block]:
     yield Text(said, "warn" if named or not found.robots else "good")
     false = found.level * named
     if named:
-        yield Text(f"of them {false:.1f} by chance at most, on average: false discovery rate "
-                   f"{found.level:g}", "quiet")  # fmt: skip
+        yield Text(
+            f"of them {false:.1f} by chance at most, on average: false discovery rate "
+            f"{found.level:g}",
+            "quiet",
+        )
     yield Text(f"{found.tables} tables in {_parts(found.run)}; results in {found.run.folder}")
     yield from _troubles(found, full=full)
     if found.undecided:
         names = _some(tuple(one.robot for one in found.undecided))
-        yield Text(f"! {names}: nothing drawn came as far, and too "
-                   "little was drawn to name them among so many: look at them", "warn")  # fmt: skip
+        yield Text(
+            f"! {names}: nothing drawn came as far, and too "
+            "little was drawn to name them among so many: look at them",
+            "warn",
+        )
 
 
 def _parts(run: FleetRun) -> str:
@@ -113,14 +119,22 @@ def _troubles(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Tex
 
 def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:
     """Yield what the names leave open, kind by kind."""
-    yield [f"{one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
-           "count; remove the one that is too much" for one in found.twice]  # fmt: skip
+    yield [
+        f"{one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
+        "count; remove the one that is too much"
+        for one in found.twice
+    ]
     yield [_alone(one) for one in found.names_alone]
-    yield [f"serial number {one.robot} stands with the names {_some(one.names)}: they are taken "
-           "for one robot; if they are several, state the serial number of each"
-           for one in found.several_names]  # fmt: skip
-    yield [f"{_some(names)} are alike but for case, blanks or zeros in front, and count as several "
-           "robots; if they are one, write it in one way" for names in found.alike]  # fmt: skip
+    yield [
+        f"serial number {one.robot} stands with the names {_some(one.names)}: they are taken "
+        "for one robot; if they are several, state the serial number of each"
+        for one in found.several_names
+    ]
+    yield [
+        f"{_some(names)} are alike but for case, blanks or zeros in front, and count as several "
+        "robots; if they are one, write it in one way"
+        for names in found.alike
+    ]
 
 
 def _some(names: tuple[str, ...]) -> str:
@@ -131,10 +145,14 @@ def _some(names: tuple[str, ...]) -> str:
 def _alone(one: NameAlone) -> str:
     numbers, where = ", ".join(one.serial_numbers), f"where the name stands alone ({one.tables})"
     if len(one.serial_numbers) == 1:
-        return (f"{one.name} and serial number {numbers} are taken for one robot: if they are two, "
-                f"state the serial number {where}")  # fmt: skip
-    return (f"{one.name} is the name of serial numbers {numbers}: {where} it counts as a robot of "
-            "its own; state the serial number there")  # fmt: skip
+        return (
+            f"{one.name} and serial number {numbers} are taken for one robot: if they are two, "
+            f"state the serial number {where}"
+        )
+    return (
+        f"{one.name} is the name of serial numbers {numbers}: {where} it counts as a robot of "
+        "its own; state the serial number there"
+    )
 
 
 def _robots(robots: tuple[RobotResult, ...], note: str) -> Table:
@@ -171,23 +189,37 @@ def _drift(found: FleetDrift, *, full: bool) -> Iterator[Block]:
     apart = "" if ends is None else f" (95 %: {_percent(ends[0])} to {_percent(ends[1])})"
     yield Text(f"the median of {found.robots} robots: {_percent(found.per_month)} a month{apart}")
     rows: list[tuple[Cell, ...]] = [
-        (one.period, Number(one.robots), *(Number(end, ".4f") for end in one.RP_quantiles[::2]),
-         f"{one.worse} of {one.compared}" if one.compared else "")
+        (
+            one.period,
+            Number(one.robots),
+            *(Number(end, ".4f") for end in one.RP_quantiles[::2]),
+            f"{one.worse} of {one.compared}" if one.compared else "",
+        )
         for one in found.periods
-    ]  # fmt: skip
+    ]
     yield Table(("tested", "robots", "5 %", "50 %", "95 %", "worse than before"), tuple(rows))
     count = len(found.growing)
-    yield Text(f"grows in {count} of the {found.asked} robots with three dates or more",
-               "warn" if count else "quiet")  # fmt: skip
+    yield Text(
+        f"grows in {count} of the {found.asked} robots with three dates or more",
+        "warn" if count else "quiet",
+    )
     if count:
         shown = found.growing if full else found.growing[:_WORST]
         note = f"and {count - len(shown)} more: `full=`" if len(shown) < count else ""
         yield Table(
             ("robot", "dates", "a month", "p", "q"),
-            tuple((one.robot, Number(one.dates), _percent(one.per_month),
-                   four_digits(one.p_value), four_digits(one.q_value)) for one in shown),
+            tuple(
+                (
+                    one.robot,
+                    Number(one.dates),
+                    _percent(one.per_month),
+                    four_digits(one.p_value),
+                    four_digits(one.q_value),
+                )
+                for one in shown
+            ),
             note,
-        )  # fmt: skip
+        )
 
 
 def _percent(share: float) -> str:

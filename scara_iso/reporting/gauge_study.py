@@ -52,14 +52,23 @@ _SAID = {
 }
 _SHARES = ("resolution/T", "R&R/T", "Q_MS", "Q_MP")
 _COMPONENTS = {
-    "EV": "repeatability, EV", "AV": "operators, AV", "INT": "part x operator", "GRR": "R&R, GRR",
-    "PV": "parts, PV", "TV": "all, TV",
-}  # fmt: skip
+    "EV": "repeatability, EV",
+    "AV": "operators, AV",
+    "INT": "part x operator",
+    "GRR": "R&R, GRR",
+    "PV": "parts, PV",
+    "TV": "all, TV",
+}
 _PARTS = {
-    "CAL": "calibration", "RE": "division", "EVR": "repeatability on one part",
-    "EVO": "repeatability on parts", "BI": "bias", "LIN": "linearity", "AV": "operators",
+    "CAL": "calibration",
+    "RE": "division",
+    "EVR": "repeatability on one part",
+    "EVO": "repeatability on parts",
+    "BI": "bias",
+    "LIN": "linearity",
+    "AV": "operators",
     "IA": "part x operator",
-}  # fmt: skip
+}
 
 
 def gauge_study_report(found: GaugeStudy) -> Report:
@@ -229,8 +238,13 @@ def _components(figures: Crossed, unit: str) -> Table:
 
 def _by_ranges(figures: Crossed, unit: str) -> Table:
     ranges = figures.by_ranges
-    pairs = (("EV", ranges.EV), ("AV", ranges.AV), ("GRR", ranges.GRR), ("PV", ranges.PV),
-             ("TV", ranges.TV))  # fmt: skip
+    pairs = (
+        ("EV", ranges.EV),
+        ("AV", ranges.AV),
+        ("GRR", ranges.GRR),
+        ("PV", ranges.PV),
+        ("TV", ranges.TV),
+    )
     rows = tuple((_COMPONENTS[name], four_digits(value), unit) for name, value in pairs)
     share = f"R&R {ranges.of_study:.1%} of TV, ndc {ranges.ndc or 'none'}"
     return Table(("by average and range", "", "in"), rows, f"{share}; for comparison only")
@@ -273,21 +287,31 @@ def _budget(budget: Budget, study: AxisStudy) -> Iterator[Block]:
         (f"u_{name}", _PARTS[name], four_digits(part), unit) for name, part in budget.parts.items()
     ]
     low, high = budget.interval
-    rows.append((f"U_{budget.of}", f"2 u, 95 % interval {low:.2g}..{high:.2g}",
-                 four_digits(budget.U), unit))  # fmt: skip
-    rows.append(("T_min", f"tolerance with Q = {budget.limit:.0%}",
-                 four_digits(budget.smallest_tolerance), unit))  # fmt: skip
+    rows.append(
+        (f"U_{budget.of}", f"2 u, 95 % interval {low:.2g}..{high:.2g}", four_digits(budget.U), unit)
+    )
+    rows.append(
+        (
+            "T_min",
+            f"tolerance with Q = {budget.limit:.0%}",
+            four_digits(budget.smallest_tolerance),
+            unit,
+        )
+    )
     if budget.Q is not None and budget.zone is not None:
-        rows.append((f"Q_{budget.of}", f"2 U / T, at most {budget.limit:.0%}",
-                     Number(budget.Q, ".1%"), ""))  # fmt: skip
+        rows.append(
+            (f"Q_{budget.of}", f"2 U / T, at most {budget.limit:.0%}", Number(budget.Q, ".1%"), "")
+        )
         if budget.C is not None:
             rows.append((f"C_{budget.of}", "1.33 at least", four_digits(budget.C), ""))
-        rows.append(("T - 2 U", "where a reading proves conformity", four_digits(budget.zone),
-                     unit))  # fmt: skip
+        rows.append(
+            ("T - 2 U", "where a reading proves conformity", four_digits(budget.zone), unit)
+        )
     yield Table(
-        ("VDA 5, ISO 22514-7", "", "", "in"), tuple(rows),
+        ("VDA 5, ISO 22514-7", "", "", "in"),
+        tuple(rows),
         "of repeatabilities and division the largest counts; ISO 14253-1: U off both ends",
-    )  # fmt: skip
+    )
 
 
 def _how(found: GaugeStudy) -> Iterator[Text]:

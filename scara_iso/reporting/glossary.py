@@ -6,11 +6,25 @@ from collections.abc import Mapping
 
 KIND = "word of the screens"
 SAME: Mapping[str, str] = {
-    "eq. 2": "RP", "eq. 3": "RP", "eq. 4": "RP", "eq. 5": "RP", "eq. 6": "RP", "l_bar": "RP",
-    "S_l": "RP", "repeatability": "RP", "7.2.2": "RP", "accuracy": "AP", "7.2.1": "AP",
-    "eq. 23": "RP_rss", "rss": "RP_rss", "root sum of squares": "RP_rss", "three sigma": "RP_a",
-    "3 s": "RP_a", "± 3 s": "RP_a", "division": "resolution",
-}  # fmt: skip
+    "eq. 2": "RP",
+    "eq. 3": "RP",
+    "eq. 4": "RP",
+    "eq. 5": "RP",
+    "eq. 6": "RP",
+    "l_bar": "RP",
+    "S_l": "RP",
+    "repeatability": "RP",
+    "7.2.2": "RP",
+    "accuracy": "AP",
+    "7.2.1": "AP",
+    "eq. 23": "RP_rss",
+    "rss": "RP_rss",
+    "root sum of squares": "RP_rss",
+    "three sigma": "RP_a",
+    "3 s": "RP_a",
+    "± 3 s": "RP_a",
+    "division": "resolution",
+}
 """Other names of a page, by the code of the page."""
 
 _TEXT = """

@@ -139,10 +139,12 @@ def _unchanged(one: SpreadHistory) -> str:
 def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[Contrast]]]:
     """Yield each service behind which a figure of scatter is another, with these figures."""
     for event in found.events:
-        pairs = [pair for one in found.changes if one.event is event
-                 for pair in one.comparison.pairs]  # fmt: skip
-        moved = [one for pair in pairs for one in pair.spreads
-                 if one.verdict in CHANGED and is_live(one)]  # fmt: skip
+        pairs = [
+            pair for one in found.changes if one.event is event for pair in one.comparison.pairs
+        ]
+        moved = [
+            one for pair in pairs for one in pair.spreads if one.verdict in CHANGED and is_live(one)
+        ]
         if moved:
             yield event, moved
 

@@ -27,15 +27,23 @@ def intermediates(pose: PoseResult) -> Iterator[Block]:
     ]
     yield Table(
         (
-            "figure", "unit", "n", "sum", "mean", "sum of l_j", "l_bar",
-            "sum of (l_j - l_bar)²", "S_l", "RP = l_bar + 3 S_l",
+            "figure",
+            "unit",
+            "n",
+            "sum",
+            "mean",
+            "sum of l_j",
+            "l_bar",
+            "sum of (l_j - l_bar)²",
+            "S_l",
+            "RP = l_bar + 3 S_l",
         ),
         tuple(rows),
         "l_j: distance of cycle j from the mean (of an axis, eq. 2) or from the barycentre "
         "(XY and XYZ, 7.2.2); S_l with n - 1; eq. 23 is the root of RP² of X plus RP² of Y. "
         "Computed with all digits; more of them are printed here than the figures bear, so that "
         "each can be checked by hand.",
-    )  # fmt: skip
+    )
     angles = [axis for axis in pose.axes.values() if axis.unit == "deg"]
     for axis in angles:
         yield _angle(axis, _places(pose))
@@ -75,9 +83,16 @@ def _row(
     if readings is not None:
         sums = [Number(float(v), spec) for v in (readings.sum(), readings.mean())]
     return (
-        name, unit, Number(n), *sums, Number(float(l.sum()), spec), Number(l_bar, spec),
-        Number(squares, ".6g"), Number(S_l, spec), Number(l_bar + 3 * S_l, spec),
-    )  # fmt: skip
+        name,
+        unit,
+        Number(n),
+        *sums,
+        Number(float(l.sum()), spec),
+        Number(l_bar, spec),
+        Number(squares, ".6g"),
+        Number(S_l, spec),
+        Number(l_bar + 3 * S_l, spec),
+    )
 
 
 def _angle(axis: AxisResult, places: int) -> Table:

@@ -27,9 +27,15 @@ def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
             later = np.linspace(last, last + _AHEAD * span, 12)
             ahead = (later, one.trend.level(later))
     data = MonthsPicture(
-        days, np.array([test.value for test in one.tests]), ends, f"[{one.unit}]", fitted, ahead,
-        one.limit, _events(found),
-    )  # fmt: skip
+        days,
+        np.array([test.value for test in one.tests]),
+        ends,
+        f"[{one.unit}]",
+        fitted,
+        ahead,
+        one.limit,
+        _events(found),
+    )
     caption = (
         "each test with its 95 % interval; orange what the trend expects, dotted if it goes on"
     )
@@ -43,25 +49,57 @@ def control_pictures(found: RobotHistory, one: SpreadHistory | MeanHistory) -> I
     if isinstance(one, MeanHistory):
         if one.chart is not None:
             chart, values = one.chart, np.array([test.value for test in one.tests])
-            data = ControlPicture(days, {"mean": values}, chart.centre, chart.low, chart.high,
-                                  chart.alarms, f"[{one.unit}]", events)  # fmt: skip
+            data = ControlPicture(
+                days,
+                {"mean": values},
+                chart.centre,
+                chart.low,
+                chart.high,
+                chart.alarms,
+                f"[{one.unit}]",
+                events,
+            )
             yield Figure(data, "Individuals", "mean of each test, limits of three standard errors")
             moved = np.nan_to_num(chart.moving_range)
             limit = np.full(len(days), chart.range_limit)
-            data = ControlPicture(days, {"moving range": moved}, zero, zero, limit,
-                                  chart.alarms, f"[{one.unit}]", events)  # fmt: skip
+            data = ControlPicture(
+                days,
+                {"moving range": moved},
+                zero,
+                zero,
+                limit,
+                chart.alarms,
+                f"[{one.unit}]",
+                events,
+            )
             yield Figure(data, "Moving range", "distance from the test before, and its limit")
         return
     if one.ewma is not None:
         e = one.ewma
-        data = ControlPicture(days, {"EWMA": e.points}, zero, -e.limits, e.limits, e.alarms,
-                              "[standard errors]", events)  # fmt: skip
+        data = ControlPicture(
+            days,
+            {"EWMA": e.points},
+            zero,
+            -e.limits,
+            e.limits,
+            e.alarms,
+            "[standard errors]",
+            events,
+        )
         yield Figure(data, "EWMA", "of ln RP against the tests before; a ring is an alarm")
     if one.cusum is not None:
         c = one.cusum
         limit = np.full(len(days), c.limit)
-        data = ControlPicture(days, {"up": c.up, "down": -c.down}, zero, -limit, limit, c.alarms,
-                              "[standard errors]", events)  # fmt: skip
+        data = ControlPicture(
+            days,
+            {"up": c.up, "down": -c.down},
+            zero,
+            -limit,
+            limit,
+            c.alarms,
+            "[standard errors]",
+            events,
+        )
         yield Figure(data, "CUSUM", "of ln RP against the tests before; a ring is an alarm")
 
 

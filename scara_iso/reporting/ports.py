@@ -22,15 +22,17 @@ class Probe:
     def matches(self) -> tuple[str, ...]:
         """Return the dialects that understand every whole line and read at least one value."""
         return tuple(
-            key for key, events in self.events.items()
+            key
+            for key, events in self.events.items()
             if any(isinstance(e, Reading | InstrumentFault) for e in events)
             and not any(isinstance(e, Garbage) for e in events)
-        )  # fmt: skip
+        )
 
     def diagnosis(self) -> str | None:
         """Return what the garbage says about the parity of the line, if anything."""
-        garbage = [e.reason for events in self.events.values() for e in events
-                   if isinstance(e, Garbage)]  # fmt: skip
+        garbage = [
+            e.reason for events in self.events.values() for e in events if isinstance(e, Garbage)
+        ]
         return next((reason for reason in garbage if reason.startswith("looks like")), None)
 
 
@@ -53,8 +55,11 @@ def dialects_report(dialects: Iterable[Dialect]) -> Report:
 
 def _dialect_blocks(dialect: Dialect) -> list[Block]:
     ask = _request(dialect)
-    unit = "in the frame" if dialect.sends_unit else (
-        "asked for" if dialect.unit_request else "by option")  # fmt: skip
+    unit = (
+        "in the frame"
+        if dialect.sends_unit
+        else ("asked for" if dialect.unit_request else "by option")
+    )
     blocks: list[Block] = [
         Text(dialect.instruments),
         Text(f"line {dialect.line}, request {ask}, unit {unit}"),
@@ -78,8 +83,10 @@ def probe_report(probe: Probe) -> Report:
     if not probe.received:
         text = "Nothing was received. Press DATA on the indicator, or ask: `ask=opto-rs232`"
         return (Section(heading, (Text(text, "bad"),)),)
-    blocks: list[Block] = [Text(f"{len(probe.received)} bytes: {_bytes(probe.received)}"),
-                           Text(probe.received.hex(" "), "quiet")]  # fmt: skip
+    blocks: list[Block] = [
+        Text(f"{len(probe.received)} bytes: {_bytes(probe.received)}"),
+        Text(probe.received.hex(" "), "quiet"),
+    ]
     blocks += [_match(key, probe.events[key]) for key in probe.matches()]
     if not probe.matches():
         blocks.append(Text("No dialect understands this.", "bad"))

@@ -14,8 +14,12 @@ def poses_table(poses: Sequence[PoseResult]) -> Table:
     """Return RP of every axis and plane of each pose, and AP where every pose has one."""
     columns = [_column(poses, name) for name in poses[0].axes]
     columns += [*_plane(poses), *_accuracy(poses)]
-    rows = zip([pose.label or "" for pose in poses], [len(pose.rows) for pose in poses],
-               *(cells for _, cells in columns), strict=True)  # fmt: skip
+    rows = zip(
+        [pose.label or "" for pose in poses],
+        [len(pose.rows) for pose in poses],
+        *(cells for _, cells in columns),
+        strict=True,
+    )
     units = {axis.unit for axis in poses[0].axes.values()}
     note = f"RP in mm{', of an angle ± 3 s in deg' if 'deg' in units else ''}"
     return Table(("pose", "n", *(name for name, _ in columns)), tuple(rows), note)
@@ -39,8 +43,10 @@ def _plane(poses: Sequence[PoseResult]) -> list[_Column]:
     planes = [(pose.XY, len(pose.rows)) for pose in poses if pose.XY is not None]
     if len(planes) == len(poses):
         ends: list[Cell] = [interval(XY.RP_interval) for XY, _ in planes]
-        return [("XY radial", [rounded(XY.RP, U_of_RP(XY, n)) for XY, n in planes]),
-                ("95 % interval", ends)]  # fmt: skip
+        return [
+            ("XY radial", [rounded(XY.RP, U_of_RP(XY, n)) for XY, n in planes]),
+            ("95 % interval", ends),
+        ]
     axes = [axis for pose in poses for axis in pose.axes.values()]
     if len(axes) > len(poses):
         return []

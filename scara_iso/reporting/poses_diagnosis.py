@@ -49,12 +49,17 @@ def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
     rest = f"{more} more notes, " if more > 0 else ""
     notes.append(Text(f"lengths in mm, angles in degrees; {rest}shares, rivals: `full=`", "quiet"))
     return (
-        Section("", first_three(head, _next(found, again)) if len(head) > 1 else
-                (*head, _next(found, again))),
+        Section(
+            "",
+            first_three(head, _next(found, again))
+            if len(head) > 1
+            else (*head, _next(found, again)),
+        ),
         Section("", (_table(found),)),
-        Section("", (*scatter_brief(found.joint_scatter), *_followed(found),
-                     *_doubts(found), *notes)),
-    )  # fmt: skip
+        Section(
+            "", (*scatter_brief(found.joint_scatter), *_followed(found), *_doubts(found), *notes)
+        ),
+    )
 
 
 def _followed(found: DiagnosisOfPoses) -> Iterator[Text]:
@@ -227,5 +232,7 @@ def _doubts(found: DiagnosisOfPoses) -> Iterator[Text]:
     for one in found.effects:
         yield from (Text(f"! {line}", "warn") for line in one.unidentified)
     for pose, at in found.poses.items():
-        yield from (Text(f"! {pose} {said.text.removeprefix('! ')}", said.tone)
-                    for said in doubts(at, effects=False))  # fmt: skip
+        yield from (
+            Text(f"! {pose} {said.text.removeprefix('! ')}", said.tone)
+            for said in doubts(at, effects=False)
+        )

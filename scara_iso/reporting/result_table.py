@@ -116,8 +116,9 @@ def _matrix(labels: Sequence[str], rows: Sequence[_Row], columns: Sequence[_Colu
     body: list[tuple[Cell, ...]] = [
         (*row.labels, *(_result(row.of.get(column)) for column in columns)) for row in rows
     ]
-    limits = [next((_limit(row.of.get(c)) for row in rows if _limit(row.of.get(c))), "")
-              for c in columns]  # fmt: skip
+    limits = [
+        next((_limit(row.of.get(c)) for row in rows if _limit(row.of.get(c))), "") for c in columns
+    ]
     if any(limits):
         body.append(("limit", *[""] * (len(labels) - 1), *limits))
     header = [_name(one) for one in heads]

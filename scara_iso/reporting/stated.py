@@ -61,27 +61,50 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
 
 
 WHERE_IT_APPLIES = {
-    "condition of the item", "item received", "sampling", "external providers", "method",
-}  # fmt: skip
+    "condition of the item",
+    "item received",
+    "sampling",
+    "external providers",
+    "method",
+}
 """Fields that 17025 asks for only where they matter: not missed where nobody stated them."""
 
 _PEOPLE = (
-    "laboratory", "address", "place of the test", "customer", "customer's contact",
+    "laboratory",
+    "address",
+    "place of the test",
+    "customer",
+    "customer's contact",
     "external providers",
-)  # fmt: skip
+)
 _ITEM = (
-    "item", "serial number", "condition of the item", "item received", "sampling",
-    "date of the test", "date of issue", "operator", "authorized by",
-)  # fmt: skip
+    "item",
+    "serial number",
+    "condition of the item",
+    "item received",
+    "sampling",
+    "date of the test",
+    "date of issue",
+    "operator",
+    "authorized by",
+)
 _AT_A_GLANCE = ("velocity", "payload", "ambient temperature")
 _CONDITIONS = (
-    "ambient temperature", "humidity", "payload", "rated load", "velocity", "rated velocity",
+    "ambient temperature",
+    "humidity",
+    "payload",
+    "rated load",
+    "velocity",
+    "rated velocity",
     "dwell",
-)  # fmt: skip
+)
 _INSTRUMENT = (
-    "instrument", "instrument's serial number", "calibration date", "calibration due",
+    "instrument",
+    "instrument's serial number",
+    "calibration date",
+    "calibration due",
     "calibration certificate",
-)  # fmt: skip
+)
 _OF_A_POSE = re.compile(r"(\w+)\[(.+)\]")
 _SAID_BY_CYCLES = ("first_cycle_discarded", "first_cycle")
 _REMARK = re.compile(r"record_\d+_(struck|changed|note)")
@@ -106,8 +129,11 @@ def parties(run: Run) -> tuple[Facts, Facts]:
 def conditions(run: Run, cycles: Cycles) -> tuple[Facts, Facts]:
     """Return the conditions and the instruments, as far as they are stated."""
     held = _facts(run, _CONDITIONS, "Conditions")
-    others = [(key, text) for key, text in _others(_by_key(run))
-              if not _REMARK.fullmatch(key) and key not in _SAID_BY_CYCLES]  # fmt: skip
+    others = [
+        (key, text)
+        for key, text in _others(_by_key(run))
+        if not _REMARK.fullmatch(key) and key not in _SAID_BY_CYCLES
+    ]
     said = (*held.rows, ("cycles", _counted(cycles)), *((_words(k), v) for k, v in others))
     used = _facts(run, _INSTRUMENT, "Instruments")
     return replace(held, rows=said), replace(used, rows=(*used.rows, *_dials(run)))

@@ -18,8 +18,14 @@ def table_report(run: Run) -> Report:
     if stated := tuple(_stated(run)):
         sections.append(Section("stated in the file", (Facts(stated),)))
     if origin.fields:
-        sections.append(Section(f"fields, by the header of {origin.row_name} {origin.header_line}"
-                                if origin.header_line else "fields", (_fields(run),)))  # fmt: skip
+        sections.append(
+            Section(
+                f"fields, by the header of {origin.row_name} {origin.header_line}"
+                if origin.header_line
+                else "fields",
+                (_fields(run),),
+            )
+        )
     sections.append(Section("left out, and remarks", tuple(_notes(run))))
     return tuple(sections)
 

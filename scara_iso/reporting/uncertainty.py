@@ -67,13 +67,20 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
     """Yield the budget as a table, and what is left open."""
     lines = uncertainty_budget(analysis)
     yield Table(
-        ("axis", "resolution a", "u of it: a / √12", "u of the calibration", "combined u",
-         "expanded U = 2 u", "in"),
+        (
+            "axis",
+            "resolution a",
+            "u of it: a / √12",
+            "u of the calibration",
+            "combined u",
+            "expanded U = 2 u",
+            "in",
+        ),
         tuple(map(_row, lines)),
         "rounding to a division is a rectangular distribution (GUM F.2.2.1); the calibration's is "
         "the standard uncertainty that its certificate gives; both combined as independent "
         "(GUM 5.1.2)",
-    )  # fmt: skip
+    )
     if any(line.u_calibration is None for line in lines):
         yield Text(_NO_CALIBRATION)
     run = analysis.run

@@ -15,9 +15,15 @@ if TYPE_CHECKING:
     import pandas as pd
 
 DOUBTS = (
-    "begins-at-rest", "short-rest", "creeps", "interrupted", "long-rest", "threshold",
-    "missing-samples", "does-not-settle",
-)  # fmt: skip
+    "begins-at-rest",
+    "short-rest",
+    "creeps",
+    "interrupted",
+    "long-rest",
+    "threshold",
+    "missing-samples",
+    "does-not-settle",
+)
 Seconds: TypeAlias = Annotated[float, ("unit", "s")]
 Duration: TypeAlias = Annotated[float, ("unit", "s"), ("minimum", 0)]
 SizeByAxis: TypeAlias = Mapping[AxisKey, Size]

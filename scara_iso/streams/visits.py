@@ -145,9 +145,10 @@ def _refuse_longer(dwell_s: float, stream: Samples, source: str) -> None:
     lasts = float(stream.time[-1] - stream.time[0])
     if dwell_s > lasts:
         raise UsageError(
-            f"`dwell={dwell_s:g}`: the stream lasts {lasts:.3g} s", where=source,
+            f"`dwell={dwell_s:g}`: the stream lasts {lasts:.3g} s",
+            where=source,
             remedy="state the seconds for which the robot stood at each pose, at the least",
-        )  # fmt: skip
+        )
 
 
 def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[float, list[str]]:

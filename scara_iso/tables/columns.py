@@ -42,8 +42,10 @@ _Part = tuple[npt.NDArray[np.generic], Mark, str]
 _NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
 _LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT}
 _TYPES = {
-    **dict.fromkeys(_LABELS, np.int32), Kind.CYCLE: np.int64, Kind.TIMESTAMP: np.object_,
-}  # fmt: skip
+    **dict.fromkeys(_LABELS, np.int32),
+    Kind.CYCLE: np.int64,
+    Kind.TIMESTAMP: np.object_,
+}
 _REMARK = 24  # enough to tell the remarks of two poses apart
 _LARGEST = 2**53
 
@@ -171,8 +173,10 @@ class Columns:
     ) -> npt.NDArray[np.generic]:
         readers: dict[Kind, Callable[[Column, Cell, int], float | str]] = {
             **dict.fromkeys((Kind.AXIS, Kind.COMMAND, Kind.COVARIATE), self._number),
-            Kind.CYCLE: self._count, Kind.POSE: self._label, Kind.DIRECTION: self._direction,
-        }  # fmt: skip
+            Kind.CYCLE: self._count,
+            Kind.POSE: self._label,
+            Kind.DIRECTION: self._direction,
+        }
         match column.kind:
             case kind if kind in readers:
                 return np.array([readers[kind](column, cell, line) for cell, line in pairs])

@@ -46,8 +46,11 @@ def corrected(run: Run) -> tuple[Run, list[str]]:
     applied twice.
     """
     found, wrong = _read(run.metadata)
-    unknown = [f"a correction of {axis}, which is no axis of this table"
-               for axis in found if axis not in run.axes]  # fmt: skip
+    unknown = [
+        f"a correction of {axis}, which is no axis of this table"
+        for axis in found
+        if axis not in run.axes
+    ]
     wrong += unknown
     axes, said = dict(run.axes), {}
     for name, correction in found.items():

@@ -52,10 +52,7 @@ class Delimited:
         line, last = self.lines, columns.layout.columns[-1]
         if self.ended or columns.last_line != line:
             return
-        rows = [
-            row for _, row in
-            split_each(1, self.last, self.delimiter, Faults(""))
-        ]  # fmt: skip
+        rows = [row for _, row in split_each(1, self.last, self.delimiter, Faults(""))]
         if last.position < len(rows[-1]) - 1:  # another pose's cells follow
             return
         *above, decimals = [_decimals(row, last.position) for row in rows]

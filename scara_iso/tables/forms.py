@@ -44,10 +44,12 @@ def read_form(rows: Iterable[Line], faults: Faults) -> tuple[dict[str, str], lis
 
     Keys as `read_preamble` has them; two statements that differ, or rows of numbers, are a fault.
     """
-    texts = [(line, [c if isinstance(c, str) else f"{c:.15g}" for c in cells])
-             for line, cells in rows]  # fmt: skip
-    joined = [Row(k, cells, ", ".join(c.strip() for c in cells if c.strip()), k)
-              for k, cells in texts]  # fmt: skip
+    texts = [
+        (line, [c if isinstance(c, str) else f"{c:.15g}" for c in cells]) for line, cells in rows
+    ]
+    joined = [
+        Row(k, cells, ", ".join(c.strip() for c in cells if c.strip()), k) for k, cells in texts
+    ]
     statements, notes = read_preamble(joined, sys.maxsize, faults)
     return {key: stated.value for key, stated in statements.items()}, notes
 

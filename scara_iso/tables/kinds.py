@@ -11,10 +11,18 @@ from scara_iso.tables.faults import refuse
 
 _PICTURE, _PAGE, _PACKED = "a picture", "a PDF", "a packed file"
 _SIGNATURES = {
-    b"\x89PNG": _PICTURE, b"\xff\xd8\xff": _PICTURE, b"GIF8": _PICTURE, b"II*\0": _PICTURE,
-    b"MM\0*": _PICTURE, b"%PDF": _PAGE, b"\x1f\x8b": _PACKED, b"7z\xbc\xaf": _PACKED,
-    b"Rar!": _PACKED, b"\x7fELF": "a program", b"MZ\x90": "a program",
-}  # fmt: skip
+    b"\x89PNG": _PICTURE,
+    b"\xff\xd8\xff": _PICTURE,
+    b"GIF8": _PICTURE,
+    b"II*\0": _PICTURE,
+    b"MM\0*": _PICTURE,
+    b"%PDF": _PAGE,
+    b"\x1f\x8b": _PACKED,
+    b"7z\xbc\xaf": _PACKED,
+    b"Rar!": _PACKED,
+    b"\x7fELF": "a program",
+    b"MZ\x90": "a program",
+}
 _REMEDIES = {
     _PICTURE: "type its readings into a table (CSV or .xlsx)",
     _PAGE: "copy its table into a spreadsheet, and save that",

@@ -189,11 +189,15 @@ def _columns(
 ) -> dict[str, FloatArray]:
     marks: _Marks = {}
     values = {
-        name: np.array([_value(name, cells[k], (line, k + 1), names, marks, faults, decimal)
-                        for line, cells in whole])
+        name: np.array(
+            [
+                _value(name, cells[k], (line, k + 1), names, marks, faults, decimal)
+                for line, cells in whole
+            ]
+        )
         for k, name in enumerate(found)
         if name and name not in names.labels
-    }  # fmt: skip
+    }
     if decimal is None:
         _check_marks(marks, faults)
     return values

@@ -71,33 +71,108 @@ _FOOTNOTE = re.compile(r" ?(?:[\u00b9\u00b2\u00b3]\)|\*{1,3}\)?|†)$")
 _COMMAND = re.compile(r"command[ _]([^ _].*)", re.IGNORECASE)
 _CYCLE_PROPER = {"cycle", "zyklus"}
 _CYCLE = _CYCLE_PROPER | {
-    "cycles", "cycle no", "cycle nr", "cycle number", "cycle #", "number of", "number of cycle",
-    "number of cycles", "no of cycle", "no of cycles", "zyklen", "zyklus nr", "zyklusnr",
-    "zyklusnummer", "n", "nr", "no", "num", "number", "nummer", "#", "№", "lfd nr", "lfdnr",
-    "takt", "trial", "sample", "messung", "messung nr", "index", "obs", "obs #", "observation",
-    "lauf", "lauf nr", "wiederholung", "repetition", "run", "run no", "run nr", "run #", "trial no",
-    "trial nr", "trial #", "ciclo", "nº", "n°", "essai", "序号", "编号", "次数",
-}  # fmt: skip
+    "cycles",
+    "cycle no",
+    "cycle nr",
+    "cycle number",
+    "cycle #",
+    "number of",
+    "number of cycle",
+    "number of cycles",
+    "no of cycle",
+    "no of cycles",
+    "zyklen",
+    "zyklus nr",
+    "zyklusnr",
+    "zyklusnummer",
+    "n",
+    "nr",
+    "no",
+    "num",
+    "number",
+    "nummer",
+    "#",
+    "№",
+    "lfd nr",
+    "lfdnr",
+    "takt",
+    "trial",
+    "sample",
+    "messung",
+    "messung nr",
+    "index",
+    "obs",
+    "obs #",
+    "observation",
+    "lauf",
+    "lauf nr",
+    "wiederholung",
+    "repetition",
+    "run",
+    "run no",
+    "run nr",
+    "run #",
+    "trial no",
+    "trial nr",
+    "trial #",
+    "ciclo",
+    "nº",
+    "n°",
+    "essai",
+    "序号",
+    "编号",
+    "次数",
+}
 DATES = ("date", "datum", "fecha", "日期")
 _TIMES = ("time", "zeit", "uhrzeit", "clock", "time of day", "hora", "heure", "时间")
-_STAMPS = ("timestamp", "time stamp", "zeitstempel", "zeitpunkt", "datetime", "date time",
-           "date/time", "datum zeit", "datum/zeit", "datum uhrzeit", "datum/uhrzeit")  # fmt: skip
+_STAMPS = (
+    "timestamp",
+    "time stamp",
+    "zeitstempel",
+    "zeitpunkt",
+    "datetime",
+    "date time",
+    "date/time",
+    "datum zeit",
+    "datum/zeit",
+    "datum uhrzeit",
+    "datum/uhrzeit",
+)
 CLOCKS = frozenset((*_TIMES, *_STAMPS))
 """Names of a column that may hold times of day, as `plain_key` gives them."""
 _KINDS = {
     **dict.fromkeys(_CYCLE, Kind.CYCLE),
     **dict.fromkeys(POSE_NAMES, Kind.POSE),
-    **dict.fromkeys(("approach", "approach direction", "direction of approach", "anfahrrichtung"),
-                    Kind.APPROACH),
+    **dict.fromkeys(
+        ("approach", "approach direction", "direction of approach", "anfahrrichtung"), Kind.APPROACH
+    ),
     **dict.fromkeys(_STAMPS, Kind.TIMESTAMP),
     **dict.fromkeys((*DATES, *_TIMES), Kind.OPEN),
     **dict.fromkeys(
-        ("comment", "comments", "remark", "remarks", "note", "notes", "bemerkung", "bemerkungen",
-         "anmerkung", "kommentar", "notiz", "operator", "bediener", "prüfer", "inspector",
-         "observaciones", "observación", "remarques", "备注"),
+        (
+            "comment",
+            "comments",
+            "remark",
+            "remarks",
+            "note",
+            "notes",
+            "bemerkung",
+            "bemerkungen",
+            "anmerkung",
+            "kommentar",
+            "notiz",
+            "operator",
+            "bediener",
+            "prüfer",
+            "inspector",
+            "observaciones",
+            "observación",
+            "remarques",
+            "备注",
+        ),
         Kind.COMMENT,
     ),
-}  # fmt: skip
+}
 COVARIATES = frozenset({"time_s", "temperature_C", "payload_kg", "speed"})
 """Covariates that have a meaning, so their cells must be numbers."""
 _SPLITS = (
@@ -259,14 +334,14 @@ def with_likely(columns: Sequence[Column], cells: Sequence[str]) -> tuple[Column
         for k, (c, cell) in enumerate(zip(columns, cells, strict=True))
         if c.kind is Kind.COVARIATE and c.condition is None
         if (condition := find_condition(clean(cell), c.unit))
-    }  # fmt: skip
+    }
     others = ("time_s" if c.kind is Kind.TIMESTAMP else c.name for c in columns)
     found = Counter([*others, *(one.name for one in likely.values())])
     sure = {k: one for k, one in likely.items() if found[one.name] == 1}
     return tuple(
         replace(c, name=sure[k].name, condition=sure[k]) if k in sure else c
         for k, c in enumerate(columns)
-    )  # fmt: skip
+    )
 
 
 _GERMAN = re.compile(

@@ -23,9 +23,22 @@ from scara_iso.tables.other_units import converted
 from scara_iso.tables.pose_names import pose_alone, pose_in
 
 _OF_THE_ROBOT = (
-    "robot", "serial", "model", "manufacturer", "type", "indicator", "instrument", "gauge", "dial",
-    "calibration", "payload", "load", "velocity", "speed", "acceleration",
-)  # fmt: skip
+    "robot",
+    "serial",
+    "model",
+    "manufacturer",
+    "type",
+    "indicator",
+    "instrument",
+    "gauge",
+    "dial",
+    "calibration",
+    "payload",
+    "load",
+    "velocity",
+    "speed",
+    "acceleration",
+)
 """How the keys begin that state what is tested, with what, and under which conditions."""
 _OF_THE_FIGURES = frozenset({"theta_radius_mm", "dial_zero", "first_cycle", "covariates"})
 """Keys that figures depend on: a part that does not state one is not as the others."""

@@ -15,8 +15,15 @@ from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.preamble import Statement
 from scara_iso.tables.text import Row
 
-_FACTORS = {"factor", "scale_factor", "multiplier", "faktor", "skalenfaktor", "umrechnungsfaktor",
-            "multiplikator"}  # fmt: skip
+_FACTORS = {
+    "factor",
+    "scale_factor",
+    "multiplier",
+    "faktor",
+    "skalenfaktor",
+    "umrechnungsfaktor",
+    "multiplikator",
+}
 _POWER = re.compile(
     r"(?:(?:all |alle )?(?:mess)?(?:werte?|readings?|values|data|daten) ?)?"
     r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e)?[-\u2212+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]{1,2}[)}]?",
@@ -51,11 +58,17 @@ def check_factors(
     rows: Sequence[Row], statements: Mapping[str, Statement], header_line: int, faults: Faults
 ) -> None:
     """Add each factor that is stated above the header: readings are multiplied by none."""
-    stated = [(f"{key}: {quoted(statements[key].value)}", statements[key].line)
-              for key in _FACTORS & statements.keys()
-              if (number := parse_cell(statements[key].value)) and number.value != 1]  # fmt: skip
-    alone = [(quoted(row.text), row.line) for row in rows if row.line < header_line
-             if _POWER.fullmatch(clean(row.text).strip("#,;\t :()[]"))]  # fmt: skip
+    stated = [
+        (f"{key}: {quoted(statements[key].value)}", statements[key].line)
+        for key in _FACTORS & statements.keys()
+        if (number := parse_cell(statements[key].value)) and number.value != 1
+    ]
+    alone = [
+        (quoted(row.text), row.line)
+        for row in rows
+        if row.line < header_line
+        if _POWER.fullmatch(clean(row.text).strip("#,;\t :()[]"))
+    ]
     for text, line in (*stated, *alone):
         faults.add(
             f"{text}, and readings are multiplied by no factor",

@@ -56,8 +56,9 @@ def decode(data: bytes, where: str) -> tuple[str, str]:
             try:
                 return _decoded(data, codec, len(bom)), name
             except UnicodeDecodeError as error:
-                raise refuse(where, f"begins as {name} and is not: {error.reason}",
-                             remedy=remedy) from error  # fmt: skip
+                raise refuse(
+                    where, f"begins as {name} and is not: {error.reason}", remedy=remedy
+                ) from error
     guesses = [("utf-8", "UTF-8"), ("cp1252", "cp1252")]
     wide = _utf16_without_bom(data)
     if wide:
@@ -135,9 +136,12 @@ class Delimiter(Enum):
 
 
 _CHARACTER = {
-    Delimiter.TAB: "\t", Delimiter.SEMICOLON: ";", Delimiter.COMMA: ",", Delimiter.BAR: "|",
+    Delimiter.TAB: "\t",
+    Delimiter.SEMICOLON: ";",
+    Delimiter.COMMA: ",",
+    Delimiter.BAR: "|",
     Delimiter.BLANKS: " ",
-}  # fmt: skip
+}
 _ENDS = {d: BLANKS + _CHARACTER.get(d, "") for d in Delimiter}
 _SEP = re.compile(r'"?sep=([,;\t])"?[,;\t]*', re.IGNORECASE)
 _WIDE = re.compile(rf"[{BLANKS}]{{2,}}|\t")

@@ -17,8 +17,10 @@ def find_wide(rows: Sequence[Line], where: str) -> list[Block]:
     is none where a row names an axis of no pose: that is the header. Raises `DataError` for more
     than `BESIDE`.
     """
-    head = [[cell if isinstance(cell, str) else repr(cell) for cell in cells]
-            for _, cells in rows[:HEAD]]  # fmt: skip
+    head = [
+        [cell if isinstance(cell, str) else repr(cell) for cell in cells]
+        for _, cells in rows[:HEAD]
+    ]
     if any(map(names_an_axis, head)):
         return []
     for k, texts in enumerate(head):

@@ -98,10 +98,19 @@ def _check(data: bytes, where: str) -> dict[str, list[tuple[int, int]]]:
             _check_unpacked(archive, where)
             lengths = _shared_lengths(archive)
             sheets = {n: _scan(archive, part, lengths) for n, part in _worksheets(archive).items()}
-    except (zipfile.BadZipFile, KeyError, ET.ParseError,
+    except (
+        zipfile.BadZipFile,
+        KeyError,
+        ET.ParseError,
         expat.ExpatError,
-        zlib.error, NotImplementedError, IndexError,
-            RuntimeError, EOFError, ValueError, OSError) as error:  # fmt: skip
+        zlib.error,
+        NotImplementedError,
+        IndexError,
+        RuntimeError,
+        EOFError,
+        ValueError,
+        OSError,
+    ) as error:
         raise refuse(
             where, "a zip archive that is not a valid .xlsx workbook", remedy=_REMEDY
         ) from error

@@ -53,8 +53,11 @@ def _check_names(run: Run) -> None:
     axes = [name for name in run.axes if name not in AXES]
     names = [text_cell(name) for name in run.covariates]
     read = with_likely([read_name(name) for name in names], names)
-    wrong = [name for name, found in zip(run.covariates, read, strict=True)
-             if not _is_as_read(name, found)]  # fmt: skip
+    wrong = [
+        name
+        for name, found in zip(run.covariates, read, strict=True)
+        if not _is_as_read(name, found)
+    ]
     if axes or wrong:
         raise DataError(
             f"a table cannot hold columns named {', '.join(map(repr, axes + wrong))}",

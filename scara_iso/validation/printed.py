@@ -39,8 +39,9 @@ def paper_checks() -> Iterator[ReferenceCheck]:
             yield ReferenceCheck("paper", f"{name} {axis} [mm]", _TABLE, expected, found, 6e-8)
     if pose.XY is not None and pose.XY.RP_rss is not None:
         for what, expected, found in (
-            ("RP XY", 0.0140566, pose.XY.RP), ("RP_rss XY", 0.0152622, pose.XY.RP_rss)
-        ):  # fmt: skip
+            ("RP XY", 0.0140566, pose.XY.RP),
+            ("RP_rss XY", 0.0152622, pose.XY.RP_rss),
+        ):
             yield ReferenceCheck("paper", f"{what} [mm]", _TABLE, expected, found, 6e-8)
     gear = first_joint()
     for path, (expected, source) in _GEAR.items():

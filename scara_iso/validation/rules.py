@@ -27,17 +27,29 @@ _CASES: tuple[tuple[str, Sequence[int], Mapping[str, Any], str], ...] = (
     ("30 run, all count", range(1, 31), {"all_count": True}, "none discarded, 30 used"),
     ("20 run", range(1, 21), {"cycles": 20}, "1 discarded, 19 used"),
     ("one cycle missing", [*range(1, 10), *range(11, 32)], {}, "refused: cycle 10 is missing"),
-    ("one cycle missing, allowed", [*range(1, 10), *range(11, 32)], {"allow_gaps": True},
-     "1 discarded, 29 used, 10 to 10 missing"),
-    ("one cycle left", [1, 2], {"cycles": 2},
-     "refused: 1 cycle counts: no scatter can be computed"),
+    (
+        "one cycle missing, allowed",
+        [*range(1, 10), *range(11, 32)],
+        {"allow_gaps": True},
+        "1 discarded, 29 used, 10 to 10 missing",
+    ),
+    (
+        "one cycle left",
+        [1, 2],
+        {"cycles": 2},
+        "refused: 1 cycle counts: no scatter can be computed",
+    ),
     ("two cycles left", [1, 2, 3], {"cycles": 3}, "1 discarded, 2 used"),
     ("a gap", _GAP, {}, "refused: cycles 10 to 11 are missing"),
     ("a gap, allowed", _GAP, {"allow_gaps": True}, "1 discarded, 28 used, 10 to 11 missing"),
-    ("from 4, gaps allowed", range(4, 32), {"allow_gaps": True},
-     "none discarded, 28 used, 2 to 3 missing"),
+    (
+        "from 4, gaps allowed",
+        range(4, 32),
+        {"allow_gaps": True},
+        "none discarded, 28 used, 2 to 3 missing",
+    ),
     ("a cycle twice", [*range(1, 10), 9, *range(10, 31)], {}, "refused: cycle 9 is there twice"),
-)  # fmt: skip
+)
 
 
 def rule_checks() -> Iterator[ReferenceCheck]:

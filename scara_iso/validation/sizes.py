@@ -10,10 +10,20 @@ from scara_iso.validation.result import ReferenceCheck
 
 _SI = "SI Brochure (9th edition); inch = 25.4 mm exactly (yard and pound agreement of 1959)"
 _SIZES = {
-    "mm": 1.0, "um": 1e-3, "nm": 1e-6, "cm": 10.0, "m": 1e3, "inch": 25.4, "thou": 0.0254,
-    "deg": 1.0, "rad": 57.29577951308232, "mrad": 0.05729577951308232, "arcmin": 1 / 60,
-    "arcsec": 1 / 3600, "0.01 mm": 0.01,
-}  # fmt: skip
+    "mm": 1.0,
+    "um": 1e-3,
+    "nm": 1e-6,
+    "cm": 10.0,
+    "m": 1e3,
+    "inch": 25.4,
+    "thou": 0.0254,
+    "deg": 1.0,
+    "rad": 57.29577951308232,
+    "mrad": 0.05729577951308232,
+    "arcmin": 1 / 60,
+    "arcsec": 1 / 3600,
+    "0.01 mm": 0.01,
+}
 _READ = {("0.5660", "inch"): 14.3764, ("35", "0.01 mm"): 0.35, ("-12.5", "um"): -0.0125}
 
 

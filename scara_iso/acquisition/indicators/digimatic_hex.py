@@ -27,13 +27,23 @@ _OTHER = re.compile(rb"([2-7])FFF[08]\d{6}[0-5][0-7]" + _PRINTED)
 _NO_UNIT = re.compile(rb"FFFF[08]\d{6}[0-5][89A-F]" + _PRINTED)
 
 _UNITS: dict[bytes, tuple[str, str | None]] = {
-    b"0": ("mm", None), b"2": ("mm", "+NG"), b"3": ("mm", "GO"), b"4": ("mm", "-NG"),
-    b"1": ("inch", None), b"5": ("inch", "+NG"), b"6": ("inch", "GO"), b"7": ("inch", "-NG"),
-}  # fmt: skip
+    b"0": ("mm", None),
+    b"2": ("mm", "+NG"),
+    b"3": ("mm", "GO"),
+    b"4": ("mm", "-NG"),
+    b"1": ("inch", None),
+    b"5": ("inch", "+NG"),
+    b"6": ("inch", "GO"),
+    b"7": ("inch", "-NG"),
+}
 _TYPES = {
-    b"2": "MAX of the statistics", b"3": "MIN of the statistics", b"4": "mean of the statistics",
-    b"5": "sigma of the statistics", b"6": "MAX hold", b"7": "MIN hold",
-}  # fmt: skip
+    b"2": "MAX of the statistics",
+    b"3": "MIN of the statistics",
+    b"4": "mean of the statistics",
+    b"5": "sigma of the statistics",
+    b"6": "MAX hold",
+    b"7": "MIN hold",
+}
 
 
 def parse(line: bytes) -> tuple[Event, ...]:

@@ -22,9 +22,13 @@ from scara_iso.acquisition.indicators._grammar import decimal_text, show_digits,
 
 _FAULT = re.compile(rb"ER,([A-Z0-9]{2}),(\d\d)")
 _FAULTS = {
-    b"00": "invalid command", b"20": "wrong length", b"21": "wrong number of parameters",
-    b"22": "wrong parameter", b"29": "communication error", b"65": "no such unit",
-}  # fmt: skip
+    b"00": "invalid command",
+    b"20": "wrong length",
+    b"21": "wrong number of parameters",
+    b"22": "wrong parameter",
+    b"29": "communication error",
+    b"65": "no such unit",
+}
 # The manual's table of special values is cut off in the copies. Its sister SK-1000 sends letters
 # for an amplifier error, and all nines for over and under range.
 _LETTERS = re.compile(rb"[+-]E{2,4}\.E{2,5}")

@@ -23,10 +23,16 @@ _READING = re.compile(rb"DT1(\d{4})([+-])(?=[\d.]{11}[MI0]\Z)(\d+\.\d+)([MI0])")
 _STATUS = re.compile(rb"ST1(\d\d|FF)(\d\d|FF)([0-9A-F]{10})(\d\d)")
 _UNITS = {b"M": "mm", b"I": "inch", b"0": None}
 _CODES = {
-    b"00": "battery low", b"01": "instrument does not answer", b"02": "unregistered transmitter",
-    b"03": "measurement lost", b"04": "transmitter disconnected", b"05": "no data",
-    b"50": "request packet error", b"51": "end of search", b"99": "data cancelled",
-}  # fmt: skip
+    b"00": "battery low",
+    b"01": "instrument does not answer",
+    b"02": "unregistered transmitter",
+    b"03": "measurement lost",
+    b"04": "transmitter disconnected",
+    b"05": "no data",
+    b"50": "request packet error",
+    b"51": "end of search",
+    b"99": "data cancelled",
+}
 
 
 def parse(line: bytes) -> tuple[Event, ...]:

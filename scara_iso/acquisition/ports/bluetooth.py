@@ -38,18 +38,21 @@ class TextService:
 
 SERVICES = (
     TextService(
-        "Sylvac", "c1b25012-caaf-6d0e-4c33-7dae30052840",
+        "Sylvac",
+        "c1b25012-caaf-6d0e-4c33-7dae30052840",
         ("c1b25010-caaf-6d0e-4c33-7dae30052840", "c1b25013-caaf-6d0e-4c33-7dae30052840"),
     ),
     TextService(
-        "Nordic UART", "6e400002-b5a3-f393-e0a9-e50e24dcca9e",
+        "Nordic UART",
+        "6e400002-b5a3-f393-e0a9-e50e24dcca9e",
         ("6e400003-b5a3-f393-e0a9-e50e24dcca9e",),
     ),
     TextService(
-        "Microchip transparent UART", "49535343-8841-43f4-a8d4-ecbe34729bb3",
+        "Microchip transparent UART",
+        "49535343-8841-43f4-a8d4-ecbe34729bb3",
         ("49535343-1e4d-4bd9-ba61-23c647249616",),
     ),
-)  # fmt: skip
+)
 """The first one that an instrument has is used."""
 
 
@@ -135,9 +138,10 @@ class BluetoothPort:
     def pulse(self, pulse: LinePulse) -> None:
         """Refuse: a link has no modem lines."""
         raise UsageError(
-            f"no line {pulse.line} on a Bluetooth link", where=self.address,
+            f"no line {pulse.line} on a Bluetooth link",
+            where=self.address,
             remedy="use the driver of the duplex cable, such as opto-rs232",
-        )  # fmt: skip
+        )
 
     def close(self) -> None:
         """Disconnect; a lost link may fail at that too."""
@@ -157,10 +161,11 @@ class BluetoothPort:
         found = next((one for one in SERVICES if {one.write, *one.notify} <= there), None)
         if found is None:
             raise InstrumentError(
-                "has no service of text that is known", where=self.address,
+                "has no service of text that is known",
+                where=self.address,
                 remedy=f"known are {', '.join(one.name for one in SERVICES)}; a Sylvac has it in "
                 "the profile SIMPLE",
-            )  # fmt: skip
+            )
         for uuid in found.notify:
             await self._client.start_notify(uuid, self._take)
         return found
@@ -184,14 +189,16 @@ class BluetoothPort:
 
     def _lost(self) -> InstrumentError:
         return InstrumentError(
-            f"the link is lost ({self._why_lost})", where=self.address,
+            f"the link is lost ({self._why_lost})",
+            where=self.address,
             remedy="switch the indicator on or come nearer, check zero and unit",
-        )  # fmt: skip
+        )
 
 
 def _cannot_connect(address: str, error: Exception) -> InstrumentError:
     why = str(error) or type(error).__name__
     return InstrumentError(
-        f"cannot be connected ({why})", where=address,
+        f"cannot be connected ({why})",
+        where=address,
         remedy="switch it and the computer's Bluetooth on, and end other programs that hold it",
-    )  # fmt: skip
+    )

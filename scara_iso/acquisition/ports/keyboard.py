@@ -20,9 +20,10 @@ class KeyboardPort:
     def __init__(self, typed: Callable[[], bytes] | None) -> None:
         if typed is None:
             raise UsageError(
-                "nobody types here", where=self.address,
+                "nobody types here",
+                where=self.address,
                 remedy="scara-iso record takes what is typed, or the lines of standard input",
-            )  # fmt: skip
+            )
         self._typed = typed
 
     def read(self) -> bytes:

@@ -61,9 +61,10 @@ class SocketLine:
 
     def _lost(self, why: str) -> InstrumentError:
         return InstrumentError(
-            f"the robot's line is lost ({why})", where=self.address,
+            f"the robot's line is lost ({why})",
+            where=self.address,
             remedy="reconnect it",
-        )  # fmt: skip
+        )
 
 
 def open_line(text: str) -> SocketLine | DevicePort:

@@ -190,8 +190,9 @@ def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
                 if text not in frames:
                     raise DataError(
                         f"the bytes of cycle {cycle}, axis {axis}, are missing",
-                        where=str(path), remedy="`rebuild=True` makes the table of what was stored",
-                    )  # fmt: skip
+                        where=str(path),
+                        remedy="`rebuild=True` makes the table of what was stored",
+                    )
                 stored = time - float(record["t"]) + at, frames[text] + dialect.terminator
                 found[_place(record, poses)] = stored
                 frames.clear()

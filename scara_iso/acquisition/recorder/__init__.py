@@ -104,4 +104,4 @@ __all__ = [
     "read_metadata",
     "rebuild",
     "record",
-]  # fmt: skip
+]

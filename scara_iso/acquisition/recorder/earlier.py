@@ -33,17 +33,19 @@ def refuse_existing(table: Path) -> None:
     """Raise `CannotCreateError` where a table, its raw file or its manifest is there already."""
     if is_folder(table):
         raise CannotCreateError(
-            "is a folder, and not that of a test", where=str(table),
+            "is a folder, and not that of a test",
+            where=str(table),
             remedy=f"name a table in it, or make it one: scara-iso test new {table} "
             "`model=MODEL.toml`",
-        )  # fmt: skip
+        )
     for path in (table, raw_path(table), manifest_path(table)):
         if os.path.lexists(path):
             begun = raw_path(table).is_file()
             raise CannotCreateError(
-                "exists already", where=str(path),
+                "exists already",
+                where=str(path),
                 remedy="use another name" + ", or `resume=True` to go on with it" * begun,
-            )  # fmt: skip
+            )
 
 
 def refuse_missing(table: Path) -> None:
@@ -51,9 +53,10 @@ def refuse_missing(table: Path) -> None:
     raw = raw_path(table)
     if not raw.exists():
         raise NoInputError(
-            f"is not there: nothing was recorded for {table.name}", where=str(raw),
+            f"is not there: nothing was recorded for {table.name}",
+            where=str(raw),
             remedy="check the name, or leave `resume=True` out and begin",
-        )  # fmt: skip
+        )
 
 
 def earlier_of(table: Path) -> History:
@@ -121,9 +124,10 @@ def _listed(gauges: Mapping[str, str]) -> str:
 def _refuse_changed_table(table: Path, history: History) -> None:
     if table.exists() and find_doubts(table).table and not _is_made_of(history, table):
         raise CannotCreateError(
-            "was changed after it was recorded", where=str(table),
+            "was changed after it was recorded",
+            where=str(table),
             remedy="move it away: it would be written anew from the raw file",
-        )  # fmt: skip
+        )
 
 
 def _is_made_of(history: History, table: Path) -> bool:

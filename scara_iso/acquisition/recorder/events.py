@@ -258,13 +258,35 @@ class Done:
 
 
 Said: TypeAlias = (
-    Started | Waiting | Stored | Gross | CycleDone | Refused | Problem | Noticed | Voided | Noted
-    | Paused | Watched | Done
-)  # fmt: skip
+    Started
+    | Waiting
+    | Stored
+    | Gross
+    | CycleDone
+    | Refused
+    | Problem
+    | Noticed
+    | Voided
+    | Noted
+    | Paused
+    | Watched
+    | Done
+)
 PUBLISHED = (
-    Started, Waiting, StoredLine, Gross, CycleDone, Refused, ProblemLine, Noticed, Voided, Noted,
-    Paused, Watched, Done,
-)  # fmt: skip
+    Started,
+    Waiting,
+    StoredLine,
+    Gross,
+    CycleDone,
+    Refused,
+    ProblemLine,
+    Noticed,
+    Voided,
+    Noted,
+    Paused,
+    Watched,
+    Done,
+)
 """The lines that ``record`` writes as JSON."""
 
 

@@ -53,9 +53,14 @@ def write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: J
         for spec, gauge in zip(job.gauges, gauges, strict=True)
     }
     journal.append(
-        "session", schema=SCHEMA, cycles=job.plan.cycles, trigger=str(job.plan.trigger),
-        gauges=stated, metadata=dict(job.metadata), excel_locale=job.excel_locale,
+        "session",
+        schema=SCHEMA,
+        cycles=job.plan.cycles,
+        trigger=str(job.plan.trigger),
+        gauges=stated,
+        metadata=dict(job.metadata),
+        excel_locale=job.excel_locale,
         doubts=list(earlier.doubts),
         **({"poses": list(job.plan.tour.poses)} if job.plan.tour.poses else {}),
-    )  # fmt: skip
+    )
     journal.sync()

@@ -73,9 +73,13 @@ class Ledger:
             if distance := gauge.shown.far(text, self.visit):
                 gross.append(gross_reading(stored[-1], distance))
             self._journal.append(
-                "stored", **self._tour.state(self.visit), axis=gauge.axis, text=text, unit=unit,
+                "stored",
+                **self._tour.state(self.visit),
+                axis=gauge.axis,
+                text=text,
+                unit=unit,
                 at=round(taken.time, 6),
-            )  # fmt: skip
+            )
             self._stored_at[gauge.axis] = taken.time
         self._journal.sync()
         for said in stored:

@@ -25,9 +25,12 @@ class Position:
         """Return where a recording goes on."""
         shown = {axis: tuple(column.shown) for axis, column in history.columns.items()}
         return cls(
-            history.visit, history.present(history.visit), tuple(history.latest), shown,
+            history.visit,
+            history.present(history.visit),
+            tuple(history.latest),
+            shown,
             _places(history),
-        )  # fmt: skip
+        )
 
 
 def _places(history: History) -> dict[str | None, dict[str, float]]:

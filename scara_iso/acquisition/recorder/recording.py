@@ -82,10 +82,15 @@ def record(
                 operator = robot = _robot(job, job.plan.trigger, operator, journal, tell, stack)
                 tell = robot.told
             Session(
-                gauges, plan=replace(job.plan, all_count=job.all_count), journal=journal,
-                clock=clock, operator=operator, tell=tell,
-                position=Position.after(earlier), attended=attended,
-            ).run()  # fmt: skip
+                gauges,
+                plan=replace(job.plan, all_count=job.all_count),
+                journal=journal,
+                clock=clock,
+                operator=operator,
+                tell=tell,
+                position=Position.after(earlier),
+                attended=attended,
+            ).run()
 
 
 def _past_due(job: Job, earlier: History, clock: Clock) -> Iterator[str]:
@@ -109,9 +114,13 @@ def _robot(
     port = open_line(trigger.address)
     stack.callback(port.close)
     return RobotSays(
-        port, operator, journal=journal, tell=tell, pose=job.metadata.get("pose"),
+        port,
+        operator,
+        journal=journal,
+        tell=tell,
+        pose=job.metadata.get("pose"),
         in_order=not any(is_device(gauge.address) for gauge in job.gauges),
-    )  # fmt: skip
+    )
 
 
 def _open_ports(
@@ -134,13 +143,19 @@ def _open_ports(
         asked = not isinstance(job.plan.trigger, Listen)
         if asked and is_keyboard(spec.address):
             raise UsageError(
-                "a typed line is reading and trigger at once", where=f"gauge {spec.axis}",
+                "a typed line is reading and trigger at once",
+                where=f"gauge {spec.axis}",
                 remedy="leave the trigger out, or give `trigger=data`",
-            )  # fmt: skip
+            )
         port = open_port(
-            spec.address, spec.dialect, axis=spec.axis, clock=clock, asked=asked,
-            watched=isinstance(job.plan.trigger, Settled), typed=typed,
-        )  # fmt: skip
+            spec.address,
+            spec.dialect,
+            axis=spec.axis,
+            clock=clock,
+            asked=asked,
+            watched=isinstance(job.plan.trigger, Settled),
+            typed=typed,
+        )
         stack.callback(port.close)
         ports.append(port)
     return ports
@@ -202,13 +217,15 @@ def _end(
             remove(path, disk)
         return InstrumentError(
             f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
-            where=str(job.table), remedy="go on with `resume=True`",
-        )  # fmt: skip
+            where=str(job.table),
+            remedy="go on with `resume=True`",
+        )
     if job.table.exists() and not job.resume:
         raise CannotCreateError(
-            "was written by another program meanwhile", where=str(job.table),
+            "was written by another program meanwhile",
+            where=str(job.table),
             remedy=f"record with `rebuild=True`, {journal.path} and another name makes the table",
-        )  # fmt: skip
+        )
     write_table_of(history, job.table, table_of(history), disk=disk)
     tell(Done(history.cycles, job.plan.cycles, str(job.table), str(journal.path)))
     return None

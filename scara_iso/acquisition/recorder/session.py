@@ -142,9 +142,11 @@ class Session:
     def _new_visits(self) -> Visits:
         """Return where a visit stands, without what was heard before."""
         return Visits(
-            self._gauges, present=self._ledger.present, timed=self._plan.rearm_s > 0,
+            self._gauges,
+            present=self._ledger.present,
+            timed=self._plan.rearm_s > 0,
             one_pose=len(self._tour) == 1,
-        )  # fmt: skip
+        )
 
     def _listen(self) -> None:
         """Take what comes by itself."""

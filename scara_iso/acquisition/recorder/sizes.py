@@ -19,10 +19,11 @@ def wrong_sizes(metadata: Mapping[str, str]) -> list[str]:
     """Return the keys whose size is not a plain number, or whose uncertainty is not positive."""
     stated = {key: str(text) for key, text in metadata.items() if _KEY.fullmatch(_normal(key))}
     return [
-        key for key, text in stated.items()
+        key
+        for key, text in stated.items()
         if not _NUMBER.fullmatch(text)
         or (_normal(key).startswith("indicator") and not float(text) > 0)
-    ]  # fmt: skip
+    ]
 
 
 def sizes_of_axis(
@@ -34,8 +35,9 @@ def sizes_of_axis(
     """
     if wrong := wrong_sizes(metadata):
         raise DataError(f"{wrong[0]}: not a plain number")
-    stated = {_normal(key): float(text) for key, text in metadata.items()
-              if _KEY.fullmatch(_normal(key))}  # fmt: skip
+    stated = {
+        _normal(key): float(text) for key, text in metadata.items() if _KEY.fullmatch(_normal(key))
+    }
     general = stated.get("indicator_uncertainty") if dimension is Dimension.LENGTH else None
     name = axis.lower()
     return stated.get(f"indicator_uncertainty_{name}", general), stated.get(f"command_{name}")

@@ -156,9 +156,10 @@ def read_metadata(path: Path) -> dict[str, str]:
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
     if nested:
         raise DataError(
-            f"{', '.join(nested)}: not a single value", where=str(path),
+            f"{', '.join(nested)}: not a single value",
+            where=str(path),
             remedy='write lines such as robot = "FUM SCARA"',
-        )  # fmt: skip
+        )
     return check_metadata({key: _toml_text(value) for key, value in found.items()})
 
 

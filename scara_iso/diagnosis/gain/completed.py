@@ -127,8 +127,10 @@ def scatter_draws(
     division = residual.division
     left = left if seen is None else left[seen]
     n, axes = left.shape
-    numbers = sum((part != 0).any(axis=0) * len(c) for part, c in zip(
-        fitted.parts, fitted.coefficients, strict=True)) + np.zeros(axes)  # fmt: skip
+    numbers = sum(
+        (part != 0).any(axis=0) * len(c)
+        for part, c in zip(fitted.parts, fitted.coefficients, strict=True)
+    ) + np.zeros(axes)
     found = []
     for a in range(axes):
         power = (n - numbers[a]) / n

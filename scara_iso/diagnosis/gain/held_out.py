@@ -37,10 +37,13 @@ def search_cross_validated(
     choices = [stage.choice for stage in stages if stage.choice]
     likely = [sum(c.probability.get(name, 0.0) for name in chained) for c in choices]
     return cross_validated(
-        problem, fitted, rng, hidden=sum(p > WORTH_CHAINS for p in likely),
+        problem,
+        fitted,
+        rng,
+        hidden=sum(p > WORTH_CHAINS for p in likely),
         log_changes=[choice.log_change for choice in choices],
         limits=[stage.limit for stage in stages],
-    )  # fmt: skip
+    )
 
 
 def cross_validated(
@@ -67,9 +70,13 @@ def cross_validated(
             rows = np.delete(np.arange(n), unseen)
             pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
             terms = find_again(
-                problem, rows, len(fitted.terms), hidden=hidden,
-                log_changes=log_changes, limits=limits,
-            )  # fmt: skip
+                problem,
+                rows,
+                len(fitted.terms),
+                hidden=hidden,
+                log_changes=log_changes,
+                limits=limits,
+            )
             predicted = fit(terms, values[rows], rows, n).predicted if terms else pose
             before.append(_excess(values, pose, unseen))
             after.append(_excess(values, predicted, unseen))

@@ -21,7 +21,19 @@ from scara_iso.diagnosis.joint_scatter.result import (
 )
 
 __all__ = [
-    "PLANE", "FollowedInJoints", "JointCorrelation", "JointScatter", "PoseLeftOut", "PredictedRP",
-    "ReachMap", "ScatterAtPose", "SizeInJoint", "SourceOfScatter", "joint_scatter", "reach_map",
-    "trace_poses", "trace_to_joints", "with_joint_scatter",
-]  # fmt: skip
+    "PLANE",
+    "FollowedInJoints",
+    "JointCorrelation",
+    "JointScatter",
+    "PoseLeftOut",
+    "PredictedRP",
+    "ReachMap",
+    "ScatterAtPose",
+    "SizeInJoint",
+    "SourceOfScatter",
+    "joint_scatter",
+    "reach_map",
+    "trace_poses",
+    "trace_to_joints",
+    "with_joint_scatter",
+]

@@ -50,8 +50,9 @@ def joint_scatter(
     known = {label: joints for label, joints in at.items() if joints is not None}
     measured = {
         label: _left(found[label], joints, len(found))
-        for label, joints in known.items() if label in found
-    }  # fmt: skip
+        for label, joints in known.items()
+        if label in found
+    }
     if len(measured) < FEWEST_POSES or not set(held_out) <= set(known):
         raise UsageError(
             f"the model does not say where the joints are at {', '.join(unknown)}",

@@ -97,7 +97,7 @@ def trace_to_joints(
         misfit=float(traced.ratio),
         misfit_p_value=float(traced.p_value),
         notes=tuple(_notes(traced)),
-    )  # fmt: skip
+    )
 
 
 def trace_poses(
@@ -170,8 +170,9 @@ def _beside(
     """Return a pose beside what is foretold of it."""
     predicted = _foretold(traced, arm, division, {pose: one.joints_deg}, len(one.left))[0]
     read, left = (float(repeatability(part.T).RP) for part in (one.read, one.left))
-    before, after = (dict(zip(PLANE, part.std(axis=0).tolist(), strict=True))
-                     for part in (one.read, one.left))  # fmt: skip
+    before, after = (
+        dict(zip(PLANE, part.std(axis=0).tolist(), strict=True)) for part in (one.read, one.left)
+    )
     return PoseLeftOut(read, left, predicted, before, after)
 
 

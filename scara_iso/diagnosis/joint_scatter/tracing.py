@@ -141,10 +141,14 @@ def correlation(traced: Traced) -> tuple[FloatArray, FloatArray, FloatArray]:
     size = np.sqrt(np.maximum(first * second, np.finfo(float).tiny))
     value = together / size
     slopes = np.stack(
-        [-value / (2 * np.maximum(first, _LEAST * size)),
-         -value / (2 * np.maximum(second, _LEAST * size)),
-         np.zeros_like(value), 1 / size], axis=-1,
-    )  # fmt: skip
+        [
+            -value / (2 * np.maximum(first, _LEAST * size)),
+            -value / (2 * np.maximum(second, _LEAST * size)),
+            np.zeros_like(value),
+            1 / size,
+        ],
+        axis=-1,
+    )
     variance = np.einsum("...k,...kl,...l->...", slopes, _errors(traced), slopes) * traced.birge
     reach = _NORMAL * np.sqrt(variance) / (1 - value**2)
     low, high = (np.tanh(np.arctanh(value) + sign * reach) for sign in (-1, 1))

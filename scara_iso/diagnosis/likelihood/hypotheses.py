@@ -130,11 +130,15 @@ def _of_effect(effect: Effect, conditions: Conditions) -> tuple[Hypothesis, ...]
     total = total or sum(form.weight for form in forms)
     return tuple(
         Hypothesis(
-            effect.name, form, effect.weight * form.weight / total, effect.test_weight,
-            effect.gain, use,
+            effect.name,
+            form,
+            effect.weight * form.weight / total,
+            effect.test_weight,
+            effect.gain,
+            use,
         )
         for form, use in zip(forms, ordered, strict=True)
-    )  # fmt: skip
+    )
 
 
 def _has_order(effect: Effect, form: Form) -> bool:
@@ -180,10 +184,14 @@ def _passages(conditions: Conditions) -> list[Hypothesis]:
     stride = max(2, n // 15)
     spans = [(a, b) for a in range(2, n - 3, stride) for b in range(a + 2, n - 1, stride)]
     return [
-        Hypothesis(UNKNOWN, Shape(np.where((row >= a) & (row < b), 1.0, 0.0)),
-               PASSAGE_WEIGHT / len(spans), named=False)
+        Hypothesis(
+            UNKNOWN,
+            Shape(np.where((row >= a) & (row < b), 1.0, 0.0)),
+            PASSAGE_WEIGHT / len(spans),
+            named=False,
+        )
         for a, b in spans
-    ]  # fmt: skip
+    ]
 
 
 def _levels(conditions: Conditions) -> list[Hypothesis]:

@@ -233,10 +233,12 @@ def _bic(courses: Sequence[DialCourse], by_axis: Sequence[DialLikelihoods]) -> F
     n = len(courses[0].scale)
     width = np.array([[c.coefficients] for c in courses])
     random = np.array([[c.random] for c in courses])
-    gain = np.stack([
-        2 * np.where(random, f.at_best[:-1] - f.at_best[-1], f.largest[:-1] - f.largest[-1])
-        for f in by_axis
-    ])  # fmt: skip
+    gain = np.stack(
+        [
+            2 * np.where(random, f.at_best[:-1] - f.at_best[-1], f.largest[:-1] - f.largest[-1])
+            for f in by_axis
+        ]
+    )
     gain = gain - width * np.log(n)
     least = gain.max(axis=0)
     taking_part = np.where(gain > 0, gain, 0).sum(axis=0)

@@ -101,9 +101,11 @@ def course_of(hypotheses: HypothesisSet, i: int) -> DialCourse:
     """Return member ``i`` of a set (as amplified) as a course."""
     n, shaped = len(hypotheses.basis), len(hypotheses.first)
     form = hypotheses.members[i].form
-    searched = 0 if isinstance(form, Chain) else sum(
-        not isinstance(value, str) for value in form.parameters.values()
-    )  # fmt: skip
+    searched = (
+        0
+        if isinstance(form, Chain)
+        else sum(not isinstance(value, str) for value in form.parameters.values())
+    )
     if i >= shaped:
         return DialCourse(np.empty((n, 0)), np.empty(0), hypotheses.scales[i - shaped], searched)
     shrink, vectors = hypotheses.of_member(i)

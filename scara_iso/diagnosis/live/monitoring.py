@@ -117,9 +117,14 @@ class Monitor:
         since = int(cycles[_begin(choice.forms[choice.best])])
         rivals = {one.effect: one.probability for one in choice.rivals}
         return Suspicion(
-            evidence, True, choice.best, since, choice.probability[choice.best], rivals,
+            evidence,
+            True,
+            choice.best,
+            since,
+            choice.probability[choice.best],
+            rivals,
             ways_on(values, cycles, choice, planned, pauses) if rivals else (),
-        )  # fmt: skip
+        )
 
     def _looked(self, within: FloatArray) -> float:
         """Return the evidence with the last cycle, which lies ``within`` its rank (0 to 1)."""

@@ -71,9 +71,10 @@ class Choice(Generic[AnyForm]):
         best, *others = self.ranked
         least, stated = RIVAL * self.posterior[best.effect], RIVAL * best.probability
         return tuple(
-            rival for rival in others
+            rival
+            for rival in others
             if rival.probability >= stated or self.posterior.get(rival.effect, 0.0) >= least
-        )  # fmt: skip
+        )
 
 
 def posterior(evidence: Mapping[str, float], sharpness: float = 1.0) -> dict[str, float]:

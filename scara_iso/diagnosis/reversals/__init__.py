@@ -9,6 +9,12 @@ from scara_iso.diagnosis.reversals.search import GearDiagnosis, GearFound, diagn
 from scara_iso.diagnosis.reversals.sweeps import MeasuredSweep, read_sweep
 
 __all__ = [
-    "GearDiagnosis", "GearFound", "MeasuredSweep", "Reversal", "RunReversals",
-    "diagnose_run_reversals", "diagnose_sweep", "read_sweep",
-]  # fmt: skip
+    "GearDiagnosis",
+    "GearFound",
+    "MeasuredSweep",
+    "Reversal",
+    "RunReversals",
+    "diagnose_run_reversals",
+    "diagnose_sweep",
+    "read_sweep",
+]

@@ -106,8 +106,9 @@ def _reversals(
     known = [expected[name].readings if name in expected else 0.0 for name in names]
     left = np.stack([run.axes[n].readings - k for n, k in zip(names, known, strict=True)])
     payload, side = run.covariates["payload_kg"], np.sign(run.covariates["approach"])
-    both = [(p, (payload == p) & (side > 0), (payload == p) & (side < 0))
-            for p in np.unique(payload)]  # fmt: skip
+    both = [
+        (p, (payload == p) & (side > 0), (payload == p) & (side < 0)) for p in np.unique(payload)
+    ]
     both = [(p, plus, minus) for p, plus, minus in both if plus.any() and minus.any()]
     scatter = _scatter(run, names, left, [part for _, *parts in both for part in parts])
     found = [

@@ -111,9 +111,12 @@ def diagnose_sweep(
             remedy=f"measure at least {_FEWEST}, at different inertias",
         )
     data = Reversals(
-        measured, {None: sweep}, {None: np.ones(len(measured))}, np.arange(len(measured)),
+        measured,
+        {None: sweep},
+        {None: np.ones(len(measured))},
+        np.arange(len(measured)),
         uncertainty,
-    )  # fmt: skip
+    )
     found = diagnose_reversals(data, seed=seed, effects=effects)
     without = "no torque_Nm column: wind-up was not tried"
     return replace(found, notes=(*found.notes, without)) if sweep.torque is None else found
@@ -177,9 +180,11 @@ def _label(fit: Fitted) -> str:
     joints = {term.joint for term in fit.family} - {None}
     if fit.family[0].effect.name == UNKNOWN:
         return UNKNOWN
-    return fit.name if not joints else "+".join(
-        f"{term.effect.name} at joint {term.joint}" for term in fit.family
-    )  # fmt: skip
+    return (
+        fit.name
+        if not joints
+        else "+".join(f"{term.effect.name} at joint {term.joint}" for term in fit.family)
+    )
 
 
 def _found(best: Fitted, choice: Choice[Fitted], p_value: float) -> tuple[GearFound, ...]:
@@ -265,10 +270,19 @@ def _as_predicted(data: Reversals, p_value: float, *, at_floor: bool) -> GearDia
     before = data.predict()
     rms = float(np.sqrt(((data.measured - before) ** 2).mean()))
     return GearDiagnosis(
-        verdict=Verdict.NOTHING, p_value=p_value, p_value_at_floor=at_floor, effects=(),
-        candidates=(), rms_before=rms, rms_after=rms, held_out_before=rms, held_out_after=rms,
-        measured=data.measured, predicted_before=before, predicted_after=before,
-    )  # fmt: skip
+        verdict=Verdict.NOTHING,
+        p_value=p_value,
+        p_value_at_floor=at_floor,
+        effects=(),
+        candidates=(),
+        rms_before=rms,
+        rms_after=rms,
+        held_out_before=rms,
+        held_out_after=rms,
+        measured=data.measured,
+        predicted_before=before,
+        predicted_after=before,
+    )
 
 
 def _explained(

@@ -71,10 +71,12 @@ def _rows(member: Hypothesis) -> int:
 def _evidence(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatArray:
     """Return the evidence (amplitudes, members, runs), prior weights included."""
     weights = hypotheses.weights[:, np.newaxis]
-    return np.stack([
-        share * weights * evidence_of_runs(hypotheses.amplified(factor), runs)
-        for factor, share in AMPLITUDES
-    ])  # fmt: skip
+    return np.stack(
+        [
+            share * weights * evidence_of_runs(hypotheses.amplified(factor), runs)
+            for factor, share in AMPLITUDES
+        ]
+    )
 
 
 def _by_effect(hypotheses: HypothesisSet, evidence: FloatArray) -> dict[str, FloatArray]:

@@ -129,8 +129,9 @@ def _waves(cycle: IntArray) -> Iterator[_Term]:
         written = f"{speed:g} * (k - {int(cycle[0])})"
         yield _Term(
             np.stack([np.sin(angle), np.cos(angle)], axis=1),
-            (f"sin({written})", f"cos({written})"), 1,
-        )  # fmt: skip
+            (f"sin({written})", f"cos({written})"),
+            1,
+        )
 
 
 def _sum(one: _Term, other: _Term) -> _Term:

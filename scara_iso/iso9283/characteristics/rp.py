@@ -25,6 +25,11 @@ def compute(test: Measured) -> Iterator[Characteristic]:
         for name, found in pose.figures.items():
             if found.repeatability.unit == MILLIMETRE.name:
                 yield Characteristic(
-                    CODE, pose.label, name, found.repeatability, (name, CODE, EVERY_LENGTH),
-                    found.uncertainty, found.calibration,
-                )  # fmt: skip
+                    CODE,
+                    pose.label,
+                    name,
+                    found.repeatability,
+                    (name, CODE, EVERY_LENGTH),
+                    found.uncertainty,
+                    found.calibration,
+                )

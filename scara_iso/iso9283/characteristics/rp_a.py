@@ -22,6 +22,12 @@ def compute(test: Measured) -> Iterator[Characteristic]:
         for name, axis in pose.axes.items():
             if axis.dimension is Dimension.ANGLE:
                 yield Characteristic(
-                    CODE, pose.label, name, axis.three_S, (name, CODE),
-                    axis.uncertainty, axis.calibration, half_width=True,
-                )  # fmt: skip
+                    CODE,
+                    pose.label,
+                    name,
+                    axis.three_S,
+                    (name, CODE),
+                    axis.uncertainty,
+                    axis.calibration,
+                    half_width=True,
+                )

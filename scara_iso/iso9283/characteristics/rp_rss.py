@@ -21,6 +21,11 @@ def compute(test: Measured) -> Iterator[Characteristic]:
     for pose in poses_in_cycles(test):
         if pose.XY is not None and pose.XY.root_sum_of_squares is not None:
             yield Characteristic(
-                CODE, pose.label, "XY", pose.XY.root_sum_of_squares, ("XY", "RP", EVERY_LENGTH),
-                pose.XY.uncertainty, pose.XY.calibration,
-            )  # fmt: skip
+                CODE,
+                pose.label,
+                "XY",
+                pose.XY.root_sum_of_squares,
+                ("XY", "RP", EVERY_LENGTH),
+                pose.XY.uncertainty,
+                pose.XY.calibration,
+            )

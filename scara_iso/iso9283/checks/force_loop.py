@@ -27,8 +27,10 @@ def check(measured: Measured) -> Iterator[Finding]:
         for axis in pose.axes.values() if is_loop(force[pose.rows]) else ():
             if axis.dimension is Dimension.LENGTH:
                 yield Finding(
-                    CODE, "warning",
+                    CODE,
+                    "warning",
                     "a force was stepped to and fro: compliance is the figure, and RP counts what "
                     "the force moves as scatter",
-                    axis.name, pose.label,
-                )  # fmt: skip
+                    axis.name,
+                    pose.label,
+                )

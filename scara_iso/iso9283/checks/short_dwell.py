@@ -15,9 +15,13 @@ CODE = "short-dwell"
 BRIEF = "read before at rest"
 _DWELL = {"dwell", "dwell_s", "dwell_time", "dwell_time_s"}
 _NEEDED = {
-    "stabilisation_time", "stabilisation_time_s", "stabilization_time", "stabilization_time_s",
-    "settling_time", "settling_time_s",
-}  # fmt: skip
+    "stabilisation_time",
+    "stabilisation_time_s",
+    "stabilization_time",
+    "stabilization_time_s",
+    "settling_time",
+    "settling_time_s",
+}
 _RULE = "ISO 9283 6.10: the stabilisation time fixes the dwell"
 
 

@@ -69,9 +69,9 @@ def _test(analysis: Analysis) -> Iterator[str]:
     counted = _counted(analysis)
     for visit in range(max(len(rows) for _, rows in poses)):
         rows = [int(rows[visit]) if visit < len(rows) else None for _, rows in poses]
-        yield _line([
-            _of_row(run, axis, row, counted) for row in rows for axis in run.axes.values()
-        ])  # fmt: skip
+        yield _line(
+            [_of_row(run, axis, row, counted) for row in rows for axis in run.axes.values()]
+        )
 
 
 def _counted(analysis: Analysis) -> frozenset[int]:

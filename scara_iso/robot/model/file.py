@@ -214,5 +214,14 @@ def _indicators(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[s
         for key in ("resolution", "uncertainty", "scatter"):
             if (given[key] or 0.0) < 0 or (key == "resolution" and given[key] == 0):
                 faults.add(f"{where}.{key}", "must be positive")
-        yield axis, Indicator(axis, Dimension(unit), given["resolution"], given["uncertainty"],
-                              given["level"] or 0.0, given["scatter"] or 0.0)  # fmt: skip
+        yield (
+            axis,
+            Indicator(
+                axis,
+                Dimension(unit),
+                given["resolution"],
+                given["uncertainty"],
+                given["level"] or 0.0,
+                given["scatter"] or 0.0,
+            ),
+        )
