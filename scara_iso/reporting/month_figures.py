@@ -45,62 +45,42 @@ def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
 def control_pictures(found: RobotHistory, one: SpreadHistory | MeanHistory) -> Iterator[Figure]:
     """Yield the control charts of a figure."""
     days, events = _days(one.tests), _events(found)
-    zero = np.zeros(len(days))
     if isinstance(one, MeanHistory):
-        if one.chart is not None:
-            chart, values = one.chart, np.array([test.value for test in one.tests])
-            data = ControlPicture(
-                days,
-                {"mean": values},
-                chart.centre,
-                chart.low,
-                chart.high,
-                chart.alarms,
-                f"[{one.unit}]",
-                events,
-            )
-            yield Figure(data, "Individuals", "mean of each test, limits of three standard errors")
-            moved = np.nan_to_num(chart.moving_range)
-            limit = np.full(len(days), chart.range_limit)
-            data = ControlPicture(
-                days,
-                {"moving range": moved},
-                zero,
-                zero,
-                limit,
-                chart.alarms,
-                f"[{one.unit}]",
-                events,
-            )
-            yield Figure(data, "Moving range", "distance from the test before, and its limit")
+        yield from _charts_of_mean(one, days, events)
+    else:
+        yield from _charts_of_spread(one, days, events)
+
+
+def _charts_of_mean(
+    one: MeanHistory, days: FloatArray, events: tuple[float, ...]
+) -> Iterator[Figure]:
+    if one.chart is None:
         return
-    if one.ewma is not None:
-        e = one.ewma
-        data = ControlPicture(
-            days,
-            {"EWMA": e.points},
-            zero,
-            -e.limits,
-            e.limits,
-            e.alarms,
-            "[standard errors]",
-            events,
-        )
-        yield Figure(data, "EWMA", "of ln RP against the tests before; a ring is an alarm")
-    if one.cusum is not None:
-        c = one.cusum
-        limit = np.full(len(days), c.limit)
-        data = ControlPicture(
-            days,
-            {"up": c.up, "down": -c.down},
-            zero,
-            -limit,
-            limit,
-            c.alarms,
-            "[standard errors]",
-            events,
-        )
-        yield Figure(data, "CUSUM", "of ln RP against the tests before; a ring is an alarm")
+    chart, unit, zero = one.chart, f"[{one.unit}]", np.zeros(len(days))
+    means = {"mean": np.array([test.value for test in one.tests])}
+    data = ControlPicture(
+        days, means, chart.centre, chart.low, chart.high, chart.alarms, unit, events
+    )
+    yield Figure(data, "Individuals", "mean of each test, limits of three standard errors")
+    moved = {"moving range": np.nan_to_num(chart.moving_range)}
+    limit = np.full(len(days), chart.range_limit)
+    data = ControlPicture(days, moved, zero, zero, limit, chart.alarms, unit, events)
+    yield Figure(data, "Moving range", "distance from the test before, and its limit")
+
+
+def _charts_of_spread(
+    one: SpreadHistory, days: FloatArray, events: tuple[float, ...]
+) -> Iterator[Figure]:
+    unit, zero = "[standard errors]", np.zeros(len(days))
+    said = "of ln RP against the tests before; a ring is an alarm"
+    if (e := one.ewma) is not None:
+        points = {"EWMA": e.points}
+        data = ControlPicture(days, points, zero, -e.limits, e.limits, e.alarms, unit, events)
+        yield Figure(data, "EWMA", said)
+    if (c := one.cusum) is not None:
+        limit, sums = np.full(len(days), c.limit), {"up": c.up, "down": -c.down}
+        data = ControlPicture(days, sums, zero, -limit, limit, c.alarms, unit, events)
+        yield Figure(data, "CUSUM", said)
 
 
 def _days(tests: Sequence[TestFigure]) -> FloatArray:
