@@ -16,8 +16,8 @@ CODE = "unit-not-confirmed"
 
 
 def check(measured: Measured) -> Iterator[Finding]:
-    """Yield a note for each axis whose unit no gauge has confirmed."""
+    """Yield a warning for each axis whose unit no gauge has confirmed."""
     for line in measured.run.metadata.get("record_unit", "").split(SEPARATOR):
         axis, colon, said = line.partition(": ")
         if colon:
-            yield Finding(CODE, "info", said.strip(), axis.strip())
+            yield Finding(CODE, "warning", said.strip(), axis.strip())
