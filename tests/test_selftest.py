@@ -18,10 +18,10 @@ from scara_iso import quantities
 from scara_iso.acquisition import indicators
 from scara_iso.cli import main
 from scara_iso.iso9283 import (
-    analysis,
     barycentres,
     cycles,
     estimates,
+    figures,
     pushed_joint,
     statistics,
 )
@@ -112,7 +112,7 @@ def half_as_long(unit):
 
 INCH, OPTO = quantities._BY_NAME["inch"], indicators.find_dialect("opto-rs232")
 CHANGES = {
-    "the factor 3 of RP": (analysis, "repeatability", with_factor(2.99), "paper"),
+    "the factor 3 of RP": (figures, "repeatability", with_factor(2.99), "paper"),
     "its error": (statistics, "GAUSSIAN_ERROR", {1: 0.75, 2: 0.58, 3: 0.5}, "characteristics"),
     "the shortfall": (statistics, "_SHORTFALL", 2.9, "characteristics"),
     "cycles that are run": (cycles, "CYCLES_RUN", 30, "procedure"),

@@ -66,7 +66,7 @@ class PublishedBacklash(LoadCrossing, Gap):
     """The measured pose beside the model, as in `analyze`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SweepSeries:
     """Reversals in the order of the sweep."""
 

@@ -9,6 +9,8 @@ from scara_iso.acquisition.recorder.history import History, read_history
 from scara_iso.disk import Disk, check_output, write_atomically
 from scara_iso.errors import CannotCreateError, UsageError, WriteError
 
+_RAW = ".raw.jsonl"
+
 
 def table_of(history: History, excel_locale: str | None = None) -> bytes:
     """Return the table, spelled as the recording says where ``excel_locale`` is None.
@@ -59,9 +61,9 @@ def rebuild(
     Raises `NoInputError`, `DataError`, or `CannotCreateError` where another table is there.
     """
     if table is None:
+        if not raw.name.endswith(_RAW):
+            raise UsageError(f"{raw.name} is not called NAME{_RAW}", remedy="name OUT.csv too")
         table = _table_beside(raw)
-        if raw_path(table) != raw:
-            raise UsageError(f"{raw.name} is not called NAME.raw.jsonl", remedy="name OUT.csv too")
     check_output(table)
     history = read_history(raw)
     found, plain = doubts_beside(raw, history), table_of(history, excel_locale)
@@ -85,7 +87,7 @@ def doubts_beside(raw: Path, history: History) -> tuple[str, ...]:
 
 
 def _table_beside(raw: Path) -> Path:
-    return raw.with_name(f"{raw.name.removesuffix('.raw.jsonl')}.csv")
+    return raw.with_name(f"{raw.name.removesuffix(_RAW)}.csv")
 
 
 def _cannot_write(path: Path, error: OSError) -> WriteError:
