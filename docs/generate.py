@@ -24,10 +24,16 @@ from scara_iso.iso9283 import PublishedPlan
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.iso9283.published_push import PublishedPush
 from scara_iso.library import PublishedRun
+from scara_iso.library.evidence import Evidence
 from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
 from scara_iso.reporting.explain import Page, pages
+from scara_iso.reporting.published_ports import (
+    PublishedDialects,
+    PublishedPorts,
+    PublishedProbe,
+)
 from scara_iso.streams.published import PublishedVisits
 from scara_iso.tables.published import PublishedTable
 from scara_iso.validation import PublishedValidation
@@ -38,6 +44,10 @@ from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour
 
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
+    "dialects": ("ports --dialects --json", PublishedDialects),
+    "evidence": ("evidence.json of report TABLE --archive", Evidence),
+    "ports": ("ports --json", PublishedPorts),
+    "probe": ("ports --probe PORT --json", PublishedProbe),
     "push": ("push LOOP --json", PublishedPush),
     "record": ("one line of record --json", *EVENTS),
     "tables": ("tables TABLE --json", PublishedTable),

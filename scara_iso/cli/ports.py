@@ -10,7 +10,6 @@ from scara_iso.cli.output import write_json, write_report
 from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
-    from scara_iso.acquisition import Dialect
     from scara_iso.reporting import Probe
 
 SECONDS = 3.0
@@ -58,21 +57,21 @@ def ports_command(
 
 
 def _list(*, json: bool) -> None:
-    from dataclasses import asdict
-
     from scara_iso.acquisition import list_devices
-    from scara_iso.reporting import ports_report
+    from scara_iso.published import to_json
+    from scara_iso.reporting import PublishedPorts, ports_report
 
     devices = list_devices()
     if json:
-        write_json({"schema": "scara-iso/ports/1", "ports": [asdict(d) for d in devices]})
+        write_json(to_json(PublishedPorts(schema="scara-iso/ports/1", ports=devices)))
     else:
         write_report(ports_report((d.name, str(d), d.description) for d in devices))
 
 
 def _dialects(name: str, *, json: bool) -> None:
     from scara_iso.acquisition import find_dialects
-    from scara_iso.reporting import dialects_report
+    from scara_iso.published import to_json
+    from scara_iso.reporting import dialects_report, published_dialects
 
     found = {
         key: dialect
@@ -82,33 +81,18 @@ def _dialects(name: str, *, json: bool) -> None:
     if not found:
         raise UsageError(f"no dialect is called {name!r}", remedy="scara-iso ports --dialects")
     if json:
-        write_json(
-            {
-                "schema": "scara-iso/dialects/1",
-                "dialects": {key: _described(dialect) for key, dialect in found.items()},
-            }
-        )
+        write_json(to_json(published_dialects(found)))
     else:
         write_report(dialects_report(found.values()))
 
 
-def _described(dialect: Dialect) -> dict[str, object]:
-    return {
-        "instruments": dialect.instruments,
-        "line": str(dialect.line),
-        "sends_unit": dialect.sends_unit,
-        "confidence": dialect.confidence,
-        "source": dialect.source,
-        "unverified": list(dialect.unverified),
-    }
-
-
 def _probe(address: str, key: str | None, *, json: bool) -> None:
-    from scara_iso.reporting import probe_json, probe_report
+    from scara_iso.published import to_json
+    from scara_iso.reporting import probe_report, published_probe
 
     probe = _listen(address, key)
     if json:
-        write_json(probe_json(probe))
+        write_json(to_json(published_probe(probe)))
     else:
         write_report(probe_report(probe))
 

@@ -106,7 +106,6 @@ if TYPE_CHECKING:
         Probe as Probe,
         dialects_report as dialects_report,
         ports_report as ports_report,
-        probe_json as probe_json,
         probe_report as probe_report,
     )
     from scara_iso.reporting.poses_diagnosis import (
@@ -117,6 +116,11 @@ if TYPE_CHECKING:
         InputFile as InputFile,
         Provenance as Provenance,
         Restated as Restated,
+    )
+    from scara_iso.reporting.published_ports import (
+        PublishedPorts as PublishedPorts,
+        published_dialects as published_dialects,
+        published_probe as published_probe,
     )
     from scara_iso.reporting.push import push_brief as push_brief, push_report as push_report
     from scara_iso.reporting.raw_data import readings_report as readings_report

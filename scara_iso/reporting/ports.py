@@ -114,23 +114,3 @@ def _said(event: Event) -> str:
 
 def _bytes(data: bytes) -> str:
     return repr(data)[2:-1]
-
-
-def probe_json(probe: Probe) -> dict[str, object]:
-    """Return the object of a probe of ``ports``, schema ``scara-iso/probe/1``."""
-    return {
-        "schema": "scara-iso/probe/1",
-        "port": probe.port,
-        "line": probe.line,
-        "seconds": probe.seconds,
-        "received": probe.received.hex(),
-        "dialects": {
-            key: [
-                {"value": e.text, "unit": e.unit, "channel": e.channel}
-                for e in probe.events[key]
-                if isinstance(e, Reading)
-            ]
-            for key in probe.matches()
-        },
-        "diagnosis": probe.diagnosis(),
-    }

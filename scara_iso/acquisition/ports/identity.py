@@ -16,13 +16,18 @@ from scara_iso.errors import UsageError
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A serial port of this machine; ``usb`` is ``VID:PID``; None where the system knows none."""
+    """A serial port of this machine; null is what the system does not know."""
 
     name: str
+    """By which it is opened."""
     description: str
+    """As the system says it."""
     usb: str | None
+    """`VID:PID`."""
     serial_number: str | None
+    """Of the USB device."""
     location: str | None
+    """Of the socket."""
 
     def __str__(self) -> str:
         parts = [f"usb {self.usb}"] if self.usb else []
