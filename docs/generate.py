@@ -28,7 +28,7 @@ from scara_iso.library.evidence import Evidence
 from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
-from scara_iso.reporting.explain import Page, pages
+from scara_iso.reporting.explain import Page, PublishedPages, pages
 from scara_iso.reporting.published_ports import (
     PublishedDialects,
     PublishedPorts,
@@ -46,6 +46,7 @@ PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
     "dialects": ("ports --dialects --json", PublishedDialects),
     "evidence": ("evidence.json of report TABLE --archive", Evidence),
+    "explain": ("explain --json", PublishedPages),
     "ports": ("ports --json", PublishedPorts),
     "probe": ("ports --probe PORT --json", PublishedProbe),
     "push": ("push LOOP --json", PublishedPush),
@@ -121,7 +122,8 @@ def _pages(found: Iterable[Page]) -> Iterator[str]:
         yield f"{page.title}."
         yield from page.text
         if page.parameters:
-            yield _table(("parameter", "unit", "meaning"), page.parameters)
+            rows = ((one.name, one.unit, one.meaning) for one in page.parameters)
+            yield _table(("parameter", "unit", "meaning"), rows)
         if page.kind.startswith("effect"):
             yield f"An {page.kind}."
 

@@ -319,7 +319,8 @@ def documents(tmp_path_factory):
             *written("gauge-study", sessions(folder / "sessions.csv"), "--tolerance", "5"),
         ],
         "evidence": [evidence(short, folder / "evidence.zip")],
-        "explain": [*written("explain"), *written("explain", "trend")],
+        "explain": [*written("explain"), *written("explain", "trend"),
+                    *written("explain", "interval")],
         "plan": written("plan", MODEL),
         "plan-separating": [
             *written("plan", MODEL, "--separating", "--elbow", "left"),

@@ -34,13 +34,13 @@ def explain_command(
 
     Example: scara-iso explain coarse-resolution
     """
-    from scara_iso.render import explain_json
-    from scara_iso.reporting import find_pages, list_report, pages, pages_report
+    from scara_iso.published import to_json
+    from scara_iso.reporting import PublishedPages, find_pages, list_report, pages, pages_report
     from scara_iso.robot import read_effects
 
     own = () if effects is None else read_effects(effects)
     wanted = pages(own) if code is None else find_pages(code, own)
     if json:
-        write_json(explain_json(wanted))
+        write_json(to_json(PublishedPages(schema="scara-iso/explain/1", pages=wanted)))
     else:
         write_report(list_report(wanted) if code is None else pages_report(wanted))

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from scara_iso.render.formats.json import report_json as report_json
     from scara_iso.render.json import (
         analysis_json as analysis_json,
-        explain_json as explain_json,
         to_text as to_text,
     )
     from scara_iso.render.json_whole_test import (

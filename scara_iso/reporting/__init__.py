@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.explain import (
         Page as Page,
+        PublishedPages as PublishedPages,
         find_pages as find_pages,
         list_report as list_report,
         pages as pages,

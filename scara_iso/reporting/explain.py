@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from inspect import cleandoc
 from itertools import groupby
+from typing import Annotated, Literal
 
 from scara_iso import effects
 from scara_iso.comparison import PAGES
@@ -15,23 +16,52 @@ from scara_iso.effects import Effect, GearEffect, OwnEffect
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks, in_brief
 from scara_iso.plugins import find_modules
+from scara_iso.published import publish
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 from scara_iso.reporting.glossary import KIND, SAME, WORDS
 
 _CODE = re.compile(r"`+([^`]+)`+")
 _MOST_NEAR = 3
 _PARAMETER = re.compile(r"[A-Za-z]\w*=\S*")
+_KINDS = ("characteristic", "effect on a reversal", "effect on readings", "finding", KIND)
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainedParameter:
+    """A parameter of an effect."""
+
+    name: str
+    """As it is written: `name=value`."""
+    unit: str
+    """Empty where it has none; `reading` is that of the axis."""
+    meaning: str
+    """What it is."""
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """``text`` holds paragraphs; ``parameters`` of an effect are name, unit and meaning."""
+    """What is said of a code."""
 
     code: str
-    kind: str
+    """As the screens have it."""
+    kind: Annotated[str, ("enum", _KINDS)]
+    """What it is the name of."""
     title: str
+    """In one line."""
     text: tuple[str, ...]
-    parameters: tuple[tuple[str, str, str], ...] = ()
+    """Paragraphs."""
+    parameters: tuple[ExplainedParameter, ...]
+    """Of an effect."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedPages:
+    """``explain``: schema ``scara-iso/explain/1``."""
+
+    schema: Literal["scara-iso/explain/1"]
+    """Name and number of this schema."""
+    pages: tuple[Page, ...]
+    """By kind."""
 
 
 def pages(own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
@@ -70,7 +100,7 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     wanted = _plain(code)
     if found := tuple(page for page in every if page.code == known.get(wanted)):
         return found
-    if found := tuple(page for page in every if wanted in (name for name, *_ in page.parameters)):
+    if found := tuple(page for page in every if wanted in (one.name for one in page.parameters)):
         return found
     near = _holding(wanted, every) or [known[name] for name in get_close_matches(wanted, known)]
     remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all codes"
@@ -79,7 +109,7 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
 
 def _words() -> Iterator[Page]:
     for names, (title, text) in WORDS.items():
-        yield Page(names[0], KIND, title, (text,))
+        yield Page(names[0], KIND, title, (text,), ())
 
 
 def _holding(wanted: str, every: Iterable[Page]) -> list[str]:
@@ -118,34 +148,34 @@ def _heading(kind: str) -> str:
 
 
 def _parameters(page: Page) -> Iterator[Block]:
-    yield Table(("name", "unit"), tuple((name, unit or "-") for name, unit, _ in page.parameters))
-    for name, _, meaning in page.parameters:
-        yield Text(f"{name}: {meaning}")
+    yield Table(("name", "unit"), tuple((one.name, one.unit or "-") for one in page.parameters))
+    for one in page.parameters:
+        yield Text(f"{one.name}: {one.meaning}")
 
 
 def _finding(code: str, doc: str) -> Page:
     title, *text = _paragraphs(doc)
-    return Page(code, "finding", title, tuple(text))
+    return Page(code, "finding", title, tuple(text), ())
 
 
 def _characteristic(code: str, clause: str, needs: str, doc: str) -> Page:
     title, *text = _paragraphs(doc)
     where = f"ISO 9283 {clause}" if clause[:1].isdigit() else clause
     needed = f"Needs {_CODE.sub(_bare, needs)}."
-    return Page(code, "characteristic", title, (*text, needed, f"Defined in {where}."))
+    return Page(code, "characteristic", title, (*text, needed, f"Defined in {where}."), ())
 
 
 def _beyond_dials() -> Page:
     text = [f"{one.clause} {one.name}: {one.why}." for one in BEYOND_DIALS]
     title = "What of ISO 9283 no dial measures, by clause"
-    return Page("beyond-dials", "characteristic", title, tuple(text))
+    return Page("beyond-dials", "characteristic", title, tuple(text), ())
 
 
 def _effect(effect: Effect | GearEffect, doc: str) -> Page:
     title, *text = _paragraphs(doc)
     kind = "effect on readings" if isinstance(effect, Effect) else "effect on a reversal"
     said = (*text, f"Cause: {effect.cause}.", f"To confirm: {effect.confirm_by}.")
-    given = tuple((p.name, p.unit, p.meaning) for p in effect.parameters)
+    given = tuple(publish(ExplainedParameter, one) for one in effect.parameters)
     return Page(effect.name, kind, title, said, given)
 
 
