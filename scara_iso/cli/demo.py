@@ -29,8 +29,6 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
     Example: scara-iso demo --open
     """
     from scara_iso import analyze
-    from scara_iso.diagnosis import published_backlash
-    from scara_iso.render import analysis_json
     from scara_iso.reporting import (
         NextStep,
         analysis_brief,
@@ -38,20 +36,14 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
         backlash_brief,
         backlash_report,
         paper_section,
+        published_demo,
     )
-    from scara_iso.robot import first_joint, printed, table_1
+    from scara_iso.robot import first_joint, table_1
 
     analysis = analyze(table_1())
     pose, gear = analysis.poses[0], first_joint()
     if json:
-        write_json(
-            {
-                "schema": "scara-iso/demo/1",
-                "analysis": analysis_json(analysis),
-                "backlash": to_json(published_backlash(gear, pose)),
-                "printed": printed(),
-            }
-        )
+        write_json(to_json(published_demo(analysis, gear)))
         return
     if full:
         write_report((*analysis_report(analysis), *backlash_report(gear, pose)))

@@ -73,7 +73,10 @@ if TYPE_CHECKING:
         published_design as published_design,
         published_poses_design as published_poses_design,
     )
-    from scara_iso.diagnosis.published_gears import published_backlash as published_backlash
+    from scara_iso.diagnosis.published_gears import (
+        PublishedBacklash as PublishedBacklash,
+        published_backlash as published_backlash,
+    )
     from scara_iso.diagnosis.published_poses import (
         published_poses_diagnosis as published_poses_diagnosis,
     )

@@ -118,6 +118,10 @@ if TYPE_CHECKING:
         Provenance as Provenance,
         Restated as Restated,
     )
+    from scara_iso.reporting.published_paper import (
+        PublishedDemo as PublishedDemo,
+        published_demo as published_demo,
+    )
     from scara_iso.reporting.published_ports import (
         PublishedPorts as PublishedPorts,
         published_dialects as published_dialects,

@@ -51,7 +51,6 @@ if TYPE_CHECKING:
         PRINTED_S_MM as PRINTED_S_MM,
         PRINTED_XY_MM as PRINTED_XY_MM,
         first_joint as first_joint,
-        printed as printed,
         table_1 as table_1,
     )
     from scara_iso.robot.two_inertia import (

@@ -29,16 +29,6 @@ PRINTED_FREE_PLAY_MM = 2.44
 """Eq. 22."""
 
 
-def printed() -> dict[str, float | dict[str, float]]:
-    """Return what the paper prints, by the names of the JSON objects; lengths in mm."""
-    return {
-        "RP": PRINTED_RP_MM,
-        "RP_rss": PRINTED_XY_MM,
-        "deviation_mm": PRINTED_DEVIATION_MM,
-        "free_play_mm": PRINTED_FREE_PLAY_MM,
-    }
-
-
 def table_1() -> Run:
     """Return the paper's Table I: 30 rows, X Y Z theta, the first cycle discarded before."""
     run = read_table((files("scara_iso.robot") / "data" / TABLE_1).read_bytes())
