@@ -28,7 +28,7 @@ from scara_iso.library.evidence import Evidence
 from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
-from scara_iso.reporting import PublishedDemo
+from scara_iso.reporting import PublishedDemo, PublishedReport
 from scara_iso.reporting.explain import Page, PublishedPages, pages
 from scara_iso.reporting.published_ports import (
     PublishedDialects,
@@ -58,7 +58,6 @@ PUBLISHED = {
     "compare": ("compare BEFORE AFTER --json", PublishedComparison),
     "fleet": ("fleet SOURCE -o DIR --json", PublishedFleet),
     "fleet-figures": ("fleet SOURCE -o DIR --figures --json", PublishedFleetFigures),
-    "demo": ("demo --json", PublishedDemo),
     "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
     "history": ("history --json", PublishedHistory),
     "plan": ("plan MODEL --json", PublishedPlan),
@@ -72,6 +71,8 @@ PUBLISHED = {
     "design": ("diagnose --design --json", PublishedDesign),
     "design-poses": ("diagnose --design --model MODEL --json", PublishedPosesDesign),
     "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
+    "demo": ("demo --json", PublishedDemo),
+    "report": ("report TABLE --json", PublishedReport),
 }  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."

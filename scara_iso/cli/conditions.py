@@ -273,9 +273,7 @@ def _write_report(
 def _write_dossiers(
     found: Sequence[ConditionRun], dossiers: Sequence[Dossier], beside: Beside
 ) -> None:
-    from scara_iso.render import report_json
-
-    documents = [report_json(dossier) for dossier in dossiers]
+    documents = [to_json(reporting.published_report(dossier)) for dossier in dossiers]
     if len(found) == 1 and documents:
         write_json(documents[0])
         return

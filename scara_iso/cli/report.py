@@ -35,6 +35,7 @@ from scara_iso.cli.output import (
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Analysis, Conformity, Counting, DecisionRule
 from scara_iso.library import TableOptions
+from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.library import TestReport
@@ -131,7 +132,7 @@ def report_command(
         )
     _say_written(found, [path, archive], as_json=json)
     if json:
-        write_json(render.report_json(found.dossier))
+        write_json(to_json(reporting.published_report(found.dossier)))
     _exit_by(found.analysis)
 
 

@@ -66,6 +66,7 @@ if TYPE_CHECKING:
         Separation as Separation,
     )
     from scara_iso.diagnosis.published import (
+        PublishedDiagnosis as PublishedDiagnosis,
         published_diagnosis as published_diagnosis,
         published_tables as published_tables,
     )
@@ -74,6 +75,7 @@ if TYPE_CHECKING:
         published_poses_design as published_poses_design,
     )
     from scara_iso.diagnosis.published_gears import (
+        BacklashOfModel as BacklashOfModel,
         PublishedBacklash as PublishedBacklash,
         published_backlash as published_backlash,
     )

@@ -53,7 +53,7 @@ class ReflectedCrossing(LoadCrossing, RotorThroughGear):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PublishedBacklash(LoadCrossing, Gap):
+class BacklashOfModel(LoadCrossing, Gap):
     """The paper's two-inertia model, the rotor as given."""
 
     arm_m: Size | None
@@ -62,6 +62,12 @@ class PublishedBacklash(LoadCrossing, Gap):
     """The whole gap at the end of the arm, eq. 22; null without an arm."""
     reflected: ReflectedCrossing | None
     """Null without a gear ratio."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PublishedBacklash(BacklashOfModel):
+    """The paper's two-inertia model, and a pose that was measured."""
+
     actual: PublishedPose | None = None
     """The measured pose beside the model, as in `analyze`."""
 

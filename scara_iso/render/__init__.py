@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     from scara_iso.render.charts import plot_gauge_study as plot_gauge_study
     from scara_iso.render.comparison_plot import plot_comparison as plot_comparison
     from scara_iso.render.formats import endings as endings, find_format as find_format
-    from scara_iso.render.formats.json import report_json as report_json
     from scara_iso.render.json import (
         analysis_json as analysis_json,
         to_text as to_text,

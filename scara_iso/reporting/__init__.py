@@ -118,6 +118,10 @@ if TYPE_CHECKING:
         Provenance as Provenance,
         Restated as Restated,
     )
+    from scara_iso.reporting.published_dossier import (
+        PublishedReport as PublishedReport,
+        published_report as published_report,
+    )
     from scara_iso.reporting.published_paper import (
         PublishedDemo as PublishedDemo,
         published_demo as published_demo,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 from scara_iso.origin import Origin
 from scara_iso.reporting.blocks import Block, Facts, Text
@@ -17,7 +18,7 @@ class InputFile:
     """What it is to the report, such as ``table`` or ``model``."""
     name: str
     """Path or name of the file."""
-    sha256: str
+    sha256: Annotated[str, ("pattern", "^[0-9a-f]{64}$")]
     """SHA-256 of its bytes, in hex."""
 
 
@@ -29,7 +30,8 @@ class Restated:
     """Name of the field."""
     text: str
     """What it was given."""
-    before: str | None = None
+    before: str | None
+    """What the table stated; null for nothing."""
 
     def __str__(self) -> str:
         instead = "" if self.before is None else f" (in place of {self.before})"

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 from scara_iso.iso9283 import Analysis, AxisResult, RadialResult
+from scara_iso.published import Size, Unit
 from scara_iso.quantities import rounding_uncertainty
 from scara_iso.reporting.blocks import Block, Cell, Number, Table, Text
 from scara_iso.reporting.digits import U_of_scatter, rounded
@@ -42,12 +44,19 @@ class UncertaintyLine:
     """
 
     axis: str
-    unit: str
-    resolution: float | None
-    u_resolution: float | None
-    u_calibration: float | None
-    u: float | None
-    U: float | None
+    """Its name."""
+    unit: Unit
+    """Of every size here."""
+    resolution: Size | None
+    """The dial's division; null where not stated."""
+    u_resolution: Size | None
+    """Standard uncertainty of rounding to it."""
+    u_calibration: Size | None
+    """Standard uncertainty by the certificate; null where not stated."""
+    u: Size | None
+    """Both combined."""
+    U: Size | None
+    """2 u, the expanded uncertainty."""
 
 
 def uncertainty_budget(analysis: Analysis) -> tuple[UncertaintyLine, ...]:
@@ -125,7 +134,8 @@ def U_of_mean(axis: AxisResult) -> float:  # noqa: N802 - GUM's symbol
 def _line(axis: Axis, u: float | None) -> UncertaintyLine:
     rounding = None if axis.resolution is None else rounding_uncertainty(axis.resolution)
     U = None if u is None else 2 * u
-    return UncertaintyLine(axis.name, axis.unit, axis.resolution, rounding, axis.uncertainty, u, U)
+    unit = cast(Unit, axis.unit)
+    return UncertaintyLine(axis.name, unit, axis.resolution, rounding, axis.uncertainty, u, U)
 
 
 def _row(line: UncertaintyLine) -> tuple[Cell, ...]:
