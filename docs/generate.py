@@ -28,7 +28,12 @@ from scara_iso.library.evidence import Evidence
 from scara_iso.measurement_system import PublishedGaugeStudy
 from scara_iso.monitoring import PublishedHistory
 from scara_iso.published import Json, schema
-from scara_iso.reporting import PublishedDemo, PublishedReport
+from scara_iso.reporting import (
+    ConditionResults,
+    PublishedDemo,
+    PublishedReport,
+    ResultsAndBeside,
+)
 from scara_iso.reporting.explain import Page, PublishedPages, pages
 from scara_iso.reporting.published_ports import (
     PublishedDialects,
@@ -73,6 +78,10 @@ PUBLISHED = {
     "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
     "demo": ("demo --json", PublishedDemo),
     "report": ("report TABLE --json", PublishedReport),
+    "test-conditions": (
+        "diagnose, compare and report of tests with several conditions, --json",
+        ConditionResults, ResultsAndBeside,
+    ),
 }  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
 MADE = "Made by `python docs/generate.py` from the code; do not edit."

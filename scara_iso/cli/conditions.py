@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import typer
 
-from scara_iso import render, reporting
+from scara_iso import reporting
 from scara_iso.acceptance import is_test_folder
 from scara_iso.cli.options import NOT_WITHIN_LIMITS
 from scara_iso.cli.output import (
     check_outputs,
     command_line,
     say_limits,
-    write_json,
     write_picture,
     write_report,
+    write_result,
 )
 from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.comparison import published_comparison
@@ -33,7 +33,6 @@ from scara_iso.library import (
     read_conditions,
     report,
 )
-from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.acceptance import Folder
@@ -42,7 +41,7 @@ if TYPE_CHECKING:
     from scara_iso.reporting import Dossier
     from scara_iso.run import Run
 
-Write = Callable[[Mapping[str, Any]], None]
+Write: TypeAlias = "Callable[[reporting.OfTable], None]"
 
 
 def analyze_folder(
@@ -58,9 +57,8 @@ def analyze_folder(
     beside = read_beside(found[0].folder) if condition is None else Beside()
     analyses = [one.analysis(**options) for one in found]
     if as_json:
-        from scara_iso.render import conditions_json
-
-        write_json(conditions_json(folder, found, analyses, beside))
+        published = reporting.published_folder(folder, found, analyses, beside)
+        write_result(published)
     else:
         from scara_iso.reporting import (
             after_analysis,
@@ -115,18 +113,18 @@ def diagnose_folder(
     found = read_conditions(folder, condition)
     for one in found:
         check(one.condition.name)
-    documents: list[dict[str, Any]] = []
+    documents: list[reporting.ConditionResult] = []
     for one in found:
         if one.run is None:
             _say_missing(one)
             continue
 
-        def write(document: Mapping[str, Any], one: ConditionRun = one) -> None:
-            documents.append(_of_condition(one, document))
+        def write(result: reporting.OfTable, one: ConditionRun = one) -> None:
+            documents.append(reporting.published_condition(one, result))
 
         if not as_json:
             _say_condition(one, found)
-        diagnose(one, one.run, write if len(found) > 1 else write_json)
+        diagnose(one, one.run, write if len(found) > 1 else write_result)
     if documents:
         _write_conditions(documents)
 
@@ -202,11 +200,11 @@ def compare_folders(
             typer.echo(f"{one.condition}:")
             again = [command_line([table], {"condition": one.condition.name}) for table in tables]
             show_comparison(comparison, again, full=full)
-    documents = [(one, to_json(published_comparison(comparison))) for one, comparison in found]
+    published = [(one, published_comparison(comparison)) for one, comparison in found]
     if as_json and several:
-        _write_conditions([_of_condition(one, document) for one, document in documents])
-    elif as_json and documents:
-        write_json(documents[0][1])
+        _write_conditions([reporting.published_condition(*one) for one in published])
+    elif as_json and published:
+        write_result(published[0][1])
     return [comparison for _, comparison in found]
 
 
@@ -273,24 +271,18 @@ def _write_report(
 def _write_dossiers(
     found: Sequence[ConditionRun], dossiers: Sequence[Dossier], beside: Beside
 ) -> None:
-    documents = [to_json(reporting.published_report(dossier)) for dossier in dossiers]
+    documents = [reporting.published_report(dossier) for dossier in dossiers]
     if len(found) == 1 and documents:
-        write_json(documents[0])
+        write_result(documents[0])
         return
     measured = [one for one in found if one.run is not None]
-    _write_conditions(list(map(_of_condition, measured, documents)), beside)
+    _write_conditions(list(map(reporting.published_condition, measured, documents)), beside)
 
 
-def _of_condition(one: ConditionRun, document: Mapping[str, Any]) -> dict[str, Any]:
-    condition = one.condition
-    named = {"velocity": condition.velocity, "load": condition.load, "missing": list(one.missing)}
-    return {**named, "result": dict(document)}
-
-
-def _write_conditions(documents: Sequence[Mapping[str, Any]], beside: Beside | None = None) -> None:
-    of_others = {} if beside is None else render.beside_json(beside)
-    document = {"schema": "scara-iso/test-conditions/1", "conditions": list(documents)}
-    write_json({**document, **of_others})
+def _write_conditions(
+    conditions: Sequence[reporting.ConditionResult], beside: Beside | None = None
+) -> None:
+    write_result(reporting.published_conditions(conditions, beside))
 
 
 def _say_condition(one: ConditionRun, found: Sequence[object]) -> None:

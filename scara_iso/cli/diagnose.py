@@ -24,13 +24,12 @@ from scara_iso.cli.output import (
     check_outputs,
     command_line,
     tell_written,
-    write_json,
     write_picture,
     write_report,
+    write_result,
 )
 from scara_iso.iso9283 import Counting
 from scara_iso.library import TableOptions
-from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.cli.conditions import Write
@@ -174,7 +173,7 @@ class _How:
     again: Callable[..., str]
     full: bool
     as_json: bool
-    write: Write = write_json
+    write: Write = write_result
 
 
 def _diagnose_run(
@@ -226,7 +225,7 @@ def _write(diagnosis: Diagnosis, title: str, how: _How) -> None:
     if how.as_json:
         from scara_iso.diagnosis import published_diagnosis
 
-        how.write(to_json(published_diagnosis(diagnosis)))
+        how.write(published_diagnosis(diagnosis))
     elif how.full:
         write_report(reporting.diagnosis_report(diagnosis, title))
     else:
@@ -237,7 +236,7 @@ def _write_poses(diagnosis: DiagnosisOfPoses, title: str, how: _How) -> None:
     if how.as_json:
         from scara_iso.diagnosis import published_poses_diagnosis
 
-        how.write(to_json(published_poses_diagnosis(diagnosis)))
+        how.write(published_poses_diagnosis(diagnosis))
     elif how.full:
         write_report(reporting.poses_report(diagnosis, title))
     else:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from scara_iso.disk import check_output, write_file
 from scara_iso.errors import CannotCreateError, UsageError
 from scara_iso.files import is_folder
+from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.display import Plotted
@@ -58,6 +59,11 @@ def write_json(document: Mapping[str, Any]) -> None:
     from scara_iso.render import to_text
 
     sys.stdout.write(f"{to_text(document)}\n")
+
+
+def write_result(published: object) -> None:
+    """Write what is published of a result as one JSON object."""
+    write_json(to_json(published))
 
 
 def write_report(report: Report) -> None:

@@ -80,6 +80,8 @@ if TYPE_CHECKING:
         published_backlash as published_backlash,
     )
     from scara_iso.diagnosis.published_poses import (
+        PosesDiagnosis as PosesDiagnosis,
+        TracedPosesDiagnosis as TracedPosesDiagnosis,
         published_poses_diagnosis as published_poses_diagnosis,
     )
     from scara_iso.diagnosis.residual import Residual as Residual

@@ -66,6 +66,7 @@ if TYPE_CHECKING:
         BesidePoses as BesidePoses,
         ConditionAnalysis as ConditionAnalysis,
         FolderAnalysis as FolderAnalysis,
+        FolderAndBeside as FolderAndBeside,
         PublishedAnalysis as PublishedAnalysis,
         PublishedCharacteristic as PublishedCharacteristic,
         PublishedCycles as PublishedCycles,

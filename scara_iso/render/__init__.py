@@ -12,10 +12,6 @@ if TYPE_CHECKING:
         analysis_json as analysis_json,
         to_text as to_text,
     )
-    from scara_iso.render.json_whole_test import (
-        beside_json as beside_json,
-        conditions_json as conditions_json,
-    )
     from scara_iso.render.live import (
         AxisView as AxisView,
         LiveScreen as LiveScreen,

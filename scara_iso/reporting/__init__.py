@@ -131,6 +131,15 @@ if TYPE_CHECKING:
         published_dialects as published_dialects,
         published_probe as published_probe,
     )
+    from scara_iso.reporting.published_whole_test import (
+        ConditionResult as ConditionResult,
+        ConditionResults as ConditionResults,
+        OfTable as OfTable,
+        ResultsAndBeside as ResultsAndBeside,
+        published_condition as published_condition,
+        published_conditions as published_conditions,
+        published_folder as published_folder,
+    )
     from scara_iso.reporting.push import push_brief as push_brief, push_report as push_report
     from scara_iso.reporting.raw_data import readings_report as readings_report
     from scara_iso.reporting.stated import (
