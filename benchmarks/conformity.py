@@ -16,7 +16,7 @@ import numpy as np
 from coverage import Scatter, draw_tests
 
 from scara_iso import Run, analyze
-from scara_iso.iso9283.conformity import Conformity
+from scara_iso.iso9283.figures import Conformity
 from scara_iso.iso9283.results import LimitCheck
 from scara_iso.iso9283.statistics import repeatability, root_sum_of_squares
 from scara_iso.run import Axis, FloatArray

@@ -42,8 +42,7 @@ import numpy as np
 import scara_iso
 from scara_iso.fleets.database import results_in
 from scara_iso.fleets.drift import fleet_drift
-from scara_iso.fleets.figure_summary import SUMMARY_MEMORY
-from scara_iso.fleets.summary import LEVEL
+from scara_iso.fleets.summary import LEVEL, SUMMARY_MEMORY
 
 SIGMA, STEP, PART = 0.003, 4, 25
 TABLES, READINGS = 107_526, 93

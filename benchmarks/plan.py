@@ -9,8 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 
 from benchmarks.page import DOCS, run
-from scara_iso.iso9283.pose_plan import Solid
-from scara_iso.iso9283.poses import make_plan
+from scara_iso.iso9283.poses import Solid, make_plan
 from scara_iso.render.plots import save_figure
 from scara_iso.robot.arm import Arm
 

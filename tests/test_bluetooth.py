@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 from scara_iso.acquisition.indicators import Decoder, Reading, find_dialect
 from scara_iso.acquisition.indicators.generic import make_generic
 from scara_iso.acquisition.ports import SystemClock, bluetooth, check_address, open_port
-from scara_iso.acquisition.ports.transfers import COPY_S, SPOILT, Transfers
+from scara_iso.acquisition.ports.bluetooth import COPY_S, SPOILT, Transfers
 from scara_iso.cli import main
 from scara_iso.errors import InstrumentError, UsageError
 

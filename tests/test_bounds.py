@@ -25,8 +25,7 @@ from scara_iso.iso9283 import (
     zoned_moment_of_test,
 )
 from scara_iso.iso9283.analysis import analyze
-from scara_iso.iso9283.cycles import Counting
-from scara_iso.iso9283.repeats import find_repeats
+from scara_iso.iso9283.cycles import Counting, find_repeats
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run

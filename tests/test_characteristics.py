@@ -19,9 +19,9 @@ from scara_iso.cli import main
 from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.drift import drift_courses
-from scara_iso.iso9283.estimates import _student
 from scara_iso.iso9283.results import Measured
 from scara_iso.iso9283.scope import not_measured
+from scara_iso.iso9283.uncertainty import _student
 from scara_iso.plugins import find_modules
 from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run

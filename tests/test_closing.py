@@ -15,7 +15,7 @@ from scara_iso.effects import Conditions, find_effects
 from scara_iso.errors import DataError, UsageError
 from scara_iso.published import to_json
 from scara_iso.quantities import Dimension
-from scara_iso.robot.model import read_model
+from scara_iso.robot.model_file import read_model
 from scara_iso.run import Axis, Run
 
 ROOT = Path(__file__).parents[1]

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy import stats
 
-from scara_iso.iso9283.other_definitions import definitions
+from scara_iso.iso9283.analysis import definitions
 
 readings = st.lists(st.floats(-10, 10).map(lambda x: round(x, 3)), min_size=2, max_size=40)
 

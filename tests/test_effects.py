@@ -36,7 +36,8 @@ from scara_iso.effects import (
 )
 from scara_iso.reporting.diagnosis import diagnosis_report
 from scara_iso.reporting.explain import find_pages
-from scara_iso.robot.model import predict, read_model
+from scara_iso.robot.model_file import read_model
+from scara_iso.robot.prediction import predict
 from scara_iso.run import Axis, Run
 from scara_iso.toml_keys import KeyFaults
 

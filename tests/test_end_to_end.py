@@ -15,8 +15,8 @@ import pytest
 from scara_iso.acquisition.indicators import find_dialect
 from scara_iso.cli import main
 from scara_iso.effects import Conditions, find_effects
-from scara_iso.robot.model import read_model, simulate
-from scara_iso.robot.model.spec import parse_effect
+from scara_iso.robot.model_file import parse_effect, read_model
+from scara_iso.robot.prediction import simulate
 from scara_iso.tables import read_table, write_table
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")

@@ -27,10 +27,9 @@ from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
 from scara_iso.fleets import Engine, ReadAs
 from scara_iso.fleets.database import as_parquet, results_in, workspace
-from scara_iso.fleets.dispatch import done_by
-from scara_iso.fleets.ledger import PartLedger
 from scara_iso.fleets.parts import tables_in
-from scara_iso.fleets.work import PartResult, whole_part
+from scara_iso.fleets.runs import PartLedger
+from scara_iso.fleets.work import PartResult, done_by, whole_part
 from scara_iso.library import engines
 from scara_iso.library.engines import open_processes
 from scara_iso.render import track
@@ -124,7 +123,7 @@ def test_a_part_that_changes_during_a_closer_look_keeps_its_p_values(
 ):
     source, out, summary = done
     shutil.copytree(out, tmp_path / "o")
-    monkeypatch.setattr("scara_iso.fleets.closer.digest", lambda _: "of another content")
+    monkeypatch.setattr("scara_iso.fleets.work.digest", lambda _: "of another content")
     found = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
     assert found.run.failed["part1.csv"] == "has changed since it was read: run it again"
     assert found.robots[0].p_value == summary.robots[0].p_value

@@ -12,9 +12,8 @@ from python_calamine import CalamineWorkbook
 from scara_iso import read_table
 from scara_iso.cli import main
 from scara_iso.render.formats import xlsx
-from scara_iso.reporting.blocks import Number, Section, Table, Text
+from scara_iso.reporting.blocks import Number, Section, Table, Text, printable
 from scara_iso.reporting.dossier import Document
-from scara_iso.reporting.words import printable
 from tests.hostile import TEXTS, table
 
 LONGEST = 32_767

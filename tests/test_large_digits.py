@@ -10,8 +10,7 @@ from rich.console import Console
 from scara_iso.acquisition.recorder import CycleDone, Refused, Started, Stored
 from scara_iso.cli import record_screen
 from scara_iso.cli.record_screen import Screen
-from scara_iso.render.large_digits import large
-from scara_iso.render.live import AxisView, LiveView, draw
+from scara_iso.render.live import AxisView, LiveView, draw, large
 
 VIEW = LiveView(
     title="scara-iso record run.csv", stored=2, planned=31, large=True,

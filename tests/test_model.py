@@ -13,10 +13,15 @@ from scara_iso.cli import main
 from scara_iso.effects import Conditions
 from scara_iso.errors import CannotCreateError, DataError, NoInputError, UsageError
 from scara_iso.robot.drivetrain import Approach
-from scara_iso.robot.model import DeclaredEffect, declare, predict, read_model, simulate
-from scara_iso.robot.model.arrive import rest_positions
-from scara_iso.robot.model.predict import load_deviation_rad, reversal_mm
-from scara_iso.robot.model.spec import parse_effect
+from scara_iso.robot.model import DeclaredEffect
+from scara_iso.robot.model_file import declare, parse_effect, read_model
+from scara_iso.robot.prediction import (
+    load_deviation_rad,
+    predict,
+    rest_positions,
+    reversal_mm,
+    simulate,
+)
 from scara_iso.tables import read_table, write_table
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "fum_scara.toml"

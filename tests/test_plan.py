@@ -14,8 +14,7 @@ import scara_iso
 from scara_iso.acceptance import read_test
 from scara_iso.cli import main
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.pose_plan import DiagonalPlane, PoseTestConditions, Solid
-from scara_iso.iso9283.poses import make_plan
+from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, make_plan
 from scara_iso.robot import Model, Rated
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.workspace import Workspace

@@ -25,12 +25,12 @@ from scara_iso.acquisition.ports import (
     StreamClock,
     SystemClock,
     choose_clock,
-    identity,
     open_port,
+    port as identity,
     refuse_same_device,
 )
 from scara_iso.acquisition.ports.simulated import MODEL_CYCLES
-from scara_iso.acquisition.recorder.spec import (
+from scara_iso.acquisition.recorder.plan import (
     parse_gauge,
     parse_gauges,
     parse_metadata,
@@ -39,7 +39,8 @@ from scara_iso.acquisition.recorder.spec import (
 from scara_iso.acquisition.tape import decode_record, encode, read_tape
 from scara_iso.effects import Conditions
 from scara_iso.errors import DataError, InstrumentError, NoInputError, UsageError
-from scara_iso.robot.model import read_model, simulate
+from scara_iso.robot.model_file import read_model
+from scara_iso.robot.prediction import simulate
 
 OPTO = find_dialect("opto-rs232")
 

@@ -31,7 +31,7 @@ from scara_iso.acquisition.recorder import (
     raw_path,
     rebuild,
 )
-from scara_iso.acquisition.recorder.shown import Shown
+from scara_iso.acquisition.recorder.gauge import Shown
 from scara_iso.acquisition.recorder.visits import Visits
 from scara_iso.cli import main
 from scara_iso.errors import InstrumentError, UsageError

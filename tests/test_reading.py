@@ -13,7 +13,7 @@ from scara_iso.cli import main
 from scara_iso.cli.record_screen import _analyze, _on_one_turn
 from scara_iso.comparison import compare
 from scara_iso.errors import DataError, UsageError
-from scara_iso.iso9283.repeats import REPEATED_BY_CHANCE, find_repeats
+from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, find_repeats
 from scara_iso.pose_columns import number_cycles
 from scara_iso.quantities import Dimension, unwrap
 from scara_iso.run import Axis, Run

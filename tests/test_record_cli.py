@@ -29,8 +29,7 @@ from scara_iso.acquisition.recorder import (
     Waiting,
     raw_path,
 )
-from scara_iso.acquisition.recorder.axis_readings import VOIDABLE, AxisReadings
-from scara_iso.acquisition.recorder.history import History
+from scara_iso.acquisition.recorder.history import VOIDABLE, AxisReadings, History
 from scara_iso.acquisition.tape import decode_record, encode
 from scara_iso.cli import main, recording
 from scara_iso.cli.keyboard import Keys, Lines, parse_line

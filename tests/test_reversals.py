@@ -16,9 +16,10 @@ from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions
 from scara_iso.errors import UsageError
 from scara_iso.reporting.blocks import Text
-from scara_iso.reporting.reversals import reversals_section
+from scara_iso.reporting.diagnosis import reversals_section
 from scara_iso.robot.drivetrain import DriveTrain, Move, arrivals
-from scara_iso.robot.model import predict, read_model
+from scara_iso.robot.model_file import read_model
+from scara_iso.robot.prediction import predict
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
 

@@ -15,7 +15,7 @@ from jsonschema import Draft202012Validator
 from referencing import Registry, Resource
 
 import scara_iso
-from scara_iso.acquisition.ports.identity import Device
+from scara_iso.acquisition.ports.port import Device
 from scara_iso.acquisition.recorder import events
 from scara_iso.cli import main
 from scara_iso.published import to_json

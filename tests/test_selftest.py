@@ -18,12 +18,12 @@ from scara_iso import quantities
 from scara_iso.acquisition import indicators
 from scara_iso.cli import main
 from scara_iso.iso9283 import (
-    barycentres,
     cycles,
-    estimates,
     figures,
     pushed_joint,
     statistics,
+    uncertainty as barycentres,
+    uncertainty as estimates,
 )
 from scara_iso.iso9283.characteristics import drp, rd
 from scara_iso.library import killed, selftests

@@ -6,7 +6,7 @@ from bench import Orders, Script, kept, run_session, stored
 from scara_iso import read_table
 from scara_iso.acquisition.ports import StreamClock
 from scara_iso.acquisition.recorder import Gross, Pause, Paused, Problem, Quit, as_json
-from scara_iso.acquisition.recorder.shown import Shown
+from scara_iso.acquisition.recorder.gauge import Shown
 from scara_iso.errors import InstrumentError
 
 OPTO = "X=opto-rs232?unit=mm@script"

@@ -17,10 +17,10 @@ from scara_iso.acquisition import (
     parse_gauges,
     parse_trigger,
 )
-from scara_iso.acquisition.recorder.at_rest import AtRest
+from scara_iso.acquisition.recorder.bench import AtRest
 from scara_iso.acquisition.recorder.events import Noticed, Quit, Stored
+from scara_iso.acquisition.recorder.plan import Tour
 from scara_iso.acquisition.recorder.robot_line import RobotSays
-from scara_iso.acquisition.recorder.tour import Tour
 from scara_iso.errors import InstrumentError, UsageError
 
 DIVISION = {"X": 0.001}

@@ -10,8 +10,7 @@ from hypothesis import given, strategies as st
 
 from scara_iso.errors import UsageError
 from scara_iso.robot.arm import Arm, Elbow
-from scara_iso.robot.largest_cube import largest_rectangle
-from scara_iso.robot.workspace import Workspace
+from scara_iso.robot.workspace import Workspace, largest_rectangle
 
 ARMS = {
     "typical": Arm(400, 300, (-130, 130), (-145, 145)),

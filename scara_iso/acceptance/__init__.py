@@ -9,39 +9,41 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.acceptance.assigning import (
-        Assignment as Assignment,
-        assign as assign,
-        told_of_part as told_of_part,
-    )
     from scara_iso.acceptance.folder import (
         FAULTY as FAULTY,
         Folder as Folder,
         PartState as PartState,
         drift_of as drift_of,
+        lacking as lacking,
         push_of as push_of,
         read_folder as read_folder,
-    )
-    from scara_iso.acceptance.merging import (
-        lacking as lacking,
         refuse_faulty as refuse_faulty,
         run_under as run_under,
     )
-    from scara_iso.acceptance.place import FILE as FILE, is_test_folder as is_test_folder
-    from scara_iso.acceptance.planning import plan_test as plan_test
-    from scara_iso.acceptance.progress import (
+    from scara_iso.acceptance.next_part import (
+        Assignment as Assignment,
         about as about,
+        assign as assign,
         seconds_a_cycle as seconds_a_cycle,
         seconds_left as seconds_left,
+        told_of_part as told_of_part,
     )
+    from scara_iso.acceptance.place import FILE as FILE, is_test_folder as is_test_folder
     from scara_iso.acceptance.published import published_status as published_status
     from scara_iso.acceptance.reading import (
         parse_test as parse_test,
         read_instruments as read_instruments,
         read_test as read_test,
     )
-    from scara_iso.acceptance.stated import lines_of as lines_of
-    from scara_iso.acceptance.whole_test import Condition as Condition, WholeTest as WholeTest
-    from scara_iso.acceptance.writing import strike as strike, toml_of as toml_of
+    from scara_iso.acceptance.whole_test import (
+        Condition as Condition,
+        WholeTest as WholeTest,
+        lines_of as lines_of,
+    )
+    from scara_iso.acceptance.writing import (
+        plan_test as plan_test,
+        strike as strike,
+        toml_of as toml_of,
+    )
 else:
     __getattr__ = face(__name__)

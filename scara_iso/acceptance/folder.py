@@ -1,23 +1,96 @@
-"""The folder of a test: which recordings are there, and how far each part is."""
+"""The folder of a test: which recordings are there, and how far each part is.
+
+A part's table with what test.toml states beside it; what the table says itself holds.
+
+The parts recorded under one condition as one `Run`, a pose each.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from scara_iso.acceptance.complete import completed
+import numpy as np
+
 from scara_iso.acceptance.reading import read_test
-from scara_iso.acceptance.stated import why_not_of
-from scara_iso.acceptance.whole_test import Condition, Part, Struck, WholeTest
+from scara_iso.acceptance.whole_test import (
+    NOT_STATED,
+    Condition,
+    Part,
+    Struck,
+    WholeTest,
+    command_of,
+    metadata_of,
+    other_instruments,
+    why_not_of,
+)
 from scara_iso.acquisition import check_manifest, raw_path, read_history
-from scara_iso.errors import DataError, ScaraIsoError
+from scara_iso.dial import joined_axis
+from scara_iso.errors import DataError, Fault, ScaraIsoError
 from scara_iso.force_loop import read_loop
-from scara_iso.iso9283 import CYCLES_RUN, Counting, DecisionRule, Finding, PushResult, push_test
-from scara_iso.run import Run
-from scara_iso.tables import converted, read_table
+from scara_iso.iso9283 import (
+    CYCLES_RUN,
+    DRIFT_CODES,
+    SEPARATOR,
+    Counting,
+    DecisionRule,
+    Finding,
+    PushResult,
+    push_test,
+)
+from scara_iso.origin import Origin
+from scara_iso.run import Axis, Run
+from scara_iso.tables import converted, corrected, is_of_corrections, read_table
+
+
+def completed(run: Run, part: Part, test: WholeTest) -> Run:
+    """Return the run of a part, with the lines and sizes of the test that its table lacks."""
+    of_test = metadata_of(part, test, run.axes)
+    own = {key: text for key, text in run.metadata.items() if text.strip() != NOT_STATED}
+    done = {f"_{name}" for name, axis in run.axes.items() if axis.displayed is not None}
+    lines = {
+        key: text
+        for key, text in of_test.items()
+        if not key.startswith(("command_", "indicator_unc"))
+        and not (is_of_corrections(key) and key.endswith(tuple(done)))
+    }
+    axes = {name: _completed_axis(axis, part, test) for name, axis in run.axes.items()}
+    other = other_instruments(own, of_test)
+    said = {"characteristics": ", ".join(_planned(part, test)), "instrument_of_the_test": other}
+    of_whole = {key: text for key, text in said.items() if text}
+    pose = np.full(len(run), part.pose) if part.beside else run.pose
+    known = replace(run, metadata={**lines, **own, **of_whole}, axes=axes, pose=pose)
+    found, wrong = corrected(known)
+    if wrong:
+        raise DataError(
+            f"cannot be corrected: {wrong[0]}",
+            where=run.origin.source,
+            faults=[Fault(one) for one in wrong],
+            remedy="state the curve and its zero in test.toml: docs/test-folder.md",
+        )
+    return found
+
+
+def _planned(part: Part, test: WholeTest) -> list[str]:
+    """Return the characteristics that a part has to give; a drift test gives its own alone."""
+    planned = test.schedule.characteristics
+    if test.drift is None:
+        return list(planned)
+    return [code for code in planned if (code in DRIFT_CODES) == bool(part.beside)]
+
+
+def _completed_axis(axis: Axis, part: Part, test: WholeTest) -> Axis:
+    instrument = test.instruments.get(axis.name)
+    command, uncertainty = axis.command, axis.uncertainty
+    if command is None:
+        command = command_of(part, test, axis.name)
+    if uncertainty is None and instrument is not None:
+        uncertainty = instrument.uncertainty
+    return replace(axis, command=command, uncertainty=uncertainty)
+
 
 DONE, MISSING, UNFINISHED = "done", "missing", "unfinished"
 STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
@@ -253,3 +326,129 @@ def push_of(recording: Recording, test: WholeTest) -> PushResult:
 def drift_of(recording: Recording, test: WholeTest) -> Run:
     """Return the run of a drift test, with what test.toml states; raises as `read_table`."""
     return completed(recording.run, recording.part, test)
+
+
+_OF_A_PART = {"part", "pose", "doubts"}
+"""Lines that the merged run says in another way."""
+
+
+def run_under(folder: Folder, condition: Condition) -> Run | None:
+    """Return the run of the whole parts of a condition, None where there is none.
+
+    What is missing or struck is in its metadata. Raises `DataError` for parts that are faulty, or
+    not of the same axes.
+    """
+    states = folder.under(condition)
+    refuse_faulty(folder, states)
+    runs = {
+        state.part.pose: completed(state.recording.run, state.part, folder.test)
+        for state in states
+        if state.is_whole and state.recording is not None
+    }
+    if not runs:
+        return None
+    _refuse_other_axes(folder, runs)
+    run = runs_as_poses(runs)
+    said = f"{len(runs)} of {len(states)} parts of the test, {condition}"
+    metadata = {**run.metadata, **dict(_of_the_test(states))}
+    units = tuple(said for _, said in converted(runs))
+    return replace(
+        run,
+        metadata=metadata,
+        origin=Origin(str(folder.path), said, (*_notes(folder, runs), *units), other_units=units),
+    )
+
+
+def runs_as_poses(runs: Mapping[str, Run]) -> Run:
+    """Return runs of one pose each as one run with a pose column.
+
+    A line that all runs state stays; of others each is kept as ``key[P1]``. A size that one run
+    does not state is not stated, else the largest counts. Columns that a run lacks are left out.
+    """
+    parts = list(runs.values())
+    shared = [name for name in parts[0].covariates if all(name in p.covariates for p in parts)]
+    return Run(
+        cycle=np.concatenate([part.cycle for part in parts]),
+        axes={name: _merged_axis(name, runs) for name in parts[0].axes},
+        pose=np.repeat(list(runs), [len(part) for part in parts]),
+        covariates={n: np.concatenate([p.covariates[n] for p in parts]) for n in shared},
+        metadata=_metadata(runs),
+    )
+
+
+def _merged_axis(name: str, runs: Mapping[str, Run]) -> Axis:
+    axes = [run.axes[name] for run in runs.values()]
+    commands = {pose: run.command_of(name, None) for pose, run in runs.items()}
+    return joined_axis(axes, {pose: one for pose, one in commands.items() if one is not None})
+
+
+def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    keys = dict.fromkeys(key for run in runs.values() for key in run.metadata)
+    for key in (one for one in keys if one not in _OF_A_PART):
+        texts = {pose: run.metadata.get(key) for pose, run in runs.items()}
+        first = next(iter(texts.values()))
+        if first is not None and len(set(texts.values())) == 1:
+            found[key] = first
+        else:
+            found |= {f"{key}[{pose}]": text for pose, text in texts.items() if text is not None}
+    return found
+
+
+def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
+    """Raise `DataError` with what is wrong with each part that is faulty."""
+    faults = [Fault(f"{one.part.name}: {one.why}") for one in states if one.state == FAULTY]
+    if faults:
+        first = next(one for one in states if one.state == FAULTY)
+        raise DataError(
+            f"{len(faults)} part{'s' if len(faults) > 1 else ''} cannot be taken",
+            where=str(folder.path),
+            faults=faults,
+            remedy="move a file of another test away, correct or strike it, or repeat the part: "
+            f"scara-iso record {folder.path} `part={first.part.name}` `repeat='the reason'`",
+        )
+
+
+def _refuse_other_axes(folder: Folder, runs: Mapping[str, Run]) -> None:
+    found = {
+        pose: ", ".join(f"{n} in {a.unit}" for n, a in run.axes.items())
+        for pose, run in runs.items()
+    }
+    if len(set(found.values())) > 1:
+        raise DataError(
+            "the parts do not have the same axes",
+            where=str(folder.path),
+            faults=[Fault(f"{pose}: {said}") for pose, said in found.items()],
+            remedy="repeat the part that differs, with the gauges of the others",
+        )
+
+
+def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
+    """Yield what is missing, struck and doubted, for the checks and for the head of the report."""
+    if missing := [lacking(one) for one in states if one.is_open]:
+        yield "parts_missing", ", ".join(missing)
+    if struck := [f"{one.recording}: {one.reason}" for state in states for one in state.struck]:
+        yield "parts_struck", SEPARATOR.join(struck)
+    doubts = [
+        f"{state.part.name}: {line}"
+        for state in states
+        if state.is_whole and state.recording is not None
+        for line in state.recording.doubts
+    ]
+    if doubts:
+        yield "doubts", SEPARATOR.join(doubts)
+
+
+def lacking(state: PartState) -> str:
+    """Return a part that is not whole by its name, and how far it is where it was begun."""
+    if state.state != UNFINISHED or state.recording is None:
+        return state.part.name
+    done, wanted = state.recording.cycles
+    return f"{state.part.name} ({done} of {wanted} cycles)"
+
+
+def _notes(folder: Folder, runs: Mapping[str, Run]) -> Iterator[str]:
+    for pose, run in runs.items():
+        yield from (f"{pose}: {note}" for note in run.origin.notes)
+    for name in folder.foreign:
+        yield f"{name}: of no part of the test, not used"

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from scara_iso.acceptance.folder import STATES, Folder, PartState
-from scara_iso.acceptance.merging import lacking
-from scara_iso.acceptance.progress import seconds_a_cycle, seconds_left
+from scara_iso.acceptance.folder import STATES, Folder, PartState, lacking
+from scara_iso.acceptance.next_part import seconds_a_cycle, seconds_left
 from scara_iso.acceptance.whole_test import Struck
 from scara_iso.published import Count, publish
 

@@ -1,8 +1,12 @@
-"""A `WholeTest` to test.toml, with a word on each section; a strike into the file that is there."""
+"""A `WholeTest` to test.toml, with a word on each section; a strike into the file that is there.
+
+A plan of the poses and a model file to a `WholeTest`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from datetime import date
 from pathlib import Path
@@ -10,9 +14,67 @@ from typing import Any
 
 from scara_iso.acceptance.place import FILE
 from scara_iso.acceptance.reading import EVERY_LENGTH
-from scara_iso.acceptance.whole_test import PUSH, Struck, WholeTest
+from scara_iso.acceptance.whole_test import (
+    PUSH,
+    CommandPose,
+    Cube,
+    RobotTested,
+    Schedule,
+    Struck,
+    WholeTest,
+)
 from scara_iso.disk import Disk, write_file
 from scara_iso.files import read_file
+from scara_iso.iso9283 import PosePlan
+from scara_iso.robot import Model
+
+CHARACTERISTICS = ("RP", "AP")
+"""What thirty cycles at five poses give."""
+
+
+def plan_test(
+    plan: PosePlan,
+    model: Model,
+    *,
+    model_path: Path,
+    folder: Path,
+    velocities: Sequence[float],
+    loads: Sequence[float],
+) -> WholeTest:
+    """Return the test of a plan; the model file is named as seen from ``folder``.
+
+    Poses in the order P1 to P5. What the model does not rate is left open.
+    """
+    return WholeTest(
+        robot=RobotTested(
+            model.robot,
+            model.serial_number,
+            _relative(model_path, folder),
+            model.rated.load_kg,
+            model.rated.velocity_mm_s,
+        ),
+        schedule=Schedule(
+            CHARACTERISTICS,
+            tuple(velocities),
+            tuple(loads),
+            plan.conditions.cycles,
+            dwell_s=plan.conditions.dwell_s,
+        ),
+        cube=Cube(plan.solid.value, plan.size_mm, plan.plane.value, plan.elbow.value),
+        poses={
+            pose.name: CommandPose(pose.x_mm, pose.y_mm, pose.z_mm, pose.theta_deg)
+            for pose in plan.poses
+        },
+    )
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """Return the path from the folder, with slashes; whole where no relative one leads there."""
+    try:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # another drive of Windows
+        return path.resolve().as_posix()
+
 
 _LARGEST = 1_000_000
 _INLINE = ("command", "limits")

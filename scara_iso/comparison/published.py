@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from scara_iso.comparison.decision import LEVEL
-from scara_iso.comparison.result import (
+from scara_iso.comparison.decision import (
+    LEVEL,
     Comparison,
     Contrast,
     Difference,

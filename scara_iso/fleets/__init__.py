@@ -9,22 +9,15 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.fleets.dispatch import Engine as Engine
     from scara_iso.fleets.drift import (
         DriftPeriod as DriftPeriod,
         FleetDrift as FleetDrift,
         RobotGrowth as RobotGrowth,
     )
-    from scara_iso.fleets.figure_summary import (
-        FleetFigures as FleetFigures,
-        RobotFigures as RobotFigures,
-        summarise_figures as summarise_figures,
-    )
     from scara_iso.fleets.figures import (
         FiguresTask as FiguresTask,
         run_figures as run_figures,
     )
-    from scara_iso.fleets.names import NameAlone as NameAlone, SeveralNames as SeveralNames
     from scara_iso.fleets.parts import ReadAs as ReadAs
     from scara_iso.fleets.published import (
         PublishedFleet as PublishedFleet,
@@ -35,11 +28,17 @@ if TYPE_CHECKING:
     from scara_iso.fleets.runs import FleetRun as FleetRun, run_fleet as run_fleet
     from scara_iso.fleets.summary import (
         FailedTable as FailedTable,
+        FleetFigures as FleetFigures,
         FleetSummary as FleetSummary,
+        NameAlone as NameAlone,
+        RobotFigures as RobotFigures,
         RobotResult as RobotResult,
+        SeveralNames as SeveralNames,
         summarise as summarise,
+        summarise_figures as summarise_figures,
     )
     from scara_iso.fleets.work import (
+        Engine as Engine,
         PartResult as PartResult,
         TableRow as TableRow,
         Task as Task,

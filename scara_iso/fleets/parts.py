@@ -3,27 +3,206 @@
 A part is a Parquet file, or a CSV file, with the columns robot and X, Y, Z or theta, and as they
 are there test, pose, cycle and any other; or a table of one robot as `read_table` takes it, a
 workbook too.
+
+Pieces of parts, so that the tables of one are shared among many processes.
+
+The rows of several robots as text: what is stated above their header, and what stands below.
+
+Decimal commas in the text of a part: read as `read_table` does, or refused where unsure.
 """
 
 from __future__ import annotations
 
+import csv
 import hashlib
-from collections.abc import Collection, Iterator, Mapping
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+import numpy as np
 
 from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.files import is_folder, open_file
 from scara_iso.fleets.database import Query, alone, fetched, workspace
-from scara_iso.fleets.decimal_marks import refuse_groups, settle_marks
-from scara_iso.fleets.pieces import WHOLE, Share
-from scara_iso.fleets.text_rows import text_rows
 from scara_iso.frames import make_frame
 from scara_iso.pose_columns import POSE_NAMES
-from scara_iso.quantities import parse_number
+from scara_iso.quantities import parse_number, parse_unit
 from scara_iso.run import AXES, Run
-from scara_iso.tables import read_table
+from scara_iso.tables import (
+    WHICH_MARK,
+    Mark,
+    are_mixed,
+    are_undecided,
+    decode_text,
+    may_be_grouped,
+    parse_cell,
+    read_table,
+)
+
+One = TypeVar("One")
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """One of so many equal shares of what stands in an order, counted from 0."""
+
+    number: int
+    of: int
+
+    def take(self, several: Sequence[One]) -> Sequence[One]:
+        """Return this share of it, which may be nothing."""
+        first, end = (k * len(several) // self.of for k in (self.number, self.number + 1))
+        return several[first:end]
+
+
+WHOLE = Share(0, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A share of the tables of a part."""
+
+    path: str
+    share: Share = WHOLE
+
+
+DELIMITERS = (",", ";", "\t")
+_STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
+_COMMENT = "#"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TextRows:
+    """A text file with a header that names the robot of each row."""
+
+    statements: Mapping[str, str]
+    """What ``# key: value`` above the header says."""
+    names: Sequence[str]
+    delimiter: str
+    columns: Sequence[Sequence[str | None]]
+    """By name, the cells below the header; None for an empty one."""
+
+
+def text_rows(path: Path) -> TextRows | None:
+    """Return the rows of a text file, None where its header names no column ``robot``.
+
+    A line of one cell below the header that begins with ``#`` is a comment. Raises `NoInputError`
+    and `DataError`, of a row that is not as long as the header with its line.
+    """
+    with open_file(path) as file:
+        data = file.read()
+    lines = decode_text(data, str(path))[0].split("\n")
+    statements, above = _above(lines)
+    header = "".join(lines[above : above + 1])
+    for delimiter in DELIMITERS:
+        names = [name.strip() for name in next(csv.reader([header], delimiter=delimiter), [])]
+        if "robot" in map(str.lower, names):
+            rows = list(_rows(lines, above + 1, delimiter, len(names), str(path)))
+            columns = list(zip(*rows, strict=True)) or [()] * len(names)
+            return TextRows(statements, names, delimiter, columns)
+    return None
+
+
+def _above(lines: Sequence[str]) -> tuple[dict[str, str], int]:
+    """Return what is stated above the header, and how many lines that are."""
+    found: dict[str, str] = {}
+    for number, line in enumerate(lines):
+        stated = _STATEMENT.match(line)
+        if stated:
+            found[stated[1].lower().replace(" ", "_")] = stated[2].strip()
+        elif line.strip() and not line.startswith(_COMMENT):
+            return found, number
+    return found, len(lines)
+
+
+def _rows(
+    lines: Sequence[str], above: int, delimiter: str, width: int, where: str
+) -> Iterator[list[str | None]]:
+    """Yield the rows below the header, each of its ``width``."""
+    below = (f"{line}\n" for line in islice(lines, above, None))
+    reader, line = csv.reader(below, delimiter=delimiter, strict=True), above + 1
+    try:
+        for row in reader:
+            if len(row) == width:
+                yield [cell.strip() or None for cell in row]
+            elif row and not (len(row) == 1 and _is_no_row(row[0])):
+                raise DataError(
+                    f"line {line}: {len(row)} cells, and the header has {width}",
+                    where=where,
+                    remedy="mend that row; quotes around a cell keep it whole",
+                )
+            line = above + reader.line_num + 1
+    except csv.Error as error:
+        raise DataError(
+            f"line {line}: a quotation mark opens or closes in the wrong place: {error}",
+            where=where,
+            remedy="mend that row",
+        ) from error
+
+
+def _is_no_row(text: str) -> bool:
+    return not text.strip() or text.startswith(_COMMENT)
+
+
+def settle_marks(frame: Any, names: Iterable[str], decimal: str | None, where: str) -> None:
+    """Put decimal points into the numbers of text columns of a pandas table.
+
+    ``decimal`` says which mark is the decimal one. Raises `DataError` where nothing does and the
+    commas of the whole part may group thousands, or stand beside points.
+    """
+    text = {name: list(map(str, frame[name])) for name in names}
+    found = {
+        name: [parse_cell(cell, decimal) for cell in cells]
+        for name, cells in text.items()
+        if decimal is not None or any("," in cell for cell in cells)
+    }
+    if decimal is None:
+        _refuse_unsure(_marks(text), where)
+    for name, numbers in found.items():
+        frame[name] = [
+            cell if number is None or number.unit else repr(number.value)
+            for cell, number in zip(text[name], numbers, strict=True)
+        ]
+
+
+def _marks(text: Mapping[str, Sequence[str]]) -> dict[Mark, str]:
+    """Return the decimal marks that occur, each with a cell that has it."""
+    marks: dict[Mark, str] = {}
+    for cell in (cell for cells in text.values() for cell in cells if "," in cell or "." in cell):
+        number = parse_cell(cell)
+        if number is not None and not number.unit:
+            marks.setdefault(number.mark, cell)
+    return marks
+
+
+def _refuse_unsure(marks: Mapping[Mark, str], where: str) -> None:
+    if are_mixed(marks):
+        one = next(marks[mark] for mark in (Mark.BOTH, Mark.COMMA, Mark.EITHER) if mark in marks)
+        raise DataError(f"{one!r}: commas and points both occur", where=where, remedy=WHICH_MARK)
+    if are_undecided(marks):
+        raise DataError(
+            f"{marks[Mark.EITHER]!r} could have a decimal comma or group thousands",
+            where=where,
+            remedy=WHICH_MARK,
+        )
+
+
+def refuse_groups(frame: Any, axes: Mapping[str, Mapping[str, Any]], where: str) -> None:
+    """Raise `DataError` for 1.512 um between semicolons, which may be 1512: as `read_table`."""
+    for name, stated in axes.items():
+        if parse_unit(stated["unit"]).name == "um" and stated["resolution"] is None:
+            numbers = [number.value for cell in frame[name] if (number := parse_cell(str(cell)))]
+            if numbers and may_be_grouped(np.abs(np.array(numbers))):
+                raise DataError(
+                    f"{name}: {frame[name].iloc[0]} um could have a decimal point or group "
+                    "thousands",
+                    where=where,
+                    remedy=f"{WHICH_MARK}; or state the dial's resolution",
+                )
+
 
 _ENDINGS = (".csv", ".parquet", ".tsv", ".txt", ".xlsx")
 _BLOCK = 1 << 20

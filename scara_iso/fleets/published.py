@@ -7,10 +7,17 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
 from scara_iso.fleets.drift import QUANTILES, FleetDrift
-from scara_iso.fleets.figure_summary import FleetFigures, RobotFigures
-from scara_iso.fleets.names import NameAlone, SeveralNames, TwiceThere
 from scara_iso.fleets.runs import FleetRun
-from scara_iso.fleets.summary import FailedTable, FleetSummary, RobotFinding
+from scara_iso.fleets.summary import (
+    FailedTable,
+    FleetFigures,
+    FleetSummary,
+    NameAlone,
+    RobotFigures,
+    RobotFinding,
+    SeveralNames,
+    TwiceThere,
+)
 from scara_iso.published import Count, publish
 
 Five: TypeAlias = Annotated[tuple[float, ...], ("minItems", 5), ("maxItems", 5)]

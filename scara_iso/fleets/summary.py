@@ -3,26 +3,22 @@
 Of 10,000 healthy robots 500 would be alarms at 5 %. So the robots are judged together: the false
 discovery rate, the share of false ones among those that are named, is held (Benjamini and Hochberg
 1995). A robot's p-value is the smallest of its tests times their number.
+
+Robots and tests whose names leave open which they are: what was taken for what is said.
+
+The figures of a fleet as a whole: which robots scatter most, and how RP is distributed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scara_iso.display import Displayed
 from scara_iso.fleets.database import Query, results_in
 from scara_iso.fleets.drift import FleetDrift, fleet_drift, quantiles_of_rows
-from scara_iso.fleets.names import (
-    NameAlone,
-    SeveralNames,
-    TwiceThere,
-    names_alone,
-    robots_alike,
-    several_names,
-    tables_twice,
-)
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.work import FIGURES
 from scara_iso.frames import frame_of
@@ -30,6 +26,97 @@ from scara_iso.published import Count
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+@dataclass(frozen=True, slots=True)
+class TwiceThere:
+    """A test of a robot that several tables claim to be."""
+
+    robot: str
+    """Its name."""
+    test: str
+    """Which of its tests."""
+    parts: tuple[str, ...]
+    """The files that hold it."""
+
+
+@dataclass(frozen=True, slots=True)
+class NameAlone:
+    """A robot's name that stands with a serial number in some tables, and alone in others."""
+
+    name: str
+    """As it is stated."""
+    serial_numbers: tuple[str, ...]
+    """With which it stands: of one, the tables with the name alone are counted to it."""
+    tables: int
+    """How many have the name alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class SeveralNames:
+    """A robot whose serial number stands with several names, as where it is no number at all."""
+
+    robot: str
+    """Its serial number."""
+    names: tuple[str, ...]
+    """With which it stands: all are taken for one robot."""
+
+
+def tables_twice(query: Query, row: str = "robot, test") -> tuple[TwiceThere, ...]:
+    """Return the tests that are there more than once, where each ``row`` should be of its own."""
+    rows = query(
+        "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "  # noqa: S608
+        f"WHERE error IS NULL GROUP BY {row} HAVING count(*) > 1)) "
+        "SELECT robot, test, string_agg(DISTINCT part, ',' ORDER BY part) FROM fleet "
+        "SEMI JOIN twice USING (robot, test) WHERE error IS NULL GROUP BY robot, test "
+        "ORDER BY robot, test"
+    )
+    return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
+
+
+def names_alone(query: Query) -> tuple[NameAlone, ...]:
+    """Return the names that stand with a serial number in some tables, and alone in others."""
+    rows = query(
+        "WITH alone AS (SELECT name, count(DISTINCT (test, part)) AS tables FROM fleet "
+        "SEMI JOIN named USING (name) WHERE as_read = name AND error IS NULL GROUP BY name) "
+        "SELECT name, list(serial ORDER BY serial), any_value(tables) FROM named "
+        "JOIN alone USING (name) GROUP BY name ORDER BY name"
+    )
+    return tuple(NameAlone(name, tuple(serials), tables) for name, serials, tables in rows)
+
+
+def several_names(query: Query) -> tuple[SeveralNames, ...]:
+    """Return the robots that go by several names."""
+    rows = query(
+        "WITH several AS (SELECT robot FROM fleet WHERE error IS NULL GROUP BY robot "
+        "HAVING min(name) <> max(name)) SELECT robot, list(DISTINCT name ORDER BY name) FROM fleet "
+        "SEMI JOIN several USING (robot) WHERE error IS NULL AND name IS NOT NULL "
+        "GROUP BY robot ORDER BY robot"
+    )
+    return tuple(SeveralNames(robot, tuple(names)) for robot, names in rows)
+
+
+def robots_alike(query: Query) -> tuple[tuple[str, ...], ...]:
+    """Return names that differ in case, blanks and zeros in front only, of several robots.
+
+    One of them is all that says which robot it is: a name beside a serial number may be of many.
+    """
+    alike = r"regexp_replace(regexp_replace(lower(said), '\s', '', 'g'), "
+    alike += r"'(^|[^0-9])0+([0-9])', '\1\2', 'g')"
+    query(
+        "CREATE OR REPLACE TEMP TABLE every AS "  # noqa: S608
+        f"SELECT robot, said, {alike} AS alike FROM (SELECT robot, robot AS said FROM fleet "
+        "WHERE error IS NULL UNION ALL SELECT robot, name FROM fleet WHERE error IS NULL "
+        "AND name <> robot) ORDER BY alike"  # what is sorted goes to the disk, groups do not
+    )
+    rows = query(
+        "WITH several AS (SELECT DISTINCT alike FROM (SELECT alike, said, lag(alike) OVER () AS a, "
+        "lag(said) OVER () AS b FROM every) WHERE alike = a AND said <> b) "
+        "SELECT list(DISTINCT said ORDER BY said) FROM every SEMI JOIN several USING (alike) "
+        "GROUP BY alike HAVING min(robot) <> max(robot) AND bool_or(said = robot) ORDER BY alike"
+    )
+    return tuple(tuple(names) for (names,) in rows)
+
 
 LEVEL = 0.05
 
@@ -224,3 +311,102 @@ def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802
         if count:
             found[name] = quantiles_of_rows(query, 0, count)
     return found
+
+
+_WORST = 100
+SUMMARY_MEMORY = "100MB"
+"""Less than a part takes: the more tables, the more is on the disk (benchmarks/fleet.py)."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFigures:
+    """The figures of one robot."""
+
+    robot: str
+    """Its name."""
+    tables: int
+    """How many there are of it."""
+    RP: Mapping[str, float | None]
+    """By figure, the largest of a pose [mm, deg]; None where it has none."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FleetFigures(Displayed):
+    """The figures of a fleet: those of every pose stand in the files of ``run``."""
+
+    run: FleetRun
+    """What became of the parts."""
+    tables: int
+    """How many have figures."""
+    robots: int
+    """How many there are of these."""
+    worst: tuple[RobotFigures, ...]
+    """100 robots at most, by their largest RP: of XY, else of the first axis that is there."""
+    RP_quantiles: Mapping[str, tuple[float, ...]]
+    """By figure, of the poses: 5, 25, 50, 75 and 95 % [mm, deg]."""
+    failed: tuple[FailedTable, ...]
+    """Tables of which there is nothing."""
+    twice: tuple[TwiceThere, ...]
+    """Tests that are there more than once: each counts."""
+    drift: FleetDrift | None
+    """How RP moves over the dates of the tests; None where no robot has several."""
+    names_alone: tuple[NameAlone, ...] = ()
+    """Names that stand with a serial number and without."""
+    several_names: tuple[SeveralNames, ...] = ()
+    """Serial numbers that stand with several names."""
+    alike: tuple[tuple[str, ...], ...] = ()
+    """Names that differ in case, blanks and zeros in front only, of several robots."""
+
+    def __repr__(self) -> str:
+        return f"<FleetFigures of {self.robots} robots: {self.tables} tables>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table, a row for each of the ``worst``."""
+        rows = [
+            {"robot": one.robot, "tables": one.tables}
+            | {f"RP_{name}": one.RP[name] for name in FIGURES}
+            for one in self.worst
+        ]
+        return frame_of(rows, {})
+
+    @property
+    def files(self) -> Path:
+        """Folder of the figures of every pose, as Parquet."""
+        return self.run.folder / RESULTS
+
+
+def summarise_figures(run: FleetRun) -> FleetFigures:
+    """Return the summary of the figures that a run has left in its folder."""
+    with results_in(run.folder / RESULTS, SUMMARY_MEMORY) as query:
+        robots = query(
+            "SELECT count(*) FROM (SELECT DISTINCT robot FROM fleet WHERE error IS NULL)"
+        )
+        return FleetFigures(
+            run=run,
+            tables=run.tables,
+            robots=robots[0][0] if robots else 0,
+            worst=_worst(query),
+            RP_quantiles=quantiles_of_RP(query),
+            failed=failed_tables(query),
+            twice=tables_twice(query, "robot, test, pose"),
+            drift=fleet_drift(query, LEVEL),
+            names_alone=names_alone(query),
+            several_names=several_names(query),
+            alike=robots_alike(query),
+        )
+
+
+def _worst(query: Query) -> tuple[RobotFigures, ...]:
+    largest = ", ".join(f'max("RP_{name}") AS "RP_{name}"' for name in FIGURES)
+    order = "ORDER BY coalesce(RP_XY, RP_X, RP_Y, RP_Z, RP_theta) DESC, robot"
+    rows = query(  # a robot's tables are counted of these alone: there may be millions
+        f"WITH largest AS (SELECT robot, {largest} FROM fleet WHERE error IS NULL GROUP BY robot), "  # noqa: S608
+        f"worst AS (FROM largest {order} LIMIT {_WORST}), "
+        "counts AS (SELECT robot, count(DISTINCT (test, part)) AS tables FROM fleet "
+        "SEMI JOIN worst USING (robot) WHERE error IS NULL GROUP BY robot) "
+        f"SELECT robot, tables, worst.* EXCLUDE robot FROM worst JOIN counts USING (robot) {order}"
+    )
+    return tuple(
+        RobotFigures(robot, tables, dict(zip(FIGURES, RP, strict=True)))
+        for robot, tables, *RP in rows
+    )

@@ -9,7 +9,11 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.force_loop.fit import LoopFit as LoopFit, fit_loop as fit_loop
-    from scara_iso.force_loop.loop import ForceLoop as ForceLoop, is_loop as is_loop
-    from scara_iso.force_loop.table import loop_of as loop_of, read_loop as read_loop
+    from scara_iso.force_loop.loop import (
+        ForceLoop as ForceLoop,
+        is_loop as is_loop,
+        loop_of as loop_of,
+        read_loop as read_loop,
+    )
 else:
     __getattr__ = face(__name__)

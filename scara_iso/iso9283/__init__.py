@@ -12,18 +12,11 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze
     from scara_iso.iso9283.beside import Beside as Beside
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
-    from scara_iso.iso9283.by_name import Poses as Poses
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
     from scara_iso.iso9283.checks.calibration_date import past_due as past_due
     from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
-    from scara_iso.iso9283.conformity import (
-        EVERY_LENGTH as EVERY_LENGTH,
-        Conformity as Conformity,
-        DecisionRule as DecisionRule,
-        Limit as Limit,
-    )
     from scara_iso.iso9283.cycles import (
         AS_THE_TABLE_SAYS as AS_THE_TABLE_SAYS,
         CYCLES_RUN as CYCLES_RUN,
@@ -40,8 +33,13 @@ if TYPE_CHECKING:
         drift_courses as drift_courses,
     )
     from scara_iso.iso9283.figures import (
+        EVERY_LENGTH as EVERY_LENGTH,
         AxisResult as AxisResult,
+        Conformity as Conformity,
+        DecisionRule as DecisionRule,
+        Limit as Limit,
         PoseResult as PoseResult,
+        Poses as Poses,
         RadialResult as RadialResult,
     )
     from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES, check_limits as check_limits
@@ -51,16 +49,17 @@ if TYPE_CHECKING:
         parse_moment as parse_moment,
         zoned_moment_of_test as zoned_moment_of_test,
     )
-    from scara_iso.iso9283.pose_plan import (
+    from scara_iso.iso9283.poses import (
         DiagonalPlane as DiagonalPlane,
         PlannedPose as PlannedPose,
         PlannedVisit as PlannedVisit,
         PosePlan as PosePlan,
         PoseTestConditions as PoseTestConditions,
         Solid as Solid,
+        make_plan as make_plan,
+        planned_poses as planned_poses,
         planned_visits as planned_visits,
     )
-    from scara_iso.iso9283.poses import make_plan as make_plan, planned_poses as planned_poses
     from scara_iso.iso9283.published import (
         AxisName as AxisName,
         BesidePoses as BesidePoses,

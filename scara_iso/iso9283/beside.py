@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from scara_iso.iso9283.checks.parts_missing import not_recorded
-from scara_iso.iso9283.conformity import Conformity
+from scara_iso.iso9283.figures import Conformity
 from scara_iso.iso9283.results import Analysis, Characteristic, Finding, LimitCheck, gravest
 
 if TYPE_CHECKING:

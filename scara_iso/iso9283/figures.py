@@ -1,6 +1,10 @@
 """The figures of a test: what each axis, plane, space and pose has, and how it is computed.
 
 Lengths are in mm; theta is in degrees where it was given as an angle.
+
+Results of several poses, found by number or by name.
+
+How a figure is held against its limit, and what comes of it.
 """
 
 from __future__ import annotations
@@ -8,14 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated
+from enum import Enum
+from typing import Annotated, Protocol, SupportsIndex, TypeAlias, TypeVar, overload
 
 import numpy as np
 
 from scara_iso.dial import step_of
 from scara_iso.errors import DataError
 from scara_iso.iso9283.cycles import Rows
-from scara_iso.iso9283.estimates import largest_calibration, reading_uncertainty, scatter_estimates
 from scara_iso.iso9283.statistics import (
     SamplingInterval,
     repeatability,
@@ -25,9 +29,72 @@ from scara_iso.iso9283.statistics import (
     standard_deviation,
     three_sigma_interval,
 )
+from scara_iso.iso9283.uncertainty import (
+    largest_calibration,
+    reading_uncertainty,
+    scatter_estimates,
+)
 from scara_iso.published import Count, Interval, Size, Unit
 from scara_iso.quantities import Dimension, Estimate, parse_number, within_half_a_turn
 from scara_iso.run import Axis, FloatArray, IntArray, Run
+
+
+class Labelled(Protocol):
+    """What belongs to a pose."""
+
+    @property
+    def label(self) -> str | None:
+        """Name of the pose, None for the only one."""
+
+
+OfPose = TypeVar("OfPose", bound=Labelled)
+
+
+class Poses(tuple[OfPose, ...]):
+    """The poses in their order: ``poses[0]`` and ``poses["P1"]``; `KeyError` for another name."""
+
+    __slots__ = ()
+
+    @overload
+    def __getitem__(self, at: SupportsIndex | str) -> OfPose: ...
+    @overload
+    def __getitem__(self, at: slice) -> tuple[OfPose, ...]: ...
+
+    def __getitem__(self, at: SupportsIndex | str | slice) -> OfPose | tuple[OfPose, ...]:
+        if not isinstance(at, str):
+            return super().__getitem__(at)
+        for pose in self:
+            if pose.label == at:
+                return pose
+        there = ", ".join(pose.label for pose in self if pose.label is not None)
+        said = f"there is {there}" if there else "the table names none, take poses[0]"
+        raise KeyError(f"no pose {at!r}: {said}")
+
+
+EVERY_LENGTH = ""
+"""Key of a limit that holds for every repeatability of a length without a limit of its own."""
+
+
+Limit: TypeAlias = float | tuple[float, float]
+"""The largest value that is allowed, or the smallest and the largest."""
+
+
+class DecisionRule(Enum):
+    """The rule by which a figure is held against its limit; the value is the word in outputs."""
+
+    INTERVAL = "interval"
+    """The figure's 95 % interval: proven inside, proven outside, or neither."""
+    SIMPLE = "simple"
+    """The figure alone, its uncertainty not counted: simple acceptance (JCGM 106, 8.2)."""
+
+
+class Conformity(Enum):
+    """Whether a limit is kept; the value is the word used in outputs."""
+
+    PASS = "pass"  # noqa: S105 - no word to be kept
+    FAIL = "fail"
+    NOT_PROVABLE = "not-provable"
+
 
 Millimetres = Annotated[float, ("unit", "mm"), ("minimum", 0)]
 

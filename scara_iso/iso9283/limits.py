@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.conformity import EVERY_LENGTH, Conformity, DecisionRule, Limit
+from scara_iso.iso9283.figures import EVERY_LENGTH, Conformity, DecisionRule, Limit
 from scara_iso.iso9283.results import Characteristic, Finding, LimitCheck
 from scara_iso.quantities import Estimate
 from scara_iso.run import AXES

@@ -4,27 +4,285 @@ What follows from the geometry of the arm is computed and checked; velocity, loa
 order of visits are the conditions of the test, carried along so that one table holds all that a
 robot program needs. Sources: Mousavi et al., section II, eq. 1, Fig. 1 and 2; ISO 9283, 6.8, as
 known in the trade.
+
+A planned test of poses: cube or box, diagonal plane, P1 to P5, and how they are visited.
+
+Sources: Mousavi et al., section II, eq. 1, Fig. 1 and 2; ISO 9283, 6.8, as known in the trade.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from scara_iso.display import Plotted
 from scara_iso.errors import UsageError
-from scara_iso.iso9283.by_name import Poses
-from scara_iso.iso9283.pose_plan import (
-    POSES,
-    UNRATED,
-    DiagonalPlane,
-    PlannedPose,
-    PosePlan,
-    PoseTestConditions,
-    Solid,
-)
+from scara_iso.frames import frame_of
+from scara_iso.iso9283.figures import Poses
+from scara_iso.published import Count, publish
 from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rated, Rectangle, Workspace, largest_rectangle
 from scara_iso.run import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+UNRATED = Rated()
+
+PoseName: TypeAlias = Literal["P1", "P2", "P3", "P4", "P5"]
+POSES: tuple[str, ...] = get_args(PoseName)
+Travel: TypeAlias = Literal["linear", "joint"]
+Coordinate: TypeAlias = Annotated[float, ("unit", "mm")]
+Degrees: TypeAlias = Annotated[float, ("unit", "deg")]
+Kilograms: TypeAlias = Annotated[float, ("unit", "kg")]
+
+
+class Solid(Enum):
+    """What is laid into the workspace."""
+
+    CUBE = "cube"
+    """The largest cube. Where the stroke is its shortest side, the cube keeps the centre of the
+    largest square that fits seen from above."""
+    BOX = "box"
+    """The largest rectangular area times the stroke, which may take the cube's place where one
+    axis has a small range."""
+
+
+class DiagonalPlane(Enum):
+    """A diagonal plane by its corners, in their order around it.
+
+    The numbering of the corners is background knowledge of ISO 9283's figure, not quoted from it:
+    here C1 to C4 go counter-clockwise around the lower face from the corner of least x and y, seen
+    from above, and C5 to C8 lie above them.
+    """
+
+    C1_C2_C7_C8 = "C1-C2-C7-C8"
+    C2_C3_C8_C5 = "C2-C3-C8-C5"
+    C3_C4_C5_C6 = "C3-C4-C5-C6"
+    C4_C1_C6_C7 = "C4-C1-C6-C7"
+
+    @property
+    def corners(self) -> tuple[int, ...]:
+        """Numbers of the four corners."""
+        return tuple(int(name[1]) for name in self.value.split("-"))
+
+
+@dataclass(frozen=True, slots=True)
+class PoseTestConditions:
+    """How the poses are visited. Raises `UsageError` for invalid values."""
+
+    cycles: int = 31
+    """Cycles run; the paper runs 31, of which the first only settles the contact side."""
+    discarded: int = 1
+    """Cycles at the beginning whose readings do not count."""
+    velocity_percent: float = 100.0
+    """Percent of the rated velocity."""
+    load_percent: float = 100.0
+    """Percent of the rated load."""
+    dwell_s: float = 2.0
+    """Time at each pose before the reading: at least the robot's stabilisation time. The default
+    is a choice of this program."""
+    order: tuple[str, ...] = ("P5", "P4", "P3", "P2", "P1")
+    """Order of visits in each cycle, which begins at P1; background knowledge of ISO 9283."""
+
+    def __post_init__(self) -> None:
+        faults = [] if 0 <= self.discarded < self.cycles else ["no cycle is left to be used"]
+        faults += [
+            f"{name} is {value:g}"
+            for name, value in (
+                ("velocity_percent", self.velocity_percent),
+                ("load_percent", self.load_percent),
+            )
+            if not 0 <= value <= 100 or (name == "velocity_percent" and value == 0)
+        ]
+        faults += [] if 0 <= self.dwell_s < math.inf else [f"dwell_s is {self.dwell_s:g}"]
+        unknown = [name for name in self.order if name not in POSES]
+        faults += [f"no pose {name!r}" for name in unknown]
+        faults += [] if self.order else ["no pose is visited"]
+        if faults:
+            raise UsageError(
+                f"not a valid test: {', '.join(faults)}",
+                remedy="percentages go up to 100, times are not negative, poses are P1 to P5",
+            )
+
+    @property
+    def used(self) -> int:
+        """Cycles of which the readings count."""
+        return self.cycles - self.discarded
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedPose:
+    """One pose: where the tool is, and the joints that bring it there.
+
+    ``name`` is ``P1`` to ``P5``. ``x_mm``, ``y_mm``, ``z_mm`` and ``theta_deg`` are the tool in the
+    base frame; ``joint_1_deg``, ``joint_2_deg``, ``joint_3_mm`` (vertical) and ``joint_4_deg``
+    (wrist) the joints.
+    """
+
+    name: str
+    x_mm: float
+    y_mm: float
+    z_mm: float
+    theta_deg: float
+    joint_1_deg: float
+    joint_2_deg: float
+    joint_3_mm: float
+    joint_4_deg: float
+    singularity_deg: float
+    """By how much joint 2 misses straight or folded, where the arm is singular."""
+    manipulability: float
+    """|sin joint 2|: 1 where the arm moves equally well in all directions, 0 where singular."""
+
+    @property
+    def label(self) -> str:
+        """The name, as that of a measured pose."""
+        return self.name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedVisit:
+    """One visit of a cycle; what the model does not rate is null."""
+
+    visit: Count
+    """From 1, in order."""
+    pose: PoseName
+    """Which is visited."""
+    x_mm: Coordinate
+    """Of the tool in the base frame."""
+    y_mm: Coordinate
+    """Likewise."""
+    z_mm: Coordinate
+    """Likewise."""
+    theta_deg: Degrees
+    """About z, of the tool."""
+    joint_1_deg: Degrees
+    """Angle of joint 1."""
+    joint_2_deg: Degrees
+    """Angle of joint 2."""
+    joint_3_mm: Coordinate
+    """Vertical."""
+    joint_4_deg: Degrees
+    """Wrist."""
+    singularity_deg: Degrees
+    """By how much joint 2 misses straight or folded, where the arm is singular."""
+    manipulability: float
+    """|sin joint 2|: 1 where the arm moves equally well in all directions, 0 where singular."""
+    from_pose: PoseName
+    """The pose visited before."""
+    path: Travel
+    """A line of the tool, or the joints turn."""
+    velocity_percent: float
+    """Per cent of the rated one."""
+    velocity_mm_s: Annotated[float, ("unit", "mm/s")] | None
+    """The same as a velocity."""
+    load_percent: float
+    """Per cent of the rated one."""
+    load_kg: Kilograms | None
+    """The same as a load."""
+    dwell_s: Annotated[float, ("unit", "s")]
+    """Time at the pose before the reading."""
+    cycles: Count
+    """Cycles run."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PosePlan(Plotted):
+    """The planned test. Lengths in mm, in the base frame; arrays read-only."""
+
+    solid: Solid
+    """Cube or box."""
+    corners: FloatArray
+    """C1 to C8, shape (8, 3)."""
+    plane: DiagonalPlane
+    """The diagonal plane that holds the poses."""
+    elbow: Elbow
+    """Side of the elbow at every pose."""
+    poses: Poses[PlannedPose]
+    """By number or name. P1 is the centre of the plane, P2 to P5 lie on its diagonals, next to its
+    corners in their order."""
+    diagonal_mm: float
+    """L of eq. 1. The paper takes the diagonal of the cube, ISO 9283 that of the plane: they are
+    the same line, since a diagonal plane holds two space diagonals of its cube or box."""
+    m_mm: float
+    """Distance of P2 to P5 from their corners, along the diagonal."""
+    stroke_limits: bool
+    """Whether a larger cube would fit if the stroke were longer."""
+    conditions: PoseTestConditions
+    """Cycles, velocity, load, dwell and order of visits."""
+    arm: Arm
+    """The arm that it is planned for."""
+    rated: Rated = UNRATED
+    """What the percentages of `conditions` are of."""
+
+    def __post_init__(self) -> None:
+        self.corners.flags.writeable = False
+
+    def __repr__(self) -> str:
+        x, y, z = self.size_mm
+        names = ", ".join(pose.name for pose in self.poses)
+        return f"<PosePlan: {self.solid.value} of {x:.1f} x {y:.1f} x {z:.1f} mm, {names}>"
+
+    @property
+    def size_mm(self) -> tuple[float, float, float]:
+        """Edges along x, y and z."""
+        x, y, z = (self.corners[6] - self.corners[0]).tolist()
+        return x, y, z
+
+    @property
+    def m_over_diagonal(self) -> float:
+        """Share of m in L, which eq. 1 wants within 0.1 ± 0.02."""
+        return self.m_mm / self.diagonal_mm
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one cycle as a pandas table: the columns of `rows`, a row for each visit."""
+        return frame_of(self.rows(), {})
+
+    def rows(self) -> list[Mapping[str, str | int | float | None]]:
+        """Return one cycle as a table, one row for each visit in order, for a robot program."""
+        return [asdict(visit) for visit in self.visits()]
+
+    def visits(self) -> tuple[PlannedVisit, ...]:
+        """Return one cycle, one visit after the other.
+
+        A cycle begins at P1, so every pose is always approached from the same one; the path from
+        it is a line in the plane, as the paper's.
+        """
+        return planned_visits(self.poses, self.conditions, self.rated, path="linear")
+
+
+def planned_visits(
+    poses: Poses[PlannedPose], how: PoseTestConditions, rated: Rated, *, path: Travel
+) -> tuple[PlannedVisit, ...]:
+    """Return one cycle, one visit after the other; ``path`` leads to each."""
+    before = ("P1", *how.order)
+    return tuple(
+        publish(
+            PlannedVisit,
+            poses[name],
+            visit=number,
+            pose=name,
+            from_pose=before[number - 1],
+            path=path,
+            velocity_percent=how.velocity_percent,
+            velocity_mm_s=_share(how.velocity_percent, rated.velocity_mm_s),
+            load_percent=how.load_percent,
+            load_kg=_share(how.load_percent, rated.load_kg),
+            dwell_s=how.dwell_s,
+            cycles=how.cycles,
+        )
+        for number, name in enumerate(how.order, start=1)
+    )
+
+
+def _share(percent: float, rated: float | None) -> float | None:
+    return None if rated is None else percent * rated / 100
+
 
 _TOLERANCE = (0.08, 0.12)
 """m = (0.1 ± 0.02) L, eq. 1; ISO 9283 asks the same of the ends of the plane's diagonals."""

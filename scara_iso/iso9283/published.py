@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal, cast
 
-from scara_iso.iso9283.conformity import Conformity, DecisionRule
 from scara_iso.iso9283.drift import DriftCourse, DriftFit
 from scara_iso.iso9283.figures import (
     AxisFigures,
     AxisResult,
+    Conformity,
+    DecisionRule,
     Millimetres,
     PoseResult,
     SpaceFigures,

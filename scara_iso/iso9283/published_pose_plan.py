@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
-from scara_iso.iso9283.pose_plan import (
+from scara_iso.iso9283.poses import (
     Coordinate,
     DiagonalPlane,
     Kilograms,

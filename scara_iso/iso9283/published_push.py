@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias, TypeVar
 
-from scara_iso.iso9283.conformity import Conformity
-from scara_iso.iso9283.figures import Millimetres
+from scara_iso.iso9283.figures import Conformity, Millimetres
 from scara_iso.iso9283.published import (
     PublishedCharacteristic,
     PublishedLimit,

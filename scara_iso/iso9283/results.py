@@ -13,9 +13,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.display import Displayed
 from scara_iso.frames import frame_of, or_nan
-from scara_iso.iso9283.by_name import Poses
-from scara_iso.iso9283.conformity import Conformity, DecisionRule
-from scara_iso.iso9283.figures import AxisResult, PoseResult, RadialResult
+from scara_iso.iso9283.figures import (
+    AxisResult,
+    Conformity,
+    DecisionRule,
+    PoseResult,
+    Poses,
+    RadialResult,
+)
 from scara_iso.published import Interval
 from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import IntArray, Run

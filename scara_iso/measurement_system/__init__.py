@@ -10,35 +10,33 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.measurement_system.budget import Budget as Budget
-    from scara_iso.measurement_system.criteria import Criterion as Criterion
     from scara_iso.measurement_system.crossed import (
+        ByRanges as ByRanges,
         Component as Component,
         Crossed as Crossed,
+        whole_categories as whole_categories,
     )
-    from scara_iso.measurement_system.linearity import Linearity as Linearity
     from scara_iso.measurement_system.published import (
         PublishedGaugeStudy as PublishedGaugeStudy,
         published_gauge_study as published_gauge_study,
     )
-    from scara_iso.measurement_system.ranges import (
-        ByRanges as ByRanges,
-        whole_categories as whole_categories,
+    from scara_iso.measurement_system.reference_parts import (
+        Linearity as Linearity,
+        Stability as Stability,
+        TypeOne as TypeOne,
     )
-    from scara_iso.measurement_system.readings import (
-        GaugeReadings as GaugeReadings,
-        Remark as Remark,
-    )
-    from scara_iso.measurement_system.stability import Stability as Stability
     from scara_iso.measurement_system.study import (
         AxisStudy as AxisStudy,
+        Criterion as Criterion,
         GaugeStudy as GaugeStudy,
         StudyKind as StudyKind,
         study_gauge as study_gauge,
     )
     from scara_iso.measurement_system.table import (
+        GaugeReadings as GaugeReadings,
         GaugeTables as GaugeTables,
+        Remark as Remark,
         read_gauge_tables as read_gauge_tables,
     )
-    from scara_iso.measurement_system.type_1 import TypeOne as TypeOne
 else:
     __getattr__ = face(__name__)

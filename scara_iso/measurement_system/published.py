@@ -9,11 +9,15 @@ from typing import Literal, TypeAlias, cast
 from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.measurement_system.budget import Budget
 from scara_iso.measurement_system.crossed import Crossed, CrossedFigures
-from scara_iso.measurement_system.linearity import Linearity, LinearityFigures
-from scara_iso.measurement_system.readings import Remark
-from scara_iso.measurement_system.stability import Stability
+from scara_iso.measurement_system.reference_parts import (
+    Linearity,
+    LinearityFigures,
+    Stability,
+    TypeOne,
+    TypeOneFigures,
+)
 from scara_iso.measurement_system.study import AxisStudy, GaugeStudy, StudyKind
-from scara_iso.measurement_system.type_1 import TypeOne, TypeOneFigures
+from scara_iso.measurement_system.table import Remark
 from scara_iso.published import Interval, Unit, publish
 from scara_iso.run import FloatArray
 

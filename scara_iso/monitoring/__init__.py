@@ -13,37 +13,36 @@ if TYPE_CHECKING:
         Cusum as Cusum,
         Ewma as Ewma,
         Individuals as Individuals,
+        LimitCrossing as LimitCrossing,
+        Trend as Trend,
         between_tests as between_tests,
+        crossing as crossing,
         cusum as cusum,
         ewma as ewma,
         individuals as individuals,
         standardised as standardised,
+        trend_of as trend_of,
     )
-    from scara_iso.monitoring.days import (
+    from scara_iso.monitoring.events import (
+        ServiceEvent as ServiceEvent,
         date_on as date_on,
         day_of as day_of,
         is_plausible as is_plausible,
         moment_said as moment_said,
+        read_events as read_events,
     )
-    from scara_iso.monitoring.events import ServiceEvent as ServiceEvent, read_events as read_events
-    from scara_iso.monitoring.published import (
-        PublishedHistory as PublishedHistory,
-        published_history as published_history,
-    )
-    from scara_iso.monitoring.result import (
+    from scara_iso.monitoring.history import (
         DatedAnalysis as DatedAnalysis,
         MeanHistory as MeanHistory,
         RobotHistory as RobotHistory,
         ServiceChange as ServiceChange,
         SpreadHistory as SpreadHistory,
         TestFigure as TestFigure,
+        follow as follow,
     )
-    from scara_iso.monitoring.sequence import follow as follow
-    from scara_iso.monitoring.trend import (
-        LimitCrossing as LimitCrossing,
-        Trend as Trend,
-        crossing as crossing,
-        trend_of as trend_of,
+    from scara_iso.monitoring.published import (
+        PublishedHistory as PublishedHistory,
+        published_history as published_history,
     )
 else:
     __getattr__ = face(__name__)

@@ -9,17 +9,15 @@ from typing import Literal, cast
 
 from scara_iso.comparison import PublishedComparison, published_comparison
 from scara_iso.iso9283 import Conformity
-from scara_iso.monitoring.charts import Individuals
-from scara_iso.monitoring.days import date_on, moment_said
-from scara_iso.monitoring.events import ServiceEvent
-from scara_iso.monitoring.result import (
+from scara_iso.monitoring.charts import Individuals, Trend
+from scara_iso.monitoring.events import ServiceEvent, date_on, moment_said
+from scara_iso.monitoring.history import (
     DatedAnalysis,
     MeanHistory,
     RobotHistory,
     SpreadHistory,
     TestFigure,
 )
-from scara_iso.monitoring.trend import Trend
 from scara_iso.published import Interval, Unit, publish
 from scara_iso.run import FloatArray
 

@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.render.charts import plot_gauge_study as plot_gauge_study
-    from scara_iso.render.comparison_plot import plot_comparison as plot_comparison
     from scara_iso.render.formats import endings as endings, find_format as find_format
     from scara_iso.render.json import (
         analysis_json as analysis_json,
@@ -16,17 +14,20 @@ if TYPE_CHECKING:
         AxisView as AxisView,
         LiveScreen as LiveScreen,
         LiveView as LiveView,
+        track as track,
     )
     from scara_iso.render.plots import (
+        check_map as check_map,
         check_picture as check_picture,
+        plot_comparison as plot_comparison,
         plot_diagnosis as plot_diagnosis,
+        plot_gauge_study as plot_gauge_study,
         plot_plan as plot_plan,
         plot_poses as plot_poses,
         plot_separating as plot_separating,
         save_figure as save_figure,
+        save_map as save_map,
     )
-    from scara_iso.render.progress import track as track
-    from scara_iso.render.reach_map import check_map as check_map, save_map as save_map
     from scara_iso.render.terminal import open_console as open_console, show as show
 else:
     __getattr__ = face(__name__)

@@ -1,20 +1,82 @@
-"""The screen of a recording in progress: cycle, readings, strips, what to do next."""
+"""The screen of a recording in progress: cycle, readings, strips, what to do next.
+
+Axes and numbers that are read from two metres: signs as large as there is room.
+
+A sign is three by five points. A character shows two points, one above the other.
+
+A progress bar on standard error, only where that is a terminal.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
 from rich.padding import Padding
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 from rich.text import Text
 
-from scara_iso.render.large_digits import large
 from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import encodes
 from scara_iso.reporting import printable
+
+_GLYPHS = {
+    "0": ("###", "# #", "# #", "# #", "###"),
+    "1": ("  #", "  #", "  #", "  #", "  #"),
+    "2": ("###", "  #", "###", "#  ", "###"),
+    "3": ("###", "  #", "###", "  #", "###"),
+    "4": ("# #", "# #", "###", "  #", "  #"),
+    "5": ("###", "#  ", "###", "  #", "###"),
+    "6": ("###", "#  ", "###", "# #", "###"),
+    "7": ("###", "  #", "  #", "  #", "  #"),
+    "8": ("###", "# #", "###", "# #", "###"),
+    "9": ("###", "# #", "###", "  #", "###"),
+    "-": ("   ", "   ", "###", "   ", "   "),
+    ".": (" ", " ", " ", " ", "#"),
+    " ": (" ", " ", " ", " ", " "),
+    "X": ("# #", "# #", " # ", "# #", "# #"),
+    "Y": ("# #", "# #", " # ", " # ", " # "),
+    "Z": ("###", "  #", " # ", "#  ", "###"),
+    "θ": (" # ", "# #", "###", "# #", " # "),
+}
+_HEIGHT = 5
+_HALVES = {"  ": " ", "# ": "▀", " #": "▄", "##": "█"}
+_LARGEST = 4
+
+
+def large(text: str, width: int, height: int) -> list[str]:
+    """Return the lines of ``text``, the largest that fit; none where not even the smallest do."""
+    if not text or not set(text) <= set(_GLYPHS):
+        return []
+    points = [" ".join(_GLYPHS[sign][row] for sign in text) for row in range(_HEIGHT)]
+    for scale in range(_LARGEST, 0, -1):
+        lines = _halved(["".join(p * scale for p in row) for row in points for _ in range(scale)])
+        if len(lines) <= height and len(lines[0]) <= width:
+            return lines
+    return []
+
+
+def _halved(rows: list[str]) -> list[str]:
+    if len(rows) % 2:
+        rows = [*rows, " " * len(rows[0])]
+    pairs = zip(rows[::2], rows[1::2], strict=True)
+    return ["".join(_HALVES[a + b] for a, b in zip(*pair, strict=True)) for pair in pairs]
+
+
+Item = TypeVar("Item")
+
+
+def track(items: Iterable[Item], total: int, console: Console) -> Iterator[Item]:
+    """Yield ``items`` and show how many of ``total`` came; the bar goes away at the end."""
+    columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    shown = console.is_terminal and total > 0
+    with Progress(*columns, console=console, transient=True, disable=not shown) as progress:
+        yield from progress.track(items, total=total)
+
 
 _BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
 _TONES = {"good": "bold green", "bad": "bold red", "quiet": "dim", "plain": ""}

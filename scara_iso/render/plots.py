@@ -1,18 +1,29 @@
-"""Pictures as matplotlib figures, and as SVG or PNG files; the same input, the same bytes."""
+"""Pictures as matplotlib figures, and as SVG or PNG files; the same input, the same bytes.
+
+Curves and points over one scale: the picture of a gauge study.
+
+The picture of a comparison: readings about their means, changes with their intervals.
+
+Predicted RP over the reach, as a picture or as a table of places.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from io import BytesIO
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
+from scara_iso.diagnosis import JointScatter, ReachMap
 from scara_iso.disk import write_file
 from scara_iso.errors import UsageError
 from scara_iso.iso9283 import PlannedPose, PosePlan
 from scara_iso.render.drawing import new_figure, own_style
+from scara_iso.reporting import Chart, printable, study_picture
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 
@@ -20,13 +31,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from scara_iso.diagnosis import (
-        Diagnosis,
-        DiagnosisOfPoses,
-        ReachMap,
-        SeparatingPlan,
-        Series,
-    )
+    from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, ReachMap, SeparatingPlan, Series
+    from scara_iso.measurement_system import GaugeStudy
+
 
 _LABEL = 20
 AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
@@ -250,3 +257,180 @@ def _azimuth(plane: FloatArray) -> float:
     turns = np.radians(sides)
     eyes = np.stack([np.cos(turns), np.sin(turns), np.full(8, np.tan(np.radians(25)))], axis=-1)
     return float(sides[np.argmax(np.abs(eyes @ normal).round(6))])
+
+
+_LOOKS = (("o-", SOLID), ("s--", PLANE), ("^:", ARM), ("D-.", EDGE))
+_DASHES = ("-", "--", ":", ":")
+_MOST_LABELS, _CHART_LABEL = 20, 12
+
+
+@own_style()
+def plot_gauge_study(found: GaugeStudy) -> Figure:
+    """Return the picture of each dial's study below each other."""
+    figure = new_figure(7, 3.4 * len(found.axes), layout="constrained")
+    rows = figure.subplots(len(found.axes), 1, squeeze=False)
+    for (axes,), study in zip(rows, found.axes.values(), strict=True):
+        picture = study_picture(study)
+        if isinstance(picture.data, Chart):
+            draw_chart(axes, picture.data)
+        axes.set_title(f"{picture.title}: {picture.caption}", fontsize=9)
+    return figure
+
+
+def draw_chart(axes: Axes, chart: Chart) -> None:
+    """Draw curves, points and levels; no two look alike without colour."""
+    for (look, colour), curve in zip(cycle(_LOOKS), chart.curves, strict=False):
+        style = look if curve.joined else look[0]
+        axes.plot(
+            curve.x,
+            curve.y,
+            style,
+            color=colour,
+            ms=3.5,
+            lw=1.2,
+            label=printable(curve.name) or None,
+        )
+    for dash, (name, level) in zip(cycle(_DASHES), chart.levels.items(), strict=False):
+        axes.axhline(level, ls=dash, color=EDGE, lw=1.0, label=name)
+    axes.set(xlabel=chart.x_label, ylabel=f"[{chart.unit}]")
+    if chart.ticks and len(chart.ticks) <= _MOST_LABELS:
+        names = [printable(name)[:_CHART_LABEL].replace("$", r"\$") for name in chart.ticks]
+        axes.set_xticks(range(1, len(names) + 1), names)
+    axes.legend(fontsize=7, frameon=False, ncols=2)
+
+
+_MOST_PAIRS = 8
+_LONGEST_NAME = 28  # letters, its end: two stand above a picture
+_RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100)
+
+
+@own_style()
+def plot_comparison(comparison: Comparison) -> Figure:
+    """Return for each pair the readings about their means, ratios of spread, and changes of mean.
+
+    Full marks are differences that are shown; an arrow is an interval without end.
+    """
+    heights = [0.9 + 0.34 * len(pair.spreads) for pair in comparison.pairs[:_MOST_PAIRS]]
+    figure = new_figure(12, sum(heights) + 0.9, layout="constrained")
+    rows = figure.subplots(len(heights), 3, squeeze=False, height_ratios=heights)
+    for row, pair in zip(rows, comparison.pairs, strict=False):
+        _draw_readings(row[0], pair)
+        ratios = [(one.ratio or None, one.ratio_interval or (None, None)) for one in pair.spreads]
+        row[1].set_xscale("log")
+        _draw_intervals(row[1], pair.spreads, ratios, none=1.0)
+        row[1].set(xlabel="RP after / before", title="Repeatability: ratio with 95 % interval")
+        row[1].xaxis.set_minor_formatter("")
+        low, high = row[1].get_xlim()
+        ticks = [tick for tick in _RATIOS if low <= tick <= high]
+        row[1].set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        changes = [(one.difference, one.difference_interval) for one in pair.means]
+        _draw_intervals(row[2], pair.means, changes, none=0.0)
+        units = ", ".join(dict.fromkeys(one.unit for one in pair.means))
+        row[2].locator_params(axis="x", nbins=5)
+        row[2].set(xlabel=f"after − before [{units}]", title="Mean: change with 95 % interval")
+    return figure
+
+
+def _draw_readings(axes: Axes, pair: Pair) -> None:
+    labels = []
+    before, after = ({pose.label: pose for pose in run.poses} for run in (pair.before, pair.after))
+    for k, one in enumerate(pair.means):
+        old = before[one.pose] if one.pose in before else pair.before.poses[0]
+        new = after[one.pose] if one.pose in after else pair.after.poses[0]
+        for shift, pose, marker, colour in ((-0.16, old, "o", EDGE), (0.16, new, "D", PLANE)):
+            found = pose.axes[one.figure]
+            label = ("before" if shift < 0 else "after") if k == 0 else None
+            row = k + shift + np.linspace(-0.13, 0.13, found.n)  # the first cycle on top
+            axes.plot(
+                found.readings - found.mean,
+                row,
+                marker,
+                ms=3.5,
+                mfc="none",
+                color=colour,
+                ls="none",
+                label=label,
+            )
+        labels.append(_figure_name(one))
+    axes.set_yticks(range(len(labels)), labels)
+    axes.invert_yaxis()
+    axes.locator_params(axis="x", nbins=6)
+    axes.set(xlabel="reading − mean of its run [mm or deg]")
+    names = [run.run.origin.source[-_LONGEST_NAME:] for run in (pair.before, pair.after)]
+    axes.set_title(_label(" → ".join(names)), fontsize=9)
+    axes.legend(fontsize=8, frameon=False, loc="best")
+
+
+def _draw_intervals(
+    axes: Axes,
+    contrasts: Sequence[Contrast],
+    found: Sequence[tuple[float | None, tuple[float | None, float | None]]],
+    *,
+    none: float,
+) -> None:
+    axes.axvline(none, color=ARM, lw=0.9, ls="--")
+    inner = [value for middle, ends in found for value in (middle, *ends) if value]
+    beyond = (min(inner, default=1.0) / 1.3, max(inner, default=1.0) * 1.3)
+    for k, (one, (middle, ends)) in enumerate(zip(contrasts, found, strict=True)):
+        shown = one.verdict in (ContrastVerdict.LESS, ContrastVerdict.MORE)
+        colour = PLANE if shown else EDGE
+        bounded = [bool(end) or (end is not None and not none) for end in ends]
+        places = [
+            e if b and e is not None else beyond[n]
+            for n, (e, b) in enumerate(zip(ends, bounded, strict=True))
+        ]
+        axes.plot(places, [k, k], color=colour, lw=2)
+        for place, b, arrow in zip(places, bounded, "<>", strict=True):
+            axes.plot(place, k, "|" if b else arrow, color=colour, ms=7)
+        if middle is not None:
+            axes.plot(middle, k, "o", color=colour, mfc=colour if shown else "white", ms=6)
+    axes.set_yticks(range(len(contrasts)), [_figure_name(one) for one in contrasts])
+    axes.invert_yaxis()
+
+
+def _figure_name(one: Contrast) -> str:
+    return _label(one.figure if one.pose is None else f"{one.pose} {one.figure}")
+
+
+def _label(text: str) -> str:
+    """Return text of a file as a picture takes it: no mathematics, nothing without a shape."""
+    return printable(text).replace("$", r"\$")
+
+
+_ENDINGS = (".png", ".svg", ".csv")
+
+
+def check_map(path: Path) -> None:
+    """Raise `UsageError` for an ending that no map has."""
+    if path.suffix.lower() not in _ENDINGS:
+        raise UsageError(
+            f"{path.name}: a map is written as a picture or a table",
+            remedy=f"let the name end in {', '.join(_ENDINGS)}",
+        )
+
+
+def save_map(found: JointScatter, path: Path) -> None:
+    """Write the map of ``found`` to ``path``, as its ending says.
+
+    Raises as `check_map` and `write_file`.
+    """
+    check_map(path)
+    if found.reach is None:
+        return
+    if path.suffix.lower() == ".csv":
+        write_file(path, _rows(found.reach).encode())
+    else:
+        save_figure(plot_reach(found.reach), path)
+
+
+def _rows(reach: ReachMap) -> str:
+    """Return a line for each place that the arm reaches [mm], with a limit whether it is kept."""
+    limited = reach.limit is not None
+    lines = ["x_mm,y_mm,RP_mm,low_mm,high_mm" + (",kept" if limited else "")]
+    kept = reach.kept
+    for row, column in np.argwhere(~np.isnan(reach.RP)):
+        cell = (reach.RP[row, column], reach.low[row, column], reach.high[row, column])
+        place = f"{reach.x[column]:.3f},{reach.y[row]:.3f}"
+        line = ",".join([place, *(f"{value:.6f}" for value in cell)])
+        lines.append(f"{line},{kept[row, column]:.0f}" if limited else line)
+    return "\n".join(lines) + "\n"

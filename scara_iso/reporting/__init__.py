@@ -10,9 +10,11 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.reporting.analysis import analysis_report as analysis_report
+    from scara_iso.reporting.appendix import readings_report as readings_report
     from scara_iso.reporting.backlash import (
         backlash_brief as backlash_brief,
         backlash_report as backlash_report,
+        paper_section as paper_section,
         sweep_report as sweep_report,
     )
     from scara_iso.reporting.blocks import (
@@ -33,28 +35,28 @@ if TYPE_CHECKING:
         Strip as Strip,
         Table as Table,
         Text as Text,
+        U_of_scatter as U_of_scatter,
+        printable as printable,
+        rounded as rounded,
     )
-    from scara_iso.reporting.brief_analysis import (
+    from scara_iso.reporting.brief import (
         after_analysis as after_analysis,
         analysis_brief as analysis_brief,
         axis_of_loop as axis_of_loop,
     )
-    from scara_iso.reporting.brief_comparison import comparison_brief as comparison_brief
     from scara_iso.reporting.brief_diagnosis import (
         diagnosis_brief as diagnosis_brief,
     )
-    from scara_iso.reporting.comparison import comparison_report as comparison_report
-    from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
-    from scara_iso.reporting.design import (
-        design_of_poses_report as design_of_poses_report,
-        design_report as design_report,
+    from scara_iso.reporting.comparison import (
+        comparison_brief as comparison_brief,
+        comparison_report as comparison_report,
     )
+    from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
     from scara_iso.reporting.diagnosis import (
         Failure as Failure,
         diagnosis_report as diagnosis_report,
         summary_report as summary_report,
     )
-    from scara_iso.reporting.digits import U_of_scatter as U_of_scatter, rounded as rounded
     from scara_iso.reporting.dossier import (
         Document as Document,
         Dossier as Dossier,
@@ -68,29 +70,7 @@ if TYPE_CHECKING:
         pages as pages,
         pages_report as pages_report,
     )
-    from scara_iso.reporting.fleet import (
-        fleet_figures_report as fleet_figures_report,
-        fleet_report as fleet_report,
-    )
-    from scara_iso.reporting.front import Amendment as Amendment
-    from scara_iso.reporting.gauge_pictures import study_picture as study_picture
-    from scara_iso.reporting.gauge_study import (
-        gauge_study_brief as gauge_study_brief,
-        gauge_study_report as gauge_study_report,
-    )
-    from scara_iso.reporting.history import (
-        history_brief as history_brief,
-        history_document as history_document,
-        history_report as history_report,
-    )
-    from scara_iso.reporting.limits import conformity as conformity
-    from scara_iso.reporting.paper import paper_section as paper_section
-    from scara_iso.reporting.plan import (
-        plan_report as plan_report,
-        separating_report as separating_report,
-        visits_csv as visits_csv,
-    )
-    from scara_iso.reporting.plotted import (
+    from scara_iso.reporting.figures import (
         Chart as Chart,
         ControlPicture as ControlPicture,
         Course as Course,
@@ -103,6 +83,29 @@ if TYPE_CHECKING:
         Prediction as Prediction,
         Predictions as Predictions,
     )
+    from scara_iso.reporting.fleet import (
+        fleet_figures_report as fleet_figures_report,
+        fleet_report as fleet_report,
+    )
+    from scara_iso.reporting.front import Amendment as Amendment
+    from scara_iso.reporting.gauge_study import (
+        gauge_study_brief as gauge_study_brief,
+        gauge_study_report as gauge_study_report,
+        study_picture as study_picture,
+    )
+    from scara_iso.reporting.history import (
+        history_brief as history_brief,
+        history_document as history_document,
+        history_report as history_report,
+    )
+    from scara_iso.reporting.limits import conformity as conformity
+    from scara_iso.reporting.plan import (
+        design_of_poses_report as design_of_poses_report,
+        design_report as design_report,
+        plan_report as plan_report,
+        separating_report as separating_report,
+        visits_csv as visits_csv,
+    )
     from scara_iso.reporting.ports import (
         Probe as Probe,
         dialects_report as dialects_report,
@@ -112,11 +115,6 @@ if TYPE_CHECKING:
     from scara_iso.reporting.poses_diagnosis import (
         poses_brief as poses_brief,
         poses_report as poses_report,
-    )
-    from scara_iso.reporting.provenance import (
-        InputFile as InputFile,
-        Provenance as Provenance,
-        Restated as Restated,
     )
     from scara_iso.reporting.published_dossier import (
         PublishedReport as PublishedReport,
@@ -141,9 +139,11 @@ if TYPE_CHECKING:
         published_folder as published_folder,
     )
     from scara_iso.reporting.push import push_brief as push_brief, push_report as push_report
-    from scara_iso.reporting.raw_data import readings_report as readings_report
     from scara_iso.reporting.stated import (
         NOT_STATED as NOT_STATED,
+        InputFile as InputFile,
+        Provenance as Provenance,
+        Restated as Restated,
         head as head,
         not_stated as not_stated,
         stated_field as stated_field,
@@ -152,7 +152,11 @@ if TYPE_CHECKING:
         visits_brief as visits_brief,
         visits_report as visits_report,
     )
-    from scara_iso.reporting.tables_read import table_report as table_report
+    from scara_iso.reporting.tables_read import (
+        missing_report as missing_report,
+        status_report as status_report,
+        table_report as table_report,
+    )
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.validation import (
         validation_brief as validation_brief,
@@ -160,10 +164,5 @@ if TYPE_CHECKING:
         validation_report as validation_report,
     )
     from scara_iso.reporting.watching import warning as warning
-    from scara_iso.reporting.whole_test import (
-        missing_report as missing_report,
-        status_report as status_report,
-    )
-    from scara_iso.reporting.words import printable as printable
 else:
     __getattr__ = face(__name__)

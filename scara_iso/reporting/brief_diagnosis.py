@@ -1,4 +1,7 @@
-"""A diagnosis in short: what it is, what RP has to do with it, what next, and the course."""
+"""A diagnosis in short: what it is, what RP has to do with it, what next, and the course.
+
+The diagnosis of every pose in plain words: what was found, how sure, why, and how to tell.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +13,22 @@ from scara_iso.diagnosis import UNKNOWN, Diagnosis, Found, Verdict
 from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import (
     Block,
+    Facts,
     Headline,
     NextStep,
     Report,
     Section,
     Strip,
     Text,
+    U_of_scatter,
+    p_equals,
+    rounded,
+    words,
 )
 from scara_iso.reporting.brief import digits_of, first_three
 from scara_iso.reporting.diagnosis import (
+    Failure,
+    diagnosis_in_words,
     is_of_a_kind,
     parameters_said,
     rivals_said,
@@ -26,9 +36,8 @@ from scara_iso.reporting.diagnosis import (
     unexplained_said,
     unit_of,
 )
-from scara_iso.reporting.digits import U_of_scatter, rounded
-from scara_iso.reporting.words import words
 from scara_iso.run import FloatArray
+from scara_iso.tables import listed
 
 _MOST_NOTES = 3
 _GAP = "   "
@@ -191,3 +200,47 @@ def _behind(diagnosis: Diagnosis) -> Iterator[Text]:
 
 def _rms(figure: float, n: int) -> str:
     return str(rounded(figure, 2 * U_of_scatter(figure, n)))
+
+
+_CHANCE = (
+    "p: how often scatter alone would look this structured. Where nothing was found, an effect too "
+    "small for these cycles may still be there."
+)
+
+
+def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Iterator[Block]:
+    """Yield what was found at which poses, and of each effect sizes, cause and test."""
+    poses: dict[str, list[str]] = {}
+    for pose, found in diagnoses.items():
+        poses.setdefault(diagnosis_in_words(found) + _chance(found), []).append(pose or "")
+    yield Facts(tuple((listed(at) or "all cycles", said) for said, at in poses.items()))
+    yield Text(_CHANCE, "quiet")
+    effects: dict[str, list[tuple[str | None, Found]]] = {}
+    for pose, found in diagnoses.items():
+        if isinstance(found, Diagnosis):
+            for one in found.effects:
+                effects.setdefault(one.effect, []).append((pose, one))
+            if found.verdict is Verdict.UNEXPLAINED and found.candidates:
+                yield Text(f"{_at(pose)}nearest: {rivals_said(found.candidates)}")
+    for name, places in effects.items():
+        yield from _effect(name, places)
+
+
+def _chance(found: Diagnosis | Failure) -> str:
+    return "" if isinstance(found, Failure) else f" ({p_equals(found)})"
+
+
+def _effect(name: str, places: list[tuple[str | None, Found]]) -> Iterator[Text]:
+    yield Text(words(name).capitalize(), "strong")
+    for pose, found in places:
+        others = f"; not excluded: {rivals_said(found.rivals)}" if found.rivals else ""
+        axes = f" on {', '.join(found.axes)}" if found.axes else ""
+        sure = f"probability {found.probability:.0%}{others}"
+        yield Text(f"{_at(pose)}{parameters_said(found)}{axes}; {sure}")
+    one = places[0][1]
+    yield Text(f"Cause: {one.cause}.")
+    yield Text(f"To confirm: {one.confirm_by}.")
+
+
+def _at(pose: str | None) -> str:
+    return f"{pose}: " if pose else ""

@@ -1,19 +1,31 @@
-"""The report on a diagnosis: what was found, how sure, what else, what to do, what it brings."""
+"""The report on a diagnosis: what was found, how sure, what else, what to do, what it brings.
+
+What structure of no name looks like, said.
+
+RP as the completed model foretells it: of the next test, and of cycles that no fit saw.
+
+The report on the reversals in a run's readings.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from scara_iso.diagnosis import (
     SECOND,
+    ByAxis,
     Diagnosis,
     DiagnosisOfPoses,
+    Foretold,
     Found,
     Repeatabilities,
     Rival,
+    UnseenRP,
     Verdict,
 )
+from scara_iso.reporting.backlash import gear_blocks, gear_errors
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -24,12 +36,111 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
+    U_of_scatter,
+    p_equals,
+    p_value,
+    rounded,
+    words,
 )
-from scara_iso.reporting.digits import p_equals, p_value, rounded
-from scara_iso.reporting.foretold import before_model, next_test, of_scatter, unseen_cycles
-from scara_iso.reporting.reversals import reversals_section
-from scara_iso.reporting.unexplained import courses_said
-from scara_iso.reporting.words import words
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis import Reversal, RunReversals
+
+
+_HELD_OUT = ("without", "with_formula")
+
+
+def courses_said(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield what the unexplained looks like in each axis, in words and as a formula."""
+    n = len(diagnosis.series.cycle)
+    for one in diagnosis.courses:
+        if one.words:
+            yield f"{one.axis} {one.words}"
+        if one.formula is not None:
+            before, after = (
+                rounded(figure, U_of_scatter(figure, n))
+                for figure in (one.held_out_rms[key] for key in _HELD_OUT)
+            )
+            yield (
+                f"{one.axis} goes about like {one.formula} (k is the cycle): error on cycles that "
+                f"it has not seen {before} without it, {after} with it"
+            )
+
+
+def next_test(RP: Repeatabilities, n: int) -> Table:
+    """Return what the completed model foretells of the next test beside what was measured."""
+    return Table(
+        ("RP of the next test", "measured", "completed model", "95 % from", "to"),
+        tuple(_row(name, told, (RP.measured,), n) for name, told in RP.completed.items()),
+        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
+        "new test of 30 cycles, its own sampling included",
+    )
+
+
+def unseen_cycles(RP: UnseenRP) -> Table:
+    """Return RP of cycles that no fit saw beside what the model said of it before and after."""
+    columns = {"measured": RP.measured, **before_model(RP)}
+    beside = tuple(columns.values())
+    return Table(
+        ("RP of unseen cycles", *columns, "completed model", "95 % from", "to"),
+        tuple(_row(name, told, beside, RP.cycles) for name, told in RP.completed.items()),
+        f"of {RP.of}: {RP.cycles} cycles that the completed model has not seen",
+    )
+
+
+def before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
+    """Return the column of the model before; without a model, which foretells no scatter, none."""
+    return {"model before": RP.model_before} if any(RP.model_before.values()) else {}
+
+
+def _row(name: str, told: Foretold, beside: tuple[ByAxis, ...], n: int) -> tuple[Cell, ...]:
+    figures = (*(column[name] for column in beside), told.value, told.low, told.high)
+    return (name, *(of_scatter(figure, n) for figure in figures))
+
+
+def of_scatter(figure: float, n: int) -> Number:
+    """Return a figure of n scattering readings to the digits that it has."""
+    return rounded(figure, U_of_scatter(figure, n))
+
+
+def reversals_section(found: RunReversals) -> Section:
+    """Return the half width of the reversal per payload, and what the model's gears leave of it."""
+    blocks: list[Block] = []
+    if found.missing:
+        blocks.append(
+            Text(f"not compared with the gears: the model lacks {', '.join(found.missing)}", "warn")
+        )
+    if found.gear is not None:
+        blocks += [*gear_blocks(found.gear)]
+    if found.reversals:
+        blocks.append(_table_of_reversals(found.reversals))
+    if found.gear is not None:
+        blocks.append(gear_errors(found.gear, "mm", "each payload"))
+    return Section("reversals and gears", (*blocks, *(Text(note) for note in found.notes)))
+
+
+def _table_of_reversals(reversals: tuple[Reversal, ...]) -> Table:
+    return Table(
+        ("", "payload [kg]", "half width [mm]", "u [mm]", "model before [mm]", "model after [mm]"),
+        tuple(
+            (
+                one.axis,
+                Number(one.payload_kg, "g"),
+                *(
+                    "" if value is None else rounded(value, one.uncertainty_mm)
+                    for value in (
+                        one.half_width_mm,
+                        one.uncertainty_mm,
+                        one.predicted_before_mm,
+                        one.predicted_after_mm,
+                    )
+                ),
+            )
+            for one in reversals
+        ),
+        "half width: (mean of approach +1 minus mean of approach -1) / 2",
+    )
+
 
 _SURE, _LIKELY = 0.9, 0.6
 _MOST_KINDS = 3

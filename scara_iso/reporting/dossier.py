@@ -1,4 +1,7 @@
-"""The test report on paper: page 1 decides, figures and diagnosis follow, then all else."""
+"""The test report on paper: page 1 decides, figures and diagnosis follow, then all else.
+
+The tests beside the poses in a report: what of them is on page 1, and what follows it.
+"""
 
 from __future__ import annotations
 
@@ -7,22 +10,86 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.iso9283 import Analysis, Beside, not_measured
+from scara_iso.iso9283 import Analysis, Beside, Characteristic, PushResult, not_measured
 from scara_iso.measurement_system import GaugeStudy
 from scara_iso.reporting.analysis import findings
-from scara_iso.reporting.appendix import appendix
-from scara_iso.reporting.beside import beside_readings, beside_sections, in_short
-from scara_iso.reporting.blocks import Block, Report, Section, Text
+from scara_iso.reporting.appendix import appendix, raw_data
+from scara_iso.reporting.blocks import Block, Figure, Number, Report, Section, Table, Text
+from scara_iso.reporting.brief_diagnosis import interpretation
 from scara_iso.reporting.diagnosis import Failure
-from scara_iso.reporting.drift import drift_pictures
-from scara_iso.reporting.figures import courses, planes, predictions
+from scara_iso.reporting.drift import drift_pictures, largest_of
+from scara_iso.reporting.figures import Chart, Curve, courses, planes, predictions
 from scara_iso.reporting.front import Amendment, front_page
-from scara_iso.reporting.interpretation import interpretation
-from scara_iso.reporting.provenance import InputFile, Provenance, provenance
+from scara_iso.reporting.push import BOUGHT_BY, push_report
 from scara_iso.reporting.result_table import ResultPart
-from scara_iso.reporting.stated import conditions, not_stated, remarks, stated_field
+from scara_iso.reporting.stated import (
+    InputFile,
+    Provenance,
+    conditions,
+    not_stated,
+    provenance,
+    remarks,
+    stated_field,
+)
 from scara_iso.reporting.uncertainty import budget_blocks
 from scara_iso.robot import Gearbox
+
+
+def in_short(beside: Beside) -> tuple[Characteristic, ...]:
+    """Return what belongs on page 1: what is held against a limit, and the figures of the whole."""
+    drift = [] if beside.drift is None else list(beside.drift.characteristics)
+    shown = [largest_of(drift, code) for code in dict.fromkeys(one.code for one in drift)]
+    pushed = [one for one in beside.characteristics if one not in drift]
+    of_joints = any(not one.of.endswith("reading") for one in pushed)
+    shown += [
+        one
+        for one in pushed
+        if one.code in BOUGHT_BY and not (of_joints and one.of.endswith("reading"))
+    ]
+    return tuple(one for one in beside.characteristics if one in shown or one.limit is not None)
+
+
+def beside_sections(beside: Beside) -> Iterator[Section]:
+    """Yield the course of the drift test, and what each push test came to."""
+    if beside.drift is not None:
+        yield from drift_pictures(beside.drift)
+    for name, found in beside.pushes.items():
+        blocks = tuple(block for section in push_report(found) for block in section.blocks)
+        yield Section(_titled("Push test", name), (*blocks, _picture(found)))
+
+
+def _picture(found: PushResult) -> Figure:
+    """Return the picture of the loops: what the dial showed over the force."""
+    loop = found.loop
+    curve = Curve("readings, in their order", loop.force, loop.reading)
+    chart = Chart("force [N]", "mm", (curve,), {})
+    return Figure(chart, "Loops of the push test", "the width at no force is the hysteresis")
+
+
+def beside_readings(beside: Beside) -> Iterator[Section]:
+    """Yield the conditions and every reading of these tests."""
+    if (drift := beside.drift) is not None:
+        held = tuple(facts for facts in conditions(drift.run, drift.cycles) if facts.rows)
+        yield Section("Conditions of the drift test", held)
+        for pose in drift.poses:
+            yield Section("Raw data of the drift test", tuple(raw_data(drift, pose)))
+    for name, found in beside.pushes.items():
+        yield Section(_titled("Raw data of the push test", name), (_steps(found),))
+
+
+def _titled(title: str, name: str) -> str:
+    joint = name.partition("-")[2]
+    return f"{title} of {joint}" if joint else title
+
+
+def _steps(found: PushResult) -> Table:
+    loop = found.loop
+    pairs = zip(loop.force.tolist(), loop.reading.tolist(), strict=True)
+    rows = tuple(
+        (Number(k), Number(force, ".12g"), Number(reading, ".12g"))
+        for k, (force, reading) in enumerate(pairs, 1)
+    )
+    return Table(("step", "force [N]", "reading [mm]"), rows)
 
 
 @dataclass(frozen=True, slots=True)

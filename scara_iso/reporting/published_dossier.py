@@ -18,8 +18,7 @@ from scara_iso.published import publish
 from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.dossier import Dossier
 from scara_iso.reporting.front import Amendment
-from scara_iso.reporting.provenance import InputFile, Restated
-from scara_iso.reporting.stated import head
+from scara_iso.reporting.stated import InputFile, Restated, head
 from scara_iso.reporting.uncertainty import UncertaintyLine, uncertainty_budget
 from scara_iso.run import AxisKey, FloatArray, IntArray, Run
 

@@ -18,11 +18,14 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    decimals,
+    interval,
+    places_that_decide,
+    rounded,
+    words,
 )
 from scara_iso.reporting.brief import figure_said, first_three
-from scara_iso.reporting.digits import decimals, interval, places_that_decide, rounded
 from scara_iso.reporting.limits import limit_cell
-from scara_iso.reporting.words import words
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
 _MEANING = (

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from scara_iso.iso9283 import Characteristic
 from scara_iso.quantities import Dimension
+from scara_iso.reporting.analysis import characteristics_table
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -17,11 +18,10 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    rounded,
+    words,
 )
 from scara_iso.reporting.brief import figure_said, first_three
-from scara_iso.reporting.characteristics import characteristics_table
-from scara_iso.reporting.digits import rounded
-from scara_iso.reporting.words import words
 from scara_iso.streams import Doubt, Rule, StreamVisits, Visit
 
 _SHOWN, _SHOWN_IN_BRIEF = 40, 6

@@ -19,45 +19,45 @@ if TYPE_CHECKING:
         arrivals as arrivals,
         sides as sides,
     )
-    from scara_iso.robot.largest_cube import (
-        SMALLEST_MM as SMALLEST_MM,
-        Rectangle as Rectangle,
-        largest_rectangle as largest_rectangle,
-    )
     from scara_iso.robot.model import (
         DeclaredEffect as DeclaredEffect,
         Gearbox as Gearbox,
         Indicator as Indicator,
         Model as Model,
         Rated as Rated,
-        declare as declare,
-        predict as predict,
         read_effects as read_effects,
-        read_model as read_model,
-        simulate as simulate,
     )
-    from scara_iso.robot.model.arrive import rest_positions as rest_positions
-    from scara_iso.robot.model.predict import (
+    from scara_iso.robot.model_file import (
+        declare as declare,
+        parse_effect as parse_effect,
+        read_model as read_model,
+    )
+    from scara_iso.robot.prediction import (
         is_random as is_random,
         lever_mm as lever_mm,
+        predict as predict,
+        rest_positions as rest_positions,
+        simulate as simulate,
         sweep_of as sweep_of,
     )
-    from scara_iso.robot.model.spec import parse_effect as parse_effect
-    from scara_iso.robot.paper import (
+    from scara_iso.robot.two_inertia import (
         PRINTED_DEVIATION_MM as PRINTED_DEVIATION_MM,
         PRINTED_FREE_PLAY_MM as PRINTED_FREE_PLAY_MM,
         PRINTED_L_BAR_MM as PRINTED_L_BAR_MM,
         PRINTED_RP_MM as PRINTED_RP_MM,
         PRINTED_S_MM as PRINTED_S_MM,
         PRINTED_XY_MM as PRINTED_XY_MM,
-        first_joint as first_joint,
-        table_1 as table_1,
-    )
-    from scara_iso.robot.two_inertia import (
         Backlash as Backlash,
         Crossing as Crossing,
         backlash as backlash,
+        first_joint as first_joint,
+        table_1 as table_1,
     )
-    from scara_iso.robot.workspace import Workspace as Workspace
+    from scara_iso.robot.workspace import (
+        SMALLEST_MM as SMALLEST_MM,
+        Rectangle as Rectangle,
+        Workspace as Workspace,
+        largest_rectangle as largest_rectangle,
+    )
 else:
     __getattr__ = face(__name__)

@@ -9,7 +9,7 @@ from scara_iso.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.streams.published import published_visits as published_visits
-    from scara_iso.streams.result import (
+    from scara_iso.streams.rests import (
         Doubt as Doubt,
         Rule as Rule,
         StreamVisits as StreamVisits,

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from scara_iso.iso9283 import PublishedCharacteristic, published_characteristic
 from scara_iso.published import Count, Unit, publish
 from scara_iso.run import AxisKey
-from scara_iso.streams.result import Doubt, Rule, StreamVisits, Visit
+from scara_iso.streams.rests import Doubt, Rule, StreamVisits, Visit
 
 
 @dataclass(frozen=True)

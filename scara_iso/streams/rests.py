@@ -7,18 +7,36 @@ range, and of the stretches of them with one number that span a factor of three 
 most rests is taken, at twice its low end. The most, since a dial that nothing touches is stiller
 than one at a pose, and a threshold between the two would lose every visit. What comes or goes by
 halving or doubling the threshold, and the other stretches, are for the caller to list.
+
+How one axis comes to rest: the pose attained, and what happens before it is kept.
+
+The stabilisation time runs from the first entry into the limit band about the attained pose, after
+the farthest point of the motion, to the last; the overshoot is the largest distance beyond the
+attained pose after that entry, 0 where it stays in the band. Clauses 7.4 and 7.5 as known in the
+trade.
+
+What is found in a stream: visits, what is doubtful, and the parameters of the rule.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.run import FloatArray
+from scara_iso.display import Displayed
+from scara_iso.iso9283 import Characteristic
+from scara_iso.published import Count, Size
+from scara_iso.run import AxisKey, FloatArray, Run
+
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 FEWEST_IN_WINDOW = 5
 NARROWEST = 3.0  # benchmarks/visits.py
@@ -125,3 +143,185 @@ def find_rests(found: Motion, still: float) -> list[Rest]:
             rest = Rest(rests.pop().first, rest.last)
         rests.append(rest)
     return rests
+
+
+_NEAR_TOP = 0.9  # a swing differs there from a parabola by less than 0.1 % of it
+_FEWEST_ON_PARABOLA = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Settling:
+    """One arrival along one axis: times in s, lengths in mm, angles in degrees."""
+
+    direction: int
+    """+1 where the reading rose to the pose, -1 where it fell, 0 where it hardly moved."""
+    settled: int | None
+    """The sample from which the band is kept; None where it is left beyond the middle."""
+    stabilisation_s: float | None
+    overshoot: float | None
+
+
+def middle(first: int, last: int) -> tuple[int, int]:
+    """Return the first and the last sample of the middle half of a rest.
+
+    Where the arrival's tail is over and the departure has not begun.
+    """
+    quarter = (last - first + 1) // 4
+    return first + quarter, last - quarter
+
+
+def arrive(time: FloatArray, readings: FloatArray, rest: int, pose: float, band: float) -> Settling:
+    """Return the arrival of ``readings``, shape (n,): the motion, then from ``rest`` on the rest.
+
+    They end where the middle half of the rest does; ``band`` is the half width of the limit band
+    about ``pose``.
+    """
+    off = readings - pose
+    far = int(np.argmax(np.abs(off[: rest + 1])))
+    direction = 0 if abs(off[far]) <= band else -int(np.sign(off[far]))
+    outside = np.flatnonzero(np.abs(off) > band)
+    last = int(outside[-1]) if len(outside) else -1
+    if last >= rest + 2 * (len(off) - rest) // 3:  # two thirds of three quarters: its middle
+        return Settling(direction, None, None, None)
+    if direction == 0:
+        return Settling(0, last + 1, None, None)
+    # Not the first sample in the band: a fast arrival crosses it between two samples.
+    entry = far + int(np.argmax(direction * off[far:] >= -band))
+    entered = _crossing(time, off, entry - 1, -direction * band)
+    stays = _crossing(time, off, last, band if off[last] > 0 else -band)
+    beyond = direction * off[entry:]
+    overshoot = _peak(beyond) if beyond.max() > band else 0.0
+    return Settling(direction, last + 1, max(stays - entered, 0.0), overshoot)
+
+
+def _peak(beyond: FloatArray) -> float:
+    """Return the height of the largest peak: of the parabola through what is near its top.
+
+    The largest of many samples would be read too large by a few times their scatter.
+    """
+    top = int(np.argmax(beyond))
+    below = np.flatnonzero(beyond < _NEAR_TOP * beyond[top])
+    k = int(np.searchsorted(below, top))
+    first = int(below[k - 1]) + 1 if k else 0
+    last = int(below[k]) if k < len(below) else len(beyond)
+    if last - first < _FEWEST_ON_PARABOLA:
+        return float(beyond[top])
+    at = np.arange(first, last) - top
+    bend, slope, height = np.polyfit(at, beyond[first:last], 2).tolist()
+    return float(beyond[top]) if bend >= 0 else float(height - slope**2 / (4 * bend))
+
+
+def _crossing(time: FloatArray, off: FloatArray, before: int, level: float) -> float:
+    """Return when the line from sample ``before`` to the next crosses ``level``."""
+    rise = off[before + 1] - off[before]
+    share = float(np.clip((level - off[before]) / rise, 0, 1)) if rise else 1.0
+    return float(time[before] + share * (time[before + 1] - time[before]))
+
+
+DOUBTS = (
+    "begins-at-rest",
+    "short-rest",
+    "creeps",
+    "interrupted",
+    "long-rest",
+    "threshold",
+    "missing-samples",
+    "does-not-settle",
+)
+Seconds: TypeAlias = Annotated[float, ("unit", "s")]
+Duration: TypeAlias = Annotated[float, ("unit", "s"), ("minimum", 0)]
+SizeByAxis: TypeAlias = Mapping[AxisKey, Size]
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """One stay at a pose; times in s of the stream, lengths in mm, angles in degrees."""
+
+    start: Seconds
+    """First sample at rest."""
+    settled: Seconds
+    """From here on every axis keeps the limit band."""
+    end: Seconds
+    """Last sample at rest."""
+    averaged: tuple[Seconds, Seconds]
+    """First and last sample of the reading."""
+    samples: Count
+    """Of the mean."""
+    mean: Mapping[AxisKey, float]
+    """By axis, over `averaged`: the reading."""
+    scatter: SizeByAxis
+    """Their standard deviation, by axis."""
+    approach: Mapping[AxisKey, Annotated[int, ("enum", (-1, 0, 1))]]
+    """By axis: +1 where the reading rose to the pose, -1 where it fell, 0 where it hardly moved."""
+    stabilisation_s: Mapping[AxisKey, Duration | None]
+    """By axis; null where it cannot be told."""
+    overshoot: Mapping[AxisKey, Size | None]
+    """By axis; null, as `stabilisation_s`, where it hardly moved or the stream is too slow."""
+    pose: str | None
+    """Label; null where the stream has one pose."""
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """A stretch of the stream that is not plainly a visit, or a visit that is not plainly one."""
+
+    code: Annotated[str, ("enum", DOUBTS)]
+    """Kind of doubt, a word."""
+    start: Seconds
+    """Begin of the stretch."""
+    end: Seconds
+    """End of the stretch."""
+    message: str
+    """What is doubtful, in a sentence."""
+    counted: bool
+    """Whether it is among the visits nevertheless."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """The parameters by which rest is distinguished from motion, as used; lengths in mm."""
+
+    dwell_s: Duration
+    """Shortest rest that is a visit."""
+    window_s: Duration
+    """Length of the sliding window."""
+    samples_in_window: Count
+    """How many samples the window holds."""
+    still: Size
+    """Largest range of the readings within a window at rest."""
+    still_stated: bool
+    """Whether the user stated it; else the one on which the number of rests depends least."""
+    band: SizeByAxis
+    """Half width of the limit band, by axis."""
+    band_stated: bool
+    """Whether the user stated it; else it is made of the scatter at rest."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StreamVisits(Displayed):
+    """The visits of a stream, and the table that they are."""
+
+    run: Run
+    """A row for each visit, with time_s, approach and what the stream's head stated."""
+    visits: tuple[Visit, ...]
+    """In the order of time, one for each row of `run`."""
+    doubts: tuple[Doubt, ...]
+    """Stretches that are not plainly one or the other."""
+    rule: Rule
+    """The parameters that distinguished rest from motion."""
+    samples: int
+    """Of the whole stream."""
+    rate_hz: float
+    """Samples a second, the median."""
+    notes: tuple[str, ...]
+    """What else is to be known of the reading, in words."""
+    characteristics: tuple[Characteristic, ...]
+    """Stabilisation time and overshoot (7.4, 7.5) of each pose with three arrivals or more."""
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the visits as a pandas table, a row for each."""
+        return self.run.to_frame()
+
+    def __repr__(self) -> str:
+        of_it = self.run.origin.source or "a stream"
+        return f"<StreamVisits of {of_it}: {len(self.visits)} visits, {len(self.doubts)} doubts>"

@@ -10,49 +10,47 @@ from typing import TYPE_CHECKING
 from scara_iso.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.tables.corrections import (
-        corrected as corrected,
-        is_of_corrections as is_of_corrections,
-        stated_corrections as stated_corrections,
-    )
-    from scara_iso.tables.faults import listed as listed, together as together
-    from scara_iso.tables.locale import (
-        FORMULA as FORMULA,
-        PLAIN as PLAIN,
-        Digits as Digits,
-        OutputCell as OutputCell,
-        SheetLocale as SheetLocale,
-        find_locale as find_locale,
-        write_rows as write_rows,
-    )
-    from scara_iso.tables.marks import (
+    from scara_iso.tables.body import (
         WHICH_MARK as WHICH_MARK,
         are_mixed as are_mixed,
         are_undecided as are_undecided,
         may_be_grouped as may_be_grouped,
     )
+    from scara_iso.tables.faults import listed as listed, together as together
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,
         read_columns as read_columns,
-    )
-    from scara_iso.tables.numbers import (
-        Mark as Mark,
-        parse_cell as parse_cell,
-        parse_clean as parse_clean,
-    )
-    from scara_iso.tables.other_units import converted as converted
-    from scara_iso.tables.parts import PosePart as PosePart, merge as merge
-    from scara_iso.tables.pose_names import pose_in as pose_in
-    from scara_iso.tables.published import published_table as published_table
-    from scara_iso.tables.read import read_table as read_table
-    from scara_iso.tables.source import Source as Source, read_bytes as read_bytes
-    from scara_iso.tables.stated_sizes import (
         stated_size as stated_size,
         stated_unit as stated_unit,
     )
-    from scara_iso.tables.statements import is_of_axes as is_of_axes
-    from scara_iso.tables.text import decode_text as decode_text
+    from scara_iso.tables.names import pose_in as pose_in
+    from scara_iso.tables.numbers import (
+        FORMULA as FORMULA,
+        PLAIN as PLAIN,
+        Digits as Digits,
+        Mark as Mark,
+        OutputCell as OutputCell,
+        SheetLocale as SheetLocale,
+        find_locale as find_locale,
+        parse_cell as parse_cell,
+        parse_clean as parse_clean,
+        write_rows as write_rows,
+    )
+    from scara_iso.tables.poses import PosePart as PosePart, converted as converted, merge as merge
+    from scara_iso.tables.published import published_table as published_table
+    from scara_iso.tables.read import read_table as read_table
+    from scara_iso.tables.statements import (
+        corrected as corrected,
+        is_of_axes as is_of_axes,
+        is_of_corrections as is_of_corrections,
+        stated_corrections as stated_corrections,
+    )
+    from scara_iso.tables.text import (
+        Source as Source,
+        decode_text as decode_text,
+        read_bytes as read_bytes,
+    )
     from scara_iso.tables.write import write_table as write_table
 else:
     __getattr__ = face(__name__)

@@ -1,9 +1,14 @@
-"""Statements and columns to a `Run`, after the checks that need the whole table."""
+"""Statements and columns to a `Run`, after the checks that need the whole table.
+
+When each row was read: instants, or a clock's time of day, to seconds from the first row.
+
+Numbers of an axis that no dial gives: a counter, metres that were micrometres, and factors.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,20 +17,201 @@ from scara_iso.condition_columns import UNITS, unit_of_condition
 from scara_iso.origin import Origin, TableField
 from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
 from scara_iso.run import Axis, FloatArray, IntArray, Run, beyond_dials
-from scara_iso.tables.body import Body
-from scara_iso.tables.clocks import seconds_of_stamps, with_clock
+from scara_iso.tables.body import Body, check_marks
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.corrections import corrected
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.header import called, check_header_names, said_sizes, said_units
-from scara_iso.tables.layout import Layout
-from scara_iso.tables.marks import check_marks
-from scara_iso.tables.names import Column, Kind
+from scara_iso.tables.layout import Layout, called, check_header_names, said_sizes, said_units
+from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, clean, plain_key
+from scara_iso.tables.numbers import BLANKS, count_decimals, parse_cell
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
-from scara_iso.tables.slips import check_counts, check_factors, check_metres, ends_in_mean
-from scara_iso.tables.statements import Scale, is_of_axes, of_no_axis, read_scales
+from scara_iso.tables.statements import Scale, corrected, is_of_axes, of_no_axis, read_scales
 from scara_iso.tables.text import Row
+
+_CLOCK = re.compile(
+    r"([01]?[0-9]|2[0-3]):([0-5][0-9]):([0-5][0-9](?:[.,][0-9]{1,9})?)(?: ?([ap])\.?m\.?)?",
+    re.IGNORECASE,
+)
+_DAY, _NOON = 86_400.0, 43_200.0
+_STAMP = "write date and time as 2026-05-12T08:30:00 in a column timestamp"
+
+
+def seconds_of_stamps(
+    column: Column, columns: Columns, lines: IntArray, metadata: dict[str, str], faults: Faults
+) -> FloatArray:
+    """Return seconds from the first row's instant, which is kept as ``timestamp_start``."""
+    stamps = [stamp for stamp in columns.stamps(column) if stamp is not None]
+    start = stamps[0]
+    for line, stamp in zip(lines.tolist(), stamps, strict=True):
+        if (stamp.tzinfo is None) != (start.tzinfo is None):
+            faults.add(
+                "some times state their offset from UTC and some do not",
+                line,
+                column.position + 1,
+                remedy="write all times with their offset, as +01:00, or all without",
+            )
+            return np.zeros(len(lines))
+    metadata.setdefault("timestamp_start", start.isoformat())
+    return np.array([(stamp - start).total_seconds() for stamp in stamps])
+
+
+def with_clock(run: Run, columns: Columns) -> tuple[Run, dict[Column, str]]:
+    """Return the run with the times of a clock's column as ``time_s``, where they are sure.
+
+    They are where they go on from row to row, or within each pose, and pass midnight once at most.
+    Beside the run is what to say of each clock, used or not.
+    """
+    layout = columns.layout
+    clocks = [c for c in layout.of(Kind.COMMENT) if plain_key(c.name) in CLOCKS]
+    said: dict[Column, str] = {}
+    for column in clocks:
+        found = (
+            "there is another time" if "time_s" in run.covariates else _times(run, columns, column)
+        )
+        if isinstance(found, str):
+            said[column] = f"{called(layout, column)} not used as the time: {found}"
+            continue
+        first = str(columns.labels(column)[0]).strip(BLANKS)
+        said[column] = f"{called(layout, column)} is the time of each row, from {first} on"
+        run = replace(run, covariates={**run.covariates, "time_s": found})
+    return run, said
+
+
+def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
+    """Return seconds from the first row, shape (rows,), or why the clock does not tell them."""
+    read = [_seconds_of_day(str(cell)) for cell in columns.labels(column)]
+    lines, row = columns.all_lines(), columns.faults.row
+    wrong = next((k for k, seconds in enumerate(read) if seconds is None), None)
+    if wrong is not None:
+        return f"{row} {lines[wrong]} holds no time such as 14:03:22"
+    day = np.array(read, dtype=np.float64)
+    backward = np.flatnonzero(np.diff(day) < 0) + 1
+    midnights = backward[np.diff(day)[backward - 1] < -_NOON]
+    named = [c for c in columns.layout.of(Kind.COMMENT) if plain_key(c.name) in DATES]
+    dates = [labels for labels in map(columns.labels, named) if all(labels)]
+    changes = [np.flatnonzero(date[1:] != date[:-1]) + 1 for date in dates]
+    if not all(np.array_equal(rows, midnights) for rows in changes):
+        return f"the date changes at other rows than at midnight; {_STAMP}"
+    if len(midnights) > 1:
+        return f"it passes midnight {len(midnights)} times; {_STAMP}"
+    in_turn = all(np.all(np.diff(day[rows]) >= 0) for _, rows in run.rows_by_pose())
+    if len(backward) > len(midnights) and (len(midnights) or not in_turn):
+        return f"it goes back in {row} {lines[backward[0]]}; {_STAMP}"
+    if np.ptp(day) == 0:
+        return "it stands still"
+    passed = np.arange(len(day)) >= (midnights[0] if len(midnights) else len(day))
+    return np.asarray(np.round(day + _DAY * passed - day[0], 9))
+
+
+def _seconds_of_day(text: str) -> float | None:
+    found = _CLOCK.fullmatch(text.strip(BLANKS))
+    if found is None:
+        return None
+    hour, minute, second = int(found[1]), int(found[2]), float(found[3].replace(",", "."))
+    if found[4]:
+        hour = hour % 12 + 12 * (found[4].lower() == "p")
+    return hour * 3600 + minute * 60 + second
+
+
+_FACTORS = {
+    "factor",
+    "scale_factor",
+    "multiplier",
+    "faktor",
+    "skalenfaktor",
+    "umrechnungsfaktor",
+    "multiplikator",
+}
+_POWER = re.compile(
+    r"(?:(?:all |alle )?(?:mess)?(?:werte?|readings?|values|data|daten) ?)?"
+    r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e)?[-\u2212+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]{1,2}[)}]?",
+    re.IGNORECASE,
+)
+"""A line that is a factor of all values: ``Werte x 10^-3``."""
+_FEWEST = 10
+"""Rows from which 1, 2, 3 .. is a count and no chance."""
+_MOST = 500
+"""Rows beyond which a table is a stream, that no mean was typed below."""
+_MEAN_BY_CHANCE = 0.01
+_WIDEST_M = 20.0
+"""No robot that is tested moves its dial by as much [m]."""
+
+
+def check_counts(columns: Columns, faults: Faults) -> None:
+    """Add each axis that counts the rows beside others, where no column numbers the cycles."""
+    axes = columns.layout.of(Kind.AXIS)
+    if len(axes) < 2 or columns.layout.of(Kind.CYCLE):
+        return
+    for column in axes:
+        if _counts(columns.numbers(column)):
+            faults.add(
+                f"{column.name} counts the rows: is it the number of the cycle?",
+                columns.layout.header_line,
+                column.position + 1,
+                remedy="call the column cycle; if these are readings, add a column cycle",
+            )
+
+
+def check_factors(
+    rows: Sequence[Row], statements: Mapping[str, Statement], header_line: int, faults: Faults
+) -> None:
+    """Add each factor that is stated above the header: readings are multiplied by none."""
+    stated = [
+        (f"{key}: {quoted(statements[key].value)}", statements[key].line)
+        for key in _FACTORS & statements.keys()
+        if (number := parse_cell(statements[key].value)) and number.value != 1
+    ]
+    alone = [
+        (quoted(row.text), row.line)
+        for row in rows
+        if row.line < header_line
+        if _POWER.fullmatch(clean(row.text).strip("#,;\t :()[]"))
+    ]
+    for text, line in (*stated, *alone):
+        faults.add(
+            f"{text}, and readings are multiplied by no factor",
+            line,
+            remedy="state it in the unit, as '# unit: 0.01 mm', and leave this line out",
+        )
+
+
+def check_metres(readings: FloatArray, name: str, place: tuple[int, int], faults: Faults) -> None:
+    """Add an axis whose readings [m] are whole or far apart: an export lost the µ of µm.
+
+    ``place`` is line and field of its heading.
+    """
+    whole = bool(np.all(readings == np.round(readings)))
+    if np.ptp(readings) > _WIDEST_M or (whole and np.ptp(readings) > 0):
+        faults.add(
+            f"{name} moves by {np.ptp(readings):g} m: was its unit µm?",
+            *place,
+            remedy="write um where the µ was lost; if these are metres, state them in mm",
+        )
+
+
+def _counts(values: FloatArray) -> bool:
+    rows = np.arange(len(values))
+    return (
+        len(values) >= _FEWEST and bool(np.all(values - values[0] == rows)) and values[0] in (0, 1)
+    )
+
+
+def ends_in_mean(run: Run) -> bool:
+    """Say whether the last row is the rounded mean of those above, on every axis.
+
+    It is said where readings are so by chance in less than one table of a hundred.
+    """
+    if not _FEWEST < len(run) <= _MOST:
+        return False
+    chance = 1.0
+    for axis in run.axes.values():
+        *above, last = axis.shown.tolist()
+        places = max((count_decimals(repr(x)) or 0 for x in (*above, last)), default=0)
+        if round(sum(above) / len(above), places) != last:
+            return False
+        chance *= (1 + above.count(last)) / (1 + len(above))
+    return chance < _MEAN_BY_CHANCE
+
 
 _NOTES = 50
 _MANY = 1_000_000

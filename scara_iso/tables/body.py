@@ -1,18 +1,115 @@
-"""The rows under the header: which are readings, which are footers, and which are neither."""
+"""The rows under the header: which are readings, which are footers, and which are neither.
+
+Whether points and commas can be decimal marks or group thousands: refused where both can be.
+
+What the delimiter and the end of a text may have done to its numbers, and is refused.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import csv
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
-from scara_iso.tables.columns import Cell, is_words
-from scara_iso.tables.faults import KEPT, Faults, quoted
-from scara_iso.tables.footers import names_a_footer
+import numpy as np
+
+from scara_iso.errors import UsageError
+from scara_iso.run import FloatArray, Run
+from scara_iso.tables.columns import Cell, Columns, is_words
+from scara_iso.tables.faults import KEPT, Faults, names_a_footer, quoted, refuse
 from scara_iso.tables.layout import Layout, header_cells, is_comment, is_rule, names_an_axis
-from scara_iso.tables.names import Kind
-from scara_iso.tables.numbers import BLANKS, parse_cell
-from scara_iso.tables.preamble import read_statement, read_statements
+from scara_iso.tables.names import Column, Kind
+from scara_iso.tables.numbers import BLANKS, Mark, count_decimals, parse_cell
+from scara_iso.tables.preamble import RESOLUTION, read_preamble, read_statement, read_statements
 from scara_iso.tables.statements import is_of_axes
-from scara_iso.tables.text import Row
+from scara_iso.tables.text import Delimiter, Row, split_lines
+
+WHICH_MARK = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
+
+
+def refuse_other_marks(decimal: str | None) -> None:
+    """Raise `UsageError` for what is given as the decimal mark and is none."""
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
+
+
+def check_marks(
+    columns: Columns, decimal: str | None, faults: Faults, sizes: Iterable[str]
+) -> None:
+    """Refuse commas that may group thousands, and commas beside points.
+
+    A decimal comma in one of the ``sizes`` that the file states, as 0,001, says what commas are.
+    """
+    marks = columns.marks
+    if decimal is not None:
+        return
+    if are_mixed(marks):
+        for mark, (line, column, text) in marks.items():
+            faults.add(
+                f"{quoted(text)} with {mark.value}: commas and points "
+                "both occur, `decimal=` says which is decimal",
+                line,
+                column,
+                remedy=WHICH_MARK,
+            )
+    elif are_undecided(marks) and not any(map(_has_decimal_comma, sizes)):
+        line, column, text = marks[Mark.EITHER]
+        faults.add(
+            f"{quoted(text)} could have a decimal comma or group "
+            "thousands: `decimal=,` or `decimal=.` says which",
+            line,
+            column,
+            remedy=WHICH_MARK,
+        )
+
+
+def _has_decimal_comma(size: str) -> bool:
+    number = parse_cell(size)
+    return number is not None and number.mark is Mark.COMMA
+
+
+def are_mixed(marks: Container[Mark]) -> bool:
+    """Say whether commas and points both occur."""
+    comma = Mark.COMMA in marks or Mark.EITHER in marks
+    return Mark.BOTH in marks or (comma and Mark.POINT in marks)
+
+
+def are_undecided(marks: Container[Mark]) -> bool:
+    """Say whether every comma may group thousands."""
+    return Mark.EITHER in marks and Mark.COMMA not in marks
+
+
+def check_groups(columns: Columns, run: Run, faults: Faults) -> None:
+    """Refuse 1.512 um between semicolons, which may be 1512: few dials show such a small step."""
+    for column in columns.layout.of(Kind.AXIS) if Mark.POINT in columns.marks else ():
+        values, unit = np.abs(columns.numbers(column)), run.origin.units[column.name]
+        if unit == "um" and not _on_divisions(run, column.name) and may_be_grouped(values):
+            faults.add(
+                f"{values[values != np.round(values)][0]:.3f} um could have a decimal point or "
+                "group thousands: `decimal=.` or `decimal=,` says which",
+                int(columns.all_lines()[0]),
+                column.position + 1,
+                remedy=f"{WHICH_MARK}; or state the dial's resolution",
+            )
+    faults.check()
+
+
+def _on_divisions(run: Run, name: str) -> bool:
+    """Say whether the readings are multiples of a resolution that is stated."""
+    axis = run.axes[name]
+    if axis.resolution is None:
+        return False
+    divisions = axis.shown / axis.resolution
+    return bool(np.allclose(divisions, np.round(divisions), rtol=0, atol=1e-3))
+
+
+def may_be_grouped(values: FloatArray) -> bool:
+    """Say whether all that are no whole numbers are spelt as 1.512 or 23.040 is."""
+    parted = values[values != np.round(values)]
+    thousandths = np.isclose(parted * 1000, np.round(parted * 1000), rtol=0, atol=1e-6)
+    fine = np.round(parted, 2) != parted
+    return bool(fine.any() and thousandths.all() and parted.min() >= 1 and parted.max() < 1000)
+
 
 _NOTES = 50
 _STRANGE, _STRANGE_ROWS = 30_000, 20
@@ -21,7 +118,7 @@ _STRANGE, _STRANGE_ROWS = 30_000, 20
 As many rows of the header's width may be there, such as footers of a very wide table.
 """
 _ONE_HEADER = "name each column in one header row, right above the first row of readings"
-_ABOVE = "write this line above the header"
+_WRITE_ABOVE = "write this line above the header"
 _ONE_TABLE = "leave one table in the file, and only readings under its header"
 
 
@@ -145,7 +242,7 @@ class Body:
         text = ", ".join(found)
         stated = read_statements(Row(line, texts, text, line)) if ":" in found[0] else []
         if any(is_of_axes(key) for key, _ in stated):
-            self.faults.add(f"{quoted(text)} under the header", line, remedy=_ABOVE)
+            self.faults.add(f"{quoted(text)} under the header", line, remedy=_WRITE_ABOVE)
             return True
         numbers = any(parse_cell(text) for text in found)
         return bool(stated) and not numbers and (len(found) <= 2 or len(stated) > 1)
@@ -216,3 +313,132 @@ def _ragged(found: int, width: int) -> str:
             "else make the fields as many as the header's"
         )
     return "make the fields of each row as many as the header's; remove a line that is no reading"
+
+
+_LINES_ABOVE = 200
+_TENTHS = 10
+"""Two digits behind a comma."""
+
+
+@dataclass(frozen=True, slots=True)
+class Delimited:
+    """How the rows of a text are parted, how many lines it has, the last ones, and the end."""
+
+    lines: int
+    size: int
+    """Characters."""
+    last: Sequence[str]
+    """At most the two hundred last."""
+    delimiter: Delimiter
+    ended: bool
+    """Whether the last line is ended."""
+
+    def most_rows(self, width: int) -> int:
+        """Return how many rows of ``width`` fields there can be: a field takes a character."""
+        return min(self.lines, self.size // max(width, 1) + 1)
+
+    def check_end(
+        self, head: Sequence[Row], columns: Columns, body: Body, resolution: float | None
+    ) -> None:
+        """Find a file that was cut inside its last number: no line end, and too few decimals.
+
+        A reading is refused that lacks decimals which a stated resolution and every one above have.
+        Of other readings with fewer than most above, and numbers with fewer than each, a note is
+        made.
+        """
+        line, last = self.lines, columns.layout.columns[-1]
+        if self.ended or columns.last_line != line:
+            return
+        rows = [row for _, row in split_each(1, self.last, self.delimiter, Faults(""))]
+        if last.position < len(rows[-1]) - 1:  # another pose's cells follow
+            return
+        *above, decimals = [_decimals(row, last.position) for row in rows]
+        known = [count for count in above if count is not None]
+        middle = (len(known) - 1) // 2 if last.kind is Kind.AXIS else 0
+        usual = sorted(known)[middle] if known else 0
+        if decimals is None or decimals >= usual:
+            return
+        what = f"no line end, and {decimals} decimals where others have {usual}: is the file cut?"
+        stated, _ = read_preamble(head, columns.layout.header_line, Faults(""))
+        steps = [one.value for key, one in stated.items() if key.startswith(RESOLUTION)]
+        steps += [] if resolution is None else [str(resolution)]
+        if last.kind is Kind.AXIS and set(known) <= set(map(count_decimals, steps)):
+            remedy = "get the whole file; if it is whole, end its last line"
+            columns.faults.add(what, line, last.position + 1, remedy=remedy)
+        else:
+            body.note(f"line {line}: {what}")
+
+    def check_numbers(self, run: Run, columns: Columns) -> None:
+        """Refuse numbers that are others where the delimiter, or a point, is the other locale's."""
+        if self.delimiter is Delimiter.COMMA and not columns.marks:
+            _check_split(run, columns)
+        if self.delimiter in (Delimiter.SEMICOLON, Delimiter.TAB):
+            check_groups(columns, run, columns.faults)
+
+    def said(self, columns: Columns, decimal: str | None) -> str:
+        """Return which mark of the numbers was taken for the decimal one."""
+        if decimal is not None:
+            return "decimal comma as asked" if decimal == "," else "decimal point as asked"
+        commas = columns.marks.keys() & {Mark.COMMA, Mark.EITHER}
+        return "decimal comma" if commas else "decimal point"
+
+
+def delimited(pieces: Sequence[str], delimiter: Delimiter, ended: bool) -> Delimited:
+    """Return what is to be known of a text once its ``pieces`` are gone."""
+    last: list[str] = []
+    for piece in reversed(pieces):
+        last = [*piece.split("\n"), *last]
+        if len(last) >= _LINES_ABOVE:
+            break
+    count = len(pieces) + sum(piece.count("\n") for piece in pieces)
+    size = count + sum(map(len, pieces))
+    return Delimited(count, size, last[-_LINES_ABOVE:], delimiter, ended)
+
+
+def split_each(
+    first: int, lines: Sequence[str], delimiter: Delimiter, faults: Faults
+) -> Iterator[tuple[int, list[Cell]]]:
+    """Yield number and cells of each line, from the ``first`` on; a broken quote is a fault."""
+    for line, text in enumerate(lines, first):
+        try:
+            yield line, list(split_lines([text], delimiter)[0])
+        except csv.Error as error:
+            faults.add(f"{error}: {quoted(text)}", line, remedy="close or remove the quote")
+
+
+def _decimals(row: Sequence[Cell], position: int) -> int | None:
+    cell = row[position] if len(row) > position else ""
+    return count_decimals(cell) if isinstance(cell, str) else None
+
+
+def _check_split(run: Run, columns: Columns) -> None:
+    """Refuse a whole number that never changes beside digits that do: 0,112 may have been one.
+
+    A header with as many names as commas left fields lets split decimals pass for two columns.
+    """
+    by_position = {column.position: column for column in columns.layout.columns}
+    for axis in columns.layout.of(Kind.AXIS):
+        first, beside = run.axes[axis.name].readings, by_position.get(axis.position + 1)
+        if beside is None or np.ptp(first) > 0 or not np.array_equal(first, np.round(first)):
+            continue
+        second = _whole_numbers(beside, columns)
+        if second is not None and second.max() >= _TENTHS:
+            message = f"{axis.name} never changes and {_called(beside, columns)} is whole: "
+            remedy = "say `decimal=.` if the numbers are whole"
+            raise refuse(columns.faults.where, f"{message}split decimal commas?", remedy=remedy)
+
+
+def _called(column: Column, columns: Columns) -> str:
+    return column.name if column.kind is Kind.AXIS else columns.layout.header[column.position]
+
+
+def _whole_numbers(column: Column, columns: Columns) -> FloatArray | None:
+    """Return the whole numbers that a column holds, in sizes; None for another or the time."""
+    if column.kind is Kind.COMMENT:
+        labels = columns.distinct(column)
+        whole = all(map(str.isdecimal, labels))
+        return np.array(labels, dtype=np.float64)[columns.codes(column)] if whole else None
+    if column.kind not in (Kind.AXIS, Kind.COVARIATE) or column.name == "time_s":
+        return None
+    values = np.abs(columns.numbers(column))
+    return values if np.array_equal(values, np.round(values)) else None

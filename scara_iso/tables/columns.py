@@ -12,21 +12,21 @@ import numpy.typing as npt
 
 from scara_iso.pose_columns import read_direction
 from scara_iso.run import FloatArray, IntArray
-from scara_iso.tables.cell_faults import (
+from scara_iso.tables.faults import (
     LABEL_POSES,
     NUMBER_CYCLES,
     WRITE_TIMES,
+    Faults,
     label_fault,
     not_a_number,
     shown,
     write_a_reading,
 )
-from scara_iso.tables.faults import Faults
 from scara_iso.tables.layout import Layout
-from scara_iso.tables.locale import FORMULA
 from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
 from scara_iso.tables.numbers import (
     BLANKS,
+    FORMULA,
     CellNumber,
     Mark,
     cut_unit,

@@ -1,10 +1,17 @@
-"""Faults of one file: counted up to a bound at which reading ends, the first thousand kept."""
+"""Faults of one file: counted up to a bound at which reading ends, the first thousand kept.
+
+The words that begin a row of a summary: mean, s, Cpk, tolerance.
+
+What is wrong with a cell, and what to do about it.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 
 from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError
+from scara_iso.tables.numbers import BLANKS, parse_cell
 
 KEPT = 1000
 """Faults that a `DataError` lists; more are counted."""
@@ -101,3 +108,73 @@ def listed(items: Iterable[str]) -> str:
     """Return ``a, b and c``."""
     *head, last = items
     return f"{', '.join(head)} and {last}" if head else last
+
+
+_FOOTERS = """
+mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev sd
+stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max maximum
+range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
+wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
+tolerance toleranz result results ergebnis rms
+stabw stabwn stabwa stdv cv rsd kurtosis skewness
+"""
+_WORDS = frozenset(_FOOTERS.split())
+_SHORT = frozenset(["s", "n", "r", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])
+_FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
+
+
+def names_a_footer(label: str, *, short: bool = False) -> bool:
+    """Return whether a label begins as a footer's; ``short``: also as ``s`` or ``n``."""
+    match = _FIRST_WORD.search(label.lower())
+    word = match[0] if match else ""
+    return word in _WORDS or (short and word in _SHORT)
+
+
+_LABEL = 64
+_ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
+LABEL_POSES = "write the pose's name, such as P1, in each row, also for merged cells"
+NUMBER_CYCLES = "write the cycle's number, 1 and up, in each row"
+WRITE_TIMES = "write date and time as 2026-05-12T08:30:00 in each row, or call the column comment"
+_READING = "write the reading as one number; where none was taken, "
+_LEAVE_OUT = "remove the row and say `allow_gaps=`"
+_NUMBER_FIRST = "number the rows in a column cycle, then "
+_FORMULA = "; a formula has its result once a spreadsheet has saved the workbook"
+_DATE = "the spreadsheet took the reading for a date: set the cell's format to Text and retype it"
+
+
+def label_fault(label: str) -> str:
+    """Return what is wrong with a pose label, or nothing."""
+    if not label:
+        return "is no pose"
+    if names_a_footer(label):
+        return "is the label of a footer, not of a pose"
+    if len(label) > _LABEL:
+        return f"is longer than the {_LABEL} characters of a pose label"
+    if label[0] in "=@" or (label[0] in "+-" and parse_cell(label) is None):
+        return "is a formula, not a pose"
+    return ""
+
+
+def write_a_reading(cell: str, *, in_sheet: bool, numbered: bool) -> str:
+    """Return what to do where a cell holds no reading, ``in_sheet`` of a workbook.
+
+    Where the cycles are not ``numbered``, nothing would say which of them is left out.
+    """
+    if in_sheet and _ISO_DATE.match(cell.strip(BLANKS)):
+        return _DATE
+    left_out = _LEAVE_OUT if numbered else _NUMBER_FIRST + _LEAVE_OUT
+    return _READING + left_out + (_FORMULA if in_sheet and not cell.strip(BLANKS) else "")
+
+
+def shown(cell: str | float) -> str:
+    """Return a cell as a message shows it."""
+    if isinstance(cell, float):
+        return f"{cell:.15g}"
+    return quoted(cell) if cell.strip(BLANKS) else "an empty cell"
+
+
+def not_a_number(cell: str) -> str:
+    """Return what is wrong with a cell that should hold a number."""
+    if not cell.strip(BLANKS):
+        return "empty cell"
+    return f"{quoted(cell.strip(BLANKS))} is not a number"

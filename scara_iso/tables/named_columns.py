@@ -1,4 +1,7 @@
-"""Tables that hold no cycles: numbers under known names, read as strictly as readings are."""
+"""Tables that hold no cycles: numbers under known names, read as strictly as readings are.
+
+The unit of a named column, and the sizes that a table's ``# key: value`` lines state in it.
+"""
 
 from __future__ import annotations
 
@@ -10,18 +13,23 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from scara_iso.errors import Fault
+from scara_iso.quantities import Unit, parse_unit
 from scara_iso.run import FloatArray
+from scara_iso.tables.body import WHICH_MARK, are_mixed, are_undecided, refuse_other_marks
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, listed, quoted, refuse
-from scara_iso.tables.forms import Line, count_known, find_header, is_comment_row, read_form
 from scara_iso.tables.layout import HEAD, is_comment
-from scara_iso.tables.marks import WHICH_MARK, are_mixed, are_undecided, refuse_other_marks
 from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
-from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
+from scara_iso.tables.preamble import Line, count_known, find_header, is_comment_row, read_form
 from scara_iso.tables.text import (
+    OLD_WORKBOOK,
+    WORKBOOK,
     Delimiter,
+    Source,
     decode_text,
+    read_bytes,
     split_head,
     split_lines,
     stated_delimiter,
@@ -149,7 +157,7 @@ def _of_text(data: bytes, where: str, names: ColumnNames) -> _Rows:
 
 
 def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
-    from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - zip and XML for few
+    from scara_iso.tables.sheets import read_sheets  # noqa: PLC0415 - zip and XML for few
 
     found: dict[str, _Rows] = {}
     for title, cells in read_sheets(data, where):
@@ -264,3 +272,62 @@ def _check_marks(marks: _Marks, faults: Faults) -> None:
     for mark in marks.keys() - {Mark.NONE}:
         line, column, text = marks[mark]
         faults.add(f"{quoted(text)}: {said}", line, column, remedy=WHICH_MARK)
+
+
+def stated_unit(
+    table: NamedColumns, column: str, option: str | None, faults: list[Fault]
+) -> Unit | None:
+    """Return the unit of a column: of its header, of ``# unit``, or ``option``, None for none.
+
+    ``# unit_theta`` holds for that column in place of ``# unit``. A unit that is not known, or is
+    stated in two ways, is a fault. Raises `UsageError` for an option that is no unit.
+    """
+    own = f"unit_{column.lower()}"
+    key = own if own in table.statements else "unit"
+    stated = {
+        "the header": table.units.get(column),
+        f"# {key}": table.statements.get(key),
+    }
+    found = {} if option is None else {"`unit=`": parse_unit(option)}
+    before = len(faults)
+    for place, text in stated.items():
+        if text is not None:
+            unit = read_unit(text)
+            if unit is None:
+                faults.append(Fault(f"{place}: unknown unit {text[:30]!r}", table.header_line))
+            else:
+                found[place] = unit
+    if not found and len(faults) == before:
+        faults.append(Fault(f"no unit stated for {column}", table.header_line))
+    if len({unit.name for unit in found.values()}) > 1:
+        said = ", ".join(f"{place} {unit.name}" for place, unit in found.items())
+        faults.append(Fault(f"the unit is stated in two ways: {said}", table.header_line))
+    return next(iter(found.values()), None)
+
+
+def stated_size(
+    table: NamedColumns,
+    key: str,
+    unit: Unit | None,
+    faults: list[Fault],
+    *,
+    above_zero: bool = True,
+) -> float | None:
+    """Return what a statement gives [mm, deg], in ``unit`` or in its own; None for none.
+
+    What is no number, can be read two ways, or is not above zero where it must be, is a fault.
+    """
+    text = table.statements.get(key)
+    if text is None or unit is None:
+        return None
+    number = parse_cell(text, table.decimal)
+    own = read_unit(number.unit) if number and number.unit else unit
+    sure = table.decimal is not None
+    doubtful = not sure and number is not None and number.mark in (Mark.EITHER, Mark.BOTH)
+    if number is None or own is None or own.dimension is not unit.dimension or doubtful:
+        faults.append(Fault(f"{key}: {quoted(text)} is not a size in {unit.name}"))
+        return None
+    if above_zero and not 0 < number.value < math.inf:
+        faults.append(Fault(f"{key}: {quoted(text)} is not a size above zero"))
+        return None
+    return own.to_base(number.value)

@@ -1,18 +1,31 @@
-"""Which pose a row belongs to, and the command coordinates of the poses."""
+"""Which pose a row belongs to, and the command coordinates of the poses.
+
+Which of several tables were read in another unit than the first.
+
+Tables of one test, a pose or more each, to one run: whose pose is which, and what must agree.
+
+Nothing of two robots, dials or loads is mixed: the parts of a test state the same, or the merge is
+refused with every fault of every part.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import DataError
+from scara_iso.dial import joined_axis
+from scara_iso.errors import DataError, Fault
+from scara_iso.origin import Origin
 from scara_iso.pose_columns import Commanded, by_pose, coded
-from scara_iso.run import FloatArray
+from scara_iso.run import Axis, FloatArray, Run
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.names import Kind, read_unit
+from scara_iso.tables.faults import Faults, listed, quoted
+from scara_iso.tables.names import Kind, pose_alone, pose_in, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.preamble import normal_key
 from scara_iso.tables.statements import Scale
@@ -76,3 +89,307 @@ def find_commands(
         except DataError as error:
             faults.add(error.what, None, column.position + 1, remedy=error.remedy)
     return found
+
+
+def converted(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
+    """Yield the name of each run in another unit, and what is said of it.
+
+    All are in mm or degrees by now.
+    """
+    first, run = next(iter(runs.items()))
+    for axis, unit in run.origin.units.items():
+        for name, one in runs.items():
+            other = one.origin.units.get(axis, unit)
+            if other != unit:
+                base = run.axes[axis].unit
+                both = f"{axis} in {other}, and in {unit} in {first}"
+                yield name, f"{name}: {both}; all is converted to {base}"
+
+
+_OF_THE_ROBOT = (
+    "robot",
+    "serial",
+    "model",
+    "manufacturer",
+    "type",
+    "indicator",
+    "instrument",
+    "gauge",
+    "dial",
+    "calibration",
+    "payload",
+    "load",
+    "velocity",
+    "speed",
+    "acceleration",
+)
+"""How the keys begin that state what is tested, with what, and under which conditions."""
+_OF_THE_FIGURES = frozenset({"theta_radius_mm", "dial_zero", "first_cycle", "covariates"})
+"""Keys that figures depend on: a part that does not state one is not as the others."""
+_TRUE_IS_STATED = "first_cycle_discarded"
+_PORT = re.compile(r"(?<= at )(?:[a-z0-9]+://|sim:|replay:|/dev/|com[0-9])[^ ;|]*")
+_NAME_POSES = (
+    "name each pose in a line '# pose: P1', a column 'pose', or the file's name, as P1.csv"
+)
+_OTHER_TESTS = (
+    "tests of other days are for `scara-iso history`, a before and an after for `compare`"
+)
+_ALIKE = "let the tables of one test state the same, or give them one by one"
+_MOST_NAMED = 6
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PosePart:
+    """A table of one test; ``name`` is what messages call it.
+
+    ``pose`` is the one that is known for it; else its own statement counts, or ``title``, which may
+    hold one. ``place`` says where pose or title are from, such as "the file's name".
+    """
+
+    run: Run
+    name: str
+    title: str = ""
+    place: str = "the file's name"
+    pose: str | None = None
+
+
+def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -> Run:
+    """Return the run of all parts, each row with its pose; ``where`` names them together.
+
+    Raises one `DataError` with what is wrong with any part: no pose or one that another part has,
+    other axes, dials, robots, loads or velocities, other statements that figures depend on.
+    """
+    if len(parts) == 1 and parts[0].pose is None:
+        return parts[0].run
+    labelled = [_labelled(part) for part in parts]
+    _check_named(labelled, where)
+    faults = [fault for found in labelled for fault in found.faults]
+    faults += _twice(labelled)
+    faults += _other_axes(labelled)
+    metadata, unlike, partly = _metadata(labelled)
+    faults += unlike
+    poseless = [part for part in labelled if not part.said]
+    if faults or poseless:
+        nameless = [Fault(f"{_names(poseless)}: no pose stated")] if poseless else []
+        remedies = [_NAME_POSES] if poseless else []
+        remedies += [_ALIKE] if faults else []
+        raise _no_test([*nameless, *faults], where, remedies)
+    return _joined(labelled, metadata, where, [*partly, *notes])
+
+
+def _check_named(parts: Sequence[_Labelled], where: str) -> None:
+    """Refuse tables of which none names a pose: what else differs is of tests, not of poses."""
+    if not any(part.said or part.faults for part in parts):
+        fault = Fault(f"{_names(parts)}: no pose stated")
+        raise _no_test([fault], where, [_NAME_POSES, _OTHER_TESTS])
+
+
+def _no_test(faults: Sequence[Fault], where: str, remedies: Sequence[str]) -> DataError:
+    count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
+    what = f"cannot be taken as poses of one test: {count}"
+    return DataError(what, where=where, remedy="; ".join(remedies), faults=faults)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Labelled:
+    """A part whose rows have poses, the line that says which, and what is wrong with that.
+
+    No line says so where the part names no pose.
+    """
+
+    run: Run
+    name: str
+    said: str
+    faults: tuple[Fault, ...] = ()
+
+    @property
+    def poses(self) -> list[str]:
+        return [str(label) for label, _ in self.run.rows_by_pose()]
+
+    def metadata(self) -> dict[str, str]:
+        return {k: v for k, v in self.run.metadata.items() if k != "pose"}
+
+
+def _labelled(part: PosePart) -> _Labelled:
+    run, given = part.run, part.pose or pose_in(part.title)
+    stated = [str(label) for label, _ in run.rows_by_pose() if label is not None]
+    of_head = run.metadata.get("pose", "").strip()
+    if stated:
+        which = f"poses {', '.join(stated)}" if len(stated) > 1 else f"pose {stated[0]}"
+        said = f"{which} from the column of {part.name}"
+    elif label := part.pose or of_head or given:
+        run = replace(run, pose=np.full(len(run), label))
+        source = f"'# pose:' of {part.name}" if label == of_head else f"{part.place} {part.title}"
+        said = f"pose {label} from {source.strip()}"
+        stated = [of_head] if of_head else []
+    else:
+        return _Labelled(run, part.name, "")
+    if given is None or _is_of(part, given, stated):
+        return _Labelled(run, part.name, said)
+    what = f"{part.place} says pose {given}, the table itself {', '.join(stated)}"
+    return _Labelled(run, part.name, said, (Fault(f"{part.name}: {what}"),))
+
+
+def _is_of(part: PosePart, given: str, stated: Sequence[str]) -> bool:
+    """Say whether a table's own poses are the given one; a title may mean something else by P1."""
+    if part.pose is None and (len(stated) > 1 or not all(map(pose_alone, stated))):
+        return True
+    return all(own.casefold() == given.casefold() or pose_alone(own) == given for own in stated)
+
+
+def _twice(parts: Sequence[_Labelled]) -> Iterator[Fault]:
+    seen: dict[str, str] = {}
+    for part in parts:
+        for pose in part.poses if part.said and not part.faults else []:
+            before = seen.setdefault(pose.casefold(), part.name)
+            if before != part.name:
+                yield Fault(f"pose {pose} is in {before} and again in {part.name}")
+
+
+def _other_axes(parts: Sequence[_Labelled]) -> Iterator[Fault]:
+    first = parts[0]
+    for part in parts[1:]:
+        mine, others = first.run.axes, part.run.axes
+        if mine.keys() != others.keys():
+            yield Fault(
+                f"{part.name}: axes {', '.join(others)}, and {', '.join(mine)} in {first.name}"
+            )
+        for name in (one for one in mine if one in others):
+            yield from _other_dial(first.name, mine[name], part.name, others[name])
+
+
+def _other_dial(first: str, mine: Axis, name: str, other: Axis) -> Iterator[Fault]:
+    if mine.dimension is not other.dimension:
+        yield Fault(f"{name}: {mine.name} in {other.unit}, and in {mine.unit} in {first}")
+        return
+    sizes = {
+        "resolution": (mine.resolution, other.resolution),
+        "indicator_uncertainty": (_of_certificate(mine), _of_certificate(other)),
+    }
+    for key, (here, there) in sizes.items():
+        if not _same_size(here, there):
+            said = [
+                f"{x:.6g} {mine.unit}" if x is not None else "not stated" for x in (there, here)
+            ]
+            yield Fault(f"{name}: {key} of {mine.name} {said[0]}, and {said[1]} in {first}")
+
+
+def _of_certificate(axis: Axis) -> float | None:
+    return axis.uncertainty if axis.displayed is None else axis.certified
+
+
+def _same_size(a: float | None, b: float | None) -> bool:
+    return a == b if a is None or b is None else math.isclose(a, b, rel_tol=1e-9)
+
+
+def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[Fault], list[str]]:
+    """Return the statements of all parts together, what of them is at odds, and what is noted."""
+    keys = dict.fromkeys(key for part in parts for key in part.metadata())
+    found: dict[str, str] = {}
+    faults: list[Fault] = []
+    notes: list[str] = []
+    for key in keys:
+        stated = [(part, part.metadata()[key]) for part in parts if key in part.metadata()]
+        alike = len({_spelling(key, text) for _, text in stated}) == 1
+        everywhere = len(stated) == len(parts)
+        if _must_agree(key, [text for _, text in stated], everywhere=everywhere):
+            if not alike or (not everywhere and not _of_the_robot(key)):
+                faults.append(_unlike(key, parts))
+            elif not everywhere:
+                notes.append(f"{key}: stated in {_names(part for part, _ in stated)} only")
+        if alike and not key.startswith("record"):
+            found[key] = stated[0][1]
+        else:
+            found[key] = "; ".join(f"{', '.join(part.poses)}: {text}" for part, text in stated)
+    return found, faults, notes
+
+
+def _must_agree(key: str, texts: Sequence[str], *, everywhere: bool) -> bool:
+    if key == _TRUE_IS_STATED:  # false is as good as nothing
+        truths = {_spelling(key, text) for text in texts}
+        return len(truths) > 1 or (not everywhere and truths != {"false"})
+    return key in _OF_THE_FIGURES or _of_the_robot(key)
+
+
+def _of_the_robot(key: str) -> bool:
+    return key.startswith(_OF_THE_ROBOT) and key not in _OF_THE_FIGURES
+
+
+def _spelling(key: str, text: str) -> str:
+    text = " ".join(text.casefold().split())
+    if key == _TRUE_IS_STATED:
+        return {"yes": "true", "1": "true", "no": "false", "0": "false"}.get(text, text)
+    return _PORT.sub("a port", text) if key == "indicator" else text
+
+
+def _unlike(key: str, parts: Sequence[_Labelled]) -> Fault:
+    by_text: dict[str, list[_Labelled]] = {}
+    for part in parts:
+        by_text.setdefault(part.metadata().get(key, ""), []).append(part)
+    said = [
+        f"{quoted(text) if text else 'not stated'} in {_names(who)}"
+        for text, who in by_text.items()
+    ]
+    return Fault(f"{key}: {', '.join(said)}")
+
+
+def _names(parts: Iterable[_Labelled]) -> str:
+    names = [part.name for part in parts]
+    left = len(names) - _MOST_NAMED
+    return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
+
+
+def _joined(
+    parts: Sequence[_Labelled], metadata: Mapping[str, str], where: str, notes: Sequence[str]
+) -> Run:
+    runs = [part.run for part in parts]
+    shared = set.intersection(*({*run.covariates} for run in runs))
+    left = dict.fromkeys(name for run in runs for name in run.covariates if name not in shared)
+    dropped = [f"column {name} is not in every table: not used" for name in left]
+    lines = [run.lines for run in runs if run.lines is not None]
+    units = tuple(said for _, said in converted({part.name: part.run for part in parts}))
+    return Run(
+        cycle=np.concatenate([run.cycle for run in runs]),
+        axes={name: _axis(name, parts) for name in runs[0].axes},
+        pose=np.concatenate([run.pose for run in runs if run.pose is not None]),
+        covariates={n: _column(n, runs) for n in runs[0].covariates if n in shared},
+        metadata=metadata,
+        lines=np.concatenate(lines) if len(lines) == len(runs) else None,
+        origin=Origin(
+            source=where,
+            understood=_understood(parts),
+            notes=(*_said(parts), *units, *notes, *dropped),
+            units=runs[0].origin.units,
+            other_units=units,
+            files={pose: part.name for part in parts for pose in part.poses},
+        ),
+    )
+
+
+def _understood(parts: Sequence[_Labelled]) -> str:
+    poses = [pose for part in parts for pose in part.poses]
+    return f"{len(parts)} tables of one test, poses {', '.join(poses)}"
+
+
+def _said(parts: Sequence[_Labelled]) -> Iterator[str]:
+    for part in parts:
+        yield f"{part.said}: {part.run.origin.understood}".rstrip(": ")
+        yield from (f"{part.name}: {note}" for note in part.run.origin.notes)
+
+
+def _axis(name: str, parts: Sequence[_Labelled]) -> Axis:
+    axes = [part.run.axes[name] for part in parts]
+    command: dict[str, float] = {}
+    for part, axis in zip(parts, axes, strict=True):
+        command |= _by_pose(axis.command, part.poses)
+    return joined_axis(axes, command)
+
+
+def _by_pose(command: Commanded, poses: Sequence[str]) -> Mapping[str, float]:
+    if isinstance(command, Mapping):
+        return command
+    return {} if command is None or len(poses) > 1 else {poses[0]: command}
+
+
+def _column(name: str, runs: Sequence[Run]) -> FloatArray:
+    return np.concatenate([run.covariates[name] for run in runs])

@@ -9,39 +9,44 @@ from dataclasses import replace
 from scara_iso.errors import DataError, UsageError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions
-from scara_iso.tables.blocks import Block, Line, find_blocks, has_blocks
-from scara_iso.tables.body import Body
-from scara_iso.tables.columns import Columns
-from scara_iso.tables.delimited import delimited, split_each
-from scara_iso.tables.faults import Faults, quoted, refuse
-from scara_iso.tables.kinds import TEXT_HEAD, called_text
-from scara_iso.tables.labelled import find_labelled
-from scara_iso.tables.layout import COLUMNS, HEAD, Layout, find_layout, runs_across
-from scara_iso.tables.marks import refuse_other_marks
-from scara_iso.tables.positions import (
+from scara_iso.tables.blocks import (
     ONE_A_ROW,
+    Block,
+    Line,
     check_header,
     column_names,
     count_fitting,
+    find_blocks,
+    find_labelled,
+    find_wide,
+    has_blocks,
     place_columns,
     suggest_columns,
 )
+from scara_iso.tables.body import Body, delimited, refuse_other_marks, split_each
+from scara_iso.tables.columns import Columns
+from scara_iso.tables.faults import Faults, quoted, refuse
+from scara_iso.tables.layout import COLUMNS, HEAD, Layout, find_layout, runs_across
 from scara_iso.tables.sheets import NO_HEADER, finish, read_blocks, read_rows, read_workbook
-from scara_iso.tables.source import OLD_WORKBOOK, WORKBOOK, Source, read_bytes
 from scara_iso.tables.text import (
     LINE_LIMIT,
+    OLD_WORKBOOK,
+    TEXT_HEAD,
+    WORKBOOK,
     Delimiter,
     Row,
+    Source,
+    called_text,
     decode,
     in_pieces,
     plain_text,
+    read_bytes,
     separator_of,
     split_columns,
     split_head,
     stated_delimiter,
     taken_from,
 )
-from scara_iso.tables.wide import find_wide
 
 _SHOWN = 20
 _TOO_WIDE = (

@@ -1,17 +1,144 @@
-"""Bytes to text, text to lines, lines to cells. No line or table is understood here."""
+"""Bytes to text, text to lines, lines to cells. No line or table is understood here.
+
+Files that are no tables at all: said at once, before anything is looked for in them.
+
+Bytes of a path, of standard input, or of an open file.
+"""
 
 from __future__ import annotations
 
 import codecs
 import csv
 import re
+import sys
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import Enum
+from pathlib import Path
+from typing import BinaryIO
 
+from scara_iso.errors import DataError
+from scara_iso.files import not_read, open_file
 from scara_iso.tables.faults import Faults, refuse
 from scara_iso.tables.numbers import BLANKS
+
+_PICTURE, _PAGE, _PACKED = "a picture", "a PDF", "a packed file"
+_SIGNATURES = {
+    b"\x89PNG": _PICTURE,
+    b"\xff\xd8\xff": _PICTURE,
+    b"GIF8": _PICTURE,
+    b"II*\0": _PICTURE,
+    b"MM\0*": _PICTURE,
+    b"%PDF": _PAGE,
+    b"\x1f\x8b": _PACKED,
+    b"7z\xbc\xaf": _PACKED,
+    b"Rar!": _PACKED,
+    b"\x7fELF": "a program",
+    b"MZ\x90": "a program",
+}
+_REMEDIES = {
+    _PICTURE: "type its readings into a table (CSV or .xlsx)",
+    _PAGE: "copy its table into a spreadsheet, and save that",
+}
+_REMEDY = "name the table of readings (CSV or .xlsx)"
+_WORD = re.compile(r"[^\W\d_]{2,}")
+_NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
+_READING = re.compile(r"[\s\"']*[-+.,]?\d")
+_WORDS = 5
+"""A line of as many words, and three for each number, none of which begins it, is a sentence."""
+_WEB = (b"<!doctype html", b"<html")
+_SHARE, _FEWEST = 0.5, 5
+"""Share and number of sentences from which a file that is refused is called a text."""
+TEXT_HEAD = 100_000
+"""Bytes in which a text is known by its sentences."""
+
+
+def refuse_other_kind(data: bytes, where: str) -> None:
+    """Raise `DataError` for a picture, a PDF and the like, by its first bytes."""
+    kind = next((kind for start, kind in _SIGNATURES.items() if data.startswith(start)), None)
+    if kind is not None:
+        raise refuse(where, f"this is {kind}, no table", remedy=_REMEDIES.get(kind, _REMEDY))
+
+
+@contextmanager
+def called_text(head: bytes, where: str) -> Iterator[None]:
+    """Give one fault for all those of a text of sentences, by its ``head``."""
+    try:
+        yield
+    except DataError as error:
+        if head.lstrip().lower().startswith(_WEB):
+            raise refuse(where, "this is a web page, no table", remedy=_REMEDIES[_PAGE]) from error
+        if _is_text(head.decode("utf-8", "replace")):
+            raise refuse(where, "this is a text, no table", remedy=_REMEDY) from error
+        raise
+
+
+def _is_text(text: str) -> bool:
+    lines = [line for line in text.splitlines() if line.strip()]
+    sentences = sum(map(_is_sentence, lines))
+    return sentences >= max(_FEWEST, _SHARE * len(lines))
+
+
+def _is_sentence(line: str) -> bool:
+    words = len(_WORD.findall(line))
+    reading = _READING.match(line) is not None
+    return not reading and words >= _WORDS and words > 3 * len(_NUMBER.findall(line))
+
+
+LIMIT = 256 * 2**20
+"""Largest file that is read, in bytes; a million rows take about 50 MB."""
+
+WORKBOOK = b"PK\x03\x04"
+OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"
+"""First bytes of an .xlsx, and of an .xls or a protected workbook."""
+
+Source = str | Path | bytes | BinaryIO
+
+
+def read_bytes(source: Source) -> tuple[bytes, str]:
+    """Return a source's bytes and its name: the path, or what else it is.
+
+    Raises `NoInputError` where there is no such file or it cannot be read, `DataError` where it
+    is larger than `LIMIT`, or a picture or the like.
+    """
+    name = _name(source)
+    try:
+        data = _read(source)
+    except (OSError, ValueError) as error:
+        raise not_read(name, error) from error
+    if len(data) > LIMIT:
+        raise refuse(name, f"larger than {LIMIT // 2**20} MB", remedy="split the file")
+    refuse_other_kind(data, name)
+    return data, name
+
+
+def _name(source: Source) -> str:
+    match source:
+        case "-":
+            return "standard input"
+        case str() | Path():
+            return str(source)
+        case bytes():
+            return "bytes"
+        case _:
+            return str(getattr(source, "name", "file object"))
+
+
+def _read(source: Source) -> bytes:
+    match source:
+        case bytes():
+            return source
+        case "-":
+            if sys.stdin is None:
+                raise OSError("standard input is closed")
+            return sys.stdin.buffer.read(LIMIT + 1)
+        case str() | Path():
+            with open_file(source) as file:
+                return file.read(LIMIT + 1)
+        case _:
+            return source.read(LIMIT + 1)
+
 
 LINE_LIMIT = 1_000_000
 """Characters in one line: bounds the length of a cell and the number of columns."""

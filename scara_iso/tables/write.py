@@ -11,7 +11,8 @@ import numpy as np
 from scara_iso.errors import DataError
 from scara_iso.quantities import Dimension
 from scara_iso.run import AXES, Axis, FloatArray, Run
-from scara_iso.tables.locale import (
+from scara_iso.tables.names import Column, Kind, read_name, with_likely
+from scara_iso.tables.numbers import (
     FORMULA,
     PLAIN,
     Digits,
@@ -20,7 +21,6 @@ from scara_iso.tables.locale import (
     text_cell,
     write_rows,
 )
-from scara_iso.tables.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.preamble import normal_key
 from scara_iso.tables.statements import COMMAND, is_of_axes
 

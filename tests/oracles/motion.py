@@ -10,8 +10,7 @@ from typing import Literal, TypeAlias, cast
 import numpy as np
 
 from scara_iso.errors import UsageError
-from scara_iso.robot.drivetrain import DriveTrain
-from scara_iso.robot.drivetrain.solution import Constants, Moving, Phase, run_events
+from scara_iso.robot.drivetrain import Constants, DriveTrain, Moving, Phase, run_events
 from scara_iso.run import FloatArray, IntArray
 
 Contact: TypeAlias = Literal[-1, 0, 1]

@@ -8,24 +8,22 @@ from hypothesis import given, strategies as st
 
 from scara_iso.errors import DataError
 from scara_iso.tables import read_table
-from scara_iso.tables.locale import (
+from scara_iso.tables.numbers import (
     EXCEL,
     PLAIN,
-    Digits,
-    SheetLocale,
-    find_locale,
-    one_line,
-    text_cell,
-    write_rows,
-)
-from scara_iso.tables.numbers import (
     CellNumber,
+    Digits,
     Mark,
+    SheetLocale,
     count_decimals,
     cut_unit,
+    find_locale,
+    one_line,
     parse_block,
     parse_cell,
     parse_clean,
+    text_cell,
+    write_rows,
 )
 
 NBSP, FIGURE, THIN, NARROW = "\u00a0", "\u2007", "\u2009", "\u202f"

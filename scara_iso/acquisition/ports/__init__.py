@@ -5,27 +5,36 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from scara_iso.acquisition.indicators import Dialect
-from scara_iso.acquisition.ports.address import (
+from scara_iso.acquisition.ports.device import DevicePort, SocketLine, open_line, refuse_absent
+from scara_iso.acquisition.ports.port import (
+    Clock,
+    Device,
+    Port,
+    StreamClock,
+    SystemClock,
     check_address,
     is_bluetooth,
     is_device,
     is_keyboard,
     is_recorded,
     is_simulated,
+    list_devices,
+    number_option,
+    refuse_same_device,
+    split_options,
 )
-from scara_iso.acquisition.ports.clock import Clock, StreamClock, SystemClock
-from scara_iso.acquisition.ports.device import DevicePort, refuse_absent
-from scara_iso.acquisition.ports.identity import Device, list_devices, refuse_same_device
-from scara_iso.acquisition.ports.keyboard import KeyboardPort
-from scara_iso.acquisition.ports.line import SocketLine, open_line
-from scara_iso.acquisition.ports.port import Port, number_option, split_options
 from scara_iso.acquisition.ports.replay import (
     PULSE,
     ReplayPort,
     replay_is_paced,
     replayed_poses,
 )
-from scara_iso.acquisition.ports.simulated import Signal, SimulatedPort, simulation_is_paced
+from scara_iso.acquisition.ports.simulated import (
+    KeyboardPort,
+    Signal,
+    SimulatedPort,
+    simulation_is_paced,
+)
 
 __all__ = [
     "PULSE",

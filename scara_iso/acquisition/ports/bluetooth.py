@@ -2,12 +2,18 @@
 
 The one place that talks to bleak. The table of services is from public programs and, for Sylvac,
 from the maker's protocol (github.com/SylvacDev/BluetoothDevTools); none was tried on an instrument.
+
+Transfers of a wireless link to a stream of bytes, without the copies that a host hands on.
+
+A host that has connected again may hand on each transfer twice (bleak issue 2002): a copy would be
+a reading that nobody took.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterable
@@ -16,9 +22,45 @@ from threading import Thread
 from typing import Any, Protocol, TypeVar
 
 from scara_iso.acquisition.indicators import LinePulse
-from scara_iso.acquisition.ports.address import bluetooth_address
-from scara_iso.acquisition.ports.transfers import Transfers
+from scara_iso.acquisition.ports.port import bluetooth_address
 from scara_iso.errors import InstrumentError, UsageError, with_extra
+
+COPY_S = 0.05
+"""A transfer that comes again within this time is a copy: no link repeats a text as fast [s]."""
+SPOILT = b"\xff\x00"
+"""Bytes that no frame holds: they make garbage of a line that can be read two ways."""
+_ENDS = (b"\r", b"\n")
+
+
+class Transfers:
+    """Joins texts, each ended by CR or LF, from transfers of any length.
+
+    A whole text, or the end of one, that comes again at once is dropped. Where all parts before the
+    end came in equal pairs, they may be copies or may be meant: that line is made garbage, and so
+    is one that a repeated transfer with an end inside would join.
+    """
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+        self._end = b""
+        self._at = -math.inf
+
+    def feed(self, data: bytes, now: float) -> bytes:
+        """Return what a transfer that arrived at ``now`` [s] adds to the stream."""
+        if not data.endswith(_ENDS):
+            again = bool(self._parts) and self._parts[-1] == data
+            self._parts.append(data)
+            return SPOILT + data if again and _has_end(data) else data
+        if data == self._end and not self._parts and now - self._at < COPY_S:
+            return b""
+        parts, self._parts = self._parts, []
+        self._end, self._at = data, now
+        return SPOILT + data if parts and parts[0::2] == parts[1::2] else data
+
+
+def _has_end(data: bytes) -> bool:
+    return any(end in data for end in _ENDS)
+
 
 CONNECT_S = 30.0
 _CLOSE_S = 5.0

@@ -1,8 +1,6 @@
 """From ports to durable files: port, clock, disk, operator and listener are arguments."""
 
 from scara_iso.acquisition.manifest import check_manifest, manifest_path, raw_path
-from scara_iso.acquisition.recorder.axis_readings import ShownReading
-from scara_iso.acquisition.recorder.earlier import check_files, earlier_of
 from scara_iso.acquisition.recorder.events import (
     Command,
     CycleDone,
@@ -28,28 +26,26 @@ from scara_iso.acquisition.recorder.events import (
     Watched,
     as_json,
 )
-from scara_iso.acquisition.recorder.history import History, read_history
+from scara_iso.acquisition.recorder.history import History, ShownReading, read_history
 from scara_iso.acquisition.recorder.plan import (
     Enter,
+    GaugeSpec,
     Job,
     Listen,
     RecordingPlan,
     RobotLine,
     Settled,
     Timer,
+    Tour,
     Trigger,
-    parse_trigger,
-)
-from scara_iso.acquisition.recorder.recording import record
-from scara_iso.acquisition.recorder.spec import (
-    GaugeSpec,
     check_metadata,
     parse_gauges,
     parse_metadata,
+    parse_poses,
+    parse_trigger,
     read_metadata,
 )
-from scara_iso.acquisition.recorder.table import rebuild
-from scara_iso.acquisition.recorder.tour import Tour, parse_poses
+from scara_iso.acquisition.recorder.recording import check_files, earlier_of, rebuild, record
 from scara_iso.disk import Disk, SystemDisk
 
 __all__ = [

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.iso9283.estimates import distance_estimate, position_estimate
 from scara_iso.iso9283.figures import AxisResult, PoseResult
 from scara_iso.iso9283.results import (
     Characteristic,
@@ -18,6 +17,7 @@ from scara_iso.iso9283.results import (
     limit_names,
     poses_in_cycles,
 )
+from scara_iso.iso9283.uncertainty import distance_estimate, position_estimate
 from scara_iso.quantities import Estimate
 
 CODE = "AP"

@@ -17,9 +17,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.iso9283.barycentres import components, largest_distance
 from scara_iso.iso9283.blocks import visits_of_blocks
 from scara_iso.iso9283.results import Characteristic, Measured, limit_names
+from scara_iso.iso9283.uncertainty import components, largest_distance
 
 CODE = "dAP"
 CLAUSE = "7.6"

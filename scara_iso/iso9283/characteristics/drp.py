@@ -15,11 +15,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from scara_iso.dial import step_of
-from scara_iso.iso9283.barycentres import components
 from scara_iso.iso9283.blocks import visits_of_blocks
-from scara_iso.iso9283.estimates import FEWEST_FOR_INTERVAL
 from scara_iso.iso9283.results import Characteristic, Measured, limit_names
 from scara_iso.iso9283.statistics import pooled_intervals, repeatability
+from scara_iso.iso9283.uncertainty import FEWEST_FOR_INTERVAL, components
 from scara_iso.quantities import Dimension, Estimate
 from scara_iso.run import Axis, FloatArray
 

@@ -16,9 +16,9 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.iso9283.barycentres import components, largest_distance
 from scara_iso.iso9283.figures import PoseResult
 from scara_iso.iso9283.results import Characteristic, Measured, limit_names
+from scara_iso.iso9283.uncertainty import components, largest_distance
 
 CODE = "exchangeability"
 CLAUSE = "7.7"

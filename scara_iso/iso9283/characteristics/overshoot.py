@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.iso9283.arrivals import counted, of_column
-from scara_iso.iso9283.estimates import reading_uncertainty
 from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.uncertainty import reading_uncertainty
 from scara_iso.run import Axis, IntArray, Run
 from scara_iso.transient_columns import overshoot_column
 

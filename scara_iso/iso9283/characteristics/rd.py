@@ -18,13 +18,13 @@ import numpy as np
 
 from scara_iso.dial import step_of
 from scara_iso.iso9283.characteristics._distances import Distances, distances
-from scara_iso.iso9283.estimates import (
+from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.statistics import standard_deviation, three_sigma_interval
+from scara_iso.iso9283.uncertainty import (
     largest_calibration,
     reading_uncertainty,
     scatter_estimates,
 )
-from scara_iso.iso9283.results import Characteristic, Measured
-from scara_iso.iso9283.statistics import standard_deviation, three_sigma_interval
 from scara_iso.quantities import Estimate
 
 CODE = "RD"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.iso9283.conformity import EVERY_LENGTH
+from scara_iso.iso9283.figures import EVERY_LENGTH
 from scara_iso.iso9283.results import Characteristic, Measured, poses_in_cycles
 
 CODE = "RP_rss"

@@ -17,7 +17,6 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.iso9283.barycentres import components, largest_distance
 from scara_iso.iso9283.figures import PoseResult
 from scara_iso.iso9283.results import (
     Characteristic,
@@ -25,6 +24,7 @@ from scara_iso.iso9283.results import (
     limit_names,
     poses_in_cycles,
 )
+from scara_iso.iso9283.uncertainty import components, largest_distance
 
 CODE = "vAP"
 CLAUSE = "7.2.3"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.iso9283.repeats import REPEATED_BY_CHANCE, repeats_in
+from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, repeats_in
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "repeated-rows"

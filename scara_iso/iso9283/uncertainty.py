@@ -1,0 +1,203 @@
+"""Figures of scatter and of position with their uncertainty: chance, dial, calibration.
+
+The largest distance between barycentres: of directions, of blocks in time, of robots.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scara_iso.dial import step_of
+from scara_iso.iso9283.statistics import WIDEST, SamplingInterval
+from scara_iso.quantities import Dimension, Estimate, rounding_uncertainty, within_half_a_turn
+from scara_iso.run import Axis, FloatArray, Run
+
+FEWEST_FOR_INTERVAL = 5
+_Z = 1.959964  # 97.5 % of the normal distribution
+
+
+def scatter_estimates(
+    interval: SamplingInterval,
+    figures: FloatArray,
+    positions: FloatArray,
+    *,
+    steps: Sequence[float],
+    calibration: float | None,
+    unit: str,
+    clause: str,
+) -> list[Estimate]:
+    """Return each pose's figure of scatter, shape (poses,), as an estimate.
+
+    ``positions`` have shape (poses, components, n). Reaches of chance and calibration are combined
+    as independent (Zou and Donner 2008). What a certificate's uncertainty makes of a scatter the
+    sources leave open; here it is that of the figure itself. The standard uncertainty of sampling
+    is a quarter of its 95 % interval, which is no even one.
+    """
+    n = positions.shape[-1]
+    known = {} if calibration is None else {"calibration": calibration}
+    if n < FEWEST_FOR_INTERVAL:
+        return [Estimate(x, unit, None, known, None, n, clause) for x in figures.tolist()]
+    limits = interval(positions, resolutions=steps)
+    U = 2 * (calibration or 0.0)
+    lower = np.maximum(figures - np.hypot(figures - limits[0], U), 0)
+    upper = figures + np.hypot(limits[1] - figures, U)
+    bounded = (upper > 0) & ((figures == 0) | (limits[1] < WIDEST * figures))
+    sampling = (limits[1] - limits[0]) / 4
+    columns = (figures, sampling, lower, upper, bounded)
+    return [
+        Estimate(
+            x,
+            unit,
+            math.hypot(u, calibration or 0.0),
+            {"sampling": u, **known},
+            (low, high),
+            n,
+            clause,
+        )
+        if found
+        else Estimate(x, unit, None, known, None, n, clause)
+        for x, u, low, high, found in zip(*(column.tolist() for column in columns), strict=True)
+    ]
+
+
+def position_estimate(
+    value: float, *, S: float, n: int, reading_u: float | None, unit: str, clause: str
+) -> Estimate:
+    """Return a mean of n readings as an estimate.
+
+    ``S`` is the readings' standard deviation, ``reading_u`` what the indicator adds to all of them
+    alike. The interval is Student's, its reach combined with 2 ``reading_u``.
+    """
+    parts = {"sampling": S / math.sqrt(n)}
+    parts |= {} if reading_u is None else {"reading": reading_u}
+    if n < FEWEST_FOR_INTERVAL:
+        return Estimate(value, unit, None, parts, None, n, clause)
+    reach = math.hypot(_student(n - 1) * parts["sampling"], 2 * (reading_u or 0.0))
+    ends = (value - reach, value + reach)
+    return Estimate(value, unit, math.hypot(*parts.values()), parts, ends, n, clause)
+
+
+def distance_estimate(value: float, components: Sequence[Estimate]) -> Estimate:
+    """Return the length of a vector of means; it is no less certain than its worst component.
+
+    A length is wrong by no more than the vector is, so the interval holds at least 95 %.
+    """
+    worst = max(components, key=lambda one: one.u or 0.0)
+    ends = [one.interval for one in components if one.interval is not None]
+    if len(ends) < len(components):
+        return replace(worst, value=value, u=None, interval=None)
+    reach = math.hypot(*((high - low) / 2 for low, high in ends))
+    return replace(worst, value=value, interval=(max(value - reach, 0.0), value + reach))
+
+
+def reading_uncertainty(axis: Axis) -> float | None:
+    """Return the standard uncertainty of one reading, in the axis' unit; None if nothing is stated.
+
+    Resolution / sqrt(12) and the indicator's own uncertainty, combined as independent (GUM 5.1.2).
+    """
+    parts = [] if axis.resolution is None else [rounding_uncertainty(axis.resolution)]
+    parts += [] if axis.uncertainty is None else [axis.uncertainty]
+    return math.hypot(*parts) if parts else None
+
+
+def largest_calibration(axes: Sequence[Axis]) -> float | None:
+    """Return the largest standard uncertainty that a certificate states; None if none does."""
+    return max((axis.uncertainty for axis in axes if axis.uncertainty is not None), default=None)
+
+
+def _student(freedom: int) -> float:
+    """Return the 97.5 % quantile of Student's t: Abramowitz and Stegun 26.7.5."""
+    z, v = _Z, freedom
+    return (
+        z
+        + (z**3 + z) / (4 * v)
+        + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * v**2)
+        + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * v**3)
+        + (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / (92160 * v**4)
+    )
+
+
+_LEVEL = 0.05
+
+
+def components(run: Run) -> Iterator[tuple[str, list[str]]]:
+    """Yield the figures of a run by name with their axes: each axis, then XY and XYZ."""
+    yield from ((name, [name]) for name in run.axes)
+    for names in ("XY", "XYZ"):
+        axes = [run.axes[name] for name in names if name in run.axes]
+        if len(axes) == len(names) and all(a.dimension is Dimension.LENGTH for a in axes):
+            yield names, list(names)
+
+
+def largest_distance(
+    groups: Sequence[FloatArray],
+    pairs: Sequence[tuple[int, int]],
+    *,
+    axes: Sequence[Axis],
+    clause: str,
+) -> Estimate:
+    """Return the largest distance between the barycentres of any of ``pairs`` of ``groups``.
+
+    Each group has shape (components, n), a row for each of ``axes``. The sources give no interval.
+    Here its upper end is the largest of the pairs' own (Student's t along the line between both
+    barycentres, Welch 1947), which holds whatever pair truly lies farthest apart; its lower end
+    allows for the choice of the largest among the pairs (Bonferroni) and for scatter alone being a
+    distance (the error vector's length by Box 1954). Both readings carry what the dial adds.
+    """
+    found = [_pair(groups[a], groups[b], axes[0], len(pairs)) for a, b in pairs]
+    largest = max(found, key=lambda one: one.distance)
+    reading = math.sqrt(2) * max(map(_reading, axes))
+    parts = {"sampling": largest.error} | ({"reading": reading} if reading else {})
+    n, unit = min(group.shape[1] for group in groups), axes[0].unit
+    if n < FEWEST_FOR_INTERVAL:
+        return Estimate(largest.distance, unit, None, parts, None, n, clause)
+    lower = max(one.distance - math.hypot(one.below, 2 * reading) for one in found)
+    upper = max(one.distance + math.hypot(one.above, 2 * reading) for one in found)
+    ends = (max(lower, 0.0), upper)
+    u = math.hypot(*parts.values())
+    return Estimate(largest.distance, unit, u, parts, ends, n, clause)
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    """A distance, its standard error, and how far the truth may lie below and above it."""
+
+    distance: float
+    error: float
+    below: float
+    above: float
+
+
+def _pair(one: FloatArray, other: FloatArray, axis: Axis, pairs: int) -> _Pair:
+    from scipy.special import fdtri, stdtrit  # noqa: PLC0415 - heavy
+
+    apart = other.mean(axis=1) - one.mean(axis=1)
+    if axis.dimension is Dimension.ANGLE:
+        apart = np.array([within_half_a_turn(float(apart[0]))])
+    spreads = [_of_mean(one), _of_mean(other)]
+    both = spreads[0] + spreads[1]
+    distance, trace = float(np.linalg.norm(apart)), float(np.trace(both))
+    if trace == 0:
+        return _Pair(distance, 0.0, 0.0, 0.0)
+    along = apart / distance if distance > 0 else np.linalg.eigh(both)[1][:, -1]
+    error = math.sqrt(float(along @ both @ along))
+    sizes = [float(np.trace(spread)) for spread in spreads]
+    counts = [one.shape[1] - 1, other.shape[1] - 1]
+    freedom = trace**2 / sum(size**2 / n for size, n in zip(sizes, counts, strict=True))
+    directions = trace**2 / float(np.trace(both @ both))
+    below = math.sqrt(trace * float(fdtri(directions, freedom, 1 - _LEVEL / pairs)))
+    return _Pair(distance, error, below, error * float(stdtrit(freedom, 1 - _LEVEL / 2)))
+
+
+def _of_mean(positions: FloatArray) -> FloatArray:
+    """Return the covariance of the barycentre, shape (components, components)."""
+    return np.asarray(np.atleast_2d(np.cov(positions, ddof=1)) / positions.shape[1])
+
+
+def _reading(axis: Axis) -> float:
+    """Return what the dial leaves uncertain of every mean; its own step stands for none stated."""
+    return math.hypot(rounding_uncertainty(step_of(axis)), axis.uncertainty or 0.0)
