@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         Conformity as Conformity,
         DecisionRule as DecisionRule,
         Limit as Limit,
+        Millimetres as Millimetres,
         PoseResult as PoseResult,
         Poses as Poses,
         RadialResult as RadialResult,
