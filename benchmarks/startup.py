@@ -3,8 +3,8 @@
     python benchmarks/startup.py [--runs 15]
 
 Processor seconds, user's and system's together: other programs on the machine count for less in
-them than in wall time. Goals: --help at most 8 times bare Python; analyze of 31 rows at most 16
-times, and half of the pandas script that a user would write; diagnose of Table I at most 35
+them than in wall time. Goals: --help at most 8 times bare Python; analyze of 31 rows at most 20
+times, and 0.7 of the pandas script that a user would write; diagnose of Table I at most 35
 times, report at most 80.
 """
 

@@ -45,7 +45,7 @@ def modules(room: str) -> Iterator[str]:
 def purpose(module: str) -> str:
     """Return the first sentence of a module's docstring."""
     path = PACKAGE.joinpath(*module.split("."))
-    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    file = path / "__init__.py" if (path / "__init__.py").exists() else path.with_suffix(".py")
     text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
     return text.split("\n\n")[0].replace("\n", " ").strip()
 

@@ -142,6 +142,7 @@ def plain(tmp_path_factory):
     return cache(lambda name: drawn(place, name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("source", "name"),
     [*(("the folder", name) for name in list(DRAWN)[1:4]), *((one, "plan") for one in SOURCES)],
