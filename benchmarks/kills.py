@@ -47,7 +47,7 @@ MODEL, TABLE = str(EXAMPLES / "fum_scara.toml"), str(EXAMPLES / "fum_scara_table
 PAIR = [str(EXAMPLES / "before_repair.csv"), str(EXAMPLES / "after_repair.csv")]
 GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
 STREAM = str(EXAMPLES / "stream.csv")
-STUDY = [str(EXAMPLES / "dial_type_1.csv"), "--tolerance", "0.03"]
+STUDY = [str(EXAMPLES / "dial_type_1.csv"), "--tolerance", "1"]
 TIMER = [*GAUGES, "--trigger", "timer:1"]
 FIVE = [str(EXAMPLES / "five_poses.csv"), "--model", str(EXAMPLES / "five_poses.toml")]
 FLEET = ["fleet", str(EXAMPLES / "fleet"), "--workers", "1", "-o", "out"]
