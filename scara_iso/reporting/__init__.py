@@ -70,19 +70,6 @@ if TYPE_CHECKING:
         pages as pages,
         pages_report as pages_report,
     )
-    from scara_iso.reporting.figures import (
-        Chart as Chart,
-        ControlPicture as ControlPicture,
-        Course as Course,
-        Courses as Courses,
-        Curve as Curve,
-        DriftPicture as DriftPicture,
-        MonthsPicture as MonthsPicture,
-        Plane as Plane,
-        Planes as Planes,
-        Prediction as Prediction,
-        Predictions as Predictions,
-    )
     from scara_iso.reporting.fleet import (
         fleet_figures_report as fleet_figures_report,
         fleet_report as fleet_report,
@@ -105,6 +92,19 @@ if TYPE_CHECKING:
         plan_report as plan_report,
         separating_report as separating_report,
         visits_csv as visits_csv,
+    )
+    from scara_iso.reporting.plotted import (
+        Chart as Chart,
+        ControlPicture as ControlPicture,
+        Course as Course,
+        Courses as Courses,
+        Curve as Curve,
+        DriftPicture as DriftPicture,
+        MonthsPicture as MonthsPicture,
+        Plane as Plane,
+        Planes as Planes,
+        Prediction as Prediction,
+        Predictions as Predictions,
     )
     from scara_iso.reporting.ports import (
         Probe as Probe,

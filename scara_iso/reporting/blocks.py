@@ -21,7 +21,7 @@ from scara_iso.iso9283 import Severity
 from scara_iso.run import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from scara_iso.reporting.figures import (
+    from scara_iso.reporting.plotted import (
         Chart,
         ControlPicture,
         Courses,

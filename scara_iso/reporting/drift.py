@@ -132,7 +132,7 @@ def _table(course: DriftCourse) -> Table:
 def _picture(course: DriftCourse) -> Iterator[Block]:
     if course.hours is None:
         return
-    from scara_iso.reporting.figures import DriftPicture  # noqa: PLC0415 - for drift tests only
+    from scara_iso.reporting.plotted import DriftPicture  # noqa: PLC0415 - for drift tests only
 
     lengths = [name for name, axis in course.pose.axes.items() if axis.unit == "mm"]
     moved = {name: course.means[name] - course.means[name][0] for name in lengths}

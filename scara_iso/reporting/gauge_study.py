@@ -37,7 +37,7 @@ from scara_iso.reporting.blocks import (
     four_digits,
 )
 from scara_iso.reporting.brief import figure_cells, figure_said, first_three
-from scara_iso.reporting.figures import Chart, Curve
+from scara_iso.reporting.plotted import Chart, Curve
 
 
 def study_picture(study: AxisStudy) -> Figure:

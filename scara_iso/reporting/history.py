@@ -40,7 +40,7 @@ from scara_iso.reporting.blocks import (
 from scara_iso.reporting.brief import first_three
 from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_said
 from scara_iso.reporting.dossier import Document
-from scara_iso.reporting.figures import ControlPicture, MonthsPicture
+from scara_iso.reporting.plotted import ControlPicture, MonthsPicture
 from scara_iso.run import FloatArray
 
 _AHEAD = 0.5  # spans of the tests that the picture goes on for
