@@ -17,11 +17,11 @@ from itertools import combinations
 
 import numpy as np
 
+from scara_iso.base.quantities import Estimate
 from scara_iso.iso9283 import DriftFit, repeatability
 from scara_iso.iso9283.characteristics.drp import change_of_repeatability
 from scara_iso.iso9283.drift import fit_drift
 from scara_iso.iso9283.uncertainty import largest_distance
-from scara_iso.quantities import Estimate
 from scara_iso.run import Axis, FloatArray
 
 Draw = Callable[[np.random.Generator, tuple[int, ...]], FloatArray]

@@ -20,7 +20,6 @@ from functools import cache
 import numpy as np
 from scipy import stats
 
-from scara_iso.dial import common_step
 from scara_iso.iso9283 import statistics as module
 from scara_iso.iso9283.statistics import (
     GAUSSIAN_ERROR,
@@ -31,7 +30,7 @@ from scara_iso.iso9283.statistics import (
     standard_deviation,
     three_sigma_interval,
 )
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, common_step
 
 Limits = tuple[FloatArray, FloatArray]
 Draw = Callable[[np.random.Generator, tuple[int, ...]], FloatArray]

@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from itertools import product
 
-from scara_iso.acquisition.indicators import Decoder, Dialect, Reading, find_dialects
+from scara_iso.recorder.indicators import Decoder, Dialect, Reading, find_dialects
 
 FRAMES = 5
 _LINE_ENDS = b"\r\n\x8a\x8d"

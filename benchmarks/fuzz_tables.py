@@ -31,8 +31,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 from hostile import TEXTS  # noqa: E402
 
 from scara_iso import analyze, read_table  # noqa: E402
+from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.diagnosis.reversals.sweeps import read_sweep  # noqa: E402
-from scara_iso.errors import ScaraIsoError  # noqa: E402
 
 TABLE = (ROOT / "examples" / "fum_scara_table1.csv").read_text(encoding="utf-8")
 PIECES = [

@@ -14,12 +14,12 @@ from collections.abc import Iterator
 import numpy as np
 from page import DOCS, run
 
-from scara_iso.comparison import spread
-from scara_iso.monitoring import (
+from scara_iso.comparison import (
     between_tests,
     crossing,
     cusum,
     ewma,
+    spread,
     standardised,
     trend_of,
 )

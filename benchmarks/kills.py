@@ -31,16 +31,17 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
-from scara_iso import Run, interrupts  # noqa: E402
-from scara_iso.acquisition.manifest import raw_path  # noqa: E402
-from scara_iso.acquisition.recorder import read_history, rebuild  # noqa: E402
+from scara_iso import Run  # noqa: E402
+from scara_iso.base import interrupts  # noqa: E402
+from scara_iso.base.disk import SystemDisk  # noqa: E402
+from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.cli import main as scara_iso  # noqa: E402
 from scara_iso.cli.record_options import RecordOptions  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
-from scara_iso.disk import SystemDisk  # noqa: E402
-from scara_iso.errors import ScaraIsoError  # noqa: E402
 from scara_iso.fleets import runs  # noqa: E402
 from scara_iso.library import engines, selftests  # noqa: E402
+from scara_iso.recorder import read_history, rebuild  # noqa: E402
+from scara_iso.recorder.manifest import raw_path  # noqa: E402
 
 EXAMPLES = ROOT / "examples"
 MODEL, TABLE = str(EXAMPLES / "fum_scara.toml"), str(EXAMPLES / "fum_scara_table1.csv")

@@ -26,10 +26,10 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 from bench import Orders, run_session  # noqa: E402
 
 from scara_iso import read_table  # noqa: E402
-from scara_iso.acquisition.indicators import Dialect, find_dialect  # noqa: E402
-from scara_iso.acquisition.ports import StreamClock  # noqa: E402
-from scara_iso.acquisition.recorder import Quit, recording  # noqa: E402
-from scara_iso.errors import ScaraIsoError  # noqa: E402
+from scara_iso.base.errors import ScaraIsoError  # noqa: E402
+from scara_iso.recorder import Quit, recording  # noqa: E402
+from scara_iso.recorder.indicators import Dialect, find_dialect  # noqa: E402
+from scara_iso.recorder.ports import StreamClock  # noqa: E402
 
 KEYS = {"X": "opto-rs232", "Y": "mitutoyo-mux", "Z": "opto-rs232-ibr", "theta": "magnescale"}
 PERIOD_S = 4.0

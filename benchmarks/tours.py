@@ -26,9 +26,9 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 from bench import Orders, Script, run_session  # noqa: E402
 
 from scara_iso import read_table  # noqa: E402
-from scara_iso.acquisition.ports import StreamClock  # noqa: E402
-from scara_iso.acquisition.recorder import Quit, Voided, raw_path, read_history, recording  # noqa: E402
-from scara_iso.errors import InstrumentError  # noqa: E402
+from scara_iso.base.errors import InstrumentError  # noqa: E402
+from scara_iso.recorder import Quit, Voided, raw_path, read_history, recording  # noqa: E402
+from scara_iso.recorder.ports import StreamClock  # noqa: E402
 
 AXES = ("X", "Y", "Z", "theta")
 POSES = ("P1", "P2", "P3", "P4", "P5")

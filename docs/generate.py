@@ -9,25 +9,23 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from scara_iso.acceptance.published import PublishedStatus
-from scara_iso.acquisition.indicators import Dialect, find_dialects
-from scara_iso.acquisition.recorder.events import PUBLISHED as EVENTS
+from scara_iso.base.published import Json, schema
 from scara_iso.cli import COMMANDS
-from scara_iso.comparison import PublishedComparison
+from scara_iso.comparison import PublishedComparison, PublishedHistory
 from scara_iso.diagnosis import PublishedSeparatingPlan
 from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
 from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
 from scara_iso.diagnosis.published_gears import PUBLISHED as BACKLASH
 from scara_iso.diagnosis.published_poses import PosesDiagnosis, TracedPosesDiagnosis
 from scara_iso.fleets import PublishedFleet, PublishedFleetFigures
+from scara_iso.gauge import PublishedGaugeStudy
 from scara_iso.iso9283 import PublishedPlan
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.iso9283.published_push import PublishedPush
 from scara_iso.library import PublishedRun
 from scara_iso.library.evidence import Evidence
-from scara_iso.measurement_system import PublishedGaugeStudy
-from scara_iso.monitoring import PublishedHistory
-from scara_iso.published import Json, schema
+from scara_iso.recorder.events import PUBLISHED as EVENTS
+from scara_iso.recorder.indicators import Dialect, find_dialects
 from scara_iso.reporting import (
     ConditionResults,
     PublishedDemo,
@@ -42,6 +40,7 @@ from scara_iso.reporting.published_ports import (
 )
 from scara_iso.streams.published import PublishedVisits
 from scara_iso.tables.published import PublishedTable
+from scara_iso.testfolder.published import PublishedStatus
 from scara_iso.validation import PublishedValidation
 
 DOCS = Path(__file__).parent

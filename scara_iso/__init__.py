@@ -14,19 +14,20 @@ are `ScaraIsoError`s with what, where and what to do.
 
 from importlib import import_module
 
-from scara_iso import display
-from scara_iso.faces import face
+from scara_iso.base import display
+from scara_iso.base.faces import face
 
-TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.trust
+TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.base.trust
 if TYPE_CHECKING:
-    from scara_iso.comparison import Comparison as Comparison
-    from scara_iso.diagnosis import Diagnosis as Diagnosis
-    from scara_iso.errors import (
+    from scara_iso.base.errors import (
         DataError as DataError,
         ScaraIsoError as ScaraIsoError,
         UsageError as UsageError,
     )
+    from scara_iso.comparison import Comparison as Comparison
+    from scara_iso.diagnosis import Diagnosis as Diagnosis
     from scara_iso.fleets import FleetFigures as FleetFigures, FleetSummary as FleetSummary
+    from scara_iso.gauge import GaugeStudy as GaugeStudy
     from scara_iso.iso9283 import (
         Analysis as Analysis,
         AxisResult as AxisResult,
@@ -56,7 +57,6 @@ if TYPE_CHECKING:
         simulate as simulate,
         visits as visits,
     )
-    from scara_iso.measurement_system import GaugeStudy as GaugeStudy
     from scara_iso.robot import Backlash as Backlash, Crossing as Crossing, backlash as backlash
     from scara_iso.run import Axis as Axis, Run as Run
     from scara_iso.tables import read_table as read_table, write_table as write_table

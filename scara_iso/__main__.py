@@ -8,8 +8,8 @@ import gc
 import os
 import sys
 
-import scara_iso.interrupts as interrupts  # noqa: PLR0402 - from a face would ask for its names first
-from scara_iso.trust import begin_program
+import scara_iso.base.interrupts as interrupts  # noqa: PLR0402 - from a face would ask for its names first
+from scara_iso.base.trust import begin_program
 
 _COLLECTED_AFTER = 100_000
 """New objects before the first look for garbage: imports make most of them, and none of it."""

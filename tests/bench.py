@@ -7,8 +7,8 @@ from pathlib import Path
 
 from disks import UnsyncedDisk
 
-from scara_iso.acquisition.ports import StreamClock
-from scara_iso.acquisition.recorder import (
+from scara_iso.base.errors import InstrumentError
+from scara_iso.recorder import (
     Job,
     RecordingPlan,
     Stored,
@@ -20,7 +20,7 @@ from scara_iso.acquisition.recorder import (
     record,
     recording as recording_module,
 )
-from scara_iso.errors import InstrumentError
+from scara_iso.recorder.ports import StreamClock
 
 
 class Script:

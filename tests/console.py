@@ -17,8 +17,8 @@ from difflib import SequenceMatcher
 from pathlib import Path
 from unittest import mock
 
-from scara_iso.acquisition.ports import Device
 from scara_iso.cli import main
+from scara_iso.recorder.ports import Device
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```)", re.MULTILINE | re.DOTALL)
@@ -97,7 +97,7 @@ def _system(words):
 def _program(words, typed):
     screen = Screen() if words[0] == "record" and "--json" not in words else io.StringIO()
     with (
-        mock.patch("scara_iso.acquisition.ports.list_devices", return_value=CABLES),
+        mock.patch("scara_iso.recorder.ports.list_devices", return_value=CABLES),
         mock.patch("sys.stdin", io.TextIOWrapper(io.BytesIO(typed.encode()))),
         contextlib.redirect_stdout(screen),
         contextlib.redirect_stderr(screen),

@@ -6,7 +6,7 @@ import errno
 from collections.abc import Iterator
 from pathlib import Path
 
-from scara_iso.acquisition.recorder import SystemDisk
+from scara_iso.recorder import SystemDisk
 
 
 class UnsyncedDisk(SystemDisk):

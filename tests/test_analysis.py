@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from scara_iso import analyze
-from scara_iso.errors import DataError, UsageError
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283.figures import Conformity
 from scara_iso.iso9283.limits import EVERY_LENGTH
 from scara_iso.iso9283.statistics import GAUSSIAN_RP, repeatability, rp_interval
 from scara_iso.iso9283.uncertainty import reading_uncertainty
-from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 
 

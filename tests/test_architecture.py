@@ -12,7 +12,9 @@ import scara_iso
 
 ROOT = Path(scara_iso.__file__).parent
 PATHS = sorted(ROOT.rglob("*.py"))
-FACES = sorted(path.parent.name for path in ROOT.glob("*/__init__.py"))
+GROUND = "base"
+"""Its modules are words that every room uses: it needs no face."""
+FACES = sorted({path.parent.name for path in ROOT.glob("*/__init__.py")} - {GROUND})
 BEHIND = {
     ("reporting.explain", "iso9283.checks"),  # reads the docstrings of the folder
     ("reporting.explain", "iso9283.characteristics"),
@@ -49,7 +51,7 @@ def behind_faces(path):
     own = module_of(path).split(".")[0]
     ours = (name.removeprefix("scara_iso.") for name in imported(path) if "scara_iso." in name)
     for name in ours:
-        if "." in name and is_module(name) and name.split(".")[0] not in (own, ""):
+        if "." in name and is_module(name) and name.split(".")[0] not in (own, GROUND):
             yield name
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.robot.arm import Arm, Elbow, project
 
 FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # the split of 0.7 m is assumed

@@ -9,12 +9,12 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import given, strategies as st
 
-from scara_iso.acquisition.indicators import Decoder, Reading, find_dialect
-from scara_iso.acquisition.indicators.generic import make_generic
-from scara_iso.acquisition.ports import SystemClock, bluetooth, check_address, open_port
-from scara_iso.acquisition.ports.bluetooth import COPY_S, SPOILT, Transfers
+from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.cli import main
-from scara_iso.errors import InstrumentError, UsageError
+from scara_iso.recorder.indicators import Decoder, Reading, find_dialect
+from scara_iso.recorder.indicators.generic import make_generic
+from scara_iso.recorder.ports import SystemClock, bluetooth, check_address, open_port
+from scara_iso.recorder.ports.bluetooth import COPY_S, SPOILT, Transfers
 
 ADDRESS = "ble:C4:64:E3:00:00:01"
 SYLVAC, NORDIC = bluetooth.SERVICES[:2]

@@ -15,15 +15,15 @@ from scipy.spatial.distance import pdist
 from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
 from scara_iso import analyze, compare, diagnose
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.plugins import find_modules
+from scara_iso.base.quantities import Dimension
 from scara_iso.cli import main
-from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.results import Measured
 from scara_iso.iso9283.scope import not_measured
 from scara_iso.iso9283.uncertainty import _student
-from scara_iso.plugins import find_modules
-from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
 from scara_iso.validation.references import references

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from scara_iso import analyze
+from scara_iso.base.plugins import find_modules
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import checks
 from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.trend import mann_kendall
 from scara_iso.iso9283.results import Finding
-from scara_iso.plugins import find_modules
-from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, Run
 
 MODULES = find_modules(checks, "scara_iso.checks")

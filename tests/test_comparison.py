@@ -12,13 +12,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from scipy import stats
 
 from scara_iso import analyze
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import to_json
+from scara_iso.base.quantities import Dimension
 from scara_iso.cli import main
 from scara_iso.comparison import ContrastVerdict, compare, published_comparison
 from scara_iso.comparison.chance import largest_bias, mean_error, spread, through_dial
-from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283.statistics import repeatability
-from scara_iso.published import to_json
-from scara_iso.quantities import Dimension
 from scara_iso.render.json import to_text
 from scara_iso.render.plots import plot_comparison, save_figure
 from scara_iso.reporting.comparison import comparison_report, headline

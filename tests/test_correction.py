@@ -8,10 +8,9 @@ from hypothesis import given, strategies as st
 
 import scara_iso
 from scara_iso.cli import main
-from scara_iso.dial import Correction
 from scara_iso.library import new_test
 from scara_iso.reporting import document
-from scara_iso.run import Axis
+from scara_iso.run import Axis, Correction
 from scara_iso.tables import write_table
 
 SHOWN = [0.010, 0.014, 0.009, 0.012, 0.011, 0.013]

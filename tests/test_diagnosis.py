@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scara_iso.base.errors import DataError
 from scara_iso.diagnosis import Verdict
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.effects import Conditions, find_effects
-from scara_iso.errors import DataError
 from scara_iso.run import Axis, Run
 
 N = 30

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.gain.held_out import cross_validated
 from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, log_bayes, views_of
@@ -28,7 +29,6 @@ from scara_iso.diagnosis.significance.marginal import (
 from scara_iso.diagnosis.significance.permutation import ROUGH, _compared, log_statistic, order_test
 from scara_iso.diagnosis.significance.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.tuning import KNOWN_FROM
-from scara_iso.dial import common_step, seen_step
 from scara_iso.effects import (
     Chain,
     Conditions,
@@ -39,8 +39,7 @@ from scara_iso.effects import (
     find_effects,
     find_gear_effects,
 )
-from scara_iso.errors import DataError
-from scara_iso.run import Axis, Run
+from scara_iso.run import Axis, Run, common_step, seen_step
 
 N = 20
 CONDITIONS = Conditions(np.arange(2, N + 2))

@@ -9,7 +9,7 @@ import pytest
 from budget import examples
 from hypothesis import example, given, strategies as st
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
 from tests.oracles.integration import integrate
 from tests.oracles.motion import (

@@ -10,8 +10,14 @@ from bench import Script, run_session
 from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports import StreamClock
-from scara_iso.acquisition.recorder import (
+from scara_iso.base.errors import (
+    CannotCreateError,
+    DataError,
+    NoInputError,
+    ScaraIsoError,
+    WriteError,
+)
+from scara_iso.recorder import (
     Noticed,
     Stored,
     SystemDisk,
@@ -22,8 +28,8 @@ from scara_iso.acquisition.recorder import (
     read_history,
     rebuild,
 )
-from scara_iso.acquisition.recorder.journal import Journal
-from scara_iso.errors import CannotCreateError, DataError, NoInputError, ScaraIsoError, WriteError
+from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.ports import StreamClock
 
 X = "X=opto-rs232@sim:?pace=0"
 Y = "Y=mitutoyo-mux@sim:?pace=0"

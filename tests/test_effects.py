@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from scara_iso import effects
+from scara_iso.base.toml_keys import KeyFaults
 from scara_iso.cli import main
 from scara_iso.diagnosis.likelihood.hypotheses import hypotheses_of
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
@@ -39,7 +40,6 @@ from scara_iso.reporting.explain import find_pages
 from scara_iso.robot.model_file import read_model
 from scara_iso.robot.prediction import predict
 from scara_iso.run import Axis, Run
-from scara_iso.toml_keys import KeyFaults
 
 ON_READINGS = {
     "linear_drift", "warm_up", "step", "periodic", "contact_side", "lost_motion", "temperature",

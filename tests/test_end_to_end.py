@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from scara_iso.acquisition.indicators import find_dialect
 from scara_iso.cli import main
 from scara_iso.effects import Conditions, find_effects
+from scara_iso.recorder.indicators import find_dialect
 from scara_iso.robot.model_file import parse_effect, read_model
 from scara_iso.robot.prediction import simulate
 from scara_iso.tables import read_table, write_table

@@ -22,9 +22,9 @@ from hypothesis import given, strategies as st
 from rich.console import Console
 
 import scara_iso
+from scara_iso.base.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
 from scara_iso.cli import main
 from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
-from scara_iso.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
 from scara_iso.fleets import Engine, ReadAs
 from scara_iso.fleets.database import as_parquet, results_in, workspace
 from scara_iso.fleets.parts import tables_in

@@ -14,9 +14,9 @@ from openpyxl import Workbook
 from scipy.stats import t as student
 
 import scara_iso
+from scara_iso.base.errors import DataError, UsageError
 from scara_iso.cli import main
-from scara_iso.errors import DataError, UsageError
-from scara_iso.measurement_system.table import read_gauge_tables
+from scara_iso.gauge.table import read_gauge_tables
 
 FIXTURES = Path(__file__).parent / "fixtures" / "gauge"
 CROSSED, LINEARITY, BIAS = (FIXTURES / f"aiag_{n}.csv" for n in ("crossed", "linearity", "bias"))

@@ -14,7 +14,11 @@ from types import SimpleNamespace
 import pytest
 
 from scara_iso import read_table
-from scara_iso.acquisition import (
+from scara_iso.base.errors import DataError, InstrumentError, UsageError
+from scara_iso.cli import guide, main
+from scara_iso.cli.guide import without_questions
+from scara_iso.cli.record_options import RecordOptions
+from scara_iso.recorder import (
     Detected,
     Device,
     RememberedBench,
@@ -23,10 +27,6 @@ from scara_iso.acquisition import (
     read_bench,
     write_bench,
 )
-from scara_iso.cli import guide, main
-from scara_iso.cli.guide import without_questions
-from scara_iso.cli.record_options import RecordOptions
-from scara_iso.errors import DataError, InstrumentError, UsageError
 
 SIMULATOR = Path(__file__).with_name("simulator.py")
 OPTIONS = RecordOptions(

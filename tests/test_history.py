@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from scara_iso.acquisition.recorder import history as module
-from scara_iso.acquisition.recorder.history import History, read_history
-from scara_iso.acquisition.tape import checksum, decode_record, encode
-from scara_iso.errors import DataError
-from scara_iso.quantities import Dimension
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import Dimension
+from scara_iso.recorder import history as module
+from scara_iso.recorder.history import History, read_history
+from scara_iso.recorder.tape import checksum, decode_record, encode
 
 
 def gauge(**changes):

@@ -17,16 +17,15 @@ import pytest
 
 import scara_iso
 from scara_iso import effects, read_table
-from scara_iso.acquisition import indicators
-from scara_iso.acquisition.recorder import Quit, Take
-from scara_iso.acquisition.tape import decode_record
+from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError
+from scara_iso.base.plugins import find_modules
 from scara_iso.cli import main
 from scara_iso.cli.keyboard import Lines
 from scara_iso.effects import find_effects
-from scara_iso.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.iso9283 import checks
 from scara_iso.library import inputs
-from scara_iso.plugins import find_modules
+from scara_iso.recorder import Quit, Take, indicators
+from scara_iso.recorder.tape import decode_record
 
 ROOT = Path(__file__).parents[1]
 HEAD = "# unit: mm\n# resolution: 0.001\ncycle,X,Y\n"
@@ -42,8 +41,8 @@ def read_or_refuse(text):
 
 LONG = """
 from scara_iso.diagnosis import read_sweep
-from scara_iso.errors import ScaraIsoError
-from scara_iso.quantities import find_unit
+from scara_iso.base.errors import ScaraIsoError
+from scara_iso.base.quantities import find_unit
 from scara_iso.tables import read_table
 lines = ["-" * 60 + "a", "-" * 90_000 + "a", "--- " * 20_000 + "a", "x" + " " * 90_000 + "y",
          "x" + " _" * 40_000 + "axis", "(" * 90_000, "1" * 90_000 + "e", "#" * 90_000,

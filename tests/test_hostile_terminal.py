@@ -8,9 +8,9 @@ import unicodedata
 import pytest
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports import Device
-from scara_iso.acquisition.tape import encode
 from scara_iso.cli import main
+from scara_iso.recorder.ports import Device
+from scara_iso.recorder.tape import encode
 from scara_iso.reporting.blocks import printable
 from tests.hostile import TEXTS, WORDS, model, sweep, table
 
@@ -179,7 +179,7 @@ def test_a_simulated_table(sent, folder, monkeypatch):
 
 def test_ports_of_this_machine(sent, monkeypatch):
     device = Device(NAME, f"[red]{NAME}", "067b:2303", NAME, "1-2")
-    monkeypatch.setattr("scara_iso.acquisition.ports.list_devices", lambda: [device])
+    monkeypatch.setattr("scara_iso.recorder.ports.list_devices", lambda: [device])
     _, said = check(sent, "ports")
     assert r"[red]\x1b[2J" in said
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.errors import DataError, UsageError
+from scara_iso.base.errors import DataError, UsageError
 from scara_iso.iso9283.cycles import Counting, used_cycles
 from scara_iso.run import Axis, Run
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import scara_iso
-from scara_iso.acceptance import read_folder
+from scara_iso.base.errors import NoInputError
 from scara_iso.cli import main
-from scara_iso.errors import NoInputError
 from scara_iso.library import new_test, read_conditions
+from scara_iso.testfolder import read_folder
 
 MODEL = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
 

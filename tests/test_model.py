@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import tomlkit
 
+from scara_iso.base.errors import CannotCreateError, DataError, NoInputError, UsageError
 from scara_iso.cli import main
 from scara_iso.effects import Conditions
-from scara_iso.errors import CannotCreateError, DataError, NoInputError, UsageError
 from scara_iso.robot.drivetrain import Approach
 from scara_iso.robot.model import DeclaredEffect
 from scara_iso.robot.model_file import declare, parse_effect, read_model

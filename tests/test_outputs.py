@@ -11,10 +11,10 @@ import typer
 
 import scara_iso
 from scara_iso import library
-from scara_iso.acquisition import raw_path
+from scara_iso.base.disk import SystemDisk, check_output, write_file
+from scara_iso.base.errors import CannotCreateError, NoInputError
 from scara_iso.cli import build_app, main
-from scara_iso.disk import SystemDisk, check_output, write_file
-from scara_iso.errors import CannotCreateError, NoInputError
+from scara_iso.recorder import raw_path
 
 ROOT = Path(__file__).parents[1]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
@@ -122,7 +122,7 @@ def place(tmp_path, monkeypatch):
         raise AssertionError("begun")
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("scara_iso.acquisition.recorder.recording.open_port", no)
+    monkeypatch.setattr("scara_iso.recorder.recording.open_port", no)
     monkeypatch.setattr("scara_iso.library.selftests.validate", no)
     return tmp_path
 

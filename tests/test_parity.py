@@ -5,14 +5,14 @@ import sys
 
 import pytest
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.recorder.indicators import (
     Decoder,
     Garbage,
     LineSettings,
     Reading,
     find_dialect,
 )
-from scara_iso.acquisition.ports import DevicePort, device
+from scara_iso.recorder.ports import DevicePort, device
 
 termios = pytest.importorskip("termios")
 OPTO = find_dialect("opto-rs232")

@@ -11,13 +11,13 @@ import pytest
 from scipy.linalg import block_diag
 
 import scara_iso
-from scara_iso.acceptance import read_test
+from scara_iso.base.errors import UsageError
 from scara_iso.cli import main
-from scara_iso.errors import UsageError
 from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, make_plan
 from scara_iso.robot import Model, Rated
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.workspace import Workspace
+from scara_iso.testfolder import read_test
 
 FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # split and limits are assumed
 TALL = Arm(400, 300, (-130, 130), (-145, 145), (-300, 300))

@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from scara_iso.errors import CannotCreateError, UsageError
+from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.iso9283.poses import make_plan
 from scara_iso.render.plots import plot_plan, save_figure
 from scara_iso.robot.arm import Arm

@@ -5,15 +5,15 @@ import sys
 import pytest
 
 from scara_iso import effects
-from scara_iso.acquisition import indicators
-from scara_iso.acquisition.indicators import Reading, find_dialect, find_dialects
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
+from scara_iso.base.plugins import find_modules
 from scara_iso.iso9283 import characteristics, checks
-from scara_iso.plugins import find_modules
+from scara_iso.recorder import indicators
+from scara_iso.recorder.indicators import Reading, find_dialect, find_dialects
 
 HEAD = """
 from dataclasses import replace
-from scara_iso.acquisition.indicators import find_dialect, make_generic
+from scara_iso.recorder.indicators import find_dialect, make_generic
 HOUSE = replace(make_generic(r"(?P<value>.*)"), key="house")
 """
 

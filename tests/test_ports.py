@@ -11,14 +11,22 @@ import pytest
 import serial
 from serial import rfc2217
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.base.errors import DataError, InstrumentError, NoInputError, UsageError
+from scara_iso.effects import Conditions
+from scara_iso.recorder.indicators import (
     Decoder,
     LineSettings,
     Reading,
     find_dialect,
     find_dialects,
 )
-from scara_iso.acquisition.ports import (
+from scara_iso.recorder.plan import (
+    parse_gauge,
+    parse_gauges,
+    parse_metadata,
+    read_metadata,
+)
+from scara_iso.recorder.ports import (
     DevicePort,
     ReplayPort,
     SimulatedPort,
@@ -29,16 +37,8 @@ from scara_iso.acquisition.ports import (
     port as identity,
     refuse_same_device,
 )
-from scara_iso.acquisition.ports.simulated import MODEL_CYCLES
-from scara_iso.acquisition.recorder.plan import (
-    parse_gauge,
-    parse_gauges,
-    parse_metadata,
-    read_metadata,
-)
-from scara_iso.acquisition.tape import decode_record, encode, read_tape
-from scara_iso.effects import Conditions
-from scara_iso.errors import DataError, InstrumentError, NoInputError, UsageError
+from scara_iso.recorder.ports.simulated import MODEL_CYCLES
+from scara_iso.recorder.tape import decode_record, encode, read_tape
 from scara_iso.robot.model_file import read_model
 from scara_iso.robot.prediction import simulate
 

@@ -14,8 +14,9 @@ from test_session import OPTO, script
 
 import scara_iso
 from scara_iso import read_table
-from scara_iso.acquisition.ports import StreamClock
-from scara_iso.acquisition.recorder import (
+from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.cli import main
+from scara_iso.recorder import (
     Gross,
     Pause,
     Problem,
@@ -31,10 +32,9 @@ from scara_iso.acquisition.recorder import (
     raw_path,
     rebuild,
 )
-from scara_iso.acquisition.recorder.gauge import Shown
-from scara_iso.acquisition.recorder.visits import Visits
-from scara_iso.cli import main
-from scara_iso.errors import InstrumentError, UsageError
+from scara_iso.recorder.gauge import Shown
+from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.visits import Visits
 
 FIVE = ("P1", "P2", "P3", "P4", "P5")
 X = "X=opto-rs232@sim:?pace=0"

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from scara_iso import read_table
-from scara_iso.acquisition.indicators import LineSettings
-from scara_iso.acquisition.ports import DevicePort
-from scara_iso.acquisition.recorder import raw_path
-from scara_iso.acquisition.tape import decode_record
 from scara_iso.cli import main
+from scara_iso.recorder import raw_path
+from scara_iso.recorder.indicators import LineSettings
+from scara_iso.recorder.ports import DevicePort
+from scara_iso.recorder.tape import decode_record
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
 EXAMPLE = Path(__file__).parents[1] / "examples" / "fum_scara.toml"

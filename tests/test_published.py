@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from scara_iso import analyze, read_table
+from scara_iso.base.published import to_json
 from scara_iso.iso9283 import published_analysis
-from scara_iso.published import to_json
 from scara_iso.render import analysis_json, to_text
 from scara_iso.reporting.blocks import Table, table_by_name
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from scara_iso.errors import UsageError
-from scara_iso.quantities import Dimension, find_unit, parse_unit, rounding_uncertainty
+from scara_iso.base.errors import UsageError
+from scara_iso.base.quantities import Dimension, find_unit, parse_unit, rounding_uncertainty
 
 EXACT = {
     "mm": Fraction(1),

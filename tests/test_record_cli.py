@@ -12,7 +12,12 @@ from rich.console import Console
 
 import scara_iso
 from scara_iso import read_table
-from scara_iso.acquisition.recorder import (
+from scara_iso.base.errors import NoInputError
+from scara_iso.cli import main, recording
+from scara_iso.cli.keyboard import Keys, Lines, parse_line
+from scara_iso.cli.record_options import RecordOptions
+from scara_iso.cli.record_screen import Screen
+from scara_iso.recorder import (
     CycleDone,
     Done,
     Note,
@@ -29,13 +34,8 @@ from scara_iso.acquisition.recorder import (
     Waiting,
     raw_path,
 )
-from scara_iso.acquisition.recorder.history import VOIDABLE, AxisReadings, History
-from scara_iso.acquisition.tape import decode_record, encode
-from scara_iso.cli import main, recording
-from scara_iso.cli.keyboard import Keys, Lines, parse_line
-from scara_iso.cli.record_options import RecordOptions
-from scara_iso.cli.record_screen import Screen
-from scara_iso.errors import NoInputError
+from scara_iso.recorder.history import VOIDABLE, AxisReadings, History
+from scara_iso.recorder.tape import decode_record, encode
 from scara_iso.render.live import LiveScreen, draw
 
 FIXTURES = Path(__file__).with_name("fixtures") / "recordings"

@@ -5,8 +5,8 @@ from bench import Orders, Script, kept, run_session
 from disks import UnsyncedDisk
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports import StreamClock
-from scara_iso.acquisition.recorder import (
+from scara_iso.base.errors import CannotCreateError, InstrumentError, UsageError, WriteError
+from scara_iso.recorder import (
     CycleDone,
     Noticed,
     Quit,
@@ -15,8 +15,8 @@ from scara_iso.acquisition.recorder import (
     raw_path,
     recording as module,
 )
-from scara_iso.acquisition.tape import read_tape
-from scara_iso.errors import CannotCreateError, InstrumentError, UsageError, WriteError
+from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.tape import read_tape
 
 SIM = ["X=opto-rs232@sim:?pace=0"]
 

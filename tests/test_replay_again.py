@@ -5,10 +5,10 @@ from bench import Orders, Script, run_session
 from disks import UnsyncedDisk
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports.replay import Timeline
-from scara_iso.acquisition.recorder import Note, Quit, Take, Void, raw_path, rebuild
-from scara_iso.acquisition.tape import decode_record, encode
 from scara_iso.cli import main
+from scara_iso.recorder import Note, Quit, Take, Void, raw_path, rebuild
+from scara_iso.recorder.ports.replay import Timeline
+from scara_iso.recorder.tape import decode_record, encode
 
 OPTO = "X=opto-rs232?unit=mm@script"
 MUX = "Y=mitutoyo-mux?unit=mm@script2"

@@ -11,9 +11,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import scara_iso
+from scara_iso.base.published import to_json
 from scara_iso.cli import main
 from scara_iso.diagnosis import published_poses_diagnosis
-from scara_iso.published import to_json
 from scara_iso.render import save_figure
 
 ROOT = Path(scara_iso.__file__).parent

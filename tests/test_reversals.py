@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from undeclared.gearbox import freely_reversed
 
+from scara_iso.base.errors import UsageError
 from scara_iso.cli import main
 from scara_iso.diagnosis import Verdict
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions
-from scara_iso.errors import UsageError
 from scara_iso.reporting.blocks import Text
 from scara_iso.reporting.diagnosis import reversals_section
 from scara_iso.robot.drivetrain import DriveTrain, Move, arrivals

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from scara_iso.errors import DataError, Fault
-from scara_iso.quantities import Dimension
+from scara_iso.base.errors import DataError, Fault
+from scara_iso.base.quantities import Dimension
 from scara_iso.run import Axis, Run
 
 readings = arrays(np.float64, 5, elements=st.floats(-90, 90))

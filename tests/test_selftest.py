@@ -14,8 +14,7 @@ from oracles import effect_tables, vectors as oracle
 from scipy import constants
 
 import scara_iso
-from scara_iso import quantities
-from scara_iso.acquisition import indicators
+from scara_iso.base import quantities
 from scara_iso.cli import main
 from scara_iso.iso9283 import (
     cycles,
@@ -27,6 +26,7 @@ from scara_iso.iso9283 import (
 )
 from scara_iso.iso9283.characteristics import drp, rd
 from scara_iso.library import killed, selftests
+from scara_iso.recorder import indicators
 from scara_iso.robot import two_inertia
 from scara_iso.validation import sizes, suite, validate
 

@@ -8,8 +8,8 @@ import pytest
 from bench import Orders, Script, kept, run_session, stored
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports import StreamClock
-from scara_iso.acquisition.recorder import (
+from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.recorder import (
     CycleDone,
     Note,
     Noted,
@@ -23,7 +23,7 @@ from scara_iso.acquisition.recorder import (
     Voided,
     as_json,
 )
-from scara_iso.errors import InstrumentError, UsageError
+from scara_iso.recorder.ports import StreamClock
 
 OPTO = "X=opto-rs232?unit=mm@script"
 MUX_Y = "Y=mitutoyo-mux?unit=mm@script2"

@@ -4,10 +4,10 @@ import pytest
 from bench import Orders, Script, kept, run_session, stored
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports import StreamClock
-from scara_iso.acquisition.recorder import Gross, Pause, Paused, Problem, Quit, as_json
-from scara_iso.acquisition.recorder.gauge import Shown
-from scara_iso.errors import InstrumentError
+from scara_iso.base.errors import InstrumentError
+from scara_iso.recorder import Gross, Pause, Paused, Problem, Quit, as_json
+from scara_iso.recorder.gauge import Shown
+from scara_iso.recorder.ports import StreamClock
 
 OPTO = "X=opto-rs232?unit=mm@script"
 MUX = "X=mitutoyo-mux?unit=mm@script"

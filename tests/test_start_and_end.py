@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from scara_iso.base.errors import UsageError
 from scara_iso.cli import WELCOME, main
 from scara_iso.cli.options import parse_limits
-from scara_iso.errors import UsageError
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -236,7 +236,7 @@ import os, signal, sys
 for name in ("SIGINT", "SIGTERM", "SIGHUP"):
     signal.signal(getattr(signal, name), signal.SIG_DFL)
 signal.signal(signal.SIGINT, signal.default_int_handler)
-from scara_iso import disk
+from scara_iso.base import disk
 from scara_iso.__main__ import run
 import scara_iso.cli
 {moment}

@@ -9,8 +9,8 @@ import streams as simulated
 from streams import Arm, text
 
 import scara_iso
+from scara_iso.base.errors import DataError, UsageError
 from scara_iso.cli import main
-from scara_iso.errors import DataError, UsageError
 from scara_iso.run import Axis, Run
 from scara_iso.tables import write_table
 

@@ -7,9 +7,9 @@ import numpy as np
 import openpyxl
 import pytest
 
+from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.cli import main
 from scara_iso.diagnosis.reversals.sweeps import read_sweep
-from scara_iso.errors import DataError, NoInputError
 
 FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
 

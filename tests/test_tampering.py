@@ -9,7 +9,9 @@ from disks import UnsyncedDisk
 from hypothesis import given, strategies as st
 
 from scara_iso import read_table
-from scara_iso.acquisition.recorder import (
+from scara_iso.base.errors import CannotCreateError, DataError
+from scara_iso.cli import main
+from scara_iso.recorder import (
     Quit,
     Take,
     Void,
@@ -17,9 +19,7 @@ from scara_iso.acquisition.recorder import (
     raw_path,
     read_history,
 )
-from scara_iso.acquisition.tape import decode_record, encode, read_tape
-from scara_iso.cli import main
-from scara_iso.errors import CannotCreateError, DataError
+from scara_iso.recorder.tape import decode_record, encode, read_tape
 
 X = ["X=opto-rs232@sim:?pace=0"]
 CHANGED = "run.raw.jsonl was changed after it was recorded"

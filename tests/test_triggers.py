@@ -6,8 +6,9 @@ import threading
 
 import pytest
 
-from scara_iso import acquisition, read_table
-from scara_iso.acquisition import (
+from scara_iso import read_table, recorder
+from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.recorder import (
     Job,
     RecordingPlan,
     RobotLine,
@@ -17,11 +18,10 @@ from scara_iso.acquisition import (
     parse_gauges,
     parse_trigger,
 )
-from scara_iso.acquisition.recorder.bench import AtRest
-from scara_iso.acquisition.recorder.events import Noticed, Quit, Stored
-from scara_iso.acquisition.recorder.plan import Tour
-from scara_iso.acquisition.recorder.robot_line import RobotSays
-from scara_iso.errors import InstrumentError, UsageError
+from scara_iso.recorder.bench import AtRest
+from scara_iso.recorder.events import Noticed, Quit, Stored
+from scara_iso.recorder.plan import Tour
+from scara_iso.recorder.robot_line import RobotSays
 
 DIVISION = {"X": 0.001}
 SIM = "X=opto-rs232@sim:?pace=0&scatter=0.01"
@@ -124,7 +124,7 @@ class Watcher:
 
 def record(work, operator):
     clock = choose_clock(spec.address for spec in work.gauges)
-    acquisition.record(
+    recorder.record(
         work, disk=SystemDisk(), clock=clock, operator=operator, tell=operator.heard.append
     )
     return read_table(work.table)
@@ -223,12 +223,12 @@ def test_the_robot_s_line_may_be_serial(tmp_path):
 
     def tell(said):
         operator.heard.append(said)
-        if isinstance(said, acquisition.Waiting):
+        if isinstance(said, recorder.Waiting):
             os.write(ours, b"AT P1\r\n")
 
     work = job(tmp_path / "run.csv", f"line:{os.ttyname(theirs)}", 4, pose="P1")
     clock = choose_clock(spec.address for spec in work.gauges)
-    acquisition.record(work, disk=SystemDisk(), clock=clock, operator=operator, tell=tell)
+    recorder.record(work, disk=SystemDisk(), clock=clock, operator=operator, tell=tell)
     assert len(read_table(work.table)) == 4
     os.close(ours)
     os.close(theirs)

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.robot.two_inertia import backlash
 
 PAPER = {"Im": 2.65e-4, "IL": 4.749, "arcmin": 12, "arm": 0.7}

@@ -6,10 +6,10 @@ import pytest
 from bench import Orders, Script, run_session, stored
 
 from scara_iso import read_table
-from scara_iso.acquisition.ports import StreamClock
-from scara_iso.acquisition.recorder import Quit, Voided
-from scara_iso.acquisition.recorder.visits import Visits
-from scara_iso.errors import InstrumentError
+from scara_iso.base.errors import InstrumentError
+from scara_iso.recorder import Quit, Voided
+from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.visits import Visits
 
 GAUGES = {
     "X": "X=opto-rs232?unit=mm@a",

@@ -11,9 +11,15 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
-from scara_iso import disk
-from scara_iso.acceptance import assign, parse_test, read_folder, strike, toml_of
-from scara_iso.acceptance.whole_test import (
+from scara_iso.base import disk
+from scara_iso.base.errors import DataError, InstrumentError, UsageError
+from scara_iso.base.toml_keys import KeyFaults
+from scara_iso.cli import main
+from scara_iso.library import new_test, read_conditions
+from scara_iso.recorder import recording
+from scara_iso.reporting import Notice, status_report
+from scara_iso.testfolder import assign, parse_test, read_folder, strike, toml_of
+from scara_iso.testfolder.whole_test import (
     CommandPose,
     Cube,
     Instrument,
@@ -24,12 +30,6 @@ from scara_iso.acceptance.whole_test import (
     Surroundings,
     WholeTest,
 )
-from scara_iso.acquisition.recorder import recording
-from scara_iso.cli import main
-from scara_iso.errors import DataError, InstrumentError, UsageError
-from scara_iso.library import new_test, read_conditions
-from scara_iso.reporting import Notice, status_report
-from scara_iso.toml_keys import KeyFaults
 
 MODEL = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
 GAUGE = "X=opto-rs232@sim:?pace=0&seed={}"

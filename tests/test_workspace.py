@@ -8,7 +8,7 @@ import pytest
 from budget import examples
 from hypothesis import given, strategies as st
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.workspace import Workspace, largest_rectangle
 

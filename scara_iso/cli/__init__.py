@@ -19,11 +19,12 @@ import typer
 from typer._completion_classes import completion_init
 from typer.core import TyperGroup
 
-from scara_iso import __version__, interrupts
+from scara_iso import __version__
+from scara_iso.base import interrupts
+from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.cli.groups import COMMANDS, GROUPS
 from scara_iso.cli.help import Command, asks_for_help, in_plain_words
 from scara_iso.cli.output import as_options, settings
-from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
 

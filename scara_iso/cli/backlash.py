@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso import reporting
+from scara_iso.base.errors import DataError
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import (
     AsJson,
     DecimalMark,
     takes_tables,
 )
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.errors import DataError
 from scara_iso.iso9283 import Counting
-from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import GearDiagnosis

@@ -9,7 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from scara_iso import library
-from scara_iso.acceptance import is_test_folder
+from scara_iso.base.errors import UsageError
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AsJson,
@@ -20,10 +21,9 @@ from scara_iso.cli.options import (
 )
 from scara_iso.cli.output import check_outputs, command_line, write_json, write_picture
 from scara_iso.cli.show_comparison import show_comparison
-from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Conformity, Counting
 from scara_iso.library import TableOptions
-from scara_iso.published import to_json
+from scara_iso.testfolder import is_test_folder
 
 Tables = Annotated[
     list[str],

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import typer
 
 from scara_iso import reporting
-from scara_iso.acceptance import is_test_folder
+from scara_iso.base.errors import UsageError
 from scara_iso.cli.options import NOT_WITHIN_LIMITS
 from scara_iso.cli.output import (
     check_outputs,
@@ -22,7 +22,6 @@ from scara_iso.cli.output import (
 )
 from scara_iso.cli.show_comparison import show_comparison
 from scara_iso.comparison import published_comparison
-from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Beside, Conformity
 from scara_iso.library import (
     ConditionRun,
@@ -33,13 +32,14 @@ from scara_iso.library import (
     read_conditions,
     report,
 )
+from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
-    from scara_iso.acceptance import Folder
     from scara_iso.comparison import Comparison
     from scara_iso.library import TestReport
     from scara_iso.reporting import Dossier
     from scara_iso.run import Run
+    from scara_iso.testfolder import Folder
 
 Write: TypeAlias = "Callable[[reporting.OfTable], None]"
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import AsJson, Full
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.reporting import Section

@@ -8,6 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import to_json
+from scara_iso.base.quantities import Dimension
 from scara_iso.cli.diagnose_files import Files
 from scara_iso.cli.output import write_json, write_report
 from scara_iso.diagnosis import (
@@ -23,11 +26,8 @@ from scara_iso.diagnosis import (
     whole_cycles,
 )
 from scara_iso.effects import Conditions, find_effects
-from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.library import TableOptions, defined
-from scara_iso.published import to_json
-from scara_iso.quantities import Dimension
 from scara_iso.reporting import design_of_poses_report, design_report
 from scara_iso.robot import Arm, Model, read_model
 from scara_iso.run import FloatArray, Run

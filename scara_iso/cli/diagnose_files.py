@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scara_iso import render
+from scara_iso.base.disk import check_output
+from scara_iso.base.errors import UsageError
 from scara_iso.cli.options import parse_limits
-from scara_iso.disk import check_output
-from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.run import Run
@@ -74,7 +74,7 @@ class Files:
     def check_poses(self, run: Run) -> None:
         """Raise `UsageError` where what is held out is neither a pose of ``run`` nor a file."""
         from scara_iso.library import held_out_pose
-        from scara_iso.pose_columns import no_such_pose
+        from scara_iso.run import no_such_pose
 
         second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
         if second and not Path(self.hold_out or "").exists():

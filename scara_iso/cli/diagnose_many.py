@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import typer
 
+from scara_iso.base.published import to_json
 from scara_iso.cli.output import settings, write_json, write_report
 from scara_iso.diagnosis import CyclesWanted, published_tables
 from scara_iso.library import TableOptions, diagnose_each
-from scara_iso.published import to_json
 from scara_iso.render import open_console, track
 from scara_iso.reporting import Failure, summary_report
 

@@ -34,7 +34,7 @@ def explain_command(
 
     Example: scara-iso explain coarse-resolution
     """
-    from scara_iso.published import to_json
+    from scara_iso.base.published import to_json
     from scara_iso.reporting import PublishedPages, find_pages, list_report, pages, pages_report
     from scara_iso.robot import read_effects
 

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from scara_iso.base.errors import StoppedError
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import (
     AsJson,
     DecimalMark,
@@ -20,9 +22,7 @@ from scara_iso.cli.options import (
     takes_tables,
 )
 from scara_iso.cli.output import settings, write_json, write_report
-from scara_iso.errors import StoppedError
 from scara_iso.iso9283 import Counting
-from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.fleets import FleetFigures, FleetSummary

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.library import TableOptions
@@ -17,7 +17,7 @@ def test_folder(tables: Sequence[str], condition: str | None, reading: TableOpti
 
     Raises `UsageError` for options of a table beside a folder, and for a condition beside a table.
     """
-    from scara_iso.acceptance import is_test_folder
+    from scara_iso.testfolder import is_test_folder
 
     table = tables[0] if len(tables) == 1 else ""
     if not is_test_folder(table):

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from scara_iso import render
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AsJson,
@@ -26,7 +27,6 @@ from scara_iso.cli.output import (
     write_report,
 )
 from scara_iso.iso9283 import Conformity, DecisionRule
-from scara_iso.published import to_json
 
 Tables = Annotated[
     list[str],
@@ -101,7 +101,7 @@ def gauge_study_command(
     tell_written(output)
     write_picture(found, plot)
     if json:
-        from scara_iso.measurement_system import published_gauge_study
+        from scara_iso.gauge import published_gauge_study
 
         write_json(to_json(published_gauge_study(found)))
     else:

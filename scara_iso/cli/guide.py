@@ -9,7 +9,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
-from scara_iso.acquisition import (
+from scara_iso.base.errors import (
+    CannotCreateError,
+    InstrumentError,
+    ScaraIsoError,
+    UsageError,
+    WriteError,
+)
+from scara_iso.cli.output import as_answers
+from scara_iso.cli.record_options import RecordOptions, instruments_of, usual_bench
+from scara_iso.cli.recording import record_as_asked
+from scara_iso.recorder import (
     AUTO,
     BENCH_FILE,
     Detected,
@@ -23,16 +33,6 @@ from scara_iso.acquisition import (
     parse_trigger,
     raw_path,
     write_bench,
-)
-from scara_iso.cli.output import as_answers
-from scara_iso.cli.record_options import RecordOptions, instruments_of, usual_bench
-from scara_iso.cli.recording import record_as_asked
-from scara_iso.errors import (
-    CannotCreateError,
-    InstrumentError,
-    ScaraIsoError,
-    UsageError,
-    WriteError,
 )
 from scara_iso.reporting import printable
 
@@ -189,7 +189,7 @@ def _agreed(answer: str) -> bool:
 
 
 def _unit(answer: str) -> str:
-    from scara_iso.quantities import parse_unit
+    from scara_iso.base.quantities import parse_unit
 
     parse_unit(answer)
     return answer

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from scara_iso import library, reporting
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
     AsJson,
@@ -26,7 +27,6 @@ from scara_iso.cli.output import (
 )
 from scara_iso.iso9283 import Counting
 from scara_iso.library import TableOptions
-from scara_iso.published import to_json
 
 TablesOfTests = Annotated[
     list[str],
@@ -80,7 +80,7 @@ def history_command(
     if output is not None:
         library.write_page(reporting.history_document(found), output)
     if json:
-        from scara_iso.monitoring import published_history
+        from scara_iso.comparison import published_history
 
         write_json(to_json(published_history(found)))
     else:

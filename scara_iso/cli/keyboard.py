@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import TextIO
 
-from scara_iso.acquisition import Command, Note, Pause, Quit, Take, Void
+from scara_iso.recorder import Command, Note, Pause, Quit, Take, Void
 
 KEYS = "v void  n note  p pause  q quit"
 _ASKING: dict[str, tuple[str, Callable[[str], Command]]] = {

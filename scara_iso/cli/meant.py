@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from scara_iso.errors import NoInputError
+from scara_iso.base.errors import NoInputError
 from scara_iso.render import endings
 
 _READ_TOO = (".csv", ".json", ".xlsx")

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.iso9283 import Counting, DecisionRule
 from scara_iso.library import TableOptions
 
@@ -184,7 +184,7 @@ def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, flo
 
 
 def _length(said: str, number: str, remedy: str) -> float:
-    from scara_iso.quantities import parse_number
+    from scara_iso.base.quantities import parse_number
 
     if _THOUSANDS.fullmatch(number):
         point, whole = number.replace(",", "."), number.replace(",", "")

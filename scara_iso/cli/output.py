@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scara_iso.disk import check_output, write_file
-from scara_iso.errors import CannotCreateError, UsageError
-from scara_iso.files import is_folder
-from scara_iso.published import to_json
+from scara_iso.base.disk import check_output, write_file
+from scara_iso.base.errors import CannotCreateError, UsageError
+from scara_iso.base.files import is_folder
+from scara_iso.base.published import to_json
 
 if TYPE_CHECKING:
-    from scara_iso.display import Plotted
+    from scara_iso.base.display import Plotted
     from scara_iso.iso9283 import Analysis
     from scara_iso.reporting import Block, Report
 
@@ -220,7 +220,7 @@ def _same_file(path: Path, name: Path) -> bool:
 
 def _of_a_recording(path: Path) -> bool:
     """Say whether a recording's raw file or manifest is there, or the place of its table."""
-    from scara_iso.acquisition import is_tape, manifest_path, raw_path
+    from scara_iso.recorder import is_tape, manifest_path, raw_path
 
     if path.is_file():
         with path.open("rb") as file:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from scara_iso import library, reporting
+from scara_iso.base.errors import UsageError
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.cli.output import (
     check_outputs,
@@ -19,8 +21,6 @@ from scara_iso.cli.output import (
     write_report,
     write_text,
 )
-from scara_iso.errors import UsageError
-from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import SeparatingPlan

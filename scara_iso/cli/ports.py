@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from scara_iso.base.errors import UsageError
 from scara_iso.cli.output import write_json, write_report
-from scara_iso.errors import UsageError
 
 if TYPE_CHECKING:
     from scara_iso.reporting import Probe
@@ -57,8 +57,8 @@ def ports_command(
 
 
 def _list(*, json: bool) -> None:
-    from scara_iso.acquisition import list_devices
-    from scara_iso.published import to_json
+    from scara_iso.base.published import to_json
+    from scara_iso.recorder import list_devices
     from scara_iso.reporting import PublishedPorts, ports_report
 
     devices = list_devices()
@@ -69,8 +69,8 @@ def _list(*, json: bool) -> None:
 
 
 def _dialects(name: str, *, json: bool) -> None:
-    from scara_iso.acquisition import find_dialects
-    from scara_iso.published import to_json
+    from scara_iso.base.published import to_json
+    from scara_iso.recorder import find_dialects
     from scara_iso.reporting import dialects_report, published_dialects
 
     found = {
@@ -87,7 +87,7 @@ def _dialects(name: str, *, json: bool) -> None:
 
 
 def _probe(address: str, key: str | None, *, json: bool) -> None:
-    from scara_iso.published import to_json
+    from scara_iso.base.published import to_json
     from scara_iso.reporting import probe_report, published_probe
 
     probe = _listen(address, key)
@@ -98,7 +98,7 @@ def _probe(address: str, key: str | None, *, json: bool) -> None:
 
 
 def _listen(address: str, key: str | None) -> Probe:
-    from scara_iso.acquisition import Decoder, choose_clock, find_dialect, find_dialects, open_port
+    from scara_iso.recorder import Decoder, choose_clock, find_dialect, find_dialects, open_port
     from scara_iso.reporting import Probe
 
     dialect = find_dialect(key or "mitutoyo-mux")  # its 9600 8N1 where no other line is named

@@ -68,8 +68,8 @@ def push_command(
         decision=decision.value,
     )
     if json:
+        from scara_iso.base.published import to_json
         from scara_iso.iso9283 import published_push_test
-        from scara_iso.published import to_json
 
         write_json(to_json(published_push_test(found)))
     else:

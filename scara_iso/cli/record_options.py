@@ -9,8 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from scara_iso.acquisition import BENCH_FILE, RememberedBench, name_dialects, read_bench
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
+from scara_iso.recorder import BENCH_FILE, RememberedBench, name_dialects, read_bench
 from scara_iso.reporting import printable
 
 
@@ -73,7 +73,7 @@ def complete(options: RecordOptions) -> RecordOptions:
 
 def instruments_of(options: RecordOptions, bench: RememberedBench) -> dict[str, str]:
     """Return what the bench's file states of its instruments, as lines of a table; say whose."""
-    from scara_iso.acceptance import lines_of, read_instruments
+    from scara_iso.testfolder import lines_of, read_instruments
 
     path = _bench_file(options)
     found = read_instruments(path)

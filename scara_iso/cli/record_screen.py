@@ -9,7 +9,9 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import TracebackType
 
-from scara_iso.acquisition import (
+from scara_iso.base.errors import DataError, WriteError
+from scara_iso.cli.keyboard import KEYS, Keys
+from scara_iso.recorder import (
     Command,
     CycleDone,
     Done,
@@ -30,8 +32,6 @@ from scara_iso.acquisition import (
     Watched,
     as_json,
 )
-from scara_iso.cli.keyboard import KEYS, Keys
-from scara_iso.errors import DataError, WriteError
 from scara_iso.render import AxisView, LiveScreen, LiveView, to_text
 from scara_iso.reporting import warning
 
@@ -263,7 +263,7 @@ def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:
     """Return angles [deg] as the table will have them, as they are where it will be refused."""
     import numpy as np
 
-    from scara_iso.quantities import unwrap
+    from scara_iso.base.quantities import unwrap
 
     with suppress(DataError):
         return tuple(unwrap(np.array(angles)).tolist())

@@ -10,8 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scara_iso.acceptance import is_test_folder
-from scara_iso.acquisition import (
+from scara_iso.base.disk import check_folder
+from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.cli.keyboard import Keys, Lines, TypedKeys, TypedLines, open_keyboard
+from scara_iso.cli.output import settings
+from scara_iso.cli.record_options import RecordOptions, complete, confirm
+from scara_iso.cli.record_screen import Screen, write_line
+from scara_iso.library import Nobody, Watcher
+from scara_iso.recorder import (
     Done,
     Enter,
     GaugeSpec,
@@ -41,18 +47,12 @@ from scara_iso.acquisition import (
     record,
     refuse_absent,
 )
-from scara_iso.cli.keyboard import Keys, Lines, TypedKeys, TypedLines, open_keyboard
-from scara_iso.cli.output import settings
-from scara_iso.cli.record_options import RecordOptions, complete, confirm
-from scara_iso.cli.record_screen import Screen, write_line
-from scara_iso.disk import check_folder
-from scara_iso.errors import InstrumentError, UsageError
-from scara_iso.library import Nobody, Watcher
 from scara_iso.render import LiveScreen, open_console
 from scara_iso.reporting import printable
+from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
-    from scara_iso.acceptance import Assignment, Folder
+    from scara_iso.testfolder import Assignment, Folder
 
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""
@@ -93,7 +93,7 @@ def _check_place(table: Path, *, resume: bool) -> None:
 
 def _record_part(options: RecordOptions, path: Path) -> None:
     """Record one part of a test; what test.toml states is neither asked nor to be given."""
-    from scara_iso.acceptance import assign, read_folder
+    from scara_iso.testfolder import assign, read_folder
 
     if options.cycles is not None:
         raise UsageError("test.toml says how many cycles", remedy="leave --cycles out")
@@ -186,7 +186,7 @@ def _run(
         if options.watched:
             tell = Watcher(job, earlier, tell).told
         if assignment is not None:
-            from scara_iso.acceptance import told_of_part
+            from scara_iso.testfolder import told_of_part
 
             tell = told_of_part(assignment, job.table.parent, tell)
         try:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from scara_iso import library, render, reporting
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import to_json
 from scara_iso.cli.folders import test_folder
 from scara_iso.cli.options import (
     NOT_WITHIN_LIMITS,
@@ -32,10 +34,8 @@ from scara_iso.cli.output import (
     tell,
     write_json,
 )
-from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import Analysis, Conformity, Counting, DecisionRule
 from scara_iso.library import TableOptions
-from scara_iso.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.library import TestReport
@@ -157,7 +157,7 @@ def _exit_by(analysis: Analysis) -> None:
 
 def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
     """Return what a file and options state; an option holds against the file."""
-    from scara_iso.files import read_toml
+    from scara_iso.base.files import read_toml
 
     found = {} if file is None else read_toml(file, "docs/report.md")
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from scara_iso import library, reporting
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import NOT_WITHIN_LIMITS, AsJson, Full
 from scara_iso.cli.output import check_outputs, say_written, write_json, write_report
-from scara_iso.published import to_json
 
 Record = Annotated[
     Path | None,

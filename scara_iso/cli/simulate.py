@@ -8,10 +8,10 @@ from typing import Annotated
 
 import typer
 
+from scara_iso.base.errors import UsageError
+from scara_iso.base.published import to_json
 from scara_iso.cli.options import AsJson, ExcelLocale, ModelFile, OwnEffectsFile
 from scara_iso.cli.output import check_outputs, write_json, write_text
-from scara_iso.errors import UsageError
-from scara_iso.published import to_json
 
 
 class Side(StrEnum):
@@ -99,7 +99,7 @@ def _ends(text: str) -> tuple[float, float]:
 
 
 def _numbers(option: str, text: str, separator: str) -> list[float]:
-    from scara_iso.quantities import parse_number
+    from scara_iso.base.quantities import parse_number
 
     numbers = [n for part in text.split(separator) if (n := parse_number(part)) is not None]
     if len(numbers) <= text.count(separator):

@@ -43,7 +43,7 @@ def tables_command(
     if output is not None:
         write_text(write_table(run, find_locale(excel_locale)), output)
     if json:
-        from scara_iso.published import to_json
+        from scara_iso.base.published import to_json
         from scara_iso.tables import published_table
 
         write_json(to_json(published_table(run)))

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from scara_iso.base.errors import UsageError
 from scara_iso.cli.help import Command
 from scara_iso.cli.options import AsJson
 from scara_iso.cli.output import write_json, write_report, write_text
@@ -18,7 +19,6 @@ from scara_iso.cli.plan import (
     SolidName,
     SolidOption,
 )
-from scara_iso.errors import UsageError
 
 Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the test.")]
 Model = Annotated[str, typer.Option("--model", metavar="MODEL", help="The robot's model file.")]
@@ -45,8 +45,8 @@ def new_command(
 
     Example: scara-iso test new acceptance --model examples/fum_scara.toml --velocities 100,50
     """
-    from scara_iso.acceptance import read_folder
     from scara_iso.library import new_test
+    from scara_iso.testfolder import read_folder
 
     file = new_test(
         folder,
@@ -59,8 +59,8 @@ def new_command(
         dwell=dwell,
     )
     if json:
-        from scara_iso.acceptance import published_status
-        from scara_iso.published import to_json
+        from scara_iso.base.published import to_json
+        from scara_iso.testfolder import published_status
 
         write_json(to_json(published_status(read_folder(folder))))
         return
@@ -78,12 +78,12 @@ def status_command(folder: Directory, *, json: AsJson = False) -> None:
 
     Example: scara-iso test status acceptance
     """
-    from scara_iso.acceptance import read_folder
+    from scara_iso.testfolder import read_folder
 
     found = read_folder(folder)
     if json:
-        from scara_iso.acceptance import published_status
-        from scara_iso.published import to_json
+        from scara_iso.base.published import to_json
+        from scara_iso.testfolder import published_status
 
         write_json(to_json(published_status(found)))
     else:
@@ -93,7 +93,7 @@ def status_command(folder: Directory, *, json: AsJson = False) -> None:
 
 
 def _percents(option: str, text: str) -> list[float]:
-    from scara_iso.quantities import parse_number
+    from scara_iso.base.quantities import parse_number
 
     found = [parse_number(part.strip().removesuffix("%")) for part in text.split(",")]
     numbers = [number for number in found if number is not None]

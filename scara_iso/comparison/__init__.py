@@ -2,10 +2,24 @@
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.comparison.chance import spread as spread
+    from scara_iso.comparison.charts import (
+        Cusum as Cusum,
+        Ewma as Ewma,
+        Individuals as Individuals,
+        LimitCrossing as LimitCrossing,
+        Trend as Trend,
+        between_tests as between_tests,
+        crossing as crossing,
+        cusum as cusum,
+        ewma as ewma,
+        individuals as individuals,
+        standardised as standardised,
+        trend_of as trend_of,
+    )
     from scara_iso.comparison.decision import (
         MOST_CYCLES as MOST_CYCLES,
         Comparison as Comparison,
@@ -13,6 +27,23 @@ if TYPE_CHECKING:
         ContrastVerdict as ContrastVerdict,
         Ends as Ends,
         Pair as Pair,
+    )
+    from scara_iso.comparison.events import (
+        ServiceEvent as ServiceEvent,
+        date_on as date_on,
+        day_of as day_of,
+        is_plausible as is_plausible,
+        moment_said as moment_said,
+        read_events as read_events,
+    )
+    from scara_iso.comparison.history import (
+        DatedAnalysis as DatedAnalysis,
+        MeanHistory as MeanHistory,
+        RobotHistory as RobotHistory,
+        ServiceChange as ServiceChange,
+        SpreadHistory as SpreadHistory,
+        TestFigure as TestFigure,
+        follow as follow,
     )
     from scara_iso.comparison.pairs import (
         PAGES as PAGES,
@@ -25,6 +56,10 @@ if TYPE_CHECKING:
     from scara_iso.comparison.published import (
         PublishedComparison as PublishedComparison,
         published_comparison as published_comparison,
+    )
+    from scara_iso.comparison.published_months import (
+        PublishedHistory as PublishedHistory,
+        published_history as published_history,
     )
 else:
     __getattr__ = face(__name__)

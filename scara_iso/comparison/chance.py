@@ -25,6 +25,7 @@ from statistics import NormalDist
 
 import numpy as np
 
+from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.iso9283 import (
     GAUSSIAN_ERROR,
     GAUSSIAN_RP,
@@ -33,7 +34,6 @@ from scara_iso.iso9283 import (
     standard_deviation,
     two_divisions,
 )
-from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray
 
 _TINY = np.finfo(np.float64).tiny

@@ -19,12 +19,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 
+from scara_iso.base.display import Plotted
+from scara_iso.base.published import Count, Size, Unit
 from scara_iso.comparison.chance import DialSpread, ratio_range
-from scara_iso.display import Plotted
-from scara_iso.frames import frame_of, or_nan
 from scara_iso.iso9283 import Analysis, Characteristic, Finding
-from scara_iso.published import Count, Size, Unit
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, frame_of, or_nan
 
 if TYPE_CHECKING:
     import pandas as pd

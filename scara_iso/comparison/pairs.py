@@ -13,6 +13,9 @@ from typing import cast
 
 import numpy as np
 
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import Unit
+from scara_iso.base.quantities import Dimension, same_turn
 from scara_iso.comparison.chance import (
     FigureColumns,
     largest_bias,
@@ -32,7 +35,6 @@ from scara_iso.comparison.decision import (
     ratio_interval,
     smallest_ratio,
 )
-from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import (
     Analysis,
     Characteristic,
@@ -42,8 +44,6 @@ from scara_iso.iso9283 import (
     check_limits,
     find_characteristics,
 )
-from scara_iso.published import Unit
-from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import AXES, Axis, FloatArray
 
 _OF_THE_TABLE = {

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from scara_iso.base.published import Count, publish
 from scara_iso.comparison.decision import (
     LEVEL,
     Comparison,
@@ -22,7 +23,6 @@ from scara_iso.iso9283 import (
     published_characteristic,
     published_finding,
 )
-from scara_iso.published import Count, publish
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis.all_poses import AllPoses as AllPoses, whole_cycles as whole_cycles

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES
-from scara_iso.origin import Origin
-from scara_iso.run import Axis, FloatArray, IntArray, Run
+from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
 
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scara_iso import robot
+from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.as_declared import as_declared
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
-from scara_iso.errors import DataError
 from scara_iso.iso9283 import (
     AS_THE_TABLE_SAYS,
     Counting,
@@ -23,9 +23,7 @@ from scara_iso.iso9283 import (
     block_of_rows,
     used_cycles,
 )
-from scara_iso.origin import SIMULATED
-from scara_iso.pose_columns import no_such_pose
-from scara_iso.run import Run
+from scara_iso.run import SIMULATED, Run, no_such_pose
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis.all_poses import AllPoses

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scara_iso.base.display import Plotted
 from scara_iso.diagnosis.result import Diagnosis, Error, Found
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.display import Plotted
-from scara_iso.frames import make_frame
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, make_frame
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.fit import Term, fit, fitted_basis, row_scale
 from scara_iso.diagnosis.likelihood.evidence import ManyPoses, Views, views_of
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
@@ -19,7 +20,6 @@ from scara_iso.diagnosis.places import Place
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import NEIGHBOURS
 from scara_iso.effects import Chain, Effect, Shape, Spread
-from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray, Run
 
 _DUST = 1e-9

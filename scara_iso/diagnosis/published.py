@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias, TypeVar
 
+from scara_iso.base.published import Probability, Size, publish
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
@@ -19,7 +20,6 @@ from scara_iso.diagnosis.result import (
 )
 from scara_iso.diagnosis.reversals import GearDiagnosis, GearFound, Reversal, RunReversals
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.published import Probability, Size, publish
 from scara_iso.run import AXES, AxisKey
 
 if TYPE_CHECKING:

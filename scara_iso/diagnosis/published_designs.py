@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
+from scara_iso.base.published import Count, Size, publish
 from scara_iso.diagnosis.next_test.planning import Alike, Design, PlannedRun, Smallest
 from scara_iso.diagnosis.next_test.planning_poses import (
     ChangeOfPoses,
@@ -13,7 +14,6 @@ from scara_iso.diagnosis.next_test.planning_poses import (
     PlannedPosesTest,
 )
 from scara_iso.diagnosis.next_test.separating import PosesApart
-from scara_iso.published import Count, Size, publish
 
 Travels: TypeAlias = Mapping[str, Size | None]
 """By effect; None where not even a large one is found."""

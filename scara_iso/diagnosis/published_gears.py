@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from scara_iso.base.published import Size, publish
 from scara_iso.diagnosis.published import PublishedGear, of_gear
 from scara_iso.diagnosis.reversals import GearDiagnosis
 from scara_iso.iso9283 import PoseResult, PublishedPose, published_pose
-from scara_iso.published import Size, publish
 from scara_iso.robot import Backlash
 from scara_iso.run import FloatArray
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeAlias
 
+from scara_iso.base.published import Interval, Probability, Size, publish
 from scara_iso.diagnosis.joint_scatter.result import (
     FollowedInJoints,
     JointScatter,
@@ -27,7 +28,6 @@ from scara_iso.diagnosis.published import (
 )
 from scara_iso.diagnosis.result import AtJoint, Found
 from scara_iso.diagnosis.verdict import Rival
-from scara_iso.published import Interval, Probability, Size, publish
 
 Place: TypeAlias = Literal[1, 2, 4, "along the arm"]
 Correlation: TypeAlias = Annotated[float, ("minimum", -1), ("maximum", 1)]

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import Dimension, same_turn
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.gain.completed import foretold, scatter_draws
 from scara_iso.diagnosis.gain.every_axis import courses_of_axes, standing_of
@@ -39,9 +41,7 @@ from scara_iso.diagnosis.tuning import (
 from scara_iso.diagnosis.unexplained.courses import courses_of
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
-from scara_iso.errors import DataError
 from scara_iso.iso9283 import median
-from scara_iso.quantities import Dimension, same_turn
 from scara_iso.run import FloatArray, Run
 
 

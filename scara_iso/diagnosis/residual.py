@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, MOST_CYCLES
-from scara_iso.dial import seen_step
 from scara_iso.effects import Conditions
-from scara_iso.errors import DataError
-from scara_iso.run import FloatArray, Run
-from scara_iso.transient_columns import is_transient
+from scara_iso.run import FloatArray, Run, is_transient, seen_step
 
 Predicted = Mapping[str, npt.ArrayLike]
 """Predicted readings (n,) by axis."""

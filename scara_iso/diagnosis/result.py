@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
+from scara_iso.base.display import Plotted
+from scara_iso.base.published import Probability, Size
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.display import Plotted
-from scara_iso.frames import make_frame
-from scara_iso.published import Probability, Size
-from scara_iso.run import AxisKey, FloatArray, IntArray
+from scara_iso.run import AxisKey, FloatArray, IntArray, make_frame
 
 if TYPE_CHECKING:
     import pandas as pd

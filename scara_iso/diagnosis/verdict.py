@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from scara_iso.published import Probability
+from scara_iso.base.published import Probability
 
 
 class Verdict(Enum):

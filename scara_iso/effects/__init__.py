@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from functools import cache
 from types import ModuleType
 
+from scara_iso.base.plugins import find_modules
 from scara_iso.effects._chance import RandomCourse, ScatterChange, TwoStates
 from scara_iso.effects._conditions import CLOCK, Conditions
 from scara_iso.effects._effect import (
@@ -26,7 +27,6 @@ from scara_iso.effects._linear import AMPLITUDE_AND_PHASE, SIZE, Linear
 from scara_iso.effects._own import OwnEffect, own_effects
 from scara_iso.effects._parameter import Grid, Parameter, Sizes, Values
 from scara_iso.effects._proportional import proportional
-from scara_iso.plugins import find_modules
 
 __all__ = [
     "AMPLITUDE_AND_PHASE",

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from scara_iso.base.toml_keys import KeyFaults, is_number, only
 from scara_iso.effects._parameter import Grid
 from scara_iso.effects._units import Unit, unit_in
 from scara_iso.run import FloatArray
-from scara_iso.toml_keys import KeyFaults, is_number, only
 
 _COUNTS = {1: 24, 2: 9, 3: 5}
 """Values that are tried of each parameter, by how many have a range: neighbouring courses are

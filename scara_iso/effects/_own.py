@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from scara_iso.base.toml_keys import KeyFaults, only, section
 from scara_iso.effects._conditions import CLOCK, Conditions
 from scara_iso.effects._effect import KnownCourse, as_column
 from scara_iso.effects._formula import FUNCTIONS, SIZE_NAME, Formula, FormulaError, parse_formula
@@ -34,7 +35,6 @@ from scara_iso.effects._units import (
     unit_of_column,
 )
 from scara_iso.run import FloatArray
-from scara_iso.toml_keys import KeyFaults, only, section
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _CYCLE, _TIME = "k", "t"

@@ -6,7 +6,7 @@ dies on the way; `summarise` says which robots stand out when all are looked at 
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.fleets.drift import (

@@ -10,8 +10,8 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-from scara_iso.disk import write_file
-from scara_iso.errors import DataError, ScaraIsoError, UsageError, WriteError, with_extra
+from scara_iso.base.disk import write_file
+from scara_iso.base.errors import DataError, ScaraIsoError, UsageError, WriteError, with_extra
 
 Query = Callable[..., list[Any]]
 """SQL and its parameters to rows."""

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scara_iso.base.published import Count, Interval
 from scara_iso.fleets.database import Query
-from scara_iso.published import Count, Interval
 from scara_iso.run import FloatArray
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)

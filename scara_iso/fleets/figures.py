@@ -19,8 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from scara_iso.base.errors import DataError, ScaraIsoError
+from scara_iso.base.quantities import Dimension, Unit, parse_unit
 from scara_iso.diagnosis import CyclesWanted
-from scara_iso.errors import DataError, ScaraIsoError
 from scara_iso.fleets.database import Columns, Query, alone, as_parquet, unnested, workspace
 from scara_iso.fleets.parts import FleetTable, ReadAs, TableName, columns_of, tables_in
 from scara_iso.fleets.runs import FleetRun, Results, Track, run_parts
@@ -35,7 +36,6 @@ from scara_iso.fleets.work import (
     result_of,
 )
 from scara_iso.iso9283 import repeatability
-from scara_iso.quantities import Dimension, Unit, parse_unit
 from scara_iso.run import AXES, FARTHEST, Axis, Run
 
 # ruff: noqa: S608 - what is put into the SQL are names and numbers of this module

@@ -24,13 +24,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from scara_iso.errors import DataError, NoInputError, ScaraIsoError
-from scara_iso.files import is_folder, open_file
+from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError
+from scara_iso.base.files import is_folder, open_file
+from scara_iso.base.quantities import parse_number, parse_unit
 from scara_iso.fleets.database import Query, alone, fetched, workspace
-from scara_iso.frames import make_frame
-from scara_iso.pose_columns import POSE_NAMES
-from scara_iso.quantities import parse_number, parse_unit
-from scara_iso.run import AXES, Run
+from scara_iso.run import AXES, POSE_NAMES, Run, make_frame
 from scara_iso.tables import (
     WHICH_MARK,
     Mark,

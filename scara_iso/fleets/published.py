@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
+from scara_iso.base.published import Count, publish
 from scara_iso.fleets.drift import QUANTILES, FleetDrift
 from scara_iso.fleets.runs import FleetRun
 from scara_iso.fleets.summary import (
@@ -18,7 +19,6 @@ from scara_iso.fleets.summary import (
     SeveralNames,
     TwiceThere,
 )
-from scara_iso.published import Count, publish
 
 Five: TypeAlias = Annotated[tuple[float, ...], ("minItems", 5), ("maxItems", 5)]
 

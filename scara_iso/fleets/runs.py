@@ -18,8 +18,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from scara_iso.disk import SystemDisk, write_file, write_whole
-from scara_iso.errors import CannotCreateError, DataError, ScaraIsoError, WriteError
+from scara_iso.base.disk import SystemDisk, write_file, write_whole
+from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, WriteError
 from scara_iso.fleets.database import connect
 from scara_iso.fleets.parts import Piece, Share, digest, parts_of
 from scara_iso.fleets.work import (

@@ -16,13 +16,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scara_iso.display import Displayed
+from scara_iso.base.display import Displayed
+from scara_iso.base.published import Count
 from scara_iso.fleets.database import Query, results_in
 from scara_iso.fleets.drift import FleetDrift, fleet_drift, quantiles_of_rows
 from scara_iso.fleets.runs import RESULTS, FleetRun
 from scara_iso.fleets.work import FIGURES
-from scara_iso.frames import frame_of
-from scara_iso.published import Count
+from scara_iso.run import frame_of
 
 if TYPE_CHECKING:
     import pandas as pd

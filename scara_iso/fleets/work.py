@@ -34,8 +34,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
+from scara_iso.base.errors import ScaraIsoError, ServiceError, WriteError
 from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, finer, floor_of, screen
-from scara_iso.errors import ScaraIsoError, ServiceError, WriteError
 from scara_iso.fleets.database import (
     Columns,
     as_parquet,

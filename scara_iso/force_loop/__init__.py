@@ -5,7 +5,7 @@
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.force_loop.fit import LoopFit as LoopFit, fit_loop as fit_loop

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.force_loop.loop import (
     FEWEST_LOOPS,
     ForceLoop,
@@ -23,7 +24,6 @@ from scara_iso.force_loop.loop import (
     transmitted,
     turns,
 )
-from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray
 
 _GRID = 60

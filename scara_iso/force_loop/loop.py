@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.errors import DataError, Fault, UsageError
-from scara_iso.quantities import Dimension, Unit
+from scara_iso.base.errors import DataError, Fault, UsageError
+from scara_iso.base.quantities import Dimension, Unit
 from scara_iso.run import FloatArray, IntArray, Run
 from scara_iso.tables import (
     ColumnNames,

@@ -6,7 +6,7 @@
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze

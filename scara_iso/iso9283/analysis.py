@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.errors import DataError, UsageError
+from scara_iso.base.errors import DataError, UsageError
 from scara_iso.iso9283.blocks import block_of_rows, every_visit
 from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks

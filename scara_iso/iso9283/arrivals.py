@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
+from scara_iso.base.quantities import Estimate
 from scara_iso.iso9283.results import Characteristic, Measured
-from scara_iso.quantities import Estimate
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
 FEWEST = 3

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.errors import DataError, Fault, UsageError
+from scara_iso.base.errors import DataError, Fault, UsageError
+from scara_iso.base.quantities import parse_number
 from scara_iso.iso9283.cycles import UsedCycles
-from scara_iso.quantities import parse_number
 from scara_iso.run import FloatArray, IntArray, Run
 
 VISITS = "visits_per_block"

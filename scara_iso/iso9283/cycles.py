@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import DataError, Fault, UsageError
+from scara_iso.base.errors import DataError, Fault, UsageError
 from scara_iso.run import IntArray, Run
 
 if TYPE_CHECKING:

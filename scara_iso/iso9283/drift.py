@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scara_iso.base.published import Interval
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283.blocks import visits_of_blocks
 from scara_iso.iso9283.figures import PoseResult
 from scara_iso.iso9283.uncertainty import largest_distance
-from scara_iso.published import Interval
-from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
 STEADY = math.log(10.0)

@@ -17,8 +17,9 @@ from typing import Annotated, Protocol, SupportsIndex, TypeAlias, TypeVar, overl
 
 import numpy as np
 
-from scara_iso.dial import step_of
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
+from scara_iso.base.published import Count, Interval, Size, Unit
+from scara_iso.base.quantities import Dimension, Estimate, parse_number, within_half_a_turn
 from scara_iso.iso9283.cycles import Rows
 from scara_iso.iso9283.statistics import (
     SamplingInterval,
@@ -34,9 +35,7 @@ from scara_iso.iso9283.uncertainty import (
     reading_uncertainty,
     scatter_estimates,
 )
-from scara_iso.published import Count, Interval, Size, Unit
-from scara_iso.quantities import Dimension, Estimate, parse_number, within_half_a_turn
-from scara_iso.run import Axis, FloatArray, IntArray, Run
+from scara_iso.run import Axis, FloatArray, IntArray, Run, step_of
 
 
 class Labelled(Protocol):

@@ -12,10 +12,10 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
+from scara_iso.base.quantities import Estimate
 from scara_iso.iso9283.figures import EVERY_LENGTH, Conformity, DecisionRule, Limit
 from scara_iso.iso9283.results import Characteristic, Finding, LimitCheck
-from scara_iso.quantities import Estimate
 from scara_iso.run import AXES
 
 MOST_CYCLES = 100_000

@@ -20,13 +20,12 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from scara_iso.display import Plotted
-from scara_iso.errors import UsageError
-from scara_iso.frames import frame_of
+from scara_iso.base.display import Plotted
+from scara_iso.base.errors import UsageError
+from scara_iso.base.published import Count, publish
 from scara_iso.iso9283.figures import Poses
-from scara_iso.published import Count, publish
 from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rated, Rectangle, Workspace, largest_rectangle
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, frame_of
 
 if TYPE_CHECKING:
     import pandas as pd

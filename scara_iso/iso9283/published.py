@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal, cast
 
+from scara_iso.base.published import Count, Interval, Size, publish
 from scara_iso.iso9283.drift import DriftCourse, DriftFit
 from scara_iso.iso9283.figures import (
     AxisFigures,
@@ -23,7 +24,6 @@ from scara_iso.iso9283.results import (
     LimitCheck,
     Severity,
 )
-from scara_iso.published import Count, Interval, Size, publish
 from scara_iso.run import FloatArray
 
 AxisName = Literal["X", "Y", "Z", "theta"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
+from scara_iso.base.published import Count, publish
 from scara_iso.iso9283.poses import (
     Coordinate,
     DiagonalPlane,
@@ -13,7 +14,6 @@ from scara_iso.iso9283.poses import (
     PosePlan,
     Solid,
 )
-from scara_iso.published import Count, publish
 from scara_iso.robot import Elbow
 
 Length: TypeAlias = Annotated[float, ("unit", "mm"), ("minimum", 0)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias, TypeVar
 
+from scara_iso.base.published import Count, Interval, Size, publish
 from scara_iso.iso9283.figures import Conformity, Millimetres
 from scara_iso.iso9283.published import (
     PublishedCharacteristic,
@@ -13,7 +14,6 @@ from scara_iso.iso9283.published import (
     published_limit,
 )
 from scara_iso.iso9283.pushed_joint import PushResult
-from scara_iso.published import Count, Interval, Size, publish
 
 PushUnit: TypeAlias = Literal["mm", "mm/100 N", "N", "arcmin", "N m", "N m/arcmin"]
 ForceEnds: TypeAlias = Annotated[Interval, ("unit", "N")]

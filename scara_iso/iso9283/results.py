@@ -11,8 +11,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
-from scara_iso.display import Displayed
-from scara_iso.frames import frame_of, or_nan
+from scara_iso.base.display import Displayed
+from scara_iso.base.published import Interval
+from scara_iso.base.quantities import Dimension, Estimate
 from scara_iso.iso9283.figures import (
     AxisResult,
     Conformity,
@@ -21,9 +22,7 @@ from scara_iso.iso9283.figures import (
     Poses,
     RadialResult,
 )
-from scara_iso.published import Interval
-from scara_iso.quantities import Dimension, Estimate
-from scara_iso.run import IntArray, Run
+from scara_iso.run import IntArray, Run, frame_of, or_nan
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from scara_iso.quantities import rounding_uncertainty
+from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray
 
 # Relative standard error of RP times sqrt(n) for Gaussian scatter, equal in 1, 2 or 3 directions:

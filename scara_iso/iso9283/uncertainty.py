@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.dial import step_of
+from scara_iso.base.quantities import Dimension, Estimate, rounding_uncertainty, within_half_a_turn
 from scara_iso.iso9283.statistics import WIDEST, SamplingInterval
-from scara_iso.quantities import Dimension, Estimate, rounding_uncertainty, within_half_a_turn
-from scara_iso.run import Axis, FloatArray, Run
+from scara_iso.run import Axis, FloatArray, Run, step_of
 
 FEWEST_FOR_INTERVAL = 5
 _Z = 1.959964  # 97.5 % of the normal distribution

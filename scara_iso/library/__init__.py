@@ -6,7 +6,7 @@ and shows what it returns.
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.library.beside import read_beside as read_beside

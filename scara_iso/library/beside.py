@@ -10,7 +10,7 @@ from scara_iso import iso9283
 from scara_iso.iso9283 import Beside
 
 if TYPE_CHECKING:
-    from scara_iso.acceptance import Folder
+    from scara_iso.testfolder import Folder
 
 
 def read_beside(folder: Folder) -> Beside:
@@ -18,7 +18,7 @@ def read_beside(folder: Folder) -> Beside:
 
     Raises `DataError` for a table that is of another robot, damaged, or there twice.
     """
-    from scara_iso.acceptance import drift_of, lacking, push_of, refuse_faulty
+    from scara_iso.testfolder import drift_of, lacking, push_of, refuse_faulty
 
     refuse_faulty(folder, folder.beside)
     drift, pushes, test = None, {}, folder.test
@@ -43,7 +43,7 @@ def tables_beside(folder: Folder) -> Iterator[Path]:
 
 def files_of(tables: Sequence[Path]) -> Iterator[tuple[str, Path]]:
     """Yield tables and their raw files, each with what it is."""
-    from scara_iso.acquisition import raw_path
+    from scara_iso.recorder import raw_path
 
     yield from ((f"table {table.name}", table) for table in tables)
     raws = [raw for raw in map(raw_path, tables) if raw.exists()]

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scara_iso import iso9283
-from scara_iso.errors import NoInputError, UsageError
+from scara_iso.base.errors import NoInputError, UsageError
 from scara_iso.iso9283 import AS_THE_TABLE_SAYS, Analysis, Beside, Counting
 from scara_iso.library.beside import files_of, read_beside, tables_beside
 from scara_iso.run import Run
 
 if TYPE_CHECKING:
-    from scara_iso.acceptance import Condition, Folder
+    from scara_iso.testfolder import Condition, Folder
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -61,7 +61,7 @@ class ConditionRun:
 
     def files(self) -> Iterator[tuple[str, Path]]:
         """Yield what the run is made of: test.toml, tables, raw files."""
-        from scara_iso.acceptance import FILE
+        from scara_iso.testfolder import FILE
 
         yield "test", self.folder.path / FILE
         yield from files_of(self.tables)
@@ -93,7 +93,7 @@ def read_conditions(
     Raises `DataError` for a part that is of another robot, damaged, or there twice, and
     `UsageError` for no such condition.
     """
-    from scara_iso.acceptance import lacking, read_folder, run_under  # and with it all of recording
+    from scara_iso.testfolder import lacking, read_folder, run_under  # and with it all of recording
 
     found = read_folder(Path(folder)) if isinstance(folder, str | Path) else folder
     conditions = {one.name: one for one in found.test.conditions()}
@@ -125,7 +125,7 @@ def read_condition(folder: str | Path, condition: str | None) -> ConditionRun:
 
     `UsageError` where there are several and none is named: they are never mixed.
     """
-    from scara_iso.acceptance import read_folder
+    from scara_iso.testfolder import read_folder
 
     found = read_folder(Path(folder))
     names = [one.name for one in found.test.conditions()]

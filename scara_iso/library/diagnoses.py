@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from scara_iso.base.display import Displayed
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.display import Displayed
-from scara_iso.frames import frame_of
 from scara_iso.reporting import Failure
+from scara_iso.run import frame_of
 
 if TYPE_CHECKING:
     import pandas as pd

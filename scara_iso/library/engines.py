@@ -16,9 +16,9 @@ from threading import Thread, current_thread, main_thread
 from types import ModuleType
 from typing import Any, ParamSpec, TypeVar
 
-from scara_iso.errors import ServiceError, UsageError, with_extra
+from scara_iso.base.errors import ServiceError, UsageError, with_extra
+from scara_iso.base.trust import code_folders
 from scara_iso.fleets import Engine
-from scara_iso.trust import code_folders
 
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")

@@ -13,8 +13,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Literal
 
-from scara_iso.files import read_file
-from scara_iso.published import to_json
+from scara_iso.base.files import read_file
+from scara_iso.base.published import to_json
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a ZIP file can hold."""
@@ -69,7 +69,7 @@ def archive(
 
 def with_recording(table: Path) -> Iterator[tuple[str, bytes]]:
     """Yield the raw file and the manifest beside a table, where it was recorded."""
-    from scara_iso.acquisition import manifest_path, raw_path
+    from scara_iso.recorder import manifest_path, raw_path
 
     for beside in (raw_path(table), manifest_path(table)):
         if beside.is_file():

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import iso9283
-from scara_iso.errors import ScaraIsoError
-from scara_iso.frames import stacked
+from scara_iso.base.errors import ScaraIsoError
 from scara_iso.iso9283 import Analysis, DecisionRule
 from scara_iso.library.inputs import Tables, TablesOptions, parted, paths_of
 from scara_iso.library.sizes import sizes_of
+from scara_iso.run import stacked
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -96,8 +96,8 @@ def compared_with_its_manifest(analysis: Analysis, table: Tables) -> Analysis:
     paths = paths_of(table)
     if not paths:
         return analysis
-    from scara_iso.acquisition import check_manifest
     from scara_iso.iso9283 import Finding
+    from scara_iso.recorder import check_manifest
 
     said = {finding.said for finding in analysis.findings}
     found = dict.fromkeys(line for path in paths for line in check_manifest(path))

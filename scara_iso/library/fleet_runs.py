@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Unpack
 
+from scara_iso.base.disk import check_folder
+from scara_iso.base.errors import UsageError
+from scara_iso.base.quantities import parse_unit
 from scara_iso.diagnosis import SEED, CyclesWanted
-from scara_iso.disk import check_folder
-from scara_iso.errors import UsageError
 from scara_iso.fleets import (
     FiguresTask,
     FleetFigures,
@@ -22,7 +23,6 @@ from scara_iso.fleets import (
 )
 from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.library.engines import LOCAL, engine_of, threads_of
-from scara_iso.quantities import parse_unit
 
 LEVEL = 0.05
 

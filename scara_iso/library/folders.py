@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from scara_iso.acceptance import FILE, plan_test, toml_of
-from scara_iso.disk import check_folder, check_output, write_file
-from scara_iso.errors import CannotCreateError, UsageError
+from scara_iso.base.disk import check_folder, check_output, write_file
+from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.iso9283 import PosePlan
 from scara_iso.library.models import plan
 from scara_iso.robot import Model, read_model
+from scara_iso.testfolder import FILE, plan_test, toml_of
 
 
 def new_test(

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from scara_iso.disk import check_output, write_file
-from scara_iso.errors import UsageError
+from scara_iso.base.disk import check_output, write_file
+from scara_iso.base.errors import UsageError
+from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.library.inputs import Tables, paths_of, tables_of
 from scara_iso.library.sizes import sizes_of
-from scara_iso.measurement_system import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.render import find_format
 from scara_iso.reporting import Document, gauge_study_report
 
@@ -82,7 +82,7 @@ def _positive(sizes: Mapping[str, float]) -> Mapping[str, float]:
 
 def _changed(table: Tables) -> tuple[Remark, ...]:
     """Return a remark for each file that changed since it was recorded."""
-    from scara_iso.acquisition import check_manifest
+    from scara_iso.recorder import check_manifest
 
     found = dict.fromkeys(line for path in paths_of(table) for line in check_manifest(path))
     return tuple(Remark("warning", "", line) for line in found)

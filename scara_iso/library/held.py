@@ -10,10 +10,9 @@ from io import BytesIO
 from pathlib import Path
 from typing import TypeAlias
 
-from scara_iso.frames import is_frame
 from scara_iso.library.inputs import Table, TableOptions, Tables, every, tables_of, together_as
 from scara_iso.reporting import InputFile
-from scara_iso.run import Run
+from scara_iso.run import Run, is_frame
 from scara_iso.tables import read_bytes, write_table
 
 Held: TypeAlias = tuple[InputFile, bytes]

@@ -8,14 +8,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, Unpack
 
-from scara_iso.acceptance import is_test_folder
-from scara_iso.errors import NoInputError, ScaraIsoError, UsageError
-from scara_iso.files import is_folder
-from scara_iso.frames import FRAME, is_frame
+from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
+from scara_iso.base.files import is_folder
 from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.library.conditions import ConditionRun, read_condition
-from scara_iso.run import Run
+from scara_iso.run import FRAME, Run, is_frame
 from scara_iso.tables import PosePart, Source, listed, merge, read_table, together
+from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
     import pandas as pd

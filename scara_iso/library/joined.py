@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.library.beside import files_of, read_beside, tables_beside
 from scara_iso.library.conditions import ConditionRun
 from scara_iso.library.held import hold

@@ -12,9 +12,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from scara_iso.acquisition import Said, Stored, raw_path, read_history
+from scara_iso.base.trust import of_a_child
 from scara_iso.library.recordings import record
-from scara_iso.trust import of_a_child
+from scara_iso.recorder import Said, Stored, raw_path, read_history
 from scara_iso.validation import ReferenceCheck
 
 _GAUGE = "X=opto-rs232@sim:?pace=1"

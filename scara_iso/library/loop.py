@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Unpack
 import numpy as np
 
 from scara_iso import diagnosis, robot
+from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
@@ -19,7 +20,6 @@ from scara_iso.diagnosis import (
     close_the_loop_at_poses,
 )
 from scara_iso.effects import OwnEffect
-from scara_iso.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.iso9283 import Analysis, poses_in_cycles
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.inputs import TableOptions, Tables, TablesOptions, parted

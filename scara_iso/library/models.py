@@ -10,9 +10,9 @@ from typing import TypeVar
 import numpy as np
 
 from scara_iso import robot
+from scara_iso.base.errors import UsageError
 from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
 from scara_iso.effects import Conditions as Procedure
-from scara_iso.errors import UsageError
 from scara_iso.iso9283 import (
     CYCLES_RUN,
     DiagonalPlane,

@@ -8,9 +8,16 @@ from itertools import pairwise, product
 from pathlib import Path
 from typing import Any, Unpack
 
-from scara_iso.acceptance import is_test_folder
-from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
-from scara_iso.files import is_file, is_folder
+from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
+from scara_iso.base.files import is_file, is_folder
+from scara_iso.comparison import (
+    DatedAnalysis,
+    RobotHistory,
+    ServiceEvent,
+    follow,
+    is_plausible,
+    read_events,
+)
 from scara_iso.iso9283 import (
     Analysis,
     analyze,
@@ -30,16 +37,9 @@ from scara_iso.library.inputs import (
     tables_of,
 )
 from scara_iso.library.sizes import sizes_of
-from scara_iso.monitoring import (
-    DatedAnalysis,
-    RobotHistory,
-    ServiceEvent,
-    follow,
-    is_plausible,
-    read_events,
-)
 from scara_iso.reporting import printable
 from scara_iso.tables import pose_in
+from scara_iso.testfolder import is_test_folder
 
 
 def history(

@@ -6,14 +6,13 @@ from collections.abc import Callable, Mapping
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from scara_iso.comparison import Comparison
+from scara_iso.comparison import Comparison, RobotHistory
 from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, SeparatingPlan
 from scara_iso.fleets import FleetFigures, FleetSummary
+from scara_iso.gauge import GaugeStudy
 from scara_iso.iso9283 import Analysis, PosePlan, PushResult
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.reports import TestReport
-from scara_iso.measurement_system import GaugeStudy
-from scara_iso.monitoring import RobotHistory
 from scara_iso.render import (
     find_format,
     plot_comparison,

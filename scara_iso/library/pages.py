@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scara_iso.disk import write_file
-from scara_iso.errors import UsageError
+from scara_iso.base.disk import write_file
+from scara_iso.base.errors import UsageError
 from scara_iso.render import endings, find_format
 from scara_iso.reporting import Document
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from scara_iso import acquisition
-from scara_iso.acceptance import Assignment, assign, is_test_folder, read_folder, told_of_part
-from scara_iso.acquisition import (
+from scara_iso import recorder
+from scara_iso.base.errors import UsageError
+from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.library.watching import Watcher
+from scara_iso.recorder import (
     Command,
     Job,
     Operator,
@@ -24,11 +26,9 @@ from scara_iso.acquisition import (
     parse_poses,
     parse_trigger,
 )
-from scara_iso.errors import UsageError
-from scara_iso.iso9283 import CYCLES_RUN
-from scara_iso.library.watching import Watcher
 from scara_iso.run import Run
 from scara_iso.tables import read_table
+from scara_iso.testfolder import Assignment, assign, is_test_folder, read_folder, told_of_part
 
 _REARM_S = 0.5
 
@@ -92,7 +92,7 @@ def record(
     if watch:
         earlier = earlier_of(path) if resume else None
         told = Watcher(job, earlier, told).told
-    acquisition.record(
+    recorder.record(
         job,
         disk=SystemDisk(),
         clock=choose_clock(spec.address for spec in specs),

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import iso9283
+from scara_iso.base.disk import check_output, write_file
+from scara_iso.base.display import Displayed
+from scara_iso.base.errors import UsageError
 from scara_iso.diagnosis import (
     CyclesWanted,
 )
-from scara_iso.disk import check_output, write_file
-from scara_iso.display import Displayed
-from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Analysis, Beside, DecisionRule
 from scara_iso.library.evidence import archive as pack, with_recording
 from scara_iso.library.figures import compared_with_its_manifest
@@ -29,7 +29,6 @@ from scara_iso.library.inputs import (
 from scara_iso.library.loop import diagnose_analysis
 from scara_iso.library.sizes import sizes_of
 from scara_iso.library.statements import restate
-from scara_iso.pose_columns import no_such_pose
 from scara_iso.render import find_format
 from scara_iso.reporting import (
     Amendment,
@@ -39,7 +38,7 @@ from scara_iso.reporting import (
     stated_field,
 )
 from scara_iso.robot import Gearbox, Model, read_effects, read_model
-from scara_iso.run import Run
+from scara_iso.run import Run, no_such_pose
 from scara_iso.tables import find_locale
 
 if TYPE_CHECKING:

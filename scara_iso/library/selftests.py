@@ -12,7 +12,7 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
-from scara_iso.disk import check_output
+from scara_iso.base.disk import check_output
 from scara_iso.library.killed import recorder_checks
 from scara_iso.library.pages import check_page, write_page
 from scara_iso.reporting import validation_document

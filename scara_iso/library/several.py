@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import TypeAlias, Unpack
 
 from scara_iso import comparison, iso9283
-from scara_iso.acceptance import is_test_folder
+from scara_iso.base.errors import UsageError
 from scara_iso.comparison import SEED, Comparison
-from scara_iso.errors import UsageError
 from scara_iso.iso9283 import Analysis
 from scara_iso.library.conditions import ConditionRun
 from scara_iso.library.inputs import Tables, TablesOptions, every, parted
 from scara_iso.library.sizes import sizes_of
+from scara_iso.testfolder import is_test_folder
 
 _Set: TypeAlias = Tables | Analysis
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, cast
 
+from scara_iso.base.published import Count, Size, Unit, publish
 from scara_iso.iso9283 import AxisName
-from scara_iso.published import Count, Size, Unit, publish
 from scara_iso.run import FloatArray, Run
 
 

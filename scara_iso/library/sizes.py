@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from numbers import Real
 from typing import TypeVar
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.iso9283 import EVERY_LENGTH, Limit
 
 Size = TypeVar("Size", bound=Limit)

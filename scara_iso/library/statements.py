@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.reporting import Restated
 from scara_iso.run import Run
 from scara_iso.tables import is_of_axes, is_of_corrections

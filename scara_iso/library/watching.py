@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping
 from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from scara_iso.acquisition import (
+from scara_iso.base.quantities import TURN, Dimension, parse_unit
+from scara_iso.recorder import (
     CycleDone,
     Done,
     History,
@@ -26,7 +27,6 @@ from scara_iso.acquisition import (
     Voided,
     Watched,
 )
-from scara_iso.quantities import TURN, Dimension, parse_unit
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Monitor

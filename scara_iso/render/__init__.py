@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.render.formats import endings as endings, find_format as find_format

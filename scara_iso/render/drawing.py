@@ -14,7 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
-from scara_iso import trust
+from scara_iso.base import trust
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

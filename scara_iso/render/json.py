@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from scara_iso.base.published import Json, to_json
 from scara_iso.iso9283 import published_analysis
-from scara_iso.published import Json, to_json
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import Analysis

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scara_iso.base.disk import write_file
+from scara_iso.base.errors import UsageError
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
 from scara_iso.diagnosis import JointScatter, ReachMap
-from scara_iso.disk import write_file
-from scara_iso.errors import UsageError
 from scara_iso.iso9283 import PlannedPose, PosePlan
 from scara_iso.render.drawing import new_figure, own_style
 from scara_iso.reporting import Chart, printable, study_picture
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, ReachMap, SeparatingPlan, Series
-    from scara_iso.measurement_system import GaugeStudy
+    from scara_iso.gauge import GaugeStudy
 
 
 _LABEL = 20

@@ -6,7 +6,7 @@ its digits and carries how many of them are worth showing; who shows it rounds.
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.reporting.analysis import analysis_report as analysis_report

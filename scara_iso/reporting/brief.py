@@ -24,7 +24,6 @@ from scara_iso.iso9283 import (
     in_brief,
     option_in_brief,
 )
-from scara_iso.origin import SIMULATED
 from scara_iso.reporting.analysis import (
     FORCE_LOOP,
     characteristics,
@@ -52,7 +51,7 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.drift import drift_headlines, drift_sections
 from scara_iso.reporting.limits import VERDICTS, conformity, figure_held
-from scara_iso.run import Run
+from scara_iso.run import SIMULATED, Run
 
 _LINE = 74
 _MOST_NAMED = 4

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.base.errors import DataError
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.dial import joined_axis
-from scara_iso.errors import DataError
 from scara_iso.iso9283 import (
     Analysis,
     Characteristic,
@@ -18,11 +17,10 @@ from scara_iso.iso9283 import (
     Poses,
     not_recorded,
 )
-from scara_iso.origin import Origin
 from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.dossier import Dossier
 from scara_iso.reporting.result_table import ResultPart
-from scara_iso.run import Axis, Run
+from scara_iso.run import Axis, Origin, Run, joined_axis
 
 _Labels = Mapping[str | None, str]
 """Of each pose of a condition: its label among those of all conditions."""

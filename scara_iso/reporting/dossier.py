@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
+from scara_iso.gauge import GaugeStudy
 from scara_iso.iso9283 import Analysis, Beside, Characteristic, PushResult, not_measured
-from scara_iso.measurement_system import GaugeStudy
 from scara_iso.reporting.analysis import findings
 from scara_iso.reporting.appendix import appendix, raw_data
 from scara_iso.reporting.blocks import Block, Figure, Number, Report, Section, Table, Text

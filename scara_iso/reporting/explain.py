@@ -14,12 +14,12 @@ from itertools import groupby
 from typing import Annotated, Literal
 
 from scara_iso import effects
+from scara_iso.base.errors import UsageError
+from scara_iso.base.plugins import find_modules
+from scara_iso.base.published import publish
 from scara_iso.comparison import PAGES
 from scara_iso.effects import Effect, GearEffect, OwnEffect
-from scara_iso.errors import UsageError
 from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks, in_brief
-from scara_iso.plugins import find_modules
-from scara_iso.published import publish
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
 KIND = "word of the screens"

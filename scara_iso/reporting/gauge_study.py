@@ -10,8 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from scara_iso.iso9283 import Conformity, DecisionRule
-from scara_iso.measurement_system import (
+from scara_iso.gauge import (
     AxisStudy,
     Budget,
     Criterion,
@@ -22,6 +21,7 @@ from scara_iso.measurement_system import (
     TypeOne,
     whole_categories,
 )
+from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.reporting.blocks import (
     Block,
     Cell,

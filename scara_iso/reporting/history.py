@@ -12,8 +12,9 @@ from pathlib import PurePath
 
 import numpy as np
 
-from scara_iso.comparison import Contrast, ContrastVerdict
-from scara_iso.monitoring import (
+from scara_iso.comparison import (
+    Contrast,
+    ContrastVerdict,
     MeanHistory,
     RobotHistory,
     ServiceEvent,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from scara_iso.acquisition import DeviceNotice, Dialect, Event, Garbage, InstrumentFault, Reading
+from scara_iso.recorder import DeviceNotice, Dialect, Event, Garbage, InstrumentFault, Reading
 from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
 

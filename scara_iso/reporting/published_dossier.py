@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, cast
 
+from scara_iso.base.published import publish
 from scara_iso.diagnosis import (
     BacklashOfModel,
     Diagnosis,
@@ -14,7 +15,6 @@ from scara_iso.diagnosis import (
     published_diagnosis,
 )
 from scara_iso.iso9283 import PublishedAnalysis, published_analysis
-from scara_iso.published import publish
 from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.dossier import Dossier
 from scara_iso.reporting.front import Amendment

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from scara_iso.base.published import Size
 from scara_iso.diagnosis import PublishedBacklash, published_backlash
 from scara_iso.iso9283 import Analysis, Millimetres, PublishedAnalysis, published_analysis
-from scara_iso.published import Size
 from scara_iso.robot import (
     PRINTED_DEVIATION_MM,
     PRINTED_FREE_PLAY_MM,

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from scara_iso.acquisition import Device, Dialect, Reading
-from scara_iso.published import publish
+from scara_iso.base.published import publish
+from scara_iso.recorder import Device, Dialect, Reading
 from scara_iso.reporting.ports import Probe
 
 

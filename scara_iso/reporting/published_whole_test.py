@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, Protocol, TypeAlias
 
-from scara_iso.acceptance import Condition
+from scara_iso.base.published import publish
 from scara_iso.comparison import PublishedComparison
 from scara_iso.diagnosis import PosesDiagnosis, PublishedDiagnosis, TracedPosesDiagnosis
 from scara_iso.iso9283 import (
@@ -28,8 +28,8 @@ from scara_iso.iso9283 import (
     published_finding,
     published_limit,
 )
-from scara_iso.published import publish
 from scara_iso.reporting.published_dossier import PublishedReport
+from scara_iso.testfolder import Condition
 
 OfTable: TypeAlias = (
     PublishedDiagnosis

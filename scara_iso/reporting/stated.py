@@ -13,11 +13,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Cycles
-from scara_iso.origin import Origin
-from scara_iso.quantities import Dimension
 from scara_iso.reporting.blocks import Block, Facts, Text
-from scara_iso.run import Run
+from scara_iso.run import Origin, Run
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Characteristic
-from scara_iso.quantities import Dimension
 from scara_iso.reporting.analysis import characteristics_table
 from scara_iso.reporting.blocks import (
     Block,

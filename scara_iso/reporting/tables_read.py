@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from datetime import date
 
-from scara_iso.acceptance import Folder, PartState, about, lacking, seconds_left
-from scara_iso.origin import TableField
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -21,7 +19,8 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
-from scara_iso.run import Run
+from scara_iso.run import Run, TableField
+from scara_iso.testfolder import Folder, PartState, about, lacking, seconds_left
 
 _MOST = 100
 

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import cast
 
+from scara_iso.base.published import Size, Unit
+from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.iso9283 import Analysis, AxisResult, RadialResult
-from scara_iso.published import Size, Unit
-from scara_iso.quantities import rounding_uncertainty
 from scara_iso.reporting.blocks import Block, Cell, Number, Table, Text, U_of_scatter, rounded
 from scara_iso.reporting.stated import NOT_STATED
 from scara_iso.run import Axis, Run

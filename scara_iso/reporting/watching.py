@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.acquisition import NextWay, Watched
 from scara_iso.diagnosis import PAUSE
+from scara_iso.recorder import NextWay, Watched
 from scara_iso.reporting.blocks import words
 
 _RIVALS = 2

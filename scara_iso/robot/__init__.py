@@ -7,7 +7,7 @@ two inertias in closed form, `drivetrain` the same through time.
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.robot.arm import Arm as Arm, Elbow as Elbow

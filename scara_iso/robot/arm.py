@@ -15,7 +15,7 @@ from enum import Enum
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.run import FloatArray
 
 JOINTS = ("joint 1", "joint 2", "joint 3", "joint 4")

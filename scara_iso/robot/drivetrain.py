@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.run import FloatArray, IntArray
 
 

@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.files import read_toml
+from scara_iso.base.quantities import Dimension
+from scara_iso.base.toml_keys import KeyFaults, number_at, only, pair
 from scara_iso.effects import Effect, OwnEffect, find_effects, find_gear_effects, own_effects
-from scara_iso.errors import DataError, UsageError
-from scara_iso.files import read_toml
-from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.two_inertia import Backlash, backlash
 from scara_iso.run import FloatArray
-from scara_iso.toml_keys import KeyFaults, number_at, only, pair
 
 Value = float | str | Mapping[str, float]
 

@@ -12,7 +12,11 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scara_iso.disk import write_file
+from scara_iso.base.disk import write_file
+from scara_iso.base.errors import DataError, Fault, UsageError
+from scara_iso.base.files import read_file, read_toml
+from scara_iso.base.quantities import Dimension
+from scara_iso.base.toml_keys import KeyFaults, is_number, number_at, only, pair, section
 from scara_iso.effects import (
     Effect,
     GearEffect,
@@ -21,9 +25,6 @@ from scara_iso.effects import (
     find_effects,
     find_gear_effects,
 )
-from scara_iso.errors import DataError, Fault, UsageError
-from scara_iso.files import read_file, read_toml
-from scara_iso.quantities import Dimension
 from scara_iso.robot.arm import Arm
 from scara_iso.robot.model import (
     ARM_PLACES,
@@ -38,7 +39,6 @@ from scara_iso.robot.model import (
 )
 from scara_iso.run import AXES
 from scara_iso.tables import parse_clean
-from scara_iso.toml_keys import KeyFaults, is_number, number_at, only, pair, section
 
 if TYPE_CHECKING:
     from tomlkit.items import InlineTable

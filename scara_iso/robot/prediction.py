@@ -13,13 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.base.errors import UsageError
 from scara_iso.effects import Conditions, Effect, GearEffect, Sweep, find_effects, find_gear_effects
-from scara_iso.errors import UsageError
-from scara_iso.origin import Origin
 from scara_iso.robot.arm import project
 from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals, sides
 from scara_iso.robot.model import DeclaredEffect, Indicator, Model, on_dials
-from scara_iso.run import Axis, FloatArray, Run
+from scara_iso.run import Axis, FloatArray, Origin, Run
 
 _PLANE = {"X": (1.0, 0.0), "Y": (0.0, 1.0)}
 """What the indicators of the plane see, in the base frame."""

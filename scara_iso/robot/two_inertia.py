@@ -18,10 +18,9 @@ from dataclasses import dataclass, replace
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from scara_iso.display import Displayed
-from scara_iso.errors import UsageError
-from scara_iso.frames import frame_of, or_nan
-from scara_iso.run import Run
+from scara_iso.base.display import Displayed
+from scara_iso.base.errors import UsageError
+from scara_iso.run import Run, frame_of, or_nan
 from scara_iso.tables import read_table
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from itertools import pairwise, product
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.run import FloatArray
 

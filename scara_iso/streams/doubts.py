@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
 from scara_iso.run import FloatArray, Run
 from scara_iso.streams.rests import Doubt, Motion, Rest, find_rests, middle
 

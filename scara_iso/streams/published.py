@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from scara_iso.base.published import Count, Unit, publish
 from scara_iso.iso9283 import PublishedCharacteristic, published_characteristic
-from scara_iso.published import Count, Unit, publish
 from scara_iso.run import AxisKey
 from scara_iso.streams.rests import Doubt, Rule, StreamVisits, Visit
 

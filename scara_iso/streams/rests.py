@@ -29,9 +29,9 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.display import Displayed
+from scara_iso.base.display import Displayed
+from scara_iso.base.published import Count, Size
 from scara_iso.iso9283 import Characteristic
-from scara_iso.published import Count, Size
 from scara_iso.run import AxisKey, FloatArray, Run
 
 if TYPE_CHECKING:

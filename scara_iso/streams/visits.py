@@ -12,11 +12,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.errors import DataError, UsageError
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import arrival_characteristics
-from scara_iso.pose_columns import arrival_labels, number_cycles
-from scara_iso.quantities import Dimension
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import (
+    FloatArray,
+    Run,
+    arrival_labels,
+    number_cycles,
+    overshoot_column,
+    stabilisation_column,
+)
 from scara_iso.streams.doubts import (
     Samples,
     Stay,
@@ -39,7 +45,6 @@ from scara_iso.streams.rests import (
     plateaus,
     still_of,
 )
-from scara_iso.transient_columns import overshoot_column, stabilisation_column
 
 _DITHERED = 0.5
 """Scatter over division from which a mean of samples is finer than the division: the rounding error

@@ -7,7 +7,7 @@ gives the canonical form.
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.tables.body import (

@@ -13,10 +13,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.condition_columns import UNITS, unit_of_condition
-from scara_iso.origin import Origin, TableField
-from scara_iso.pose_columns import Commanded, arrival_labels, check_clusters, number_cycles
-from scara_iso.run import Axis, FloatArray, IntArray, Run, beyond_dials
+from scara_iso.run import (
+    UNITS,
+    Axis,
+    Commanded,
+    FloatArray,
+    IntArray,
+    Origin,
+    Run,
+    TableField,
+    arrival_labels,
+    beyond_dials,
+    check_clusters,
+    number_cycles,
+    unit_of_condition,
+)
 from scara_iso.tables.body import Body, check_marks
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.layout import COLUMNS, HEAD, Layout, header_cells, names_an_axis, runs_across

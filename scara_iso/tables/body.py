@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.run import FloatArray, Run
 from scara_iso.tables.columns import Cell, Columns, is_words
 from scara_iso.tables.faults import KEPT, Faults, names_a_footer, quoted, refuse

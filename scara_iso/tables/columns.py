@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.pose_columns import read_direction
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.run import FloatArray, IntArray, read_direction
 from scara_iso.tables.faults import (
     LABEL_POSES,
     NUMBER_CYCLES,

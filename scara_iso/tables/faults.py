@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
-from scara_iso.errors import DataError, Fault, NoInputError, ScaraIsoError
+from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
 from scara_iso.tables.numbers import BLANKS, parse_cell
 
 KEPT = 1000

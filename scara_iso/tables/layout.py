@@ -9,8 +9,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from scara_iso.condition_columns import UNITS, unit_of_condition
-from scara_iso.quantities import Dimension
+from scara_iso.base.quantities import Dimension
+from scara_iso.run import UNITS, unit_of_condition
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import (
     CLOCKS,

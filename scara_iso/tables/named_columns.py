@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.errors import Fault
-from scara_iso.quantities import Unit, parse_unit
+from scara_iso.base.errors import Fault
+from scara_iso.base.quantities import Unit, parse_unit
 from scara_iso.run import FloatArray
 from scara_iso.tables.body import WHICH_MARK, are_mixed, are_undecided, refuse_other_marks
 from scara_iso.tables.columns import Cell

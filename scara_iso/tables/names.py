@@ -13,15 +13,16 @@ from datetime import datetime
 from enum import Enum
 from functools import lru_cache
 
-from scara_iso.condition_columns import (
+from scara_iso.base.quantities import Unit, find_unit
+from scara_iso.run import (
+    POSE_NAMES,
     UNITS,
     RecordedCondition,
     find_condition,
+    read_direction,
     unit_in_heading,
     unit_of_condition,
 )
-from scara_iso.pose_columns import POSE_NAMES, read_direction
-from scara_iso.quantities import Unit, find_unit
 from scara_iso.tables.numbers import BLANKS, FORMULA, parse_cell
 
 LONGEST_NAME = 80

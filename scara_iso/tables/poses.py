@@ -18,11 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.dial import joined_axis
-from scara_iso.errors import DataError, Fault
-from scara_iso.origin import Origin
-from scara_iso.pose_columns import Commanded, by_pose, coded
-from scara_iso.run import Axis, FloatArray, Run
+from scara_iso.base.errors import DataError, Fault
+from scara_iso.run import Axis, Commanded, FloatArray, Origin, Run, by_pose, coded, joined_axis
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.names import Kind, pose_alone, pose_in, read_unit

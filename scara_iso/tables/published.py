@@ -8,9 +8,8 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from scara_iso.origin import TableField
-from scara_iso.published import Count, Unit, publish
-from scara_iso.run import AxisKey, FloatArray, IntArray, Run
+from scara_iso.base.published import Count, Unit, publish
+from scara_iso.run import AxisKey, FloatArray, IntArray, Run, TableField
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from scara_iso.errors import DataError, UsageError
+from scara_iso.base.errors import DataError, UsageError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions
 from scara_iso.tables.blocks import (

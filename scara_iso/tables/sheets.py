@@ -19,7 +19,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 from xml.parsers import expat
 
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.blocks import (

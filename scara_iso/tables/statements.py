@@ -12,10 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.dial import Correction
-from scara_iso.pose_columns import Commanded
-from scara_iso.quantities import Dimension, Unit, parse_number, parse_unit
-from scara_iso.run import AXES, Axis, Run
+from scara_iso.base.quantities import Dimension, Unit, parse_number, parse_unit
+from scara_iso.run import AXES, Axis, Commanded, Correction, Run
 from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.names import Column, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell

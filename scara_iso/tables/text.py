@@ -18,8 +18,8 @@ from enum import Enum
 from pathlib import Path
 from typing import BinaryIO
 
-from scara_iso.errors import DataError
-from scara_iso.files import not_read, open_file
+from scara_iso.base.errors import DataError
+from scara_iso.base.files import not_read, open_file
 from scara_iso.tables.faults import Faults, refuse
 from scara_iso.tables.numbers import BLANKS
 

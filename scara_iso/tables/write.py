@@ -8,8 +8,8 @@ from decimal import Decimal
 
 import numpy as np
 
-from scara_iso.errors import DataError
-from scara_iso.quantities import Dimension
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import Dimension
 from scara_iso.run import AXES, Axis, FloatArray, Run
 from scara_iso.tables.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.numbers import (

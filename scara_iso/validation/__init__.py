@@ -6,7 +6,7 @@ summed up elsewhere. One module compares one kind of them; `validate` runs them 
 
 from typing import TYPE_CHECKING
 
-from scara_iso.faces import face
+from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.validation.published import (

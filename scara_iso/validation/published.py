@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from scara_iso.published import publish
+from scara_iso.base.published import publish
 from scara_iso.validation.result import ReferenceCheck, Validation
 
 

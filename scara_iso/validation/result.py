@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from scara_iso.display import Displayed
+from scara_iso.base.display import Displayed
 
 
 @dataclass(frozen=True, slots=True)

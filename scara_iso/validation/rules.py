@@ -6,7 +6,7 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
 from scara_iso.iso9283 import Counting, analyze
 from scara_iso.tables import read_table
 from scara_iso.validation.result import ReferenceCheck

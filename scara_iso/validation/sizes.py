@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from scara_iso.quantities import parse_unit, rounding_uncertainty
+from scara_iso.base.quantities import parse_unit, rounding_uncertainty
 from scara_iso.validation.result import ReferenceCheck
 
 _SI = "SI Brochure (9th edition); inch = 25.4 mm exactly (yard and pound agreement of 1959)"

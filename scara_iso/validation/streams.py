@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from importlib.resources.abc import Traversable
 from typing import Any
 
-from scara_iso.acquisition import (
+from scara_iso.recorder import (
     Decoder,
     DeviceNotice,
     Event,

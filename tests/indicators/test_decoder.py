@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, strategies as st
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.recorder.indicators import (
     Decoder,
     DeviceNotice,
     Garbage,

@@ -4,7 +4,8 @@ from decimal import Decimal
 
 import pytest
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.base.errors import UsageError
+from scara_iso.recorder.indicators import (
     DeviceNotice,
     Dialect,
     Garbage,
@@ -14,7 +15,6 @@ from scara_iso.acquisition.indicators import (
     Reading,
     find_dialect,
 )
-from scara_iso.errors import UsageError
 
 MUX = find_dialect("mitutoyo-mux")
 OPTO = find_dialect("opto-rs232")

@@ -7,7 +7,8 @@ import pytest
 from budget import examples
 from hypothesis import given, strategies as st
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.base.errors import UsageError
+from scara_iso.recorder.indicators import (
     Decoder,
     Dialect,
     Garbage,
@@ -17,7 +18,6 @@ from scara_iso.acquisition.indicators import (
     find_dialect,
     find_dialects,
 )
-from scara_iso.errors import UsageError
 
 DIALECTS = list(find_dialects().values())
 STRICT = re.compile(r"-?(0|[1-9][0-9]*)(\.[0-9]+)?", re.ASCII)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.recorder.indicators import (
     InstrumentFault,
     Reading,
     find_dialect,

@@ -13,7 +13,7 @@ from types import ModuleType
 
 import pytest
 
-from scara_iso.acquisition.indicators import Dialect, Reading, find_dialect, find_dialects
+from scara_iso.recorder.indicators import Dialect, Reading, find_dialect, find_dialects
 
 
 def load_benchmark() -> ModuleType:

@@ -2,14 +2,14 @@
 
 import pytest
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.base.errors import UsageError
+from scara_iso.recorder.indicators import (
     Decoder,
     Garbage,
     LineSettings,
     Reading,
     make_generic,
 )
-from scara_iso.errors import UsageError
 
 BRIDGE = r"value=(?P<value>-?\d+\.\d+) (?P<unit>\S+)"
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from scara_iso.acquisition.indicators._grammar import UNITS, decimal_text, show_digits, spell
-from scara_iso.errors import UsageError
-from scara_iso.quantities import find_unit
+from scara_iso.base.errors import UsageError
+from scara_iso.base.quantities import find_unit
+from scara_iso.recorder.indicators._grammar import UNITS, decimal_text, show_digits, spell
 
 
 @pytest.mark.parametrize(

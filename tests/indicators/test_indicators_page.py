@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.recorder.indicators import (
     Decoder,
     Reading,
     find_dialects,

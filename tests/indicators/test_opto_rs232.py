@@ -2,7 +2,8 @@
 
 import pytest
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.base.errors import UsageError
+from scara_iso.recorder.indicators import (
     DeviceNotice,
     InstrumentFault,
     LinePulse,
@@ -10,7 +11,6 @@ from scara_iso.acquisition.indicators import (
     Reading,
     find_dialect,
 )
-from scara_iso.errors import UsageError
 
 OPTO = find_dialect("opto-rs232")
 CABLES = ["opto-rs232", "opto-rs232-simplex", "opto-rs232-tesa", "opto-rs232-trimos",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.acquisition.indicators import (
+from scara_iso.recorder.indicators import (
     Decoder,
     DeviceNotice,
     Event,

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias, cast
 
 import numpy as np
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 from scara_iso.robot.drivetrain import Constants, DriveTrain, Moving, Phase, run_events
 from scara_iso.run import FloatArray, IntArray
 

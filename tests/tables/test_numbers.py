@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
 from scara_iso.tables import read_table
 from scara_iso.tables.numbers import (
     EXCEL,

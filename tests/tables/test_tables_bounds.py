@@ -7,7 +7,7 @@ import openpyxl
 import pytest
 
 from scara_iso import analyze, push
-from scara_iso.errors import DataError, ScaraIsoError
+from scara_iso.base.errors import DataError, ScaraIsoError
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
 from scara_iso.tables.names import read_unit

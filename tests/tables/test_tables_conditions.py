@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from scara_iso import Run, read_table
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
 from scara_iso.tables import write_table
 
 

@@ -5,7 +5,7 @@ from hypothesis import given, strategies as st
 from spelling import Spelling, Table, lines, spell
 from test_tables_spellings import assert_same
 
-from scara_iso.errors import ScaraIsoError
+from scara_iso.base.errors import ScaraIsoError
 from scara_iso.tables import read_table
 
 PIECES = st.sampled_from(

@@ -9,8 +9,8 @@ import pytest
 from openpyxl.utils import get_column_letter
 
 import scara_iso
+from scara_iso.base.errors import DataError, Fault, NoInputError, UsageError
 from scara_iso.cli import main
-from scara_iso.errors import DataError, Fault, NoInputError, UsageError
 from scara_iso.tables import read_table
 
 

@@ -9,8 +9,8 @@ import pytest
 from budget import examples
 from hypothesis import assume, given, strategies as st
 
-from scara_iso.errors import DataError
-from scara_iso.quantities import Dimension
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import Dimension
 from scara_iso.run import Axis, Run
 from scara_iso.tables import find_locale, read_table, write_table
 

@@ -11,7 +11,7 @@ from budget import examples
 from hypothesis import HealthCheck, assume, given, strategies as st
 from spelling import ENCODINGS, Spelling, Table, spell, workbook
 
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
 from scara_iso.tables import read_table
 
 RNG = np.random.default_rng(1)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from bench import run_session
 
-from scara_iso.acquisition.indicators import find_dialect
-from scara_iso.acquisition.ports.simulated import SimulatedPort
+from scara_iso.recorder.indicators import find_dialect
+from scara_iso.recorder.ports.simulated import SimulatedPort
 from scara_iso.tables import read_table
 from undeclared.dial import CYCLES, SCATTER, on_dial
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.direction import Match, match
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
@@ -17,7 +18,6 @@ from scara_iso.diagnosis.search import Stage
 from scara_iso.diagnosis.tuning import TWO_DIVISIONS, UNKNOWN
 from scara_iso.effects import Effect, Form, Process, Shape, Spread
 from scara_iso.iso9283 import repeatability
-from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray
 
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}

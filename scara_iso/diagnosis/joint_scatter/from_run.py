@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.base.errors import UsageError
+from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.joint_scatter.poses import (
     PLANE,
     Joints,
@@ -18,11 +20,8 @@ from scara_iso.diagnosis.joint_scatter.reach import reach_map
 from scara_iso.diagnosis.joint_scatter.result import JointScatter
 from scara_iso.diagnosis.joint_scatter.tracing import FEWEST_POSES
 from scara_iso.diagnosis.result import Diagnosis
-from scara_iso.dial import step_of
-from scara_iso.errors import UsageError
-from scara_iso.quantities import Dimension
 from scara_iso.robot import Arm, Model
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import FloatArray, Run, step_of
 
 Left = tuple[FloatArray, FloatArray]
 """X and Y (n, 2) at a pose that was held out: as read, and less the model with the effects."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from scara_iso.base.errors import UsageError
 from scara_iso.diagnosis.all_poses import whole_cycles
 from scara_iso.diagnosis.closed_loop import CyclesWanted
 from scara_iso.diagnosis.joint_scatter.from_run import Left, joint_scatter
@@ -18,11 +19,9 @@ from scara_iso.diagnosis.joint_scatter.recorded import (
 from scara_iso.diagnosis.joint_scatter.result import FollowedInJoints
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
 from scara_iso.diagnosis.saving import declared_in_arm
-from scara_iso.dial import step_of
 from scara_iso.effects import Conditions
-from scara_iso.errors import UsageError
 from scara_iso.robot import Model, predict
-from scara_iso.run import Run
+from scara_iso.run import Run, step_of
 
 
 def with_joint_scatter(

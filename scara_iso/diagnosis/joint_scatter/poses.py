@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.base.errors import UsageError
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
 from scara_iso.diagnosis.joint_scatter.result import (
     JointCorrelation,
@@ -30,7 +31,6 @@ from scara_iso.diagnosis.joint_scatter.tracing import (
     source_intervals,
     trace,
 )
-from scara_iso.errors import UsageError
 from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.joint_scatter.covariances import (
     PoseCovariances,
     deviance,
@@ -23,7 +24,6 @@ from scara_iso.diagnosis.joint_scatter.covariances import (
     variance_intervals,
 )
 from scara_iso.diagnosis.joint_scatter.gaussian_rp import gaussian_rp
-from scara_iso.quantities import rounding_uncertainty
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
 

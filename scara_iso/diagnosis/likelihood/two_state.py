@@ -20,10 +20,10 @@ from math import lgamma
 
 import numpy as np
 
+from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.likelihood.normal import normal_cdf
 from scara_iso.diagnosis.tuning import KNOWN_FROM, SPLIT_SCALE
 from scara_iso.effects import Chain
-from scara_iso.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray
 
 _LEVELS = 14

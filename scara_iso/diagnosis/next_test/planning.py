@@ -10,12 +10,12 @@ from itertools import combinations
 
 import numpy as np
 
+from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.likelihood.evidence import evidence_of_runs
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant, extended
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
-from scara_iso.errors import DataError
 from scara_iso.run import FloatArray, IntArray
 
 _TRAVELS = np.geomspace(0.6, 12.0, 14)

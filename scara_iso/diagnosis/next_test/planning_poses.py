@@ -15,6 +15,8 @@ from itertools import product
 
 import numpy as np
 
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
 from scara_iso.diagnosis.joint_scatter.poses import PLANE, Joints
@@ -32,13 +34,10 @@ from scara_iso.diagnosis.next_test.planning import (
 from scara_iso.diagnosis.next_test.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.places import JOINTS
 from scara_iso.diagnosis.tuning import SEED
-from scara_iso.dial import step_of
 from scara_iso.effects import Conditions, Effect, find_effects
-from scara_iso.errors import DataError, UsageError
 from scara_iso.iso9283 import PoseTestConditions
-from scara_iso.quantities import Dimension
 from scara_iso.robot import Arm, Rated
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, step_of
 
 _SHARED = 1.17
 """Size found by the search over all poses over that found in one channel: its level is shared with

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from scara_iso.base.published import publish
 from scara_iso.diagnosis.next_test.separating import PosesApart, SeparatingPlan
 from scara_iso.iso9283 import PlannedCycles, PlannedVisit, PublishedRated
-from scara_iso.published import publish
 from scara_iso.robot import Elbow
 
 

@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.display import Plotted
+from scara_iso.base.errors import UsageError
+from scara_iso.base.published import Size
 from scara_iso.diagnosis.places import ARM, JOINTS
 from scara_iso.diagnosis.tuning import SEED
-from scara_iso.display import Plotted
-from scara_iso.errors import UsageError
-from scara_iso.frames import frame_of
 from scara_iso.iso9283 import (
     PlannedPose,
     PlannedVisit,
@@ -31,9 +31,8 @@ from scara_iso.iso9283 import (
     planned_poses,
     planned_visits,
 )
-from scara_iso.published import Size
 from scara_iso.robot import Arm, Elbow, Rated
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, frame_of
 
 if TYPE_CHECKING:
     import pandas as pd

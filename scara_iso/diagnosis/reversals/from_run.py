@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.published import Count, Size
+from scara_iso.base.quantities import Dimension, rounding_uncertainty
 from scara_iso.diagnosis.reversals.fit import Reversals
 from scara_iso.diagnosis.reversals.search import GearDiagnosis, diagnose_reversals
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Conditions
-from scara_iso.published import Count, Size
-from scara_iso.quantities import Dimension, rounding_uncertainty
 from scara_iso.robot import Model, lever_mm, predict, sweep_of
 from scara_iso.run import AxisKey, FloatArray, Run
 

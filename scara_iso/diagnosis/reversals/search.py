@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.base.errors import DataError
+from scara_iso.base.published import Probability
 from scara_iso.diagnosis.naming.choice import Choice, posterior
 from scara_iso.diagnosis.reversals.fit import (
     Family,
@@ -28,8 +30,6 @@ from scara_iso.diagnosis.reversals.unknown import unknown_families
 from scara_iso.diagnosis.tuning import FURTHER_LEVEL, LEVEL, SEED, UNKNOWN
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import GearEffect, Sweep, find_gear_effects
-from scara_iso.errors import DataError
-from scara_iso.published import Probability
 from scara_iso.run import FloatArray
 
 _FEWEST = 3

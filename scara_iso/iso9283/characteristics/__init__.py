@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from types import ModuleType
 
+from scara_iso.base.plugins import find_modules
 from scara_iso.iso9283.results import Characteristic, Measured
-from scara_iso.plugins import find_modules
 
 Compute = Callable[[Measured], Iterator[Characteristic]]
 

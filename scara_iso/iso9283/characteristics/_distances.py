@@ -8,9 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283.figures import PoseResult
 from scara_iso.iso9283.results import Measured, poses_in_cycles
-from scara_iso.quantities import Dimension
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
 _FEWEST_CYCLES = 2

@@ -15,11 +15,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from scara_iso.base.quantities import Estimate
 from scara_iso.iso9283.characteristics._distances import Distances, distances
 from scara_iso.iso9283.results import Characteristic, Measured
 from scara_iso.iso9283.statistics import standard_deviation
 from scara_iso.iso9283.uncertainty import position_estimate, reading_uncertainty
-from scara_iso.quantities import Estimate
 
 CODE = "AD"
 CLAUSE = "7.3"

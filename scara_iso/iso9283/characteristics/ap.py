@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.base.quantities import Estimate
 from scara_iso.iso9283.figures import AxisResult, PoseResult
 from scara_iso.iso9283.results import (
     Characteristic,
@@ -18,7 +19,6 @@ from scara_iso.iso9283.results import (
     poses_in_cycles,
 )
 from scara_iso.iso9283.uncertainty import distance_estimate, position_estimate
-from scara_iso.quantities import Estimate
 
 CODE = "AP"
 CLAUSE = "7.2.1"

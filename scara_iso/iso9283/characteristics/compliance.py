@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.errors import DataError
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283.results import Characteristic, Measured
-from scara_iso.quantities import Dimension
 
 CODE = "compliance"
 CLAUSE = "10"

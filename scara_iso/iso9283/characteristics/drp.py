@@ -14,13 +14,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.dial import step_of
+from scara_iso.base.quantities import Dimension, Estimate
 from scara_iso.iso9283.blocks import visits_of_blocks
 from scara_iso.iso9283.results import Characteristic, Measured, limit_names
 from scara_iso.iso9283.statistics import pooled_intervals, repeatability
 from scara_iso.iso9283.uncertainty import FEWEST_FOR_INTERVAL, components
-from scara_iso.quantities import Dimension, Estimate
-from scara_iso.run import Axis, FloatArray
+from scara_iso.run import Axis, FloatArray, step_of
 
 CODE = "dRP"
 CLAUSE = "7.6"

@@ -15,8 +15,7 @@ from collections.abc import Iterator
 from scara_iso.iso9283.arrivals import counted, of_column
 from scara_iso.iso9283.results import Characteristic, Measured
 from scara_iso.iso9283.uncertainty import reading_uncertainty
-from scara_iso.run import Axis, IntArray, Run
-from scara_iso.transient_columns import overshoot_column
+from scara_iso.run import Axis, IntArray, Run, overshoot_column
 
 CODE = "overshoot"
 CLAUSE = "7.5"

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.dial import step_of
+from scara_iso.base.quantities import Estimate
 from scara_iso.iso9283.characteristics._distances import Distances, distances
 from scara_iso.iso9283.results import Characteristic, Measured
 from scara_iso.iso9283.statistics import standard_deviation, three_sigma_interval
@@ -25,7 +25,7 @@ from scara_iso.iso9283.uncertainty import (
     reading_uncertainty,
     scatter_estimates,
 )
-from scara_iso.quantities import Estimate
+from scara_iso.run import step_of
 
 CODE = "RD"
 CLAUSE = "7.3"

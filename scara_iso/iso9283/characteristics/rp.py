@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.base.quantities import MILLIMETRE
 from scara_iso.iso9283.figures import EVERY_LENGTH
 from scara_iso.iso9283.results import Characteristic, Measured, poses_in_cycles
-from scara_iso.quantities import MILLIMETRE
 
 CODE = "RP"
 CLAUSE = "7.2.2"

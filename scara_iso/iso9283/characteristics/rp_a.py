@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283.results import Characteristic, Measured, poses_in_cycles
-from scara_iso.quantities import Dimension
 
 CODE = "RP_a"
 CLAUSE = "7.2.2"

@@ -12,11 +12,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from scara_iso.base.quantities import parse_number
 from scara_iso.iso9283.arrivals import counted, of_column
 from scara_iso.iso9283.results import Characteristic, Measured
-from scara_iso.quantities import parse_number
-from scara_iso.run import Axis, IntArray, Run
-from scara_iso.transient_columns import stabilisation_column
+from scara_iso.run import Axis, IntArray, Run, stabilisation_column
 
 CODE = "stabilisation_time"
 CLAUSE = "7.4"

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.base.quantities import Estimate
 from scara_iso.iso9283.results import Characteristic, Measured
-from scara_iso.quantities import Estimate
 
 CODE = "steady_after"
 CLAUSE = "7.6"

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from types import ModuleType
 
+from scara_iso.base.plugins import find_modules
 from scara_iso.iso9283.results import Finding, Measured
-from scara_iso.plugins import find_modules
 
 Check = Callable[[Measured], Iterator[Finding]]
 

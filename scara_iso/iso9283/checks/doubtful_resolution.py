@@ -13,9 +13,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.dial import seen_step
 from scara_iso.iso9283.results import Finding, Measured
-from scara_iso.run import Axis, FloatArray
+from scara_iso.run import Axis, FloatArray, seen_step
 
 CODE = "doubtful-resolution"
 BRIEF = "resolution is not as stated"

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283.results import Finding, Measured, poses_in_cycles
-from scara_iso.quantities import Dimension
 
 CODE = "force-loop"
 BRIEF = "RP counts what the force moves"

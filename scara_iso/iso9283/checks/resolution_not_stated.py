@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.dial import common_step
 from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.run import common_step
 
 CODE = "resolution-not-stated"
 BRIEF = "resolution not stated"

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from importlib import import_module
 from pkgutil import iter_modules
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
 
 
 def endings() -> tuple[str, ...]:

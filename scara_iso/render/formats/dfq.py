@@ -14,9 +14,9 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
-from scara_iso.errors import UsageError
+from scara_iso.base.errors import UsageError
+from scara_iso.gauge import AxisStudy, Crossed, GaugeStudy, TypeOne
 from scara_iso.iso9283 import Analysis
-from scara_iso.measurement_system import AxisStudy, Crossed, GaugeStudy, TypeOne
 from scara_iso.reporting import Document, Dossier, printable, stated_field
 from scara_iso.run import Axis, Run
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from scara_iso.errors import UsageError
-from scara_iso.measurement_system import GaugeStudy, published_gauge_study
-from scara_iso.published import to_json
+from scara_iso.base.errors import UsageError
+from scara_iso.base.published import to_json
+from scara_iso.gauge import GaugeStudy, published_gauge_study
 from scara_iso.render.json import to_text
 from scara_iso.reporting import Document, Dossier, published_report
 

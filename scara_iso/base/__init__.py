@@ -1,0 +1,1 @@
+"""What every room stands on, and nothing of the trade: errors, units, files and disk, plug-ins."""

@@ -1,0 +1,233 @@
+"""How every file is written: the old one or the new one is there, whole, whatever happens.
+
+The operations are few enough to be replaced by a failing disk in a test; each raises `OSError` as
+the system does. A lock is held by the open file and ends with its process, however that ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import shutil
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Protocol
+
+from scara_iso.base.errors import WriteError
+from scara_iso.base.interrupts import Later, were_heard
+from scara_iso.base.places import ROOM, not_writable, open_stream, target_of
+
+_BINARY = getattr(os, "O_BINARY", 0)
+_BLOCK = bytes(4096)
+
+
+class Disk(Protocol):
+    """What is done with files."""
+
+    def open(self, path: Path, *, new: bool) -> int:
+        """Open for appending, and lock; ``new`` demands that the file is not there yet."""
+
+    def create(self, path: Path) -> int:
+        """Open a file that must not be there yet."""
+
+    def write(self, file: int, data: bytes) -> int:
+        """Write at the end and return how many bytes were taken."""
+
+    def sync(self, file: int) -> None:
+        """Return when everything written to the file is on the disk."""
+
+    def close(self, file: int) -> None:
+        """Close the file, which ends its lock."""
+
+    def replace(self, source: Path, target: Path) -> None:
+        """Rename over ``target``, in one step."""
+
+    def remove(self, path: Path) -> None:
+        """Remove the file if it is there."""
+
+    def sync_folder(self, folder: Path) -> None:
+        """Return when the folder's names are on the disk."""
+
+
+class SystemDisk:
+    """The machine's own files."""
+
+    def open(self, path: Path, *, new: bool) -> int:
+        """Open for appending, and lock; `BlockingIOError` where another recorder has it."""
+        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | _BINARY | (os.O_EXCL if new else 0)
+        file = os.open(path, flags, 0o666)
+        try:
+            _lock(file)
+        except OSError:
+            os.close(file)
+            raise
+        return file
+
+    def create(self, path: Path) -> int:
+        """Open a new file, with the permissions that the user's mask leaves."""
+        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666)
+
+    def write(self, file: int, data: bytes) -> int:
+        """Write at the end."""
+        return os.write(file, data)
+
+    def sync(self, file: int) -> None:
+        """Flush to the disk."""
+        os.fsync(file)
+
+    def close(self, file: int) -> None:
+        """Close."""
+        os.close(file)
+
+    def replace(self, source: Path, target: Path) -> None:
+        """Rename over ``target``."""
+        source.replace(target)
+
+    def remove(self, path: Path) -> None:
+        """Remove the file if it is there."""
+        path.unlink(missing_ok=True)
+
+    def sync_folder(self, folder: Path) -> None:
+        """Flush the folder; Windows has no such call and keeps names by its journal."""
+        if sys.platform == "win32":
+            return
+        file = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(file)
+        except OSError as error:
+            if error.errno != errno.EINVAL:  # a file system that has no such call
+                raise
+        finally:
+            os.close(file)
+
+
+def _lock(file: int) -> None:
+    if sys.platform == "win32":
+        import msvcrt  # noqa: PLC0415 - only there
+
+        # A byte far behind the end: a lock on Windows would keep others from reading it.
+        os.lseek(file, 0x7FFF0000, os.SEEK_SET)
+        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl  # noqa: PLC0415 - not on Windows
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def write_whole(disk: Disk, file: int, data: bytes) -> None:
+    """Write all of ``data``; `OSError` where the disk takes nothing."""
+    while data:
+        taken = disk.write(file, data)
+        if taken <= 0:
+            raise OSError(errno.ENOSPC, "the disk takes no more bytes")
+        data = data[taken:]
+
+
+def write_atomically(disk: Disk, files: Mapping[Path, bytes]) -> None:
+    """Put bytes at their paths: after a power cut each holds what it held, or the new, whole.
+
+    Nothing is renamed before all of them are on the disk. A link goes on pointing to what it
+    names, and what stands there keeps its permissions. A signal ends the process behind it.
+    """
+    targets = {path.resolve(): data for path, data in files.items()}
+    with Later():
+        _write_parts(disk, targets, {target: target.with_name(_part_name()) for target in targets})
+    for folder in {target.parent for target in targets}:
+        disk.sync_folder(folder)
+
+
+def _write_parts(disk: Disk, targets: Mapping[Path, bytes], parts: Mapping[Path, Path]) -> None:
+    try:
+        for target, data in targets.items():
+            _write_part(disk, parts[target], target, data)
+        for target, part in parts.items():
+            disk.replace(part, target)
+    except BaseException:
+        for part in parts.values():
+            with contextlib.suppress(OSError):
+                disk.remove(part)
+        raise
+
+
+def _part_name() -> str:
+    """Return a name that no one else uses: never a user's own."""
+    return f".scara-iso-{os.urandom(8).hex()}.part"
+
+
+def _write_part(disk: Disk, part: Path, target: Path, data: bytes) -> None:
+    file = disk.create(part)
+    try:
+        write_whole(disk, file, data)
+        disk.sync(file)
+    finally:
+        disk.close(file)
+    if target.exists():
+        shutil.copymode(target, part)
+
+
+def check_output(*paths: Path) -> None:
+    """Raise, before any work begins, where one of these could not be written.
+
+    `CannotCreateError` where no file can be there, `WriteError` for a disk that is full. What is
+    there stays as it is: the folder is tried with a block, which is removed. A pipe is opened, and
+    kept open for `write_file`.
+    """
+    for path in paths:
+        target = target_of(path)
+        if target is not None:
+            _try(target.parent, path)
+
+
+def check_folder(folder: Path) -> None:
+    """Raise as `check_output` where a folder takes no files, or could not be made."""
+    there = folder
+    try:
+        folder.exists()  # raises for a name that no disk takes
+        while not os.path.lexists(there) and there != there.parent:
+            there = there.parent
+    except (OSError, ValueError) as error:
+        raise not_writable(folder, error) from error
+    _try(there, folder)
+
+
+def _try(folder: Path, where: Path) -> None:
+    """Write a block into a folder and remove it."""
+    disk, part = SystemDisk(), folder / _part_name()
+    with Later():
+        try:
+            file = disk.create(part)
+            try:
+                write_whole(disk, file, _BLOCK)
+            finally:
+                disk.close(file)
+                disk.remove(part)
+        except (OSError, ValueError) as error:
+            raise not_writable(where, error) from error
+
+
+def write_file(path: Path, data: bytes, disk: Disk | None = None) -> None:
+    """Write a file at once, so that no failure and no kill leaves half of it.
+
+    Standard output, a pipe or a device that the path names is written to as it is. Raises
+    `CannotCreateError` where nothing can be there, `WriteError` where writing fails; what was
+    there before then stays.
+    """
+    if were_heard():  # and swallowed where ``data`` was made: they may lack something
+        raise KeyboardInterrupt
+    target = target_of(path)
+    disk = disk or SystemDisk()
+    try:
+        if target is not None:
+            write_atomically(disk, {target: data})
+            return
+        stream = open_stream(path)
+        try:
+            write_whole(disk, stream, data)
+        finally:
+            disk.close(stream)
+    except OSError as error:
+        raise WriteError(
+            f"cannot be written: {error.strerror or error}", where=str(path), remedy=ROOM
+        ) from error

@@ -1,0 +1,228 @@
+"""The units of this trade, and the uncertainty that a resolution brings.
+
+Inside the package a length is in millimetres and an angle in degrees; a `Unit` converts on the
+way in. Factors are kept as a ratio of two numbers, so that 35 hundredths of a millimetre become
+0.35 and not 0.35000000000000003.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from enum import Enum
+from fractions import Fraction
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.base.errors import DataError, UsageError
+
+Number = TypeVar("Number", float, npt.NDArray[np.float64])
+
+
+class Dimension(Enum):
+    """What a unit measures; the value is the unit in which the package computes."""
+
+    LENGTH = "mm"
+    ANGLE = "deg"
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit by its name and its size: ``numerator / denominator`` mm or degrees."""
+
+    name: str
+    dimension: Dimension
+    numerator: float
+    denominator: float
+
+    def to_base(self, value: Number) -> Number:
+        """Convert a value, or an array of any shape, in this unit to mm or degrees."""
+        return value * self.numerator / self.denominator
+
+    def read(self, text: str) -> float:
+        """Convert a display's decimal number to mm or degrees, rounded once.
+
+        ``0.5660`` inch is 14.3764 mm and not 14.376399999999999. Raises `ArithmeticError`.
+        """
+        return float(Decimal(text) * Decimal(self.numerator) / Decimal(self.denominator))
+
+    @property
+    def base_name(self) -> str:
+        """Name of the unit in which converted values are: ``mm`` or ``deg``."""
+        return self.dimension.value
+
+
+MILLIMETRE = Unit("mm", Dimension.LENGTH, 1, 1)
+DEGREE = Unit("deg", Dimension.ANGLE, 1, 1)
+
+_UNITS = (
+    MILLIMETRE,
+    Unit("um", Dimension.LENGTH, 1, 1000),
+    Unit("nm", Dimension.LENGTH, 1, 1_000_000),
+    Unit("cm", Dimension.LENGTH, 10, 1),
+    Unit("m", Dimension.LENGTH, 1000, 1),
+    Unit("inch", Dimension.LENGTH, 127, 5),
+    Unit("thou", Dimension.LENGTH, 127, 5000),
+    DEGREE,
+    Unit("rad", Dimension.ANGLE, 180, math.pi),
+    Unit("mrad", Dimension.ANGLE, 180, 1000 * math.pi),
+    Unit("arcmin", Dimension.ANGLE, 1, 60),
+    Unit("arcsec", Dimension.ANGLE, 1, 3600),
+)
+_ALIASES = {
+    "millimeter": "mm",
+    "millimetre": "mm",
+    "µm": "um",
+    "μm": "um",
+    "micron": "um",
+    "microns": "um",
+    "micrometer": "um",
+    "micrometre": "um",
+    "mikrometer": "um",
+    "mikron": "um",
+    "in": "inch",
+    "inches": "inch",
+    '"': "inch",
+    "zoll": "inch",
+    "°": "deg",
+    "degree": "deg",
+    "degrees": "deg",
+    "'": "arcmin",
+    "′": "arcmin",
+    "″": "arcsec",
+    "radian": "rad",
+    "radians": "rad",
+}
+_BY_NAME = {unit.name: unit for unit in _UNITS}
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
+_LONGEST = 60
+_SCALED = re.compile(r"([0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]{1,2})?)\s*[x×*]?\s*(\D.*)")
+
+
+def find_unit(text: str) -> Unit | None:
+    """Return the unit that ``text`` spells, ``0.01 mm`` and aliases included, or None."""
+    name = text.strip().lower()
+    if len(name) > _LONGEST:
+        return None
+    plain = _BY_NAME.get(_ALIASES.get(name, name))
+    if plain is not None:
+        return plain
+    scaled = _SCALED.fullmatch(name)
+    if scaled is None:
+        return None
+    scale, base = Fraction(scaled[1]), _BY_NAME.get(_ALIASES.get(scaled[2], scaled[2]))
+    if base is None or scale <= 0:
+        return None
+    return Unit(
+        f"{scaled[1]} {base.name}",
+        base.dimension,
+        base.numerator * scale.numerator,
+        base.denominator * scale.denominator,
+    )
+
+
+def parse_unit(text: str) -> Unit:
+    """Return the unit that ``text`` spells; `UsageError` names the known ones otherwise."""
+    unit = find_unit(text)
+    if unit is None:
+        raise UsageError(
+            f"unknown unit {text!r}",
+            remedy=f"use one of {', '.join(_BY_NAME)}, or a scaled one such as '0.01 mm'",
+        )
+    return unit
+
+
+def parse_number(text: str) -> float | None:
+    """Return the finite number that ``text`` spells in plain ASCII, or None.
+
+    ``float`` also takes nan, inf, 1_0 and the digits of other scripts.
+    """
+    if _NUMBER.fullmatch(text.strip()) is None:
+        return None
+    value = float(text)
+    return value if math.isfinite(value) else None
+
+
+TURN = 360.0
+"""A full turn in degrees."""
+
+
+def unwrap(angles: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return angles [deg], shape (n,), with whole turns taken off so that they lie together.
+
+    Angles within half a turn stay as they are. Others are taken within half a turn of their
+    circular mean, which is put between -90 and 270 degrees: far from 0/360 and +/-180, where
+    instruments jump. Raises `DataError` where they scatter over more than half a turn.
+    """
+    if len(angles) == 0 or np.ptp(angles) <= TURN / 2:
+        return angles
+    around = np.sort(angles % TURN)
+    gaps = np.diff(around, append=around[0] + TURN)
+    widest = int(np.argmax(gaps))
+    if gaps[widest] < TURN / 2:
+        raise DataError("the readings scatter over more than half a turn")
+    middle = around[widest] + gaps[widest] / 2 + TURN / 2
+    centre = middle - TURN * math.ceil((middle - 270) / TURN)
+    turns = np.round((angles - centre) / TURN)
+    # Rounded: 359.99 - 360 is meant as -0.01, on the same divisions as its neighbours.
+    return np.where(turns == 0, angles, np.round(angles - TURN * turns, 9))
+
+
+def same_turn(
+    angles: npt.NDArray[np.float64], others: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """Return angles [deg] with the whole turns that bring their mean nearest to that of others."""
+    turns = round(float(others.mean() - angles.mean()) / TURN)
+    return angles if turns == 0 else angles + TURN * turns
+
+
+def within_half_a_turn(difference: float) -> float:
+    """Return a difference of angles [deg] without whole turns: between -180 and 180."""
+    return math.remainder(difference, TURN)
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A figure with what is known of it; nothing here is rounded."""
+
+    value: float
+    """In `unit`."""
+    unit: str
+    """``mm``, ``deg`` or another; of `u`, `parts` and `interval` too."""
+    u: float | None
+    """Standard uncertainty: the root of the sum of squares of `parts`; None without `interval`."""
+    parts: Mapping[str, float]
+    """Standard uncertainties by origin: ``sampling`` (chance of the cycles, the dial's rounding
+    with it) and what the indicator adds, ``calibration`` or ``reading``."""
+    interval: tuple[float, float] | None
+    """95 %; None where so few readings allow none."""
+    n: int
+    """Number of cycles."""
+    clause: str
+    """Clause of ISO 9283, or equation of the paper."""
+
+    def scaled(self, factor: float, unit: str) -> Estimate:
+        """Return the same figure in another unit: everything times ``factor``, which is exact."""
+        return replace(
+            self,
+            value=self.value * factor,
+            unit=unit,
+            u=None if self.u is None else self.u * factor,
+            parts={name: part * factor for name, part in self.parts.items()},
+            interval=None
+            if self.interval is None
+            else (self.interval[0] * factor, self.interval[1] * factor),
+        )
+
+
+def rounding_uncertainty(resolution: float) -> float:
+    """Return the standard uncertainty of a reading rounded to ``resolution``: half width / sqrt(3).
+
+    GUM (JCGM 100:2008) F.2.2.1: resolution / sqrt(12).
+    """
+    return resolution / math.sqrt(12)

@@ -1,0 +1,480 @@
+"""What the tests of one robot amount to over months; all frozen.
+
+From the tests of one robot, in any order, to its history.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scara_iso.base.display import Displayed
+from scara_iso.base.errors import DataError, Fault, UsageError
+from scara_iso.comparison import Comparison, compare, spread
+from scara_iso.comparison.charts import (
+    FEWEST,
+    Cusum,
+    Ewma,
+    Individuals,
+    LimitCrossing,
+    Trend,
+    between_tests,
+    crossing,
+    cusum,
+    ewma,
+    individuals,
+    standardised,
+    trend_of,
+)
+from scara_iso.comparison.events import ServiceEvent, day_of
+from scara_iso.iso9283 import (
+    Analysis,
+    AxisResult,
+    Characteristic,
+    Conformity,
+    PoseResult,
+    poses_in_cycles,
+)
+from scara_iso.run import FloatArray, frame_of, or_nan
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, slots=True)
+class DatedAnalysis:
+    """One test, and when it was made."""
+
+    when: datetime
+    """Date, with a time where one is stated."""
+    analysis: Analysis
+    """Its figures and findings."""
+
+    @property
+    def source(self) -> str:
+        """Name of its table."""
+        return self.analysis.run.origin.source
+
+
+@dataclass(frozen=True, slots=True)
+class TestFigure:
+    """One figure of one test."""
+
+    __test__ = False  # no test of ours
+
+    when: datetime
+    """When it was measured."""
+    source: str
+    """Name of its table."""
+    value: float
+    """In the unit of the history."""
+    interval: tuple[float, float] | None
+    """95 %; None where so few cycles allow none."""
+    n: int
+    """Cycles that count."""
+    error: float
+    """Standard error by sampling: of the logarithm of a figure of scatter, of a mean itself."""
+    verdict: Conformity | None = None
+    """Against the limit that was given."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SpreadHistory:
+    """RP, or 3 S of an angle, at one pose over the tests."""
+
+    pose: str | None
+    """Label; None where no table names one."""
+    figure: str
+    """``X``, ``XY`` and so on."""
+    quantity: str
+    """``RP`` or ``three_sigma``."""
+    unit: str
+    """``mm`` or ``deg``."""
+    tests: tuple[TestFigure, ...]
+    """In time order."""
+    sampling: float
+    """Standard error of a figure's logarithm, by sampling alone."""
+    sigma: float
+    """Of the differences between tests; never less than ``sampling``."""
+    standardised: FloatArray
+    """Each test against those before it since the last service, shape (tests,)."""
+    ewma: Ewma | None
+    """None for fewer than five tests, or where a figure is 0."""
+    cusum: Cusum | None
+    """Likewise."""
+    trend: Trend | None
+    """Since the last service; None for fewer than five tests."""
+    limit: float | None
+    """That was given; None without."""
+    crossing: LimitCrossing | None
+    """When the limit is met; None without limit or trend."""
+    since_service: int
+    """First test, from 0, behind the last service."""
+
+    @property
+    def crossed(self) -> bool:
+        """Whether, since the last service, a test broke the limit, or the last lies above it."""
+        later = self.tests[self.since_service :]
+        broken = any(test.verdict is Conformity.FAIL for test in later)
+        return self.limit is not None and (broken or self.tests[-1].value > self.limit)
+
+    @property
+    def alarms(self) -> tuple[int, ...]:
+        """Tests, from 0, at which a chart speaks."""
+        charts = [chart.alarms for chart in (self.ewma, self.cusum) if chart is not None]
+        return tuple(sorted({k for alarms in charts for k in alarms}))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MeanHistory:
+    """The mean of one axis at one pose over the tests: robot, fixture and zero of the dial."""
+
+    pose: str | None
+    """Label; None where no table names one."""
+    figure: str
+    """Name of the axis."""
+    unit: str
+    """``mm`` or ``deg``."""
+    tests: tuple[TestFigure, ...]
+    """In time order."""
+    chart: Individuals | None
+    """None for fewer than five tests."""
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceChange:
+    """The last test before a service against the first behind it."""
+
+    event: ServiceEvent
+    """What was done."""
+    comparison: Comparison
+    """The last test before it against the first behind it."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RobotHistory(Displayed):
+    """Every test of one robot, in time order."""
+
+    robot: str
+    """Its name; empty where no table states one."""
+    serial: str
+    """Its serial number; empty where no table states one."""
+    tests: tuple[DatedAnalysis, ...]
+    """In time order."""
+    events: tuple[ServiceEvent, ...]
+    """In time order."""
+    spreads: tuple[SpreadHistory, ...]
+    """One for each pose and figure."""
+    means: tuple[MeanHistory, ...]
+    """One for each pose and axis."""
+    changes: tuple[ServiceChange, ...]
+    """One for each service with a test on both sides."""
+    notes: tuple[str, ...] = ()
+    """What the history must be read with."""
+    unreadable: tuple[tuple[str, str], ...] = ()
+    """Tables that could not be used, and why."""
+
+    def __repr__(self) -> str:
+        return f"<RobotHistory of {self.robot or 'a robot'}: {len(self.tests)} tests>"
+
+    @property
+    def crossed(self) -> tuple[SpreadHistory, ...]:
+        """The figures that crossed their limit."""
+        return tuple(one for one in self.spreads if one.crossed)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table: a row for each test and figure, with its interval."""
+        rows = [
+            *(_row(one, one.quantity, test) for one in self.spreads for test in one.tests),
+            *(_row(one, "mean", test) for one in self.means for test in one.tests),
+        ]
+        return frame_of(rows, {"robot": self.robot})
+
+
+def _row(
+    history: SpreadHistory | MeanHistory, quantity: str, test: TestFigure
+) -> Mapping[str, Any]:
+    low, high = test.interval or (None, None)
+    return {
+        "when": test.when,
+        "source": test.source,
+        "pose": history.pose,
+        "figure": history.figure,
+        "quantity": quantity,
+        "unit": history.unit,
+        "n": test.n,
+        "value": test.value,
+        "low": or_nan(low),
+        "high": or_nan(high),
+    }
+
+
+_CODES = {"RP": "RP", "RP_a": "three_sigma"}
+_CONDITIONS = ("payload", "load", "velocity", "speed", "indicator", "acceleration")
+_Z = 1.959964
+
+
+def follow(
+    tests: Sequence[DatedAnalysis],
+    events: Sequence[ServiceEvent] = (),
+    limits: Mapping[str, float] | None = None,
+) -> RobotHistory:
+    """Return every figure of one robot in time order, with its charts, trend and limit.
+
+    ``limits`` are in mm (degrees for an angle) by figure, the empty name for every length; the
+    verdicts of single tests are those of the analyses. Raises `DataError` where the tests are of
+    several robots, or one pose was tested twice on one day and no times say which was first;
+    `UsageError` for a limit of what is not followed.
+    """
+    ordered = tuple(sorted(tests, key=lambda test: test.when))
+    robot, serial = _identity(ordered)
+    _refuse_twice(ordered)
+    spreads = tuple(_spreads(ordered, events, limits or {}))
+    _refuse_limits(limits or {}, spreads)
+    return RobotHistory(
+        robot=robot,
+        serial=serial,
+        tests=ordered,
+        events=tuple(events),
+        spreads=spreads,
+        means=tuple(_means(ordered, events)),
+        changes=tuple(_changes(ordered, events)),
+        notes=tuple(_notes(ordered)),
+    )
+
+
+def _refuse_limits(limits: Mapping[str, float], spreads: Sequence[SpreadHistory]) -> None:
+    """Raise `DataError` where nothing is followed, `UsageError` for a limit that none has."""
+    if not spreads:
+        raise DataError(
+            "no table has an RP to be followed: a drift test has none",
+            remedy="name tables of repeatability tests; `scara-iso analyze` shows one drift test",
+        )
+    names = dict.fromkeys(one.figure for one in spreads)
+    if any(one.quantity == "RP" for one in spreads):
+        names["RP"] = None
+    other = [name for name in limits if name and name not in names]
+    if other:
+        raise UsageError(
+            f"{', '.join(other)}: a history follows RP (of an angle 3 S)",
+            remedy=f"give a limit of {', '.join(names)}",
+        )
+
+
+def _identity(tests: Sequence[DatedAnalysis]) -> tuple[str, str]:
+    """Return name and serial number of the one robot, capitals or not."""
+    found = []
+    for key, others in (("robot", ("item",)), ("serial_number", ("robot_serial_number",))):
+        stated = [_stated(test, (key, *others)) for test in tests]
+        names = {text.casefold(): text for text in reversed(stated) if text}
+        if len(names) > 1:
+            counts = Counter(names[text.casefold()] for text in stated if text)
+            said = ", ".join(f"{name} ({counts[name]})" for name in sorted(counts))
+            raise DataError(
+                f"the tables are of several robots by their {key}: {said}",
+                remedy=f"name those of one, or say which, as `robot={min(counts)!r}`",
+            )
+        found.append(next(iter(names.values()), ""))
+    return found[0], found[1]
+
+
+def _stated(test: DatedAnalysis, keys: Sequence[str]) -> str:
+    metadata = test.analysis.run.metadata
+    return next((metadata[key].strip() for key in keys if metadata.get(key, "").strip()), "")
+
+
+def _label(test: DatedAnalysis, pose: str | None) -> str | None:
+    """Return the name of a pose: of its column, else what the head of the table says."""
+    return pose if pose is not None else _stated(test, ("pose",)) or None
+
+
+def _labels(test: DatedAnalysis) -> list[str | None]:
+    return [_label(test, pose.label) for pose in poses_in_cycles(test.analysis)]
+
+
+def _refuse_twice(tests: Sequence[DatedAnalysis]) -> None:
+    """Raise `DataError` for tests of one pose whose order no time tells."""
+    seen: dict[tuple[datetime, str | None], str] = {}
+    faults = []
+    for test in tests:
+        for pose in test.analysis.poses:
+            label = _label(test, pose.label)
+            key = (test.when, label)
+            if key in seen:
+                at = "" if label is None else f" at {label}"
+                day = test.when.date().isoformat()
+                faults.append(Fault(f"{seen[key]} and {test.source}: both of {day}{at}"))
+            seen[key] = test.source
+    if faults:
+        raise DataError(
+            "several tests of one day, and no time says which was first",
+            remedy="state the time too, '# date: 2026-05-12T14:30', or leave one of them out",
+            faults=faults,
+        )
+
+
+def _spreads(
+    tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent], limits: Mapping[str, float]
+) -> Iterator[SpreadHistory]:
+    found: dict[tuple[str | None, str, str], list[TestFigure]] = {}
+    for test in tests:
+        poses = {pose.label: pose for pose in poses_in_cycles(test.analysis)}
+        for one in test.analysis.characteristics:
+            if one.code in _CODES:
+                key = (_label(test, one.pose), one.of, _CODES[one.code])
+                figure = _spread_figure(test, poses[one.pose], one)
+                found.setdefault(key, []).append(figure)
+    for (pose, of, quantity), figures in found.items():
+        unit = "deg" if quantity == "three_sigma" else "mm"
+        names = (of, "RP", "") if unit == "mm" else (of,)
+        limit = next((limits[name] for name in names if name in limits), None)
+        yield _spread_history(pose, of, quantity, unit, figures, events, limit)
+
+
+def _spread_figure(test: DatedAnalysis, pose: PoseResult, one: Characteristic) -> TestFigure:
+    names = [one.of] if one.of in pose.axes else list(one.of)
+    positions = np.stack([pose.axes[name].readings for name in names])
+    value, error = spread(positions, angle=one.code == "RP_a")
+    verdict = None if one.limit is None else one.limit.verdict
+    n, ends = positions.shape[1], one.estimate.interval
+    return TestFigure(test.when, test.source, float(value), ends, n, float(error), verdict)
+
+
+def _spread_history(
+    pose: str | None,
+    of: str,
+    quantity: str,
+    unit: str,
+    tests: Sequence[TestFigure],
+    events: Sequence[ServiceEvent],
+    limit: float | None,
+) -> SpreadHistory:
+    stretches = _stretches(tests, events)
+    n = np.array([test.n for test in tests], dtype=np.float64)
+    pooled = float(np.sqrt(np.mean([test.error**2 * test.n for test in tests])))
+    sampling = pooled / np.sqrt(n)
+    values = np.array([test.value for test in tests])
+    history = SpreadHistory(
+        pose,
+        of,
+        quantity,
+        unit,
+        tuple(tests),
+        float(sampling.mean()),
+        float(sampling.mean()),
+        np.zeros(len(tests)),
+        None,
+        None,
+        None,
+        limit,
+        None,
+        stretches[-1].start,
+    )
+    if len(tests) < FEWEST or not values.all():  # a dial that stood still has no logarithm
+        return history
+    logs, last = np.log(values), stretches[-1]
+    sigma = between_tests(logs, sampling, stretches)
+    z = standardised(logs, sigma, stretches)
+    days = np.array([day_of(test.when) for test in tests])
+    trend = trend_of(days[last], logs[last], sampling[last])
+    return replace(
+        history,
+        sigma=float(sigma.mean()),
+        standardised=z,
+        ewma=ewma(z, stretches),
+        cusum=cusum(z, stretches),
+        trend=trend,
+        crossing=None if trend is None or limit is None else crossing(trend, limit),
+    )
+
+
+def _means(tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]) -> Iterator[MeanHistory]:
+    found: dict[tuple[str | None, str], list[TestFigure]] = {}
+    units: dict[tuple[str | None, str], str] = {}
+    for test in tests:
+        for pose in poses_in_cycles(test.analysis):
+            for name, axis in pose.axes.items():
+                label = _label(test, pose.label)
+                units[label, name] = axis.unit
+                found.setdefault((label, name), []).append(_mean_figure(test, axis))
+    for (pose_label, name), figures in found.items():
+        chart = None
+        if len(figures) >= FEWEST:
+            values, errors = (_array(figures, what) for what in ("value", "error"))
+            chart = individuals(values, errors, _stretches(figures, events))
+        yield MeanHistory(pose_label, name, units[pose_label, name], tuple(figures), chart)
+
+
+def _array(figures: Sequence[TestFigure], what: str) -> FloatArray:
+    return np.array([getattr(figure, what) for figure in figures])
+
+
+def _mean_figure(test: DatedAnalysis, axis: AxisResult) -> TestFigure:
+    error = axis.three_sigma / 3 / np.sqrt(axis.n)
+    ends = (axis.mean - _Z * error, axis.mean + _Z * error)
+    return TestFigure(test.when, test.source, axis.mean, ends, axis.n, float(error))
+
+
+def _stretches(tests: Sequence[TestFigure], events: Sequence[ServiceEvent]) -> list[slice]:
+    """Return the tests between one service and the next."""
+    starts = {0, *(sum(_is_before(test.when, event) for test in tests) for event in events)}
+    bounds = [*sorted(start for start in starts if start < len(tests)), len(tests)]
+    return [slice(a, b) for a, b in pairwise(bounds)]
+
+
+def _is_before(when: datetime, event: ServiceEvent) -> bool:
+    return when < event.when
+
+
+def _changes(
+    tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]
+) -> Iterator[ServiceChange]:
+    """Yield for each service and pose the last test before it against the first behind it."""
+    for event in events:
+        pairs = {}
+        for pose in dict.fromkeys(pose for test in tests for pose in _labels(test)):
+            of_it = [test for test in tests if pose in _labels(test)]
+            before = [test for test in of_it if _is_before(test.when, event)]
+            behind = [test for test in of_it if not _is_before(test.when, event)]
+            if before and behind:
+                pairs[before[-1].source, behind[0].source] = (before[-1], behind[0])
+        for one, other in pairs.values():
+            yield ServiceChange(event, compare([one.analysis, other.analysis]))
+
+
+def _copies(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
+    """Yield which tests hold the readings of an earlier one, as no two tests that scatter do."""
+    seen: dict[tuple[bytes, ...], str] = {}
+    for test in tests:
+        axes = test.analysis.run.axes.values()
+        first = seen.setdefault(tuple(axis.readings.tobytes() for axis in axes), test.source)
+        if first != test.source and any(np.ptp(axis.readings) > 0 for axis in axes):
+            yield f"{test.source} holds the readings of {first}: is one the other's copy?"
+
+
+def _notes(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
+    """Yield what keeps the tests from being like each other, and what makes them too alike."""
+    yield from _copies(tests)
+    named = [bool(_stated(test, ("robot", "item", "serial_number"))) for test in tests]
+    if any(named) and not all(named):
+        missing = [test.source for test, is_named in zip(tests, named, strict=True) if not is_named]
+        yield f"{len(missing)} of {len(tests)} tables name no robot: {', '.join(missing[:3])}"
+    for key in _CONDITIONS:
+        texts = dict.fromkeys(text for test in tests if (text := _stated(test, (key,))))
+        if len(texts) > 1:
+            yield f"{key} is not the same in all tests: {', '.join(list(texts)[:5])}"
+    for name in tests[0].analysis.run.axes:
+        axes = [t.analysis.run.axes[name] for t in tests if name in t.analysis.run.axes]
+        sizes = dict.fromkeys(
+            f"{axis.resolution:g} {axis.unit}" if axis.resolution else "not stated" for axis in axes
+        )
+        if len(sizes) > 1:
+            yield f"the dial of {name} is not the same in all tests: {', '.join(sizes)}"
+        if len({axis.dimension for axis in axes}) > 1:
+            yield f"{name} is a length in some tests and an angle in others"

@@ -1,0 +1,166 @@
+"""The uncertainty of a measuring system or process by VDA 5 and ISO 22514-7, from its study.
+
+    u_MS^2 = u_CAL^2 + max(u_RE, u_EVR)^2 + u_BI^2 + u_LIN^2        Q_MS = 2 U_MS / T, 15 % at most
+    u_MP^2 = u_MS^2 with u_EVO beside u_EVR, + u_AV^2 + u_IA^2      Q_MP = 2 U_MP / T, 30 % at most
+
+with U = 2 u. C_MS = 0.3 T / (6 u_MS) and C_MP = 0.3 T / (3 u_MP) say the same: 1.33 at
+those limits. ISO 14253-1 takes U off both ends of the tolerance: only within is conformity proven.
+
+95 % intervals of figures that are made of several variances and a mean.
+
+A generalized pivotal quantity puts the variance of a chi-square and the mean of a Gaussian in the
+place of each estimate, and the figure is computed of them as of the readings; the interval is that
+of 95 % of such draws (Weerahandi 1993; Hamada and Weerahandi 2000 for studies of measuring
+systems). How often they hold the true value: benchmarks/gauge_study.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.base.published import Interval
+from scara_iso.base.quantities import rounding_uncertainty
+from scara_iso.run import FloatArray
+
+DRAWS = 20_000
+CONFIDENCE = 0.95
+
+
+def drawn_variance(variance: float, freedom: int, rng: np.random.Generator) -> FloatArray:
+    """Return draws of what a variance estimated with ``freedom`` is of, shape (DRAWS,)."""
+    return np.asarray(variance * freedom / rng.chisquare(freedom, DRAWS))
+
+
+def drawn_mean(mean: float, variances: FloatArray, n: int, rng: np.random.Generator) -> FloatArray:
+    """Return draws of what the mean of ``n`` readings is of, shape as ``variances``."""
+    return np.asarray(mean + rng.standard_normal(len(variances)) * np.sqrt(variances / n))
+
+
+def between(draws: FloatArray) -> Interval:
+    """Return the 95 % interval of draws."""
+    tail = (1 - CONFIDENCE) / 2
+    low, high = np.quantile(draws, [tail, 1 - tail])
+    return float(low), float(high)
+
+
+def interval_of_mean(mean: float, s: float, n: int) -> Interval:
+    """Return Student's interval of a mean of ``n`` readings with standard deviation ``s``."""
+    from scipy.special import stdtrit  # noqa: PLC0415 - scipy for studies only
+
+    half = float(stdtrit(n - 1, (1 + CONFIDENCE) / 2)) * s / math.sqrt(n)
+    return mean - half, mean + half
+
+
+def interval_of_s(s: float, freedom: int) -> Interval:
+    """Return the chi-square interval of a standard deviation with that many degrees of freedom."""
+    from scipy.special import chdtri  # noqa: PLC0415 - likewise
+
+    tail = (1 - CONFIDENCE) / 2
+    low, high = (s * math.sqrt(freedom / float(chdtri(freedom, q))) for q in (tail, 1 - tail))
+    return low, high
+
+
+def p_of_t(t: float, freedom: int) -> float:
+    """Return the two-sided p-value of Student's t."""
+    from scipy.special import stdtr  # noqa: PLC0415 - likewise
+
+    return float(2 * stdtr(freedom, -abs(t)))
+
+
+COVERAGE = 2.0
+MOST_OF_SYSTEM, MOST_OF_PROCESS = 0.15, 0.30
+_ONE_OF = ("RE", "EVR", "EVO")
+"""Each of them is the scatter of repeated readings: the largest counts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """The standard uncertainties of a measuring system or process, in the readings' unit."""
+
+    of: str
+    """``MS``, the measuring system, or ``MP``, the process of measuring, operators included."""
+    parts: Mapping[str, float]
+    """By origin: ``CAL``, ``RE``, ``EVR``, ``EVO``, ``BI``, ``LIN``, ``AV``, ``IA``, ``STAB``."""
+    missing: tuple[str, ...]
+    """Origins that this study cannot tell, and nothing states."""
+    u: float
+    U: float
+    """2 u."""
+    interval: Interval
+    """95 %, of `U`: by the chance of the readings."""
+    tolerance: float | None
+
+    @property
+    def limit(self) -> float:
+        """Largest Q that VDA 5 recommends."""
+        return MOST_OF_SYSTEM if self.of == "MS" else MOST_OF_PROCESS
+
+    @property
+    def Q(self) -> float | None:  # noqa: N802 - VDA's symbol
+        """Capability ratio 2 U / T; None without a tolerance."""
+        return None if self.tolerance is None else 2 * self.U / self.tolerance
+
+    @property
+    def Q_interval(self) -> Interval | None:  # noqa: N802 - likewise
+        """95 %."""
+        if self.tolerance is None:
+            return None
+        low, high = (2 * end / self.tolerance for end in self.interval)
+        return low, high
+
+    @property
+    def C(self) -> float | None:  # noqa: N802 - ISO's symbol
+        """Capability index, 1.33 where Q is at its limit; None without a tolerance or scatter."""
+        if self.Q is None or self.u == 0:
+            return None
+        return 4 / 3 * self.limit / self.Q
+
+    @property
+    def smallest_tolerance(self) -> float:
+        """Tolerance for which Q is just at its limit."""
+        return 2 * self.U / self.limit
+
+    @property
+    def zone(self) -> float | None:
+        """Width within which a reading proves conformity: T - 2 U (ISO 14253-1); 0 for none."""
+        return None if self.tolerance is None else max(self.tolerance - 2 * self.U, 0.0)
+
+
+def budget(
+    of: str,
+    parts: Mapping[str, float],
+    draws: Mapping[str, FloatArray],
+    tolerance: float | None,
+    missing: tuple[str, ...] = (),
+) -> Budget:
+    """Return the budget of ``parts``; ``draws`` stand in their place for the interval."""
+    u = float(combined(parts))
+    ends = between(np.atleast_1d(combined({**parts, **draws})))
+    low, high = (COVERAGE * end for end in ends)
+    return Budget(of, dict(parts), missing, u, COVERAGE * u, (low, high), tolerance)
+
+
+def combined(parts: Mapping[str, float | FloatArray]) -> FloatArray:
+    """Return the root of the sum of squares, of the repeatabilities the largest only."""
+    repeated = [np.square(part) for name, part in parts.items() if name in _ONE_OF]
+    others = [np.square(part) for name, part in parts.items() if name not in _ONE_OF]
+    largest = np.zeros(1)
+    for one in repeated:
+        largest = np.maximum(largest, one)
+    total = np.sqrt(sum(others, largest))
+    return total if total.size > 1 else total[0]
+
+
+def rectangular(half_width: float) -> float:
+    """Return the standard uncertainty of what is anywhere within +/- ``half_width``."""
+    return half_width / math.sqrt(3)
+
+
+def stated_parts(resolution: float | None, uncertainty: float | None) -> dict[str, float]:
+    """Return what the dial's division and its certificate bring, where they are stated."""
+    parts = {} if uncertainty is None else {"CAL": uncertainty}
+    return parts if resolution is None else {**parts, "RE": rounding_uncertainty(resolution)}

@@ -1,0 +1,348 @@
+"""Studies of parts whose true value is known, or that never change: bias, linearity, stability.
+
+Type 1: one part of known size read again and again; Cg, Cgk, the bias and its t-test. Linearity:
+does the bias stay the same over the dial's range? A line through all readings. Stability: one part
+read in several sessions; Shewhart's charts of its mean and scatter.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from scara_iso.base.published import Count, Interval
+from scara_iso.gauge.budget import (
+    CONFIDENCE,
+    Budget,
+    between,
+    budget,
+    drawn_mean,
+    drawn_variance,
+    interval_of_mean,
+    interval_of_s,
+    p_of_t,
+    rectangular,
+    stated_parts,
+)
+from scara_iso.gauge.table import GaugeReadings, numbered
+from scara_iso.run import FloatArray, IntArray
+
+FEWEST = 5
+SHARE = 0.2
+"""Share of the tolerance that six standard deviations may take: Cg = 0.2 T / (6 s)."""
+
+
+@dataclass(frozen=True, slots=True)
+class TypeOneFigures:
+    """Figures of a type 1 study, in the readings' unit; null where something is not stated."""
+
+    n: Count
+    """Number of readings."""
+    mean: float
+    """Of the readings."""
+    s: float
+    """Their standard deviation, n - 1."""
+    s_interval: Interval
+    """95 %."""
+    reference: float | None
+    """True value of the part."""
+    bias: float | None
+    """Mean less reference."""
+    bias_interval: Interval | None
+    """95 %."""
+    t: float | None
+    """Bias over its standard error."""
+    p_value: float | None
+    """Chance of such a bias where there is none; null where all readings are alike."""
+    Cg: float | None
+    """0.2 T / (6 s): a fifth of the tolerance over the scatter."""
+    Cg_interval: Interval | None
+    """95 %."""
+    Cgk: float | None
+    """(0.1 T - |bias|) / (3 s): the same with the bias."""
+    Cgk_interval: Interval | None
+    """95 %."""
+
+
+@dataclass(frozen=True, slots=True)
+class TypeOne(TypeOneFigures):
+    """A type 1 study."""
+
+    budget: Budget
+    """The uncertainties by VDA 5."""
+
+
+def type_1(readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator) -> TypeOne:
+    """Return the figures of readings of one part; `DataError` for fewer than five.
+
+    Cg = 0.2 T / (6 s), Cgk = (0.1 T - |bias|) / (3 s), t = bias sqrt(n) / s (AIAG MSA, 4th ed.,
+    chapter III B for the bias; Bosch booklet 10, procedure 1, for Cg and Cgk).
+    """
+    values, n = readings.values, len(readings.values)
+    if n < FEWEST:
+        raise readings.refuse(f"{n} readings, {FEWEST} are the fewest", "read the part 50 times")
+    shifted = values - values[0]  # keeps the digits of readings far from zero
+    mean, s = float(values[0] + shifted.mean()), float(shifted.std(ddof=1))
+    reference = None if readings.reference is None else float(readings.reference[0])
+    bias = None if reference is None else mean - reference
+    t = None if bias is None or s == 0 else bias * math.sqrt(n) / s
+    variances = drawn_variance(s**2, n - 1, rng)
+    scatter = np.sqrt(variances)
+    s_ends = interval_of_s(s, n - 1)
+    Cg = Cg_ends = Cgk = Cgk_ends = None
+    if tolerance is not None and s > 0:
+        Cg = SHARE * tolerance / (6 * s)
+        Cg_ends = (Cg * s / s_ends[1], Cg * s / s_ends[0])
+    parts = {**stated_parts(readings.resolution, readings.uncertainty), "EVR": s}
+    draws = {"EVR": scatter}
+    if bias is not None:
+        biases = drawn_mean(bias, variances, n, rng)
+        parts["BI"], draws["BI"] = rectangular(abs(bias)), rectangular(1.0) * np.abs(biases)
+        if tolerance is not None and s > 0:
+            Cgk = (SHARE / 2 * tolerance - abs(bias)) / (3 * s)
+            Cgk_ends = between((SHARE / 2 * tolerance - np.abs(biases)) / (3 * scatter))
+    missing = tuple(name for name in ("CAL", "RE", "BI") if name not in parts)
+    return TypeOne(
+        n=n,
+        mean=mean,
+        s=s,
+        s_interval=s_ends,
+        reference=reference,
+        bias=bias,
+        bias_interval=None if bias is None else interval_of_mean(bias, s, n),
+        t=t,
+        p_value=None if t is None else p_of_t(t, n - 1),
+        Cg=Cg,
+        Cg_interval=Cg_ends,
+        Cgk=Cgk,
+        Cgk_interval=Cgk_ends,
+        budget=budget("MS", parts, draws, tolerance, missing),
+    )
+
+
+FEWEST_REFERENCES = 3
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LinearityFigures:
+    """The line bias = slope x reference + intercept, in the readings' unit."""
+
+    n: Count
+    """Number of readings."""
+    references: FloatArray
+    """Each true value once, ascending, shape (k,)."""
+    biases: FloatArray
+    """Mean bias at each, shape (k,)."""
+    lower: FloatArray
+    """Lower end of the line's 95 % band at each, shape (k,)."""
+    upper: FloatArray
+    """Upper end."""
+    slope: float
+    """Change of the bias with the reference."""
+    slope_interval: Interval
+    """95 %."""
+    slope_p_value: float | None
+    """Chance of such a slope where there is none; null where the line goes through all."""
+    intercept: float
+    """Bias at reference 0."""
+    intercept_p_value: float | None
+    """Chance of such an intercept where there is none."""
+    residual: float
+    """Standard deviation about the line."""
+    explained: float | None
+    """R squared; null where no bias differs."""
+    largest_bias: float
+    """Mean bias farthest from 0."""
+    holds_zero: bool
+    """Whether no bias lies within the band over the whole range: AIAG's criterion."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Linearity(LinearityFigures):
+    """A study of linearity."""
+
+    budget: Budget
+    """The uncertainties by VDA 5."""
+
+
+def linearity(
+    readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator
+) -> Linearity:
+    """Return the line; `DataError` for fewer than three readings beyond two references.
+
+    AIAG MSA, 4th ed., chapter III B: least squares through the bias of each single reading.
+    """
+    from scipy.special import stdtrit  # noqa: PLC0415 - scipy for studies only
+
+    x = np.asarray(readings.reference)
+    bias, n = readings.values - x, len(x)
+    references, at = np.unique(x, return_inverse=True)
+    if len(references) < 2 or n < FEWEST_REFERENCES + 2:
+        raise readings.refuse(
+            f"{n} readings of {len(references)} references",
+            "read five parts over the range, 12 times",
+        )
+    centre = x.mean()
+    S_xx = float(((x - centre) ** 2).sum())
+    slope = float(((x - centre) * (bias - bias.mean())).sum()) / S_xx
+    intercept = float(bias.mean() - slope * centre)
+    left = bias - slope * x - intercept
+    freedom, total = n - 2, float(((bias - bias.mean()) ** 2).sum())
+    residual = math.sqrt(float(left @ left) / freedom)
+    t = float(stdtrit(freedom, (1 + CONFIDENCE) / 2))
+    of_slope = residual / math.sqrt(S_xx)
+    half = t * residual * np.sqrt(1 / n + (references - centre) ** 2 / S_xx)
+    line = slope * references + intercept
+    of_intercept = residual * math.sqrt(1 / n + float(centre) ** 2 / S_xx)
+    biases = np.bincount(at, bias) / np.bincount(at)
+    return Linearity(
+        n=n,
+        references=references,
+        biases=biases,
+        lower=line - half,
+        upper=line + half,
+        slope=slope,
+        slope_interval=(slope - t * of_slope, slope + t * of_slope),
+        slope_p_value=p_of_t(slope / of_slope, freedom) if residual > 0 else None,
+        intercept=intercept,
+        intercept_p_value=p_of_t(intercept / of_intercept, freedom) if residual > 0 else None,
+        residual=residual,
+        explained=None if total == 0 else 1 - float(left @ left) / total,
+        largest_bias=float(biases[np.argmax(np.abs(biases))]),
+        holds_zero=bool(np.all(np.abs(line) <= half)),
+        budget=_budget(readings, biases, at, tolerance, rng),
+    )
+
+
+def _budget(
+    readings: GaugeReadings,
+    biases: FloatArray,
+    at: IntArray,
+    tolerance: float | None,
+    rng: np.random.Generator,
+) -> Budget:
+    """Return the system's budget: the largest bias stands for u_LIN, and is not counted twice."""
+    x = np.asarray(readings.reference)
+    within = readings.values - x - biases[at]
+    freedom = max(len(x) - len(biases), 1)
+    variance = float(within @ within) / freedom
+    parts = {
+        **stated_parts(readings.resolution, readings.uncertainty),
+        "EVR": math.sqrt(variance),
+        "LIN": rectangular(float(np.abs(biases).max())),
+    }
+    draws = {"EVR": np.sqrt(drawn_variance(variance, freedom, rng))}
+    missing = tuple(name for name in ("CAL", "RE") if name not in parts)
+    return budget("MS", parts, draws, tolerance, missing)
+
+
+FEWEST_SESSIONS = 3
+_D2_OF_TWO = 2 / math.sqrt(math.pi)
+"""Mean range of two Gaussian values."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Stability:
+    """The course of a part's readings over sessions, in the readings' unit."""
+
+    sessions: tuple[str, ...]
+    """Their names."""
+    counts: tuple[Count, ...]
+    """Readings of each session."""
+    means: FloatArray
+    """Shape (sessions,)."""
+    scatters: FloatArray | None
+    """Standard deviation of each; null where each has one reading only."""
+    sigma: float
+    """Standard deviation of one reading within a session; between neighbours where it has one."""
+    centre: float
+    """Mean of all readings."""
+    half_width: FloatArray
+    """From the centre to either limit of the mean, 3 sigma / sqrt(n), shape (sessions,)."""
+    scatter_limits: tuple[FloatArray, FloatArray] | None
+    """Of `scatters`, shape (sessions,) each."""
+    outside: tuple[str, ...]
+    """Sessions whose mean or scatter is outside its limits."""
+    between: float
+    """Standard deviation between sessions beyond what their scatter makes; 0 for none."""
+    trend: float
+    """Change of the mean from session to session."""
+    trend_p_value: float | None
+    """Chance of such a trend where there is none; null where the means lie on a line."""
+
+
+def stability(readings: GaugeReadings) -> Stability:
+    """Return the charts; `DataError` for fewer than three sessions.
+
+    AIAG MSA, 4th ed., chapter III B; limits of x-bar and s (ISO 7870-2), of individuals by moving
+    range where a session is one reading.
+    """
+    sessions, at = numbered(readings.session or ())
+    if len(sessions) < FEWEST_SESSIONS:
+        raise readings.refuse(
+            f"{len(sessions)} sessions", f"read the part in {FEWEST_SESSIONS} or more"
+        )
+    counts = np.bincount(at)
+    means = np.bincount(at, readings.values) / counts
+    scatters = _scatters(readings.values, at, counts)
+    centre = float((counts * means).sum() / counts.sum())
+    if scatters is None:
+        sigma = float(np.abs(np.diff(means)).mean()) / _D2_OF_TWO
+    else:
+        sigma = float((scatters / c4(counts)).mean())
+    half_width = 3 * sigma / np.sqrt(counts)
+    limits = None if scatters is None else _scatter_limits(sigma, counts)
+    out = np.abs(means - centre) > half_width
+    if limits is not None and scatters is not None:
+        out |= (scatters < limits[0]) | (scatters > limits[1])
+    trend, p_value = _trend(means)
+    return Stability(
+        sessions=sessions,
+        counts=tuple(counts.tolist()),
+        means=means,
+        scatters=scatters,
+        sigma=sigma,
+        centre=centre,
+        half_width=half_width,
+        scatter_limits=limits,
+        outside=tuple(sessions[k] for k in np.flatnonzero(out)),
+        between=_between(means, sigma, counts, alone=scatters is None),
+        trend=trend,
+        trend_p_value=p_value,
+    )
+
+
+def c4(n: IntArray) -> FloatArray:
+    """Return what the mean standard deviation of ``n`` Gaussian values falls short by."""
+    from scipy.special import gammaln  # noqa: PLC0415 - scipy for studies only
+
+    return np.asarray(np.sqrt(2 / (n - 1)) * np.exp(gammaln(n / 2) - gammaln((n - 1) / 2)))
+
+
+def _scatters(values: FloatArray, at: IntArray, counts: IntArray) -> FloatArray | None:
+    if counts.min() < 2:
+        return None
+    return np.array([values[at == k].std(ddof=1) for k in range(len(counts))])
+
+
+def _scatter_limits(sigma: float, counts: IntArray) -> tuple[FloatArray, FloatArray]:
+    middle, width = sigma * c4(counts), 3 * sigma * np.sqrt(1 - c4(counts) ** 2)
+    return np.maximum(middle - width, 0.0), middle + width
+
+
+def _between(means: FloatArray, sigma: float, counts: IntArray, *, alone: bool) -> float:
+    if alone:
+        return 0.0
+    return math.sqrt(max(float(means.var(ddof=1)) - float((sigma**2 / counts).mean()), 0.0))
+
+
+def _trend(means: FloatArray) -> tuple[float, float | None]:
+    k = np.arange(len(means)) - (len(means) - 1) / 2
+    slope = float(k @ means / (k @ k))
+    left = means - means.mean() - slope * k
+    residual = math.sqrt(float(left @ left) / (len(means) - 2))
+    if residual <= 1e-12 * float(np.abs(means).max() or 1.0):
+        return slope, None
+    return slope, p_of_t(slope * math.sqrt(float(k @ k)) / residual, len(means) - 2)

@@ -1,0 +1,361 @@
+"""The tables of a gauge study: readings of a dial, with part, operator, session and true value.
+
+A recording is such a table: its poses are the parts, and what its head states of all of it
+(``# operator: Anna``) holds for every reading.
+
+The readings of a study of one dial: each with the part, operator or session that it is of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import PurePath
+from typing import Literal
+
+import numpy as np
+
+from scara_iso.base.errors import DataError, Fault, UsageError
+from scara_iso.base.quantities import Unit
+from scara_iso.run import AXES, FloatArray, IntArray
+from scara_iso.tables import (
+    ColumnNames,
+    NamedColumns,
+    Source,
+    read_columns,
+    stated_size,
+    stated_unit,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """Something to know about the dial of an axis before its figures are signed."""
+
+    severity: Literal["warning", "info"]
+    """Whether it doubts the figures."""
+    axis: str
+    """Whose dial."""
+    message: str
+    """In words."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GaugeReadings:
+    """Readings of one dial in the order in which they were taken, shape (n,), in mm or degrees."""
+
+    axis: str
+    """``X``, ``Y``, ``Z``, ``theta`` or ``reading``."""
+    values: FloatArray
+    """What the dial showed."""
+    unit: str
+    """``mm`` or ``deg``, of every size here."""
+    resolution: float | None = None
+    """The dial's division; None where not stated."""
+    uncertainty: float | None = None
+    """Standard uncertainty of the dial, from its certificate; None where not stated."""
+    reference: FloatArray | None = None
+    """True value of what each reading is of, shape (n,); None where not stated."""
+    part: tuple[str, ...] | None = None
+    """What each reading is of."""
+    operator: tuple[str, ...] | None = None
+    """Who took it."""
+    session: tuple[str, ...] | None = None
+    """When it was taken: readings of one session stand together."""
+    time: tuple[str, ...] | None = None
+    """Date and time as the table has them."""
+    source: str = ""
+    """File that it was read from."""
+
+    def refuse(self, what: str, remedy: str) -> DataError:
+        """Return the error that these readings make no such study."""
+        return DataError(f"axis {self.axis}: {what}", where=self.source, remedy=remedy)
+
+
+def numbered(labels: Sequence[str]) -> tuple[tuple[str, ...], IntArray]:
+    """Return the labels in order of first appearance, and the number of each reading's."""
+    names = tuple(dict.fromkeys(labels))
+    at = {name: k for k, name in enumerate(names)}
+    return names, np.array([at[label] for label in labels], dtype=np.int64)
+
+
+READING = "reading"
+_DIALS = (*AXES, READING)
+_FACTORS = ("part", "operator", "session")
+_REMEDY = (
+    "give a column X (or Y, Z, theta, reading) with '# unit: mm' above, and part, operator, "
+    "session or reference beside it as the study has them"
+)
+_COLUMNS = ColumnNames(
+    what="a gauge study",
+    needed=(),
+    remedy=_REMEDY,
+    optional=(*_DIALS, *_FACTORS, "reference", "timestamp", "trial", "cycle", "time_s"),
+    with_unit=frozenset((*_DIALS, "reference")),
+    labels=frozenset((*_FACTORS, "timestamp", "trial", "cycle")),
+    aliases={
+        "pose": "part",
+        "sample": "part",
+        "appraiser": "operator",
+        "inspector": "operator",
+        "day": "session",
+        "date": "session",
+        "subgroup": "session",
+        "master": "reference",
+        "value": READING,
+        "measurement": READING,
+        "messwert": READING,
+        "anzeige": READING,
+        "teil": "part",
+        "werkstück": "part",
+        "prüfer": "operator",
+        "bediener": "operator",
+        "datum": "session",
+        "tag": "session",
+        "wiederholung": "trial",
+        "normal": "reference",
+        "referenz": "reference",
+        "referenzwert": "reference",
+    },
+)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GaugeTables:
+    """What the tables of a study hold."""
+
+    dials: tuple[GaugeReadings, ...]
+    """One for each axis, in the order of `AXES`."""
+    tolerances: Mapping[str, float]
+    """By axis, where the tables state one [mm, deg]."""
+    statements: Mapping[str, str]
+    """``# key: value`` lines, where all tables agree."""
+    notes: tuple[str, ...]
+    """What was not used, one line each."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Options:
+    """What the user gives beside the tables."""
+
+    unit: str | None
+    resolution: float | None
+    sizes: Mapping[str, Mapping[str, float]]
+    """``reference`` and ``tolerance`` by axis, in the unit of its readings."""
+
+    def size(self, key: str, axis: str, unit: Unit, *, only: bool) -> float | None:
+        """Return what is given for an axis, the empty name for the only one [mm, deg]."""
+        given = self.sizes[key]
+        value = given.get(axis, given.get("") if only else None)
+        return None if value is None else unit.to_base(value)
+
+    def check(self, axes: Sequence[str], where: str) -> None:
+        """Raise `UsageError` for a size of no axis, or of one that is not named."""
+        for key, given in self.sizes.items():
+            for axis in given:
+                if axis not in axes and (axis or len(axes) > 1):
+                    raise UsageError(
+                        f"`{key}={axis + '=' if axis else ''}{given[axis]:g}`: "
+                        + (f"there is no dial {axis}" if axis else "there are several dials"),
+                        where=where,
+                        remedy=f"name one of {', '.join(axes)}: `{key}={axes[0]}={given[axis]:g}`",
+                    )
+
+
+def read_gauge_tables(
+    sources: Sequence[Source],
+    *,
+    unit: str | None = None,
+    resolution: float | None = None,
+    decimal: str | None = None,
+    references: Mapping[str, float] | None = None,
+    tolerances: Mapping[str, float] | None = None,
+) -> GaugeTables:
+    """Return the readings of one study, of one table or several.
+
+    ``unit`` and ``resolution`` (in it) stand for the files' statements, ``decimal`` as in
+    `read_columns`; ``references`` and
+    ``tolerances`` by axis, the empty name for the only one, in the unit of its readings. Several
+    tables that differ in nothing are sessions. Raises as `read_columns`, `DataError` with every
+    fault of a table, `UsageError` for options that contradict it.
+    """
+    options = _Options(
+        unit, resolution, {"reference": references or {}, "tolerance": tolerances or {}}
+    )
+    tables = [read_columns(source, _COLUMNS, decimal=decimal) for source in sources]
+    read = [_dials(table, options) for table in tables]
+    axes = list(read[0])
+    for table, dials in zip(tables, read, strict=True):
+        if list(dials) != axes:
+            raise DataError(
+                f"has the dials {', '.join(dials)}, and another table {', '.join(axes)}",
+                where=table.source,
+                remedy="one study is of the same dials",
+            )
+    return GaugeTables(
+        dials=tuple(_joined([dials[axis][0] for dials in read]) for axis in axes),
+        tolerances={
+            axis: size
+            for axis in axes
+            if (
+                size := _one_of(
+                    "tolerance", [(t.source, d[axis][1]) for t, d in zip(tables, read, strict=True)]
+                )
+            )
+            is not None
+        },
+        statements=_agreed(tables),
+        notes=tuple(
+            f"{table.source}: {note}"
+            for table in tables
+            for note in (*table.notes, *(f"column {name!r} not used" for name in table.left_out))
+        ),
+    )
+
+
+def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadings, float | None]]:
+    """Return the readings of each dial of one table, and the tolerance that holds for them."""
+    axes = [name for name in _DIALS if name in table.values]
+    faults: list[Fault] = []
+    if not axes:
+        faults.append(Fault("no column of readings: X, Y, Z, theta or reading", table.header_line))
+    several = [k for k in ("reference", "tolerance") if k in table.statements or k in table.values]
+    if len(axes) > 1 and several:
+        said = f"one {several[0]}, and the dials {', '.join(axes)}"
+        faults.append(Fault(f"{said}: write # {several[0]}_{axes[0]}", table.header_line))
+    options.check(axes, table.source)
+    found = {axis: _dial(table, axis, options, faults, only=len(axes) == 1) for axis in axes}
+    if faults:
+        count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
+        raise DataError(
+            f"cannot be read as a gauge study: {count}",
+            where=table.source,
+            remedy=_REMEDY,
+            faults=faults,
+        )
+    return {axis: dial for axis, dial in found.items() if dial is not None}
+
+
+def _dial(
+    table: NamedColumns, axis: str, options: _Options, faults: list[Fault], *, only: bool
+) -> tuple[GaugeReadings, float | None] | None:
+    unit = stated_unit(table, axis, options.unit, faults)
+    if unit is None:
+        return None
+
+    def size(key: str, *, above_zero: bool = True) -> float | None:
+        own = f"{key}_{axis.lower()}"
+        name = own if own in table.statements else key
+        return stated_size(table, name, unit, faults, above_zero=above_zero)
+
+    given = {key: options.size(key, axis, unit, only=only) for key in options.sizes}
+    stated = _one_of(
+        "reference",
+        [(table.source, size("reference", above_zero=False)), ("`reference=`", given["reference"])],
+    )
+    tolerance = _one_of(
+        "tolerance", [(table.source, size("tolerance")), ("`tolerance=`", given["tolerance"])]
+    )
+    resolution = size("resolution")
+    readings = GaugeReadings(
+        axis=axis,
+        values=unit.to_base(table.values[axis]),
+        unit=unit.base_name,
+        resolution=resolution if options.resolution is None else unit.to_base(options.resolution),
+        uncertainty=size("indicator_uncertainty"),
+        reference=_references(table, unit, stated, faults),
+        part=_labels(table, "part"),
+        operator=_labels(table, "operator"),
+        session=_labels(table, "session"),
+        time=table.labels.get("timestamp"),
+        source=table.source,
+    )
+    return readings, tolerance
+
+
+def _labels(table: NamedColumns, name: str) -> tuple[str, ...] | None:
+    """Return a factor's label for each row: of its column, else as the head states it."""
+    stated = table.statements.get(name)
+    rows = len(next(iter(table.values.values())))
+    return table.labels.get(name) or (None if stated is None else (stated,) * rows)
+
+
+def _references(
+    table: NamedColumns, unit: Unit, stated: float | None, faults: list[Fault]
+) -> FloatArray | None:
+    """Return the true value of each reading: of the column, else the one that is stated."""
+    rows = len(next(iter(table.values.values())))
+    if "reference" not in table.values:
+        return None if stated is None else np.full(rows, stated)
+    if stated is not None:
+        faults.append(Fault("a column reference, and a reference beside it", table.header_line))
+    own = stated_unit(table, "reference", unit.name, faults)
+    return (own or unit).to_base(table.values["reference"])
+
+
+def _one_of(key: str, stated: Sequence[tuple[str, float | None]]) -> float | None:
+    """Return the one size that is stated; `UsageError` where two places state two."""
+    found = {value: place for place, value in stated if value is not None}
+    if len(found) > 1:
+        said = ", ".join(f"{value:g} by {place}" for value, place in found.items())
+        raise UsageError(f"the {key} is stated in two ways: {said}", remedy="leave one")
+    return next(iter(found), None)
+
+
+def _joined(dials: Sequence[GaugeReadings]) -> GaugeReadings:
+    """Return the readings of several tables as one; they are sessions if they differ in nothing."""
+    first = dials[0]
+    for name in ("unit", "resolution", "uncertainty"):
+        values = {getattr(one, name) for one in dials}
+        if len(values) > 1:
+            raise DataError(
+                f"axis {first.axis}: the tables have not the same {name}: "
+                + ", ".join(map(str, values)),
+                where=dials[-1].source,
+                remedy="one study is of the same dial",
+            )
+    factors = {name: _all(dials, name) for name in (*_FACTORS, "time")}
+    reference = _all_references(dials)
+    alike = all(len(set(factors[name] or ("",))) == 1 for name in _FACTORS)
+    if len(dials) > 1 and alike and (reference is None or np.ptp(reference) == 0):
+        stems = [(PurePath(one.source).stem, len(one.values)) for one in dials]
+        factors["session"] = tuple(stem for stem, rows in stems for _ in range(rows))
+    return replace(
+        first,
+        values=np.concatenate([one.values for one in dials]),
+        reference=reference,
+        source=", ".join(one.source for one in dials),
+        part=factors["part"],
+        operator=factors["operator"],
+        session=factors["session"],
+        time=factors["time"],
+    )
+
+
+def _all(dials: Sequence[GaugeReadings], name: str) -> tuple[str, ...] | None:
+    found = [getattr(one, name) for one in dials]
+    if None in found:
+        missing = dials[found.index(None)]
+        if name != "time" and any(found):
+            raise missing.refuse(
+                f"names no {name}, and another table does", f"write '# {name}: NAME' in its head"
+            )
+        return None
+    return tuple(label for labels in found for label in labels)
+
+
+def _all_references(dials: Sequence[GaugeReadings]) -> FloatArray | None:
+    stated = [one for one in dials if one.reference is not None]
+    if 0 < len(stated) < len(dials):
+        missing = next(one for one in dials if one.reference is None)
+        raise missing.refuse("states no reference, and another table does", "state it in its head")
+    found = [one.reference for one in dials if one.reference is not None]
+    return np.concatenate(found) if found else None
+
+
+def _agreed(tables: Sequence[NamedColumns]) -> dict[str, str]:
+    """Return the statements in which all tables agree."""
+    first, *others = (table.statements for table in tables)
+    return {
+        key: text for key, text in first.items() if all(other.get(key) == text for other in others)
+    }

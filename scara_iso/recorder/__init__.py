@@ -1,0 +1,128 @@
+"""From bytes to a table: what instruments say, the lines they say it on, the recorder.
+
+`indicators` turns bytes into events without a port, `ports` opens lines, `recorder` joins both with
+a disk so that no announced reading is lost.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.base.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.base.disk import (
+        Disk as Disk,
+        SystemDisk as SystemDisk,
+    )
+    from scara_iso.recorder.bench_file import (
+        BENCH_FILE as BENCH_FILE,
+        RememberedBench as RememberedBench,
+        read_bench as read_bench,
+        write_bench as write_bench,
+    )
+    from scara_iso.recorder.detection import (
+        AUTO as AUTO,
+        Detected as Detected,
+        detect as detect,
+        name_dialects as name_dialects,
+    )
+    from scara_iso.recorder.events import (
+        Command as Command,
+        CycleDone as CycleDone,
+        Done as Done,
+        Gross as Gross,
+        NextWay as NextWay,
+        Note as Note,
+        Noted as Noted,
+        Noticed as Noticed,
+        Operator as Operator,
+        Pause as Pause,
+        Paused as Paused,
+        Problem as Problem,
+        Quit as Quit,
+        Refused as Refused,
+        Said as Said,
+        Started as Started,
+        Stored as Stored,
+        Take as Take,
+        Void as Void,
+        Voided as Voided,
+        Waiting as Waiting,
+        Watched as Watched,
+        as_json as as_json,
+    )
+    from scara_iso.recorder.history import (
+        History as History,
+        ShownReading as ShownReading,
+        read_history as read_history,
+    )
+    from scara_iso.recorder.indicators import (
+        Decoder as Decoder,
+        DeviceNotice as DeviceNotice,
+        Dialect as Dialect,
+        Event as Event,
+        Garbage as Garbage,
+        InstrumentFault as InstrumentFault,
+        LinePulse as LinePulse,
+        LineSettings as LineSettings,
+        Parity as Parity,
+        Reading as Reading,
+        diagnose_parity as diagnose_parity,
+        find_dialect as find_dialect,
+        find_dialects as find_dialects,
+        make_generic as make_generic,
+    )
+    from scara_iso.recorder.manifest import (
+        check_manifest as check_manifest,
+        manifest_path as manifest_path,
+        raw_path as raw_path,
+        sha256 as sha256,
+    )
+    from scara_iso.recorder.plan import (
+        Enter as Enter,
+        GaugeSpec as GaugeSpec,
+        Job as Job,
+        Listen as Listen,
+        RecordingPlan as RecordingPlan,
+        RobotLine as RobotLine,
+        Settled as Settled,
+        Timer as Timer,
+        Tour as Tour,
+        Trigger as Trigger,
+        check_metadata as check_metadata,
+        parse_gauges as parse_gauges,
+        parse_metadata as parse_metadata,
+        parse_poses as parse_poses,
+        parse_trigger as parse_trigger,
+        read_metadata as read_metadata,
+    )
+    from scara_iso.recorder.ports import (
+        PULSE as PULSE,
+        Clock as Clock,
+        Device as Device,
+        DevicePort as DevicePort,
+        Port as Port,
+        ReplayPort as ReplayPort,
+        Signal as Signal,
+        SimulatedPort as SimulatedPort,
+        StreamClock as StreamClock,
+        SystemClock as SystemClock,
+        choose_clock as choose_clock,
+        is_device as is_device,
+        is_keyboard as is_keyboard,
+        is_recorded as is_recorded,
+        is_simulated as is_simulated,
+        list_devices as list_devices,
+        open_port as open_port,
+        refuse_absent as refuse_absent,
+        refuse_same_device as refuse_same_device,
+        split_options as split_options,
+    )
+    from scara_iso.recorder.recording import (
+        check_files as check_files,
+        earlier_of as earlier_of,
+        rebuild as rebuild,
+        record as record,
+    )
+    from scara_iso.recorder.tape import is_tape as is_tape
+else:
+    __getattr__ = face(__name__)

@@ -1,0 +1,460 @@
+"""The gauges of a session, looked at together: what arrives, and readings on request.
+
+When a dial came to rest at the pose: the rule of ``settled``.
+
+A visit is a movement and then a rest. The dial has moved when it showed more than ``away`` from
+where it rested last (at the first visit: from where it stood when the session began). It rests when
+all readings of the last ``rest`` seconds, three or more, lie within ``within`` divisions. A free
+plunger stands still too: the first visit to a pose is no rest within ``away`` of where the dial
+stood when the session began, and each later one is within ``away`` of the visit to that pose
+before. So the session begins while the arm is away from the dial.
+
+Gauges looked at again and again, until a dial rests at the pose: the trigger ``settled``.
+
+The head of a session: its gauges, and the record that states them before any reading.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from scara_iso.base.errors import UsageError
+from scara_iso.base.quantities import parse_unit
+from scara_iso.recorder.events import (
+    LATE,
+    SECOND,
+    UNASKED,
+    UNIT_ASKED,
+    Noticed,
+    Problem,
+    ProblemKind,
+    Refused,
+    Said,
+)
+from scara_iso.recorder.gauge import DisplayChangedError, Gauge, no_unit
+from scara_iso.recorder.history import History
+from scara_iso.recorder.indicators import DeviceNotice, Garbage, InstrumentFault, Reading
+from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.plan import GaugeSpec, Job, Settled
+from scara_iso.recorder.ports import Clock, Port
+from scara_iso.recorder.tape import SCHEMA
+
+SETTLING_S = 10.0
+"""Longest time that a value may take to settle, under the rule of equal readings [s]."""
+QUIET = 5.0
+"""A gauge no longer owes an answer when its line was quiet for so many answer times."""
+NEVER_QUIET = 2.0 * QUIET
+LATER = 1.25
+LINGER_S = 0.02
+"""A second answer is awaited for `LATER` times the longest that one took, and so much more [s].
+
+Two that differ are no answer: a frame sent twice may come behind the next request, and before
+its answer.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """A reading of a gauge and when its last byte arrived [s]; ``stale`` began too early."""
+
+    gauge: Gauge
+    reading: Reading
+    time: float
+    stale: bool
+
+
+class Bench:
+    """Several gauges on one clock; what is not a reading is written down and told at once."""
+
+    def __init__(
+        self,
+        gauges: Sequence[Gauge],
+        *,
+        journal: Journal,
+        clock: Clock,
+        tell: Callable[[Said], None],
+    ) -> None:
+        self.gauges = gauges
+        self._journal = journal
+        self._clock = clock
+        self._tell = tell
+        self._faulted = False
+        self._opening = True
+        self._unreadable: set[str] = set()
+        self.last_problem = ""
+
+    def open(self) -> None:
+        """Wait until the indicators are powered, refuse what is under way, and learn the units.
+
+        What comes meanwhile is noticed: no trouble of the recording. Raises `UsageError` where
+        nobody states the unit of a gauge.
+        """
+        self.drain(max(gauge.port.settle_s for gauge in self.gauges), "sent before the session")
+        self.learn_units(self.gauges)
+        for gauge in self.gauges:
+            if gauge.unit is None and gauge.dialect.units == (None,):
+                raise no_unit(gauge)
+        self._opening = False
+        self._unreadable.clear()
+
+    def learn_units(self, gauges: Sequence[Gauge]) -> None:
+        """Ask gauges for their unit; `DisplayChangedError` where it is another than before."""
+        asked = (gauge.ask_unit(self._journal, self._clock) for gauge in gauges)
+        deadline = max(asked, default=-math.inf)
+        while self._clock.now() < deadline:
+            self.refuse(self.receive(), UNIT_ASKED)
+            if not any(gauge.unit_asked for gauge in gauges):
+                break
+            self._clock.idle(deadline)
+        for gauge in gauges:
+            gauge.unit_asked = False
+            gauge.expect_from_now()
+
+    def receive(self) -> list[Taken]:
+        """Look at every port once and return the readings that have arrived."""
+        readings = []
+        for gauge in self.gauges:
+            for arrival in gauge.receive(self._journal, self._clock):
+                match arrival.event:
+                    case Reading() as reading:
+                        readings.append(Taken(gauge, reading, arrival.time, arrival.stale))
+                    case Garbage(reason=reason, raw=raw):
+                        self._unreadable.add(gauge.axis)
+                        self.problem(gauge, "garbage", f"{reason}: {raw!r}")
+                    case InstrumentFault(code=code, message=message):
+                        self._faulted = True
+                        self._unreadable.add(gauge.axis)
+                        self.problem(gauge, "fault", f"{code}: {message}")
+                    case DeviceNotice(message=message, switched_on=on):
+                        if on and gauge.shown and not self._opening:
+                            raise _zero_gone(gauge, message)
+                        self._tell(Noticed(gauge.axis, message))
+        return readings
+
+    def measure(self, stable: int) -> list[Taken] | None:
+        """Return one reading of every gauge, or None after saying what went wrong.
+
+        ``stable`` readings of each gauge in a row are equal.
+        """
+        series: list[list[Taken]] = []
+        until = self._clock.now() + SETTLING_S
+        while not series or self._clock.now() < until:
+            taken = self._ask()
+            if taken is None:
+                return None
+            series = [*series, taken][-stable:]
+            restless = [one[-1].gauge for one in zip(*series, strict=True) if not _equal(one)]
+            if len(series) == stable and not restless:
+                return taken
+        for gauge in restless or self.gauges:
+            self.problem(gauge, "unsettled", f"not {stable} equal readings in {SETTLING_S:g} s")
+        return None
+
+    def drain(self, seconds: float, reason: str) -> None:
+        """Refuse what arrives for a while, and for as long as late answers may still come."""
+        start = self._clock.now()
+        end = start + max(
+            [seconds, *(NEVER_QUIET * g.dialect.answer_time_s for g in self._owing())]
+        )
+        while (now := self._clock.now()) < end:
+            until = max([start + seconds, *(g.quiet_after(QUIET) for g in self._owing())])
+            if now >= until:
+                break
+            self.refuse(self.receive(), reason)
+            self._clock.idle(until)
+        for gauge in self._owing():
+            if gauge.quiet_after(QUIET) <= self._clock.now() and (dropped := gauge.forgive()):
+                self.problem(gauge, "garbage", dropped.reason)
+
+    def doubt(self, readings: Iterable[Taken], visit: int) -> bool:
+        """Say whether a display seems changed; `DisplayChangedError` at the second such answer.
+
+        One of them may be a damaged frame, and is told.
+        """
+        for taken in readings:
+            gauge = taken.gauge
+            reason = gauge.shown.changed(taken.reading.text, visit)
+            gauge.odd = gauge.odd + 1 if reason else 0
+            if gauge.odd > 1:
+                raise _changed(gauge, reason)
+            if reason:
+                self.problem(gauge, "changed", f"{reason}: asked again")
+        return any(taken.gauge.odd for taken in readings)
+
+    def trust(self) -> None:
+        """Take no display for changed: somebody has put it right."""
+        for gauge in self.gauges:
+            gauge.odd = 0
+
+    def take_damaged(self) -> list[str]:
+        """Return the axes whose line could not be read, or was a fault, since the last call."""
+        axes = sorted(self._unreadable)
+        self._unreadable.clear()
+        return axes
+
+    def suspects(self) -> list[Gauge]:
+        """Return the gauges that were silent for long, or whose last answer was odd."""
+        return [gauge for gauge in self.gauges if gauge.odd or gauge.doubtful]
+
+    def refuse(self, readings: Iterable[Taken], reason: str) -> None:
+        """Write down and say that these readings are not taken."""
+        for taken in readings:
+            axis, text = taken.gauge.axis, taken.reading.text
+            if self._opening or (taken.stale and not taken.gauge.shown):
+                self.notice(taken.gauge, f"{text} not taken: {reason}")
+                continue
+            self._journal.append("refused", axis=axis, text=text, reason=reason)
+            self._tell(Refused(axis, text, reason))
+
+    def problem(self, gauge: Gauge, kind: ProblemKind, message: str) -> None:
+        """Write down and say that there is no reading."""
+        if self._opening:
+            self.notice(gauge, message)
+            return
+        self.last_problem = f"{gauge.axis}: {message}"
+        self._journal.append(kind, axis=gauge.axis, message=message)
+        self._tell(Problem(gauge.axis, kind, message))
+
+    def notice(self, gauge: Gauge, message: str) -> None:
+        """Write down and say what is not a problem."""
+        self._journal.append("notice", axis=gauge.axis, message=message)
+        self._tell(Noticed(gauge.axis, message))
+
+    def _owing(self) -> list[Gauge]:
+        return [gauge for gauge in self.gauges if gauge.outstanding]
+
+    def _ask(self) -> list[Taken] | None:
+        """Ask every gauge once, when none owes an answer; two that differ are none."""
+        self.drain(0.0, LATE)
+        self.refuse(self.receive(), UNASKED)
+        for gauge in self._owing():
+            self.problem(gauge, "timeout", "still owes an answer, and its line is not quiet")
+            return None
+        self._faulted = ambiguous = False
+        self._unreadable.clear()
+        asked = self._clock.now()
+        deadline = max(gauge.ask(self._journal, self._clock) for gauge in self.gauges)
+        taken: dict[str, Taken] = {}
+        while self._clock.now() < self._listening(taken, asked, deadline):
+            for one in self.receive():
+                first = taken.setdefault(one.gauge.axis, one) if _answers(one) else one
+                if first is not one or not _answers(one):
+                    self.refuse([one], _why(one))
+                    ambiguous |= _answers(one) and first.reading.text != one.reading.text
+            if self._faulted:
+                self.refuse(taken.values(), "a gauge of the same cycle is at fault")
+                return None
+            self._clock.idle(self._listening(taken, asked, deadline))
+        return self._judge(taken, asked, ambiguous=ambiguous)
+
+    def _listening(self, taken: Mapping[str, Taken], asked: float, deadline: float) -> float:
+        """Return until when answers, or second ones, are awaited [s]."""
+        if len(taken) < len(self.gauges) or any(gauge.doubtful for gauge in self.gauges):
+            return deadline
+        times = [max(t.gauge.slowest, t.time - asked) for t in taken.values() if t.gauge.asks]
+        return min(deadline, asked + LATER * max(times) + LINGER_S) if times else -math.inf
+
+    def _judge(
+        self, taken: Mapping[str, Taken], asked: float, *, ambiguous: bool
+    ) -> list[Taken] | None:
+        damaged = [g for g in self.gauges if g.asks and g.axis in self._unreadable]
+        for gauge in damaged:
+            gauge.outstanding = 0
+        silent = [gauge for gauge in self.gauges if gauge.axis not in taken]
+        for gauge in silent:
+            self.problem(gauge, "timeout", f"no answer in {gauge.dialect.answer_time_s:g} s")
+        if silent or damaged or ambiguous:
+            why = "another gauge is silent" if silent else "another answer says otherwise"
+            self.refuse(taken.values(), why)
+            return None
+        for one in taken.values():
+            one.gauge.slowest = max(one.gauge.slowest, one.time - asked)
+            one.gauge.doubtful = False
+        return [taken[gauge.axis] for gauge in self.gauges]
+
+
+def _answers(one: Taken) -> bool:
+    """Say whether the reading began after the request, and is of the channel asked for."""
+    return not one.stale and not one.gauge.of_other_channel(one.reading)
+
+
+def _why(one: Taken) -> str:
+    if one.stale:
+        return "begun before the request"
+    if _answers(one):
+        return SECOND
+    return f"of channel {one.reading.channel}: give ?channel="
+
+
+def _zero_gone(gauge: Gauge, message: str) -> DisplayChangedError:
+    return DisplayChangedError(
+        f"the indicator was switched off and on ({message}): its zero is gone",
+        where=f"gauge {gauge.axis}",
+        remedy="check its unit and set the old zero",
+    )
+
+
+def _changed(gauge: Gauge, reason: str) -> DisplayChangedError:
+    return DisplayChangedError(
+        f"unit or resolution of the display have changed: {reason}",
+        where=f"gauge {gauge.axis}",
+        remedy="set unit, resolution and zero as they were",
+    )
+
+
+def _equal(readings: Iterable[Taken]) -> bool:
+    return len({taken.reading.value for taken in readings}) == 1
+
+
+FEWEST = 3
+_SLACK = 1e-6
+"""Of a division: what rounding in binary adds to a difference of decimals."""
+
+
+class AtRest:
+    """Follows all axes together; values in mm or degrees, times in seconds."""
+
+    def __init__(self, rule: Settled, visits: Mapping[str | None, Mapping[str, float]]) -> None:
+        """``visits`` are those before this session, the latest of each pose, the very last last."""
+        self._rule = rule
+        self._places = dict(visits)
+        self._last = next(reversed(self._places.values()), {})
+        self._begun: dict[str, float] = {}
+        self._moved = False
+        self._window: deque[tuple[float, Mapping[str, float]]] = deque()
+
+    def arrived(
+        self,
+        time: float,
+        values: Mapping[str, float],
+        divisions: Mapping[str, float],
+        pose: str | None = None,
+    ) -> bool:
+        """Take readings of every axis; return whether they are a visit to ``pose``."""
+        self._begun = self._begun or dict(values)
+        if self._is_away(values, self._last or self._begun):
+            self._moved = True
+        if not self._moved:
+            return False
+        self._window.append((time, values))
+        self._shorten(time, divisions)
+        if len(self._window) < FEWEST or time - self._window[0][0] < self._rule.rest - _SLACK:
+            return False
+        if pose in self._places:
+            return not self._is_away(values, self._places[pose])
+        return self._is_away(values, self._begun)
+
+    def stored(self, values: Mapping[str, float], pose: str | None = None) -> None:
+        """Go on from a visit that is on the disk: the next one needs a movement."""
+        self._last = self._places[pose] = dict(values)
+        self._moved = False
+        self._window.clear()
+
+    def _is_away(self, values: Mapping[str, float], place: Mapping[str, float]) -> bool:
+        return any(
+            abs(value - place[axis]) > self._rule.away
+            for axis, value in values.items()
+            if axis in place
+        )
+
+    def _shorten(self, time: float, divisions: Mapping[str, float]) -> None:
+        """Leave the latest readings that lie within the divisions allowed, for one rest at most."""
+        while len(self._window) > FEWEST and time - self._window[1][0] >= self._rule.rest:
+            self._window.popleft()
+        while not self._is_still(divisions):
+            self._window.popleft()
+
+    def _is_still(self, divisions: Mapping[str, float]) -> bool:
+        for axis, division in divisions.items():
+            shown = [values[axis] for _, values in self._window]
+            if max(shown) - min(shown) > (self._rule.within + _SLACK) * division:
+                return False
+        return True
+
+
+class Watch:
+    """What the gauges show, and whether it is a visit; ``unread`` looks in a row had no answer."""
+
+    def __init__(
+        self, bench: Bench, rule: Settled, visits: Mapping[str | None, Mapping[str, float]]
+    ) -> None:
+        self._bench = bench
+        self._at_rest = AtRest(rule, visits)
+        self._values: dict[str, float] = {}
+        self.unread = 0
+
+    def look(self, visit: int, pose: str | None) -> Sequence[Taken]:
+        """Return the readings of every gauge where they rest at the pose awaited, else none."""
+        taken = self._bench.measure(1)
+        if taken is None:
+            self.unread += 1
+            return ()
+        self.unread = 0
+        divisions = {}
+        for one in taken:
+            axis, text = one.gauge.axis, one.reading.text
+            unit = parse_unit(one.reading.unit or one.gauge.unit or "mm")
+            self._values[axis] = unit.read(text)
+            divisions[axis] = unit.to_base(10.0 ** -len(text.partition(".")[2]))
+        if not self._at_rest.arrived(taken[0].time, dict(self._values), divisions, pose):
+            return ()
+        return () if self._bench.doubt(taken, visit) else taken
+
+    def stored(self, pose: str | None) -> None:
+        """Go on from the readings that were returned last: they are on the disk."""
+        self._at_rest.stored(self._values, pose)
+
+
+def make_gauges(job: Job, ports: Sequence[Port], earlier: History) -> list[Gauge]:
+    """Return the gauges of a job; `UsageError` where one states another unit than before."""
+    specs = zip(job.gauges, ports, strict=True)
+    return [_gauge(spec, port, earlier, poses=len(job.plan.tour)) for spec, port in specs]
+
+
+def _gauge(spec: GaugeSpec, port: Port, earlier: History, *, poses: int) -> Gauge:
+    """Return the gauge; its unit is that of the readings there are, where there are some."""
+    column = earlier.columns.get(spec.axis)
+    recorded = column.unit if column else None
+    if recorded and spec.unit and recorded != spec.unit:
+        raise UsageError(
+            f"recorded in {recorded}, and the option says {spec.unit}",
+            where=f"gauge {spec.axis}",
+            remedy="give the option as before, or none",
+        )
+    if spec.unit or not recorded:
+        return Gauge(spec.axis, spec.dialect, port, unit=spec.unit, poses=poses)
+    return Gauge(
+        spec.axis, spec.dialect, port, unit=recorded, unit_from="the session before", poses=poses
+    )
+
+
+def write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: Journal) -> None:
+    """Put the record ``session`` on the disk: all that the table needs and no reading says."""
+    stated = {
+        gauge.axis: {
+            "spec": spec.text,
+            "dialect": spec.dialect.key,
+            "line": str(spec.dialect.line),
+            "identity": gauge.port.identity,
+            "unit": gauge.unit,
+            "unit_from": gauge.unit_from,
+            "unit_confirmed": gauge.port.unit_confirmed,
+            "simulated": gauge.port.simulated,
+        }
+        for spec, gauge in zip(job.gauges, gauges, strict=True)
+    }
+    journal.append(
+        "session",
+        schema=SCHEMA,
+        cycles=job.plan.cycles,
+        trigger=str(job.plan.trigger),
+        gauges=stated,
+        metadata=dict(job.metadata),
+        excel_locale=job.excel_locale,
+        doubts=list(earlier.doubts),
+        **({"poses": list(job.plan.tour.poses)} if job.plan.tour.poses else {}),
+    )
+    journal.sync()

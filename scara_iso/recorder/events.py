@@ -1,0 +1,340 @@
+"""What a session says as it goes, a line of JSON each, and what its operator says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Literal, Protocol, TypeAlias
+
+from scara_iso.base.published import Count, Json, Probability, Size, publish, to_json
+from scara_iso.run import AXES, AxisKey
+
+ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed", "place"]
+"""Why there is no reading."""
+Number: TypeAlias = Annotated[int, ("minimum", 1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Started:
+    """The session begins, or goes on, with ``cycle``."""
+
+    event: Literal["started"] = field(default_factory=lambda: "started", init=False, repr=False)
+    """What happens."""
+    gauges: Mapping[AxisKey, str]
+    """What is on each axis."""
+    cycle: Count
+    """The first that is recorded."""
+    cycles: Count
+    """How many are planned."""
+    trigger: str
+    """What takes a reading."""
+    pose: str | None = None
+    """The first one, where the poses have names."""
+    poses: tuple[str, ...] | None = None
+    """Those that every cycle visits, in their order."""
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """Readings of ``cycle`` are awaited."""
+
+    event: Literal["waiting"] = field(default_factory=lambda: "waiting", init=False, repr=False)
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    missing: tuple[AxisKey, ...]
+    """Axes that have no reading yet."""
+    pose: str | None = None
+    """Where the poses have names."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    """A reading is safely on disk; ``value`` is in mm or degrees, as in the table.
+
+    ``text`` and ``unit`` are what the indicator showed.
+    """
+
+    cycle: int
+    axis: str
+    value: float
+    text: str
+    unit: str
+    pose: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredLine:
+    """A reading is safely on disk."""
+
+    event: Literal["stored"]
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    pose: str | None = None
+    """Where the poses have names."""
+    axis: AxisKey
+    """Of the indicator."""
+    value: float
+    """In mm or degrees, as in the table."""
+
+
+@dataclass(frozen=True, slots=True)
+class CycleDone:
+    """Every axis of the cycle is stored."""
+
+    event: Literal["cycle"] = field(default_factory=lambda: "cycle", init=False, repr=False)
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    discarded: bool
+    """Whether `analyze` leaves it out."""
+    pose: str | None = None
+    """Where the poses have names."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gross:
+    """A stored reading lies far from those before."""
+
+    event: Literal["gross"] = field(default_factory=lambda: "gross", init=False, repr=False)
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    axis: AxisKey
+    """Of the indicator."""
+    value: float
+    """In mm or degrees, as in the table."""
+    distance: float
+    """From those before, in mm or degrees."""
+    message: str
+    """What is far from what, and what to do."""
+    pose: str | None = None
+    """Where the poses have names."""
+
+
+LATE = "late, or not asked for"
+UNASKED = "not asked for"
+UNIT_ASKED = "the unit was asked for"
+SECOND = "a second answer to one request"
+TWICE = "sent twice"
+"""Why a frame is refused that no request called for, and no visit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """A valid reading that was not taken, and why."""
+
+    event: Literal["refused"] = field(default_factory=lambda: "refused", init=False, repr=False)
+    """What happens."""
+    axis: AxisKey
+    """Of the indicator."""
+    text: str
+    """As it was sent."""
+    reason: str
+    """Why it was not taken."""
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """No reading: a fault, garbage, no answer, a value that does not settle, a changed display."""
+
+    axis: str
+    kind: ProblemKind
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class ProblemLine:
+    """No reading, and why."""
+
+    event: ProblemKind
+    """`changed`: unit, resolution or zero of the display; `place`: where the arm stands in a tour
+    is not known."""
+    axis: AxisKey
+    """Of the indicator."""
+    message: str
+    """Why there is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Noticed:
+    """Something was said that is neither a reading nor a fault."""
+
+    event: Literal["notice"] = field(default_factory=lambda: "notice", init=False, repr=False)
+    """What happens."""
+    axis: Annotated[str, ("enum", (*AXES, ""))]
+    """Of the indicator that said it; empty where the session did."""
+    message: str
+    """What was said."""
+
+
+@dataclass(frozen=True, slots=True)
+class Voided:
+    """Stored readings were struck out: kept in the raw file, not in the table."""
+
+    event: Literal["voided"] = field(default_factory=lambda: "voided", init=False, repr=False)
+    """What happens."""
+    cycle: Count
+    """Its number."""
+    axes: tuple[AxisKey, ...]
+    """Whose readings."""
+    reason: str
+    """As the operator says it."""
+    pose: str | None = None
+    """Where the poses have names."""
+
+
+@dataclass(frozen=True, slots=True)
+class Noted:
+    """A remark went into the raw file."""
+
+    event: Literal["note"] = field(default_factory=lambda: "note", init=False, repr=False)
+    """What happens."""
+    text: str
+    """The remark."""
+
+
+@dataclass(frozen=True, slots=True)
+class Paused:
+    """Readings are or are no longer refused."""
+
+    event: Literal["paused"] = field(default_factory=lambda: "paused", init=False, repr=False)
+    """What happens."""
+    on: bool
+    """Whether they are."""
+
+
+@dataclass(frozen=True, slots=True)
+class NextWay:
+    """A way to tell rivals apart."""
+
+    pause: bool
+    """Whether behind a pause as long as 20 cycles."""
+    cycles: Number
+    """How many more."""
+    right: Probability
+    """Chance that the likeliest name is right then."""
+
+
+@dataclass(frozen=True, slots=True)
+class Watched:
+    """What all readings up to ``cycle`` say together."""
+
+    event: Literal["watch"] = field(default_factory=lambda: "watch", init=False, repr=False)
+    """What happens."""
+    cycle: Number
+    """Counted from 1, the first included."""
+    evidence: Size
+    """20 and more is an alarm: at most 5 % of recordings in which nothing acts come so far."""
+    says: Literal["structure", "nothing yet"]
+    """`structure` at an alarm."""
+    effect: str | None = None
+    """The likeliest effect so far, at an alarm."""
+    since: Number | None = None
+    """The cycle from which it acts."""
+    share: Probability | None = None
+    """Probability of that effect among those that the program knows and the unknown."""
+    rivals: Mapping[str, Probability] | None = None
+    """Others at least a tenth as likely, with theirs."""
+    next: Annotated[tuple[NextWay, ...], ("minItems", 1)] | None = None
+    """Ways to tell the rivals apart, the best one first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """The files are written."""
+
+    event: Literal["done"] = field(default_factory=lambda: "done", init=False, repr=False)
+    """What happens."""
+    cycles: Count
+    """How many are in the table."""
+    planned: Count
+    """How many were to be."""
+    table: str
+    """Its file."""
+    raw: str
+    """File of all that was received."""
+
+
+Said: TypeAlias = (
+    Started
+    | Waiting
+    | Stored
+    | Gross
+    | CycleDone
+    | Refused
+    | Problem
+    | Noticed
+    | Voided
+    | Noted
+    | Paused
+    | Watched
+    | Done
+)
+PUBLISHED = (
+    Started,
+    Waiting,
+    StoredLine,
+    Gross,
+    CycleDone,
+    Refused,
+    ProblemLine,
+    Noticed,
+    Voided,
+    Noted,
+    Paused,
+    Watched,
+    Done,
+)
+"""The lines that ``record`` writes as JSON."""
+
+
+def as_json(said: Said) -> Json:
+    """Return the JSON object of one line."""
+    line: object = said
+    if isinstance(said, Stored):
+        line = publish(StoredLine, said, event="stored")
+    elif isinstance(said, Problem):
+        line = publish(ProblemLine, said, event=said.kind)
+    found: Json = to_json(line)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Take:
+    """Take a reading of every gauge now."""
+
+
+@dataclass(frozen=True, slots=True)
+class Void:
+    """Strike out what was stored last."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Write a remark into the raw file."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Refuse readings until the next one of these."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quit:
+    """End the session; what is stored stays."""
+
+
+Command: TypeAlias = Take | Void | Note | Pause | Quit
+
+
+class Operator(Protocol):
+    """Gives the commands: a keyboard, a foot switch that types Enter, lines of standard input."""
+
+    def poll(self) -> Command | None:
+        """Return the next command if one was given; never waits."""

@@ -1,0 +1,333 @@
+"""One indicator on one axis: its port, its decoder, and the unit it is read in.
+
+What an indicator showed until now: a display that changed, a reading far from the others.
+
+Values are compared as they were shown, in the unit of the display; no statement about the unit is
+needed. Cycle 1 is no measure for the others: `analyze` discards it. Each pose has a level of its
+own.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import deque
+from dataclasses import dataclass
+from decimal import Decimal
+from statistics import median
+from typing import ClassVar, Literal
+
+from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.base.quantities import parse_unit
+from scara_iso.recorder.events import Gross, Stored
+from scara_iso.recorder.indicators import (
+    Decoder,
+    DeviceNotice,
+    Dialect,
+    Event,
+    Garbage,
+    InstrumentFault,
+    Reading,
+)
+from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.ports import Clock, Port
+
+INCH = Decimal("25.4")
+_LOOK_BACK = 100
+_FEWEST = 4
+_LIKE = Decimal("0.1")
+"""A step is one of 25.4 within this share: what the arm scatters, and the rounding of inches."""
+_COUNTS = 50
+"""A level of fewer counts of the last place is near zero: any ratio may come by chance."""
+_RANGES = 8
+_GROSS_COUNTS = 10
+
+
+class HaltError(InstrumentError):
+    """Recording cannot go on until somebody at the bench puts something right; exit code 69.
+
+    ``question`` is what who sits at the terminal is told to do.
+    """
+
+    kind: ClassVar[Literal["changed", "place"]]
+    question = "put it right"
+
+
+class DisplayChangedError(HaltError):
+    """The unit, the resolution or the zero of an indicator is not what it was."""
+
+    kind = "changed"
+
+
+class PlaceLostError(HaltError):
+    """A frame was lost or sent twice, and with it the pose at which the arm stands."""
+
+    kind = "place"
+
+    def __init__(self, axis: str, why: str, *, visit: str) -> None:
+        super().__init__(
+            f"{why}: a frame was lost or sent twice, and where the arm stands is not known",
+            where=f"gauge {axis}",
+            remedy=f"bring the arm to {visit} and go on with `resume=True`; a robot that says "
+            "where it is (`trigger=line:PORT`) loses no place",
+        )
+        self.question = f"bring the arm to {visit}"
+
+
+class Shown:
+    """The latest readings of one gauge by visit, as text; every cycle visits all ``poses``."""
+
+    def __init__(self, *, fixed_decimals: bool, poses: int = 1) -> None:
+        self._fixed = fixed_decimals
+        self._poses = poses
+        self._texts: deque[tuple[int, str]] = deque(maxlen=_LOOK_BACK * poses)
+
+    def __bool__(self) -> bool:
+        return bool(self._texts)
+
+    def put(self, visit: int, text: str) -> None:
+        """Take the reading of a visit."""
+        self._texts.append((visit, text))
+
+    def void(self, visit: int) -> None:
+        """Forget a visit."""
+        left = [one for one in self._texts if one[0] != visit]
+        self._texts = deque(left, maxlen=self._texts.maxlen)
+
+    def _at_the_pose_of(self, visit: int) -> list[tuple[int, str]]:
+        return [one for one in self._texts if (one[0] - visit) % self._poses == 0]
+
+    def changed(self, text: str, visit: int) -> str:
+        """Return why unit or resolution of the display seem changed at a visit, or nothing."""
+        if not self._texts:
+            return ""
+        before, now = _decimals(self._texts[-1][1]), _decimals(text)
+        if self._fixed and before != now:
+            return f"{text} has {now} decimals, the reading before had {before}"
+        values = [Decimal(shown) for _, shown in self._at_the_pose_of(visit)]
+        if not values:
+            return ""
+        level, value = median(values), Decimal(text)
+        steady = max(values) - min(values) <= abs(level) * 3 * _LIKE
+        if not steady:
+            return ""
+        for name, expected in (("1/25.4", level / INCH), ("25.4", level * INCH)):
+            counts = min(abs(level), abs(expected) * INCH).scaleb(before)
+            if counts >= _COUNTS and abs(value - expected) <= abs(expected) * _LIKE:
+                return f"{text} is {name} of the readings before, as of mm and inch"
+        return ""
+
+    def far(self, text: str, visit: int) -> Decimal | None:
+        """Return how far a gross reading is from the median of the others, None where it is not."""
+        here = self._at_the_pose_of(visit)
+        others = [Decimal(shown) for one, shown in here if one > self._poses]
+        if len(others) < _FEWEST:
+            return None
+        count = Decimal(1).scaleb(-_decimals(text))
+        limit = max(_RANGES * (max(others) - min(others)), _GROSS_COUNTS * count)
+        distance = abs(Decimal(text) - median(others))
+        return distance if distance > limit else None
+
+
+def _decimals(text: str) -> int:
+    return len(text.partition(".")[2])
+
+
+def gross_reading(stored: Stored, distance: Decimal) -> Gross:
+    """Return the message about a stored reading so far from the others, in the display's unit."""
+    unit = parse_unit(stored.unit)
+    at = "" if stored.pose is None else f" at {stored.pose}"
+    message = (
+        f"{stored.axis} {stored.text} {stored.unit} of cycle {stored.cycle}{at} is "
+        f"{distance:.1g} {stored.unit} from the others; v strikes it"
+    )
+    away = unit.read(str(distance))
+    return Gross(stored.cycle, stored.axis, stored.value, away, message, stored.pose)
+
+
+_LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
+"""CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """An event and when its last byte arrived [s]; ``stale`` began before it was asked for."""
+
+    event: Event
+    time: float
+    stale: bool = False
+
+
+class Gauge:
+    """Reads one indicator; everything received and sent goes to the journal first.
+
+    ``unit`` is the one that the user, a recording or a simulation states (``unit_from``), else
+    None until the indicator states it. `outstanding` counts requests that nothing answered: while
+    it is not zero, the next frame may be the answer to an earlier one. `doubtful` holds where a
+    debt was forgiven and no answer came alone since; `slowest` is the longest time that an answer
+    took [s]; `odd` counts the latest answers of a display that seems to have changed. `tells_unit`
+    holds where it has answered which unit it shows; `unit_stated` is when it last said so [s].
+    """
+
+    def __init__(
+        self,
+        axis: str,
+        dialect: Dialect,
+        port: Port,
+        *,
+        unit: str | None,
+        unit_from: str = "the option",
+        poses: int = 1,
+    ) -> None:
+        self.axis = axis
+        self.dialect = dialect
+        self.port = port
+        self.unit = port.unit or unit
+        self.unit_from = _origin(axis, port, unit, unit_from)
+        self.outstanding = 0
+        self.unit_asked = self.doubtful = self.tells_unit = False
+        self.unit_stated = -math.inf
+        self.slowest = 0.0
+        self.shown = Shown(fixed_decimals=dialect.fixed_decimals, poses=poses)
+        self.odd = 0
+        self._active = -math.inf
+        self._channel: str | None = None
+        self._decoder = Decoder(dialect)
+        self._within_line = False
+        self._stale = False
+
+    def receive(self, journal: Journal, clock: Clock) -> list[Arrival]:
+        """Return the events of what has arrived, at once.
+
+        Raises `InstrumentError` where the port is lost, `DisplayChangedError` where the unit
+        is another than before, and `UsageError` for a reading whose unit nobody states.
+        """
+        data = self.port.read()
+        if not data:
+            return []
+        journal.append("in", axis=self.axis, port=self.port.address, hex=data.hex())
+        now = self._active = clock.now()
+        arrivals: list[Arrival] = []
+        if self._stale and (end := _LINE_END.search(data)):
+            begun, data = data[: end.end()], data[end.end() :]
+            arrivals = [Arrival(e, now, stale=True) for e in self._decoder.feed(begun)]
+            self._stale = self._within_line = False
+        if data:
+            self._within_line = _LINE_END.match(data[-1:]) is None
+            arrivals += [Arrival(event, now) for event in self._decoder.feed(data)]
+        before = self.unit_stated
+        checked = [self._checked(arrival) for arrival in arrivals]
+        if before == -math.inf < self.unit_stated:
+            journal.append("unit", axis=self.axis, unit=self.unit)
+        return checked
+
+    def ask(self, journal: Journal, clock: Clock) -> float:
+        """Ask for a reading and return when it must be there [s].
+
+        An indicator that only sends by itself is not asked: its next whole line counts.
+        """
+        self.expect_from_now()
+        if self.dialect.request is not None:
+            self._write(self.dialect.request, journal)
+        elif self.dialect.request_line is not None:
+            journal.append("out", axis=self.axis, port=self.port.address, hex=b"(pulse)".hex())
+            self.port.pulse(self.dialect.request_line)
+        self.outstanding += self.asks
+        self._active = clock.now()
+        return self._active + self.dialect.answer_time_s
+
+    def ask_unit(self, journal: Journal, clock: Clock) -> float:
+        """Ask which unit the display shows, also where it was stated; as `ask`.
+
+        A recording or a simulation is not asked.
+        """
+        if self.port.unit or self.dialect.unit_request is None or self.dialect.request_line:
+            return -math.inf
+        self._write(self.dialect.unit_request, journal)
+        self.unit_asked = True
+        return clock.now() + self.dialect.answer_time_s
+
+    def expect_from_now(self) -> None:
+        """Mark a line that is under way as begun too early."""
+        self._stale = self._within_line
+
+    @property
+    def asks(self) -> bool:
+        """Whether readings are asked for; otherwise the indicator only sends by itself."""
+        return self.dialect.request is not None or self.dialect.request_line is not None
+
+    def quiet_after(self, answer_times: float) -> float:
+        """Return when the line will have been quiet for so many answer times [s]."""
+        return self._active + answer_times * self.dialect.answer_time_s
+
+    def forgive(self) -> Garbage | None:
+        """Await no answer to what was asked; drop a line whose end never came, and return it."""
+        self.outstanding = 0
+        self.doubtful = True
+        self._within_line = self._stale = False
+        return self._decoder.drop_partial()
+
+    def _write(self, data: bytes, journal: Journal) -> None:
+        journal.append("out", axis=self.axis, port=self.port.address, hex=data.hex())
+        self.port.write(data)
+
+    def _checked(self, arrival: Arrival) -> Arrival:
+        match arrival.event:
+            case Reading(unit=unit, channel=channel):
+                self._answered(arrival)
+                self._check_unit(unit, arrival.time)
+                self._channel = self._channel or channel
+            case DeviceNotice(unit=str(unit)):
+                self.tells_unit |= self.unit_asked
+                self.unit_asked = False
+                self._check_unit(unit, arrival.time)
+            case InstrumentFault():
+                self._answered(arrival)
+        return arrival
+
+    def _answered(self, arrival: Arrival) -> None:
+        """Count a line as the answer to what is owed; one begun too early answers nothing."""
+        if self.unit_asked:
+            self.unit_asked = False
+        elif not arrival.stale:
+            self.outstanding = max(0, self.outstanding - 1)
+
+    def of_other_channel(self, reading: Reading) -> bool:
+        """Say whether the reading is of another channel than the first one was."""
+        return reading.channel not in (None, self._channel)
+
+    def _check_unit(self, stated: str | None, time: float) -> None:
+        stated = stated and parse_unit(stated).name
+        if stated and self.unit not in (None, stated):
+            raise DisplayChangedError(
+                f"the indicator shows {stated}, and {self.unit_from or 'it'} said {self.unit}",
+                where=f"gauge {self.axis}",
+                remedy="set the indicator or the option right; check readings already stored",
+            )
+        self.unit = self.unit or stated
+        if stated:
+            self.unit_stated = time
+        if self.unit is None:
+            raise no_unit(self)
+
+
+def no_unit(gauge: Gauge) -> UsageError:
+    """Return the error for an indicator whose unit nobody states."""
+    return UsageError(
+        f"{gauge.dialect.key} does not say its unit",
+        where=f"gauge {gauge.axis}",
+        remedy=f"look at the display and give `unit=mm`, or {gauge.axis}={gauge.dialect.key}"
+        f"?unit=mm@{gauge.port.address}",
+    )
+
+
+def _origin(axis: str, port: Port, unit: str | None, unit_from: str) -> str:
+    if port.unit and unit and parse_unit(unit) != parse_unit(port.unit):
+        raise UsageError(
+            f"{port.address} is in {port.unit}, and {unit_from} says {unit}",
+            where=f"gauge {axis}",
+            remedy="leave the option out, or give sim:?unit=",
+        )
+    if port.unit:
+        return "the simulation" if port.address.startswith("sim:") else "the recording"
+    return unit_from if unit else ""

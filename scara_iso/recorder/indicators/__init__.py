@@ -1,0 +1,85 @@
+"""Digital indicators on a serial line: one small file for each dialect; no port, clock or thread.
+
+A module of this folder, or one named by the entry-point group ``scara_iso.indicators``, holds a
+constant ``DIALECT``, or ``DIALECTS`` where a family has variants.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from difflib import get_close_matches
+from types import MappingProxyType, ModuleType
+
+from scara_iso.base.errors import UsageError
+from scara_iso.base.plugins import find_modules
+from scara_iso.recorder.indicators._decoder import Decoder, diagnose_parity
+from scara_iso.recorder.indicators._dialect import (
+    DeviceNotice,
+    Dialect,
+    Event,
+    Garbage,
+    InstrumentFault,
+    LinePulse,
+    LineSettings,
+    Parity,
+    Reading,
+)
+from scara_iso.recorder.indicators._keyboard import KEYBOARD
+from scara_iso.recorder.indicators.generic import make_generic
+
+__all__ = [
+    "KEYBOARD",
+    "Decoder",
+    "DeviceNotice",
+    "Dialect",
+    "Event",
+    "Garbage",
+    "InstrumentFault",
+    "LinePulse",
+    "LineSettings",
+    "Parity",
+    "Reading",
+    "diagnose_parity",
+    "find_dialect",
+    "find_dialects",
+    "make_generic",
+]
+
+
+def find_dialects() -> Mapping[str, Dialect]:
+    """Return every dialect by its key; `UsageError` where two claim the same key."""
+    found: dict[str, Dialect] = {}
+    for module in find_modules(sys.modules[__name__], "scara_iso.indicators"):
+        for dialect in _dialects(module):
+            if dialect.key in found:
+                raise UsageError(
+                    f"two dialects are called {dialect.key!r}",
+                    where=module.__name__,
+                    remedy="uninstall one of the packages that bring it",
+                )
+            found[dialect.key] = dialect
+    return MappingProxyType(found)
+
+
+def _dialects(module: ModuleType) -> tuple[Dialect, ...]:
+    return tuple(getattr(module, "DIALECTS", None) or (module.DIALECT,))
+
+
+def check_shape(module: ModuleType) -> None:
+    """Raise `AttributeError` or `TypeError` unless a module has a ``DIALECT`` or ``DIALECTS``."""
+    if not all(isinstance(dialect, Dialect) for dialect in _dialects(module)):
+        raise TypeError("DIALECT is no Dialect")
+
+
+def find_dialect(key: str) -> Dialect:
+    """Return the dialect called ``key``; `UsageError` names the known ones otherwise."""
+    known = {**find_dialects(), KEYBOARD.key: KEYBOARD}
+    if key not in known:
+        close = get_close_matches(key, known, n=1)
+        raise UsageError(
+            f"unknown indicator {key!r}",
+            remedy=(f"did you mean {close[0]}? " if close else "")
+            + f"known: {', '.join(sorted(known))}",
+        )
+    return known[key]

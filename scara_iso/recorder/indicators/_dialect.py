@@ -1,0 +1,200 @@
+"""What a dialect is, and what its bytes become: readings, faults, notices and garbage.
+
+A dialect is how one family of indicators speaks on a serial line: settings of the port, request,
+and the grammar of one line. Every dialect met so far sends lines that end in CR, LF or both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from typing import Literal, TypeAlias
+
+from scara_iso.base.errors import UsageError
+
+Parity = Literal["N", "E", "O"]
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A value that an indicator showed, exactly as it sent it.
+
+    ``text`` is a decimal number: ``-`` or nothing, digits without leading zeros, and the decimals
+    with their trailing zeros. ``unit`` is a name of `quantities`, None where the frame
+    does not state it; ``channel`` and ``mode`` (such as a judgement) are as sent, or None.
+    ``raw`` is the received line without its end.
+    """
+
+    text: str
+    unit: str | None
+    channel: str | None
+    mode: str | None
+    raw: bytes
+
+    @property
+    def value(self) -> Decimal:
+        """The number, in ``unit``."""
+        return Decimal(self.text)
+
+    @property
+    def decimals(self) -> int:
+        """How many digits follow the point."""
+        return len(self.text.partition(".")[2])
+
+    @property
+    def resolution(self) -> Decimal:
+        """One count of the last place, in ``unit``."""
+        return Decimal(1).scaleb(-self.decimals)
+
+
+@dataclass(frozen=True, slots=True)
+class InstrumentFault:
+    """The instrument says that there is no valid reading: an error, a hold value, over-range."""
+
+    code: str
+    message: str
+    raw: bytes
+    channel: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceNotice:
+    """A line that is well formed and no reading: identification, echo, status, battery.
+
+    ``unit`` is set where the line states the unit of the display (the answer to a unit request);
+    ``switched_on`` where the instrument sends it only then: its zero is gone.
+    """
+
+    message: str
+    raw: bytes
+    unit: str | None = None
+    switched_on: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Garbage:
+    """Bytes that are not a frame of the dialect; ``raw`` holds at most the longest frame."""
+
+    reason: str
+    raw: bytes
+
+
+Event: TypeAlias = Reading | InstrumentFault | DeviceNotice | Garbage
+
+
+@dataclass(frozen=True, slots=True)
+class LineSettings:
+    """Settings of a serial port; ``dtr`` and ``rts`` before it is opened, None for no matter."""
+
+    baud: int = 9600
+    data_bits: int = 8
+    parity: Parity = "N"
+    stop_bits: int = 1
+    dtr: bool | None = None
+    rts: bool | None = None
+
+    def __post_init__(self) -> None:
+        wrong = [
+            name
+            for name, good in (
+                ("baud", 50 <= self.baud <= 4_000_000),
+                ("data bits", self.data_bits in (7, 8)),
+                ("parity", self.parity in ("N", "E", "O")),
+                ("stop bits", self.stop_bits in (1, 2)),
+            )
+            if not good
+        ]
+        if wrong:
+            raise UsageError(
+                f"serial line: {', '.join(wrong)} out of range",
+                remedy="baud 50 to 4000000; 7 or 8 data bits; parity N, E or O; 1 or 2 stop bits",
+            )
+
+    def __str__(self) -> str:
+        return f"{self.baud} {self.data_bits}{self.parity}{self.stop_bits}"
+
+
+@dataclass(frozen=True, slots=True)
+class LinePulse:
+    """A request made by a modem line: hold ``line`` at ``level`` for ``seconds``, then back."""
+
+    line: Literal["dtr", "rts"]
+    level: bool
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dialect:
+    """How one family of indicators speaks; a module of this folder holds one as ``DIALECT``.
+
+    ``parse`` takes one received line (its end removed) and returns what it says, one event for
+    each value in it, or nothing for a line that is not one of its frames. ``compose(text, unit,
+    channel)`` returns the frame, its end included, that an instrument showing that value sends;
+    it raises `UsageError` where the display cannot show it.
+    """
+
+    key: str
+    instruments: str
+    line: LineSettings
+    parse: Callable[[bytes], tuple[Event, ...]] = field(repr=False)
+    compose: Callable[[str, str | None, str | None], bytes] = field(repr=False)
+    longest_frame: int
+    """Bytes of the longest line, its end not counted."""
+    digits: int
+    """Digits of the display."""
+    decimals: tuple[int, ...]
+    """How many of them may follow the point, the usual one first."""
+    units: tuple[str | None, ...]
+    """Units that a frame may state, the usual one first; None for a frame without one."""
+    source: str
+    confidence: Literal["high", "medium", "low"]
+    cable: str = ""
+    """What connects it to the computer, and where its power comes from."""
+    terminator: bytes = b"\r"
+    """What the instrument sends after a line; the decoder takes CR, LF or both."""
+    request_template: bytes | None = None
+    request_line: LinePulse | None = None
+    unit_request: bytes | None = None
+    channels: tuple[str, ...] = ()
+    channel: str | None = None
+    """The channel asked for and listened to; None for an instrument without channels."""
+    answer_time_s: float = 1.0
+    """A request not answered in this time failed; a later answer belongs to it all the same."""
+    bit_8_undefined: bool = False
+    fixed_decimals: bool = True
+    """Whether the decimals that are sent change only with unit or resolution of the display."""
+    unverified: tuple[str, ...] = ()
+    """What no source states: the user checks it, or sets it by option."""
+
+    @property
+    def request(self) -> bytes | None:
+        """Bytes that ask for one reading; None where the instrument sends by itself."""
+        if self.request_template is None:
+            return None
+        return self.request_template.replace(b"{channel}", (self.channel or "").encode("ascii"))
+
+    @property
+    def sends_unit(self) -> bool:
+        """Whether every frame states its unit; otherwise the user must."""
+        return None not in self.units
+
+    def configure(
+        self,
+        *,
+        baud: int | None = None,
+        data_bits: int | None = None,
+        parity: Parity | None = None,
+        stop_bits: int | None = None,
+        channel: str | None = None,
+    ) -> Dialect:
+        """Return the dialect with the user's options in it; `UsageError` for an impossible one."""
+        given = {"baud": baud, "data_bits": data_bits, "parity": parity, "stop_bits": stop_bits}
+        chosen = {name: value for name, value in given.items() if value is not None}
+        if channel is not None and channel not in self.channels:
+            known = ", ".join(self.channels[:9]) + (" ..." if len(self.channels) > 9 else "")
+            raise UsageError(
+                f"{self.key} has no channel {channel!r}", remedy=f"channels: {known or 'none'}"
+            )
+        line = replace(self.line, **chosen)  # type: ignore[arg-type]
+        return replace(self, line=line, channel=channel or self.channel)

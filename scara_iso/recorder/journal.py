@@ -1,0 +1,100 @@
+"""The raw file of a recording: appended to, locked, and safe when it says so."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+from pathlib import Path
+
+from scara_iso.base.disk import Disk, write_whole
+from scara_iso.base.errors import CannotCreateError, NoInputError, ScaraIsoError, WriteError
+from scara_iso.recorder.ports import Clock
+from scara_iso.recorder.tape import FIRST, checksum, encode
+
+
+class Journal:
+    """Appends records; what was appended before `sync` returned survives a power cut.
+
+    A write or sync that failed is never tried again: after a failed fsync the data may be gone
+    even where the next one succeeds. Every later call raises the same `WriteError`. Opening
+    raises `CannotCreateError` where the file is there already (``new``), is held by another
+    recorder or cannot be created, and `NoInputError` where there is nothing to resume.
+    """
+
+    def __init__(self, path: Path, *, disk: Disk, clock: Clock, new: bool) -> None:
+        self.path = path
+        self._disk = disk
+        self._clock = clock
+        self.previous = FIRST
+        """Checksum of the last whole line; who goes on with a file states it."""
+        self._failed: WriteError | None = None
+        if not new and not path.exists():
+            raise NoInputError(
+                "no recording to resume",
+                where=str(path),
+                remedy="record without `resume=`, or name the table that was begun",
+            )
+        try:
+            self._file = disk.open(path, new=new)
+        except OSError as error:
+            raise _cannot_open(path, error) from error
+        # Ends what a crash may have left of a line; an empty line means nothing.
+        self._torn = not new
+        try:
+            disk.sync_folder(path.parent)
+        except OSError as error:
+            self.close()
+            raise _lost(path, error) from error
+
+    def append(self, event: str, **fields: object) -> None:
+        """Write a record; it is safe after the next `sync`."""
+        record = {"event": event, "t": round(self._clock.now(), 6), "wall": self._clock.wall()}
+        line = encode({**record, **fields, "prev": self.previous})
+        self._guard()
+        data, self._torn = (b"\n" if self._torn else b"") + line, True
+        try:
+            write_whole(self._disk, self._file, data)
+        except OSError as error:
+            raise self._fail(error) from error
+        self._torn, self.previous = False, checksum(line)
+
+    def sync(self) -> None:
+        """Return when every record is on the disk."""
+        self._guard()
+        try:
+            self._disk.sync(self._file)
+        except OSError as error:
+            raise self._fail(error) from error
+
+    def close(self) -> None:
+        """Close the file and give the lock back."""
+        with contextlib.suppress(OSError):
+            self._disk.close(self._file)
+
+    def _guard(self) -> None:
+        if self._failed is not None:
+            raise self._failed
+
+    def _fail(self, error: OSError) -> WriteError:
+        self._failed = _lost(self.path, error)
+        return self._failed
+
+
+def _lost(path: Path, error: OSError) -> WriteError:
+    return WriteError(
+        f"the disk failed ({error.strerror or error}); every reading announced as stored is safe",
+        where=str(path),
+        remedy="make room or use another disk, copy the raw file there, then "
+        "record with `rebuild=True` or go on with `resume=True`",
+    )
+
+
+def _cannot_open(path: Path, error: OSError) -> ScaraIsoError:
+    match error.errno:
+        case errno.EEXIST:
+            what, remedy = "exists already", "use another name, or `resume=True` to go on with it"
+        case errno.EAGAIN | errno.EACCES if isinstance(error, BlockingIOError):
+            what, remedy = "another recorder is writing it", "end that one first"
+        case _:
+            what, remedy = f"cannot be created ({error.strerror})", "check folder and permissions"
+    return CannotCreateError(what, where=str(path), remedy=remedy)

@@ -1,0 +1,447 @@
+"""What is to be recorded: table, gauges, number of cycles, and what makes a reading be taken.
+
+What the user states of an indicator in numbers: its uncertainty and the command pose.
+
+The recorder's table is in mm and degrees, and so are these; each becomes part of its axis.
+
+A gauge as the user writes it: ``AXIS=DRIVER[?OPTIONS]@PORT``, and the metadata of a table.
+
+The poses that every cycle visits, in their order, and the numbers of the visits.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TypeAlias
+from urllib.parse import quote
+
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.files import read_toml
+from scara_iso.base.quantities import Dimension, parse_unit
+from scara_iso.recorder.indicators import KEYBOARD, Dialect, Parity, find_dialect
+from scara_iso.recorder.indicators.generic import make_generic
+from scara_iso.recorder.ports import is_device, is_keyboard, number_option, split_options
+from scara_iso.run import AXES
+
+_SIZE_KEY = re.compile(r"indicator_uncertainty(_(x|y|z|theta))?|command_(x|y|z|theta)")
+_NUMBER = re.compile(r"[+-]?[0-9]{1,6}(\.[0-9]{1,12})?")
+
+
+def wrong_sizes(metadata: Mapping[str, str]) -> list[str]:
+    """Return the keys whose size is not a plain number, or whose uncertainty is not positive."""
+    stated = {key: str(text) for key, text in metadata.items() if _SIZE_KEY.fullmatch(_normal(key))}
+    return [
+        key
+        for key, text in stated.items()
+        if not _NUMBER.fullmatch(text)
+        or (_normal(key).startswith("indicator") and not float(text) > 0)
+    ]
+
+
+def sizes_of_axis(
+    metadata: Mapping[str, str], axis: str, dimension: Dimension
+) -> tuple[float | None, float | None]:
+    """Return standard uncertainty and command pose of an axis [mm or deg], None where not stated.
+
+    ``indicator_uncertainty`` without an axis is a length: that of every axis read in mm.
+    """
+    if wrong := wrong_sizes(metadata):
+        raise DataError(f"{wrong[0]}: not a plain number")
+    stated = {
+        _normal(key): float(text)
+        for key, text in metadata.items()
+        if _SIZE_KEY.fullmatch(_normal(key))
+    }
+    general = stated.get("indicator_uncertainty") if dimension is Dimension.LENGTH else None
+    name = axis.lower()
+    return stated.get(f"indicator_uncertainty_{name}", general), stated.get(f"command_{name}")
+
+
+def _normal(key: str) -> str:
+    return key.lower().replace(" ", "_").replace("-", "_")
+
+
+OPTIONS = {
+    "unit": "unit of the display, such as mm or inch",
+    "channel": "channel of a multiplexer",
+    "baud": "9600",
+    "bits": "7 or 8 data bits",
+    "parity": "N, E or O",
+    "stop": "1 or 2 stop bits",
+    "request": r"bytes that ask for a reading, such as ?\r",
+    "pattern": "regular expression with the groups value and unit (driver generic only)",
+}
+"""Options behind a driver, written as in a URL: ``X=mitutoyo-mux?unit=mm&channel=1@COM3``."""
+
+_SIMPLE = "X=opto-rs232@/dev/ttyUSB0"
+_EXAMPLE = f"{_SIMPLE} or X=mitutoyo-mux?unit=mm&channel=1@COM3"
+_AXES = {name.lower(): name for name in AXES}
+_LONGEST = 50_000
+_TABLE_KEY = re.compile(
+    r"(unit|resolution)(_.*)?|first_cycle_discarded|axes_recorded"
+    r"|simulated|cycles_planned|record_.*|indicator"
+)
+_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,60}")
+
+
+@dataclass(frozen=True, slots=True)
+class GaugeSpec:
+    """One indicator: its axis, how it speaks, its port, and the unit that the user states."""
+
+    text: str
+    """As the user wrote it, its unit included wherever that was stated."""
+    axis: str
+    dialect: Dialect
+    address: str
+    unit: str | None
+
+
+def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
+    """Return the gauge that ``text`` spells; ``unit`` holds where its options name none.
+
+    Raises `UsageError` for an unknown axis, driver, option or unit.
+    """
+    name, equals, rest = text.partition("=")
+    driver, at, address = rest.partition("@")
+    axis = _AXES.get(name.strip().lower())
+    if not (equals and at and address.strip()) or axis is None:
+        raise UsageError(
+            f"`gauge={text}`: not AXIS=DRIVER@PORT" if axis else f"no axis {name.strip()!r}",
+            remedy=f"write {axis or 'X'}=auto@{rest if axis and rest and not at else 'PORT'} to "
+            f"have the driver found, or {_EXAMPLE}; axes: {', '.join(AXES)}",
+        )
+    key, options = split_options(driver, OPTIONS)
+    _check_keyboard(key.strip(), address.strip())
+    stated = options.get("unit", unit)
+    if "unit" not in options and stated is not None:
+        driver += f"{'&' if options else '?'}unit={quote(stated)}"
+    return GaugeSpec(
+        text=f"{axis}={driver}@{address}",
+        axis=axis,
+        dialect=_dialect(key.strip(), options),
+        address=address.strip(),
+        unit=None if stated is None else parse_unit(stated).name,
+    )
+
+
+def parse_gauges(texts: Iterable[str], *, unit: str | None = None) -> tuple[GaugeSpec, ...]:
+    """Return the gauges, one an axis; `UsageError` otherwise, or where there is none."""
+    gauges = tuple(parse_gauge(text, unit=unit) for text in texts)
+    axes = [gauge.axis for gauge in gauges]
+    twice = sorted({axis for axis in axes if axes.count(axis) > 1})
+    if sum(is_keyboard(gauge.address) for gauge in gauges) > 1:
+        raise UsageError("two gauges on one keyboard", remedy="type the readings of one axis")
+    if not gauges or twice:
+        raise UsageError(
+            f"two gauges for {', '.join(twice)}" if twice else "no indicator is named",
+            remedy=f"give `gauge={_SIMPLE}`, once for each axis",
+        )
+    return gauges
+
+
+def _check_keyboard(key: str, address: str) -> None:
+    """Raise `UsageError` where one of port and driver is the keyboard, and the other a cable's."""
+    if is_device(address) and is_keyboard(address) != (key == KEYBOARD.key):
+        raise UsageError(
+            f"{key}@{address}: the keyboard has its own driver", remedy="write X=keyboard@keyboard:"
+        )
+
+
+def _dialect(key: str, options: Mapping[str, str]) -> Dialect:
+    pattern = options.get("pattern")
+    if pattern is not None and key != "generic":
+        raise UsageError(f"{key} has its own grammar", remedy="pattern= goes with generic")
+    dialect = make_generic(pattern) if pattern is not None else find_dialect(key)
+    dialect = dialect.configure(
+        baud=_whole(options, "baud"),
+        data_bits=_whole(options, "bits"),
+        parity=_parity(options.get("parity")),
+        stop_bits=_whole(options, "stop"),
+        channel=options.get("channel"),
+    )
+    if "request" in options:
+        dialect = replace(dialect, request_template=_bytes(options["request"]), request_line=None)
+    return dialect
+
+
+def _whole(options: Mapping[str, str], key: str) -> int | None:
+    text = options.get(key)
+    if text is None:
+        return None
+    if not (text.isascii() and text.isdigit() and len(text) < 9):
+        raise UsageError(
+            f"{key}={text} is not a whole number", remedy=f"write {key} as digits only"
+        )
+    return int(text)
+
+
+def _parity(text: str | None) -> Parity | None:
+    match (text or "").upper():
+        case "":
+            return None
+        case "N" | "E" | "O" as parity:
+            return parity
+    raise UsageError(f"parity={text}: use N, E or O", remedy="write parity=N, parity=E or parity=O")
+
+
+def _bytes(text: str) -> bytes:
+    try:
+        return text.encode("ascii").decode("unicode_escape").encode("latin-1")
+    except UnicodeError as error:
+        raise UsageError(f"request={text}: {error}", remedy=r"write \r, \n, \x02") from error
+
+
+def read_metadata(path: Path) -> dict[str, str]:
+    """Return the ``key = value`` lines of a TOML file as text.
+
+    Raises `NoInputError` where it cannot be read and `DataError` where it is not such a file.
+    """
+    found = read_toml(path, "docs/recording.md")
+    nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
+    if nested:
+        raise DataError(
+            f"{', '.join(nested)}: not a single value",
+            where=str(path),
+            remedy='write lines such as robot = "FUM SCARA"',
+        )
+    return check_metadata({key: _toml_text(value) for key, value in found.items()})
+
+
+def parse_metadata(texts: Iterable[str]) -> dict[str, str]:
+    """Return ``KEY=VALUE`` options; `UsageError` where one is not, or the table says it itself."""
+    pairs = [text.partition("=") for text in texts]
+    wrong = [key for key, equals, _ in pairs if not equals]
+    if wrong:
+        raise UsageError(f"`meta={wrong[0]}`: not KEY=VALUE", remedy="`meta=robot=FUM SCARA`")
+    return check_metadata({key.strip(): value.strip() for key, _, value in pairs})
+
+
+def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
+    """Return ``found``; `UsageError` for too much, or a key that is no word or the recorder's."""
+    wrong = [key for key in found if not _KEY.fullmatch(key)]
+    taken = [key for key in found if _TABLE_KEY.fullmatch(key.lower().replace(" ", "_"))]
+    if wrong or taken:
+        raise UsageError(
+            f"metadata {(wrong + taken)[0]!r}: "
+            + ("not a key" if wrong else "the recorder states this itself"),
+            remedy="use keys such as robot, payload, velocity, temperature, operator",
+        )
+    if sizes := wrong_sizes(found):
+        raise UsageError(
+            f"metadata {sizes[0]!r}: {found[sizes[0]]!r} is not a plain number above 0",
+            remedy="in mm, of an angle in degrees: indicator_uncertainty=0.0005",
+        )
+    if sum(len(key) + len(value) for key, value in found.items()) > _LONGEST:
+        raise UsageError(f"metadata of more than {_LONGEST} characters", remedy="shorten it")
+    return dict(found)
+
+
+def _toml_text(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ .+-]{0,30}")
+_MOST = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Tour:
+    """``poses`` in the order in which every cycle visits them; none is one pose without a name.
+
+    Visits are numbered from 1 through the whole test: those of cycle 1, of cycle 2, and so on.
+    """
+
+    poses: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return max(len(self.poses), 1)
+
+    def place(self, visit: int) -> tuple[int, str | None]:
+        """Return cycle (from 1) and pose of a visit."""
+        turn, k = divmod(visit - 1, len(self))
+        return turn + 1, self.poses[k] if self.poses else None
+
+    def visit(self, cycle: int, pose: str | None) -> int:
+        """Return the number of a visit; `ValueError` for a pose that is not visited."""
+        poses: tuple[str | None, ...] = self.poses or (None,)
+        if pose not in poses:
+            raise ValueError(f"pose {pose} is none of {', '.join(map(str, poses))}")
+        return (cycle - 1) * len(poses) + poses.index(pose) + 1
+
+    def name(self, visit: int) -> str:
+        """Return ``cycle 3`` or ``cycle 3 at P2``."""
+        cycle, pose = self.place(visit)
+        return f"cycle {cycle}" if pose is None else f"cycle {cycle} at {pose}"
+
+    def state(self, visit: int) -> dict[str, int | str]:
+        """Return cycle, and pose where poses have names, as a raw file states them."""
+        cycle, pose = self.place(visit)
+        return {"cycle": cycle} if pose is None else {"cycle": cycle, "pose": pose}
+
+
+ONE_POSE = Tour()
+
+
+def parse_poses(poses: str | Sequence[str]) -> tuple[str, ...]:
+    """Return the poses of ``P1,P2,P3`` or of a sequence; `UsageError` for what is not a name."""
+    names = [n.strip() for n in (poses.split(",") if isinstance(poses, str) else poses)]
+    wrong = [name for name in names if not _NAME.fullmatch(name)]
+    if wrong or len({name.casefold() for name in names}) < len(names):
+        what = f"{wrong[0]!r} is no pose's name" if wrong else "a pose is named twice"
+        raise UsageError(
+            f"`pose={','.join(names)}`: {what}",
+            remedy="name each pose of a cycle once, in their order: `pose=P1,P2,P3,P4,P5`",
+        )
+    if len(names) > _MOST:
+        raise UsageError(f"{len(names)} poses, more than {_MOST}", remedy="record them in parts")
+    return tuple(names)
+
+
+_SETTLED = {
+    "rest": "seconds that the dial must stand still, default 1",
+    "within": "divisions between which it may flicker meanwhile, default 1",
+    "away": "mm or degrees that it must have moved away before, default 0.5",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Enter:
+    """The operator says when, by a key or a foot switch."""
+
+    def __str__(self) -> str:
+        return "enter"
+
+
+@dataclass(frozen=True, slots=True)
+class Listen:
+    """The indicator sends by itself, at its DATA key."""
+
+    def __str__(self) -> str:
+        return "data"
+
+
+@dataclass(frozen=True, slots=True)
+class Timer:
+    """Every ``seconds`` [s], the first at once."""
+
+    seconds: float
+
+    def __str__(self) -> str:
+        return f"timer:{self.seconds:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """The dial itself came to rest; the rule is that of `at_rest.AtRest`.
+
+    ``rest`` [s] within ``within`` divisions, after it was more than ``away`` [mm or deg] from the
+    visit before.
+    """
+
+    rest: float = 1.0
+    within: float = 1.0
+    away: float = 0.5
+
+    def __str__(self) -> str:
+        return f"settled?rest={self.rest:g}&within={self.within:g}&away={self.away:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotLine:
+    """The robot says when, on a line of its own: ``AT P3``."""
+
+    address: str
+
+    def __str__(self) -> str:
+        return self.address if self.address.startswith("socket://") else f"line:{self.address}"
+
+
+Trigger: TypeAlias = Enter | Listen | Timer | Settled | RobotLine
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingPlan:
+    """``stable`` equal readings in a row make a reading that was asked for.
+
+    A reading that comes by itself, or a key pressed, within ``rearm_s`` [s] of the one before is
+    not taken: a key that bounced or was held down, or an instrument that sent twice. Every one of
+    ``cycles`` goes to the poses of ``tour``.
+    """
+
+    trigger: Trigger
+    cycles: int = 31
+    stable: int = 1
+    rearm_s: float = 0.5
+    tour: Tour = ONE_POSE
+    all_count: bool = False
+    """Whether no first cycle is discarded later, as in a drift test."""
+
+    @property
+    def visits(self) -> int:
+        """How many visits of a pose the whole test has."""
+        return self.cycles * len(self.tour)
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What to record into ``table``; ``resume`` goes on with what is there.
+
+    ``excel_locale`` spells the table for a spreadsheet; None goes on as before.
+    """
+
+    table: Path
+    gauges: tuple[GaugeSpec, ...]
+    plan: RecordingPlan
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    resume: bool = False
+    excel_locale: str | None = None
+
+    @property
+    def all_count(self) -> bool:
+        """Whether the head states that every cycle counts, or that it is a drift test."""
+        stated = {key: str(self.metadata.get(key, "")).lower() for key in ("first_cycle", "test")}
+        return stated["first_cycle"] == "counts" or stated["test"] == "drift"
+
+
+def parse_trigger(text: str) -> Trigger:
+    """Return the trigger that ``text`` spells.
+
+    ``enter``, ``data``, ``timer:SECONDS``, ``settled`` with its options, ``socket://HOST:PORT`` or
+    ``line:PORT``.
+    """
+    if text.startswith("socket://") or (text.startswith("line:") and text != "line:"):
+        return RobotLine(text.removeprefix("line:"))
+    if text.partition("?")[0] == "settled":
+        return _settled(text)
+    match text.split(":"):
+        case ["enter"]:
+            return Enter()
+        case ["data"]:
+            return Listen()
+        case ["timer", seconds]:
+            try:
+                value = float(seconds)
+            except ValueError:
+                value = 0.0
+            if 0 < value <= 86400:
+                return Timer(value)
+    raise UsageError(
+        f"unknown trigger {text!r}",
+        remedy="use `trigger=enter`, `trigger=data`, `trigger=timer:SECONDS`, `trigger=settled`, "
+        "or the robot's line: `trigger=socket://HOST:PORT`, `trigger=line:PORT`",
+    )
+
+
+def _settled(text: str) -> Settled:
+    _, options = split_options(text, _SETTLED)
+    values = {key: number_option(options, key, 0.0) for key in options}
+    wrong = [key for key, value in values.items() if value <= 0]
+    if wrong:
+        raise UsageError(
+            f"{text!r}: {wrong[0]} is not above zero",
+            remedy=f"write a number above zero, as {wrong[0]}=1",
+        )
+    return Settled(**values)

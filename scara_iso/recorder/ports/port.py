@@ -1,0 +1,324 @@
+"""What the session asks of a port, whether a cable, a recorded stream or a simulation is behind.
+
+What a port may be called: the one list of kinds, so that no address reaches a file or a program.
+
+pyserial knows more kinds of URL than these, and among them some that write files.
+
+Which device a port is: equal adapters must not change places unseen.
+
+Time for a session: the system's, or one that recorded and simulated streams set.
+
+A session whose ports are all recorded or simulated takes its time from them, so that it gives
+the same table, times included, on every run.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import stat
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Protocol
+from urllib.parse import unquote
+
+from serial.tools.list_ports import comports
+
+from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.recorder.indicators import LinePulse
+
+KINDS = (
+    "a device, socket://HOST:PORT, rfc2217://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:"
+)
+_URL = re.compile(
+    r"(?:socket|rfc2217)://(?:[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):([0-9]{1,5})", re.IGNORECASE
+)
+_BLUETOOTH = re.compile(
+    r"ble:((?:[0-9a-f]{2}:){5}[0-9a-f]{2}|[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12})",
+    re.IGNORECASE,
+)
+"""With the six bytes of an address, or the UUID that macOS has in its place."""
+_SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
+
+
+def is_simulated(address: str) -> bool:
+    """Say whether the address names a simulated indicator."""
+    return address.startswith("sim:")
+
+
+def is_recorded(address: str) -> bool:
+    """Say whether the address names a recorded stream."""
+    return address.startswith("replay:")
+
+
+def is_keyboard(address: str) -> bool:
+    """Say whether the address names the keyboard, or the lines of standard input."""
+    return address == "keyboard:"
+
+
+def is_bluetooth(address: str) -> bool:
+    """Say whether the address names a Bluetooth instrument."""
+    return _BLUETOOTH.fullmatch(address) is not None
+
+
+def bluetooth_address(address: str) -> str:
+    """Return the instrument's own address; `UsageError` for another kind of port."""
+    found = _BLUETOOTH.fullmatch(address)
+    if found is None:
+        raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
+    return found[1].upper()
+
+
+def is_device(address: str) -> bool:
+    """Say whether the address names a cable, a link or a URL: neither recorded nor simulated."""
+    return not (is_simulated(address) or is_recorded(address))
+
+
+def is_url(address: str) -> bool:
+    """Say whether the address names a serial server."""
+    found = _URL.fullmatch(address)
+    return found is not None and int(found[1]) < 65536
+
+
+def check_address(address: str) -> None:
+    """Raise `UsageError` for what is no kind of port; nothing is looked for."""
+    kinds = (is_simulated, is_recorded, is_keyboard, is_bluetooth, is_url)
+    if any(is_kind(address) for is_kind in kinds):
+        return
+    if not (address.strip() and address.isprintable()) or _SCHEME.match(address):
+        raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
+
+
+def check_device(address: str) -> None:
+    """Raise `UsageError` unless the address names a device or a serial server.
+
+    Raises `InstrumentError` for a file that is there and is not a device.
+    """
+    check_address(address)
+    if is_bluetooth(address):
+        raise UsageError("is no serial device", where=address, remedy="name a device or a URL")
+    with suppress(OSError):
+        mode = Path(address).stat().st_mode
+        if not is_url(address) and os.name == "posix" and not stat.S_ISCHR(mode):
+            raise InstrumentError(
+                "is no serial device", where=address, remedy="`scara-iso ports` lists them"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A serial port of this machine; null is what the system does not know."""
+
+    name: str
+    """By which it is opened."""
+    description: str
+    """As the system says it."""
+    usb: str | None
+    """`VID:PID`."""
+    serial_number: str | None
+    """Of the USB device."""
+    location: str | None
+    """Of the socket."""
+
+    def __str__(self) -> str:
+        parts = [f"usb {self.usb}"] if self.usb else []
+        parts += [f"serial {self.serial_number}"] if self.serial_number else []
+        parts += [f"location {self.location}"] if self.location else []
+        return " ".join(parts) or self.description
+
+
+def list_devices() -> tuple[Device, ...]:
+    """Return the serial ports of this machine, by name."""
+    found = [
+        Device(
+            name=port.device,
+            description=port.description or "",
+            usb=None if port.vid is None else f"{port.vid:04x}:{port.pid:04x}",
+            serial_number=port.serial_number or None,
+            location=port.location or None,
+        )
+        for port in comports()
+    ]
+    return tuple(sorted(found, key=lambda device: device.name))
+
+
+def describe(address: str) -> str:
+    """Return one line that tells the device behind ``address`` from another."""
+    device = _find(address)
+    return f"{address} ({device})" if device else address
+
+
+def refuse_same_device(addresses: Mapping[str, str]) -> None:
+    """Raise `UsageError` where two axes (the keys) name one device, by whatever names."""
+    seen: dict[object, str] = {}
+    for axis, address in addresses.items():
+        for key in _keys(address):
+            other = seen.setdefault(key, axis)
+            if other != axis:
+                raise UsageError(
+                    f"{other} and {axis} are the same device: {addresses[other]} and {address}",
+                    remedy="give each axis its own indicator",
+                )
+
+
+def _keys(address: str) -> list[object]:
+    """Return what two names of one device have in common."""
+    if is_url(address) or is_bluetooth(address):
+        return [address.lower()]
+    device = _find(address)
+    keys: list[object] = [os.path.normcase(_real(address))]
+    keys += [("location", device.location)] if device and device.location else []
+    try:
+        status = Path(address).stat()
+    except OSError:
+        return keys
+    return [*keys, ("device", status.st_rdev)] if stat.S_ISCHR(status.st_mode) else keys
+
+
+def _find(address: str) -> Device | None:
+    if is_url(address) or is_bluetooth(address):
+        return None
+    real = os.path.normcase(_real(address))
+    return next((d for d in list_devices() if os.path.normcase(_real(d.name)) == real), None)
+
+
+def _real(name: str) -> str:
+    return os.path.realpath(name) if os.sep == "/" else name.removeprefix("\\\\.\\").upper()
+
+
+POLL_S = 0.005
+"""Longest wait between two looks at the ports and the keyboard [s]."""
+
+
+class Clock(Protocol):
+    """What a session needs of time."""
+
+    def now(self) -> float:
+        """Return the seconds since the clock was made; never goes back."""
+
+    def wall(self) -> str | None:
+        """Return the date and time (ISO 8601, UTC), None where time is not the system's."""
+
+    def idle(self, until: float) -> None:
+        """Wait a moment, not beyond ``until`` [s]; the ports are read again after it."""
+
+
+class SystemClock:
+    """The machine's monotonic clock and its date."""
+
+    def __init__(self) -> None:
+        self._start = time.monotonic()
+
+    def now(self) -> float:
+        """Return the seconds since the clock was made."""
+        return time.monotonic() - self._start
+
+    def wall(self) -> str | None:
+        """Return the date and time, to the microsecond."""
+        return datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
+
+    def idle(self, until: float) -> None:
+        """Sleep for `POLL_S`, or less where ``until`` is nearer."""
+        time.sleep(max(0.0, min(POLL_S, until - self.now())))
+
+
+class StreamClock:
+    """A clock that jumps to the next byte of its sources; ``paced`` lets it pass in real time."""
+
+    def __init__(self, *, paced: bool) -> None:
+        self._now = 0.0
+        self._paced = paced
+        self._sources: list[Callable[[], float]] = []
+
+    def watch(self, due: Callable[[], float]) -> None:
+        """Stop at the time that ``due`` gives, whenever that lies ahead."""
+        self._sources.append(due)
+
+    def now(self) -> float:
+        """Return the stream's time [s]."""
+        return self._now
+
+    def wall(self) -> str | None:
+        """Return None: the date of a recorded or simulated stream is not today's."""
+        return None
+
+    def idle(self, until: float) -> None:
+        """Go to ``until`` or to the next byte, whichever is earlier."""
+        target = min([until, *(due() for due in self._sources)])
+        if self._paced or math.isinf(target):
+            target = min(target, self._now + POLL_S)
+            time.sleep(max(0.0, target - self._now))
+        self._now = max(self._now, target)
+
+
+class Port(Protocol):
+    """A stream of bytes both ways that never waits."""
+
+    address: str
+    """The port as the user named it."""
+    identity: str
+    """One line for the record: which device this is."""
+    unit: str | None
+    """The unit that a recording or a simulation states for its indicator; None for a cable."""
+    unit_confirmed: bool
+    """Whether that unit is the indicator's own statement, not only what a user said of it."""
+    simulated: bool
+    """Whether the readings are made up, also where they were recorded so."""
+    settle_s: float
+    """What arrives in this time after opening was under way before it [s]."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing more can arrive: a recorded stream came to its end."""
+
+    def read(self) -> bytes:
+        """Return what has arrived, at once; `InstrumentError` where the port is lost."""
+
+    def write(self, data: bytes) -> None:
+        """Send; `InstrumentError` where the port is lost."""
+
+    def pulse(self, pulse: LinePulse) -> None:
+        """Ask for a reading by a modem line; `InstrumentError` where the port is lost."""
+
+    def close(self) -> None:
+        """Give the port back; never raises."""
+
+
+def split_options(text: str, known: Mapping[str, str]) -> tuple[str, dict[str, str]]:
+    """Return what stands before ``?`` and the ``key=value&...`` behind it.
+
+    A value is written as in a URL (``%26`` for ``&``), but a ``+`` is a plus: patterns have them.
+    Raises `UsageError` for a key that is not in ``known``, which says for each what it means.
+    """
+    head, mark, tail = text.partition("?")
+    pairs = [pair.partition("=") for pair in tail.split("&")] if mark else []
+    options = {unquote(key): unquote(value) for key, equals, value in pairs if equals}
+    wrong = sorted(set(options) - set(known))
+    if wrong or len(options) < len(pairs):
+        raise UsageError(
+            f"unknown option {wrong[0]!r}" if wrong else f"{tail!r} is not key=value&key=value",
+            where=text,
+            remedy="; ".join(f"{key}={meaning}" for key, meaning in known.items()),
+        )
+    return head, options
+
+
+def number_option(options: Mapping[str, str], key: str, default: float) -> float:
+    """Return an option that must be a number, zero or greater; `UsageError` otherwise."""
+    text = options.get(key)
+    if text is None:
+        return default
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value <= 1e9:
+        raise UsageError(
+            f"{key}={text} is not a number of zero or more", remedy=f"write a number, as {key}=2"
+        )
+    return value

@@ -1,0 +1,310 @@
+"""A recorded stream as a port: ``replay:FILE``, a file of bytes or a raw file of ``record``.
+
+A raw file gives the readings of its table again, at their recorded times or one for each request:
+not what was struck out, refused, or sent before the first cycle. Where none was stored, and for
+another driver than the recording's, what was recorded after a request is sent after the same
+request, and what came by itself at its recorded time. A file of bytes has no times: its lines come
+one second apart, or one for each request.
+
+The time of a raw file's records over all its sessions: it never goes back.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+import re
+from collections import defaultdict, deque
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.files import open_file, read_file
+from scara_iso.recorder.indicators import Decoder, Dialect, LinePulse, Reading
+from scara_iso.recorder.ports.port import Clock, StreamClock, split_options
+from scara_iso.recorder.tape import Record, is_tape, read_tape
+
+_SET_S = 5.0
+"""A clock that differs by more from the time that passed was set [s]."""
+
+
+class Timeline:
+    """Seconds since the first session began; between sessions the machine's date counts.
+
+    A date that goes back lets the next session begin where the one before ended. `jumps` says
+    where the clock cannot have been right.
+    """
+
+    def __init__(self) -> None:
+        self.start = self._last = 0.0
+        self._begun: tuple[str | None, float] = (None, 0.0)
+        self._latest: tuple[str | None, float] = (None, 0.0)
+        self._sessions = 0
+        self._jumps: list[str] = []
+
+    def at(self, record: Record) -> float:
+        """Return the time of the next record [s]."""
+        t, wall = float(record["t"]), record.get("wall")
+        if record["event"] == "session":
+            self._begin(wall, t)
+        time = self.start + t
+        self._last = max(self._last, time)
+        self._latest = (wall, t)
+        return time
+
+    @property
+    def jumps(self) -> tuple[str, ...]:
+        """What is wrong with the dates, a sentence each."""
+        return (*self._jumps, *self._set_within())
+
+    def _begin(self, wall: str | None, t: float) -> None:
+        self._jumps += self._set_within()
+        gap = _seconds(self._latest[0], wall)
+        self._sessions += 1
+        if gap < 0:
+            self._jumps.append(
+                f"the clock went back {-gap:.0f} s before session {self._sessions}: its time_s "
+                "begins where the session before ended"
+            )
+        self.start = self._last + max(0.0, gap) - (t if self._sessions > 1 else 0.0)
+        self._begun = (wall, t)
+
+    def _set_within(self) -> list[str]:
+        (began, first), (ended, last) = self._begun, self._latest
+        off = _seconds(began, ended) - (last - first)
+        if None in (began, ended) or abs(off) < _SET_S:
+            return []
+        return [f"the clock was set by {off:+.0f} s during session {self._sessions}"]
+
+
+def _seconds(start: str | None, now: str | None) -> float:
+    if start is None or now is None:
+        return 0.0
+    return (datetime.fromisoformat(now) - datetime.fromisoformat(start)).total_seconds()
+
+
+OPTIONS = {
+    "pace": "1 for the recorded timing, 0 (default) for as fast as possible",
+    "gauge": "axis to replay out of a raw file with several",
+}
+LINE_SPACING_S = 1.0
+"""Time between two lines of a file of bytes, which records none [s]."""
+ANSWER_S = 0.02
+_LARGEST = 64 * 2**20
+PULSE = b"(pulse)"
+"""Stands for a request made by a modem line."""
+
+_LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+$")
+_Chunks = list[tuple[float, bytes]]
+
+
+@dataclass(slots=True)
+class Stream:
+    """What a file holds: bytes at their time, and bytes by request with the delay to it [s]."""
+
+    pushed: _Chunks = field(default_factory=list)
+    answers: dict[bytes, deque[_Chunks]] = field(default_factory=lambda: defaultdict(deque))
+    unit: str | None = None
+    confirmed: bool = True
+    """Whether no reading was stored before the gauge had stated its unit."""
+    simulated: bool = False
+
+
+class ReplayPort:
+    """Sends what a file recorded; ``asked`` says that the session will send requests.
+
+    Raises `NoInputError` where the file is not there and `DataError` where it holds nothing.
+    """
+
+    settle_s = 0.0
+
+    def __init__(
+        self, address: str, dialect: Dialect, *, axis: str, clock: Clock, asked: bool
+    ) -> None:
+        name, options = split_options(address.removeprefix("replay:"), OPTIONS)
+        self.address = self.identity = address
+        stream = _load(Path(name), dialect, options.get("gauge", axis), asked=asked)
+        self.unit = stream.unit
+        self.unit_confirmed = stream.unit is not None and stream.confirmed
+        self.simulated = stream.simulated
+        self._clock = clock
+        self._answers = stream.answers
+        self._order = 0
+        self._waiting: list[tuple[float, int, bytes]] = []
+        self._schedule(stream.pushed, clock.now())
+        if isinstance(clock, StreamClock):
+            clock.watch(self._due)
+
+    @property
+    def ended(self) -> bool:
+        """Whether everything recorded was sent."""
+        return not self._waiting and not any(self._answers.values())
+
+    def read(self) -> bytes:
+        """Return the recorded bytes whose time has come: one recorded chunk at a time."""
+        if self._due() > self._clock.now():
+            return b""
+        return heapq.heappop(self._waiting)[2]
+
+    def write(self, data: bytes) -> None:
+        """Send the next answer that was recorded to this request."""
+        if self._answers.get(data):
+            self._schedule(self._answers[data].popleft(), self._clock.now())
+
+    def pulse(self, pulse: LinePulse) -> None:  # noqa: ARG002 - any pulse is a request
+        """Take the pulse as the request it is."""
+        self.write(PULSE)
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def _due(self) -> float:
+        return self._waiting[0][0] if self._waiting else math.inf
+
+    def _schedule(self, chunks: _Chunks, start: float) -> None:
+        for delay, data in chunks:
+            self._order += 1
+            heapq.heappush(self._waiting, (start + delay, self._order, data))
+
+
+def replay_is_paced(address: str) -> bool:
+    """Say whether the recorded timing is wanted."""
+    return split_options(address.removeprefix("replay:"), OPTIONS)[1].get("pace", "0") != "0"
+
+
+def replayed_poses(address: str) -> tuple[str, ...]:
+    """Return the poses of a raw file that is to be replayed; none where it names none."""
+    if not address.startswith("replay:"):
+        return ()
+    path = Path(split_options(address.removeprefix("replay:"), OPTIONS)[0])
+    with open_file(path) as file:
+        if not is_tape(file.read(16)):
+            return ()
+    records = (record for _, record in read_tape(path) if record)
+    first = next((one for one in records if one["event"] == "session"), {})
+    return tuple(map(str, first.get("poses", ())))
+
+
+_TAPE = "name the .raw.jsonl of a recording, or a file of what an indicator sent"
+
+
+def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
+    with open_file(path) as file:
+        tape = is_tape(file.read(16))
+    data = b"" if tape else read_file(path, _LARGEST)
+    try:
+        stream = _from_tape(path, dialect, axis, asked=asked) if tape else Stream()
+    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        raise DataError(
+            f"is no raw file of record ({error})", where=str(path), remedy=_TAPE
+        ) from error
+    if not tape:
+        stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]
+    request = _request(dialect)
+    if asked and request is not None and not stream.answers:
+        answers = _lines(b"".join(chunk for _, chunk in stream.pushed))
+        stream.answers = {request: deque([(ANSWER_S, line)] for line in answers)}
+        stream.pushed = []
+    if not stream.pushed and not stream.answers:
+        raise DataError("holds no received bytes", where=str(path), remedy=_TAPE)
+    return stream
+
+
+def _request(dialect: Dialect) -> bytes | None:
+    return dialect.request or (PULSE if dialect.request_line else None)
+
+
+def _lines(data: bytes) -> list[bytes]:
+    return _LINE.findall(data)
+
+
+def _from_tape(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
+    """Return what was stored; all that was received where nothing was, or for another driver."""
+    stream = _received(path, axis, asked=asked)
+    if stored := _stored(path, dialect, axis):
+        stream.pushed, stream.answers = stored, defaultdict(deque)
+    return stream
+
+
+def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
+    """Return the frames that became readings of the table, by visit, with their times [s].
+
+    A reading is stored behind the bytes that brought it: its frame is the last with its text.
+    """
+    found: dict[tuple[int, int], tuple[float, bytes]] = {}
+    poses: list[str] = []
+    frames: dict[str, bytes] = {}
+    for time, record in _of_axis(path, axis):
+        match record:
+            case {"event": "session", "gauges": gauges}:
+                if gauges[axis].get("dialect") != dialect.key:
+                    return []
+                decoder, frames = Decoder(dialect), {}
+                poses = poses or record.get("poses", [])
+            case {"event": "in", "hex": str(text)}:
+                heard = decoder.feed(bytes.fromhex(text))
+                frames |= {e.text: e.raw for e in heard if isinstance(e, Reading)}
+            case {"event": "stored", "cycle": int(cycle), "text": str(text), "at": float(at)}:
+                if text not in frames:
+                    raise DataError(
+                        f"the bytes of cycle {cycle}, axis {axis}, are missing",
+                        where=str(path),
+                        remedy="`rebuild=True` makes the table of what was stored",
+                    )
+                stored = time - float(record["t"]) + at, frames[text] + dialect.terminator
+                found[_place(record, poses)] = stored
+                frames.clear()
+            case {"event": "void", "cycle": int(), "axes": [*axes]} if axis in axes:
+                found.pop(_place(record, poses), None)
+    return [found[place] for place in sorted(found)]
+
+
+def _place(record: Record, poses: Sequence[str]) -> tuple[int, int]:
+    return int(record["cycle"]), poses.index(record["pose"]) if "pose" in record else 0
+
+
+def _received(path: Path, axis: str, *, asked: bool) -> Stream:
+    stream = Stream()
+    answer: _Chunks | None = None
+    asked_at, stated = 0.0, True
+    for time, record in _of_axis(path, axis):
+        match record:
+            case {"event": "session", "gauges": gauges}:
+                stream.unit = gauges[axis]["unit"] or stream.unit
+                stream.simulated |= gauges[axis]["simulated"]
+                stated = gauges[axis].get("unit_confirmed") is not False
+            case {"event": "unit"}:
+                stated = True
+            case {"event": "stored", "unit": str(unit)}:
+                stream.unit = unit
+                stream.confirmed &= stated
+            case {"event": "out", "hex": str(text)} if asked:
+                answer, asked_at = [], time
+                stream.answers[bytes.fromhex(text)].append(answer)
+            case {"event": "in", "hex": str(text)}:
+                chunks, start = (stream.pushed, 0.0) if answer is None else (answer, asked_at)
+                chunks.append((time - start, bytes.fromhex(text)))
+    stream.confirmed &= stated
+    return stream
+
+
+def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
+    """Yield the records of one axis with their time, sessions one behind the other."""
+    timeline = Timeline()
+    axes: Iterable[str] = ()
+    for _, record in read_tape(path):
+        if not record:
+            continue
+        if record["event"] == "session":
+            axes = record.get("gauges", {})
+            if axis not in axes:
+                raise UsageError(
+                    f"no gauge {axis} was recorded, only {', '.join(axes)}",
+                    where=str(path),
+                    remedy=f"replay:{path}?gauge={next(iter(axes), 'X')}",
+                )
+        time = timeline.at(record)
+        if record["event"] in ("session", "void") or record.get("axis") == axis:
+            yield time, record

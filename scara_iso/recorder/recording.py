@@ -1,0 +1,456 @@
+"""The one path of a recording: ports, raw file, what was before, header, session, table.
+
+The table of a raw file, and its manifest: made of what that file holds and of nothing else.
+
+What was recorded before: read, and refused where going on would lose or mix something.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+from scara_iso.base.disk import Disk, check_output, write_atomically
+from scara_iso.base.errors import (
+    CannotCreateError,
+    DataError,
+    InstrumentError,
+    NoInputError,
+    ScaraIsoError,
+    UsageError,
+    WriteError,
+)
+from scara_iso.base.files import is_folder
+from scara_iso.iso9283 import past_due
+from scara_iso.recorder.bench import make_gauges, write_header
+from scara_iso.recorder.events import Done, Noticed, Operator, Said
+from scara_iso.recorder.history import History, read_history
+from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.manifest import find_doubts, manifest_of, manifest_path, raw_path
+from scara_iso.recorder.plan import GaugeSpec, Job, Listen, RobotLine, Settled, Tour
+from scara_iso.recorder.ports import (
+    Clock,
+    Port,
+    is_device,
+    is_keyboard,
+    is_recorded,
+    open_line,
+    open_port,
+    refuse_same_device,
+    replayed_poses,
+)
+from scara_iso.recorder.robot_line import RobotSays
+from scara_iso.recorder.session import Position, Session
+
+_RAW = ".raw.jsonl"
+
+
+def table_of(history: History, excel_locale: str | None = None) -> bytes:
+    """Return the table, spelled as the recording says where ``excel_locale`` is None.
+
+    Raises `DataError` where no cycle is complete.
+    """
+    from scara_iso.tables import find_locale, write_table  # noqa: PLC0415 - only once, at the end
+
+    run = history.run()
+    locale = find_locale(excel_locale or history.header.get("excel_locale"))
+    # A file name or option need not be valid text; the readings must not be lost for that.
+    return write_table(run, locale).encode("utf-8", "backslashreplace")
+
+
+def write_table_of(
+    history: History, table: Path, data: bytes, *, disk: Disk, beside: bool = True
+) -> None:
+    """Write a table and, where its raw file is ``beside`` it, their manifest.
+
+    What a crash between the two leaves must not look as if someone had changed it: a new table
+    comes after its manifest, one that is replaced before.
+    """
+    files, manifest = {table: data}, manifest_path(table)
+    try:
+        if beside:
+            made = manifest_of(table, data, complete=history.is_complete, doubts=history.doubts)
+            both = [(table, data), (manifest, made)]
+            files = dict(both if manifest.exists() else reversed(both))
+        write_atomically(disk, files)
+    except OSError as error:
+        raise _cannot_write(table, error) from error
+
+
+def remove(path: Path, disk: Disk) -> None:
+    """Remove a file of a recording if it is there."""
+    try:
+        disk.remove(path)
+        disk.sync_folder(path.parent)
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+
+
+def rebuild(
+    raw: Path, table: Path | None, *, disk: Disk, excel_locale: str | None = None
+) -> tuple[Path, History]:
+    """Write the table that a raw file holds, by default beside it; return both.
+
+    Raises `NoInputError`, `DataError`, or `CannotCreateError` where another table is there.
+    """
+    if table is None:
+        if not raw.name.endswith(_RAW):
+            raise UsageError(f"{raw.name} is not called NAME{_RAW}", remedy="name OUT.csv too")
+        table = _table_beside(raw)
+    check_output(table)
+    history = read_history(raw)
+    found, plain = doubts_beside(raw, history), table_of(history, excel_locale)
+    history.inherit(found)
+    data = table_of(history, excel_locale)
+    if table.exists() and table.read_bytes() not in (plain, data):
+        raise CannotCreateError(
+            "exists already, with other contents", where=str(table), remedy="name another OUT.csv"
+        )
+    beside = raw_path(table).resolve() == raw.resolve()
+    write_table_of(history, table, data, disk=disk, beside=beside)
+    return table, history
+
+
+def doubts_beside(raw: Path, history: History) -> tuple[str, ...]:
+    """Return what the manifest beside a raw file says against it, where there should be one."""
+    table = _table_beside(raw)
+    if not (history.has_table or manifest_path(table).exists() or table.exists()):
+        return ()
+    return find_doubts(table).recording
+
+
+def _table_beside(raw: Path) -> Path:
+    return raw.with_name(f"{raw.name.removesuffix(_RAW)}.csv")
+
+
+def _cannot_write(path: Path, error: OSError) -> WriteError:
+    return WriteError(
+        f"cannot be written ({error.strerror or error})",
+        where=str(path),
+        remedy="the raw file holds every reading: record it elsewhere with `rebuild=True`",
+    )
+
+
+_CUT_SHORT = "the cycle was cut short"
+
+
+def check_files(table: Path, *, resume: bool) -> None:
+    """Raise, before any port is opened, where a recording cannot be kept beside its table.
+
+    As `check_output`, `CannotCreateError` where one of its files is there already, and
+    `NoInputError` where there is nothing to ``resume``.
+    """
+    (refuse_missing if resume else refuse_existing)(table)
+    check_output(table, raw_path(table), manifest_path(table))
+
+
+def refuse_existing(table: Path) -> None:
+    """Raise `CannotCreateError` where a table, its raw file or its manifest is there already."""
+    if is_folder(table):
+        raise CannotCreateError(
+            "is a folder, and not that of a test",
+            where=str(table),
+            remedy=f"name a table in it, or make it one: scara-iso test new {table} "
+            "`model=MODEL.toml`",
+        )
+    for path in (table, raw_path(table), manifest_path(table)):
+        if os.path.lexists(path):
+            begun = raw_path(table).is_file()
+            raise CannotCreateError(
+                "exists already",
+                where=str(path),
+                remedy="use another name" + ", or `resume=True` to go on with it" * begun,
+            )
+
+
+def refuse_missing(table: Path) -> None:
+    """Raise `NoInputError` where nothing was recorded for a table."""
+    raw = raw_path(table)
+    if not raw.exists():
+        raise NoInputError(
+            f"is not there: nothing was recorded for {table.name}",
+            where=str(raw),
+            remedy="check the name, or leave `resume=True` out and begin",
+        )
+
+
+def earlier_of(table: Path) -> History:
+    """Return what was recorded for a table; raises as `refuse_missing`."""
+    refuse_missing(table)
+    return read_history(raw_path(table))
+
+
+def read_earlier(job: Job) -> History:
+    """Return what the raw file of a job holds, nothing where it does not go on with one.
+
+    Raises `UsageError` for other gauges than before, `CannotCreateError` for a table that is not
+    made of the raw file, and `DataError` for a raw file that cannot be gone on with.
+    """
+    raw = raw_path(job.table)
+    if not job.resume:
+        return History(str(raw))
+    history = read_history(raw)
+    if history.header or history.faults:
+        history.check()
+        _refuse_other_gauges(job, history)
+        _refuse_other_poses(job, history)
+    _refuse_changed_table(job.table, history)
+    history.inherit(doubts_beside(raw, history))
+    _refuse_gaps(history)
+    return history
+
+
+def strike_cut_short(earlier: History, journal: Journal) -> Iterator[Noticed]:
+    """Strike out half a visit, and say so: what comes now is of another."""
+    visit = earlier.visit
+    if cut := earlier.cut_short():
+        stated = earlier.tour.state(visit)
+        journal.append("void", **stated, axes=cut, reason=_CUT_SHORT)
+        earlier.strike(visit, cut)
+        half = f"{', '.join(cut)} of {earlier.tour.name(visit)}"
+        yield Noticed("", f"{half} struck out: {_CUT_SHORT}")
+
+
+def _refuse_other_gauges(job: Job, history: History) -> None:
+    recorded = {axis: gauge["dialect"] for axis, gauge in history.header["gauges"].items()}
+    given = {gauge.axis: gauge.dialect.key for gauge in job.gauges}
+    if recorded != given:
+        raise UsageError(
+            f"recorded with {_listed(recorded)}, and now {_listed(given)}",
+            where=history.source,
+            remedy="give the same `gauge=` options, or none",
+        )
+
+
+def _refuse_other_poses(job: Job, history: History) -> None:
+    recorded, given = (",".join(tour.poses) for tour in (history.tour, job.plan.tour))
+    if recorded != given:
+        raise UsageError(
+            f"recorded at {recorded or 'one pose without a name'}, and now at {given or 'one'}",
+            where=history.source,
+            remedy=f"give `pose={recorded}`" if recorded else "leave `pose=` out",
+        )
+
+
+def _listed(gauges: Mapping[str, str]) -> str:
+    return ", ".join(f"{axis}={key}" for axis, key in gauges.items())
+
+
+def _refuse_changed_table(table: Path, history: History) -> None:
+    if table.exists() and find_doubts(table).table and not _is_made_of(history, table):
+        raise CannotCreateError(
+            "was changed after it was recorded",
+            where=str(table),
+            remedy="move it away: it would be written anew from the raw file",
+        )
+
+
+def _is_made_of(history: History, table: Path) -> bool:
+    try:
+        return table.read_bytes() == table_of(history)
+    except DataError:  # no cycle is complete
+        return False
+
+
+def _refuse_gaps(history: History) -> None:
+    visit = history.visit
+    if any(history.present(later) for later in range(visit + 1, len(history.times) + 1)):
+        raise DataError(
+            f"{history.tour.name(visit)} is missing and later ones are there",
+            where=history.source,
+            remedy="make the table of what is there with `rebuild=True`, and repeat the test",
+        )
+
+
+_GO_ON = "then go on with `resume=True`"
+_BEGIN = "and begin again: no reading was stored"
+
+
+def record(
+    job: Job,
+    *,
+    disk: Disk,
+    clock: Clock,
+    operator: Operator,
+    tell: Callable[[Said], None],
+    attended: bool = False,
+    typed: Callable[[], bytes] | None = None,
+) -> None:
+    """Record a job and write its table, however the session ends.
+
+    After a `WriteError` the table is not written: the raw file holds every announced reading.
+    ``attended`` says that the operator can answer a question, ``typed`` gives
+    the lines of the port ``keyboard:``. Raises what `Session.run` raises,
+    and `CannotCreateError` where files are there already.
+    Nothing is left behind where no reading was stored.
+    """
+    check_files(job.table, resume=job.resume)
+    with ExitStack() as stack:
+        ports = _open_ports(job, clock, stack, typed)
+        journal = Journal(raw_path(job.table), disk=disk, clock=clock, new=not job.resume)
+        stack.callback(journal.close)
+        earlier = read_earlier(job)  # while the journal locks it
+        journal.previous = earlier.previous
+        with _table_at_the_end(job, journal, disk, tell):
+            gauges = make_gauges(job, ports, earlier)
+            write_header(job, gauges, earlier, journal)
+            for struck in strike_cut_short(earlier, journal):
+                tell(struck)
+            earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
+            for remark in (*earlier.timeline.jumps, *_past_due(job, earlier, clock)):
+                tell(Noticed("", remark))
+            if isinstance(job.plan.trigger, RobotLine):
+                operator = robot = _robot(job, job.plan.trigger, operator, journal, tell, stack)
+                tell = robot.told
+            Session(
+                gauges,
+                plan=replace(job.plan, all_count=job.all_count),
+                journal=journal,
+                clock=clock,
+                operator=operator,
+                tell=tell,
+                position=Position.after(earlier),
+                attended=attended,
+            ).run()
+
+
+def _past_due(job: Job, earlier: History, clock: Clock) -> Iterator[str]:
+    """Yield what is stated of a calibration that has run out; a simulation has no date."""
+    wall = clock.wall()
+    if wall is not None:
+        head = {**earlier.header.get("metadata", {}), **job.metadata}
+        for line in past_due(head, date.fromisoformat(wall[:10])):
+            yield f"{line} is past: calibrate the indicator, or use another"
+
+
+def _robot(
+    job: Job,
+    trigger: RobotLine,
+    operator: Operator,
+    journal: Journal,
+    tell: Callable[[Said], None],
+    stack: ExitStack,
+) -> RobotSays:
+    """Open the robot's line, as an operator that says when."""
+    port = open_line(trigger.address)
+    stack.callback(port.close)
+    return RobotSays(
+        port,
+        operator,
+        journal=journal,
+        tell=tell,
+        pose=job.metadata.get("pose"),
+        in_order=not any(is_device(gauge.address) for gauge in job.gauges),
+    )
+
+
+def _open_ports(
+    job: Job, clock: Clock, stack: ExitStack, typed: Callable[[], bytes] | None
+) -> list[Port]:
+    refuse_same_device({g.axis: g.address for g in job.gauges if is_device(g.address)})
+    ports = []
+    for spec in job.gauges:
+        if job.resume and is_recorded(spec.address):
+            raise UsageError(
+                "a recorded stream cannot be resumed: record it into a new file",
+                remedy="leave `resume=` out, and name another table",
+            )
+        _refuse_poses_of_replay(spec, job.plan.tour)
+        if job.plan.stable > 1 and spec.address.startswith("replay:"):
+            raise UsageError(
+                "a recorded stream cannot be asked again for a settled reading",
+                remedy="leave `stable=` out",
+            )
+        asked = not isinstance(job.plan.trigger, Listen)
+        if asked and is_keyboard(spec.address):
+            raise UsageError(
+                "a typed line is reading and trigger at once",
+                where=f"gauge {spec.axis}",
+                remedy="leave the trigger out, or give `trigger=data`",
+            )
+        port = open_port(
+            spec.address,
+            spec.dialect,
+            axis=spec.axis,
+            clock=clock,
+            asked=asked,
+            watched=isinstance(job.plan.trigger, Settled),
+            typed=typed,
+        )
+        stack.callback(port.close)
+        ports.append(port)
+    return ports
+
+
+def _refuse_poses_of_replay(spec: GaugeSpec, tour: Tour) -> None:
+    """Raise `UsageError` for a recorded stream of several poses that is taken for other ones."""
+    poses = replayed_poses(spec.address)
+    if poses and poses != tour.poses:
+        stated = ",".join(poses)
+        raise UsageError(f"{spec.address} was recorded at {stated}", remedy=f"give `pose={stated}`")
+
+
+@contextmanager
+def _table_at_the_end(
+    job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]
+) -> Iterator[None]:
+    """Make the table of the raw file however the session ends; only a `WriteError` goes past it."""
+    try:
+        yield
+    except WriteError as error:
+        if not _keeps_readings(journal):
+            error.remedy = f"make room, or name another place, {_BEGIN}"
+        raise
+    except InstrumentError as error:
+        _end(job, journal, disk, tell)
+        error.remedy += f", {_GO_ON if _keeps_readings(journal) else _BEGIN}"
+        raise
+    except BaseException:
+        _end(job, journal, disk, tell)
+        raise
+    if no_table := _end(job, journal, disk, tell):
+        raise no_table
+
+
+def _keeps_readings(journal: Journal) -> bool:
+    try:
+        return bool(read_history(journal.path).latest)
+    except (OSError, ScaraIsoError):  # not there, or of a disk that failed
+        return False
+
+
+def _end(
+    job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]
+) -> InstrumentError | None:
+    """Write table and manifest from what the raw file holds; return why there is no table."""
+    history = read_history(journal.path)
+    if not history.latest and not history.troubles["voided"] and not history.damaged:
+        remove(journal.path, disk)
+        return InstrumentError(
+            "no reading was recorded, and no file is kept",
+            remedy="scara-iso ports with `probe=PORT` shows what an indicator sends",
+        )
+    rows = int(history.complete_rows().sum())
+    journal.append("end", complete=history.is_complete)
+    journal.sync()
+    if not rows:
+        for path in (job.table, manifest_path(job.table)) if job.resume else ():
+            remove(path, disk)
+        return InstrumentError(
+            f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
+            where=str(job.table),
+            remedy="go on with `resume=True`",
+        )
+    if job.table.exists() and not job.resume:
+        raise CannotCreateError(
+            "was written by another program meanwhile",
+            where=str(job.table),
+            remedy=f"record with `rebuild=True`, {journal.path} and another name makes the table",
+        )
+    write_table_of(history, job.table, table_of(history), disk=disk)
+    tell(Done(history.cycles, job.plan.cycles, str(job.table), str(journal.path)))
+    return None

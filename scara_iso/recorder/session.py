@@ -1,0 +1,487 @@
+"""The session: from bytes on the ports to readings on the disk, visit by visit.
+
+One loop looks at every port and at the operator in turn; nothing waits for one of them, so a
+lost cable or a key is met within milliseconds.
+
+Where a session begins: at its first visit, or behind what was recorded before.
+
+The visits of a session on the disk: what is stored, what is struck, and what is awaited.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from scara_iso.base.errors import InstrumentError
+from scara_iso.base.quantities import parse_unit
+from scara_iso.recorder.bench import Bench, Taken, Watch
+from scara_iso.recorder.events import (
+    LATE,
+    UNASKED,
+    Command,
+    CycleDone,
+    Note,
+    Noted,
+    Noticed,
+    Operator,
+    Pause,
+    Paused,
+    Problem,
+    Quit,
+    Said,
+    Started,
+    Stored,
+    Take,
+    Void,
+    Voided,
+    Waiting,
+)
+from scara_iso.recorder.gauge import Gauge, HaltError, PlaceLostError, gross_reading
+from scara_iso.recorder.history import VOIDABLE, History
+from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.plan import (
+    Enter,
+    Listen,
+    RecordingPlan,
+    RobotLine,
+    Settled,
+    Timer,
+)
+from scara_iso.recorder.ports import Clock
+from scara_iso.recorder.visits import Heard, Visits
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """Where a session begins: the visit, the axes that have it, and what may be voided."""
+
+    visit: int = 1
+    present: frozenset[str] = frozenset()
+    latest: tuple[tuple[int, str], ...] = ()
+    shown: Mapping[str, Sequence[tuple[int, str]]] = field(default_factory=dict)
+    """The latest readings of each axis, by visit, as they were shown."""
+    places: Mapping[str | None, Mapping[str, float]] = field(default_factory=dict)
+    """The latest readings at each pose, by axis [mm or deg]; the last visit is the last."""
+
+    @classmethod
+    def after(cls, history: History) -> Position:
+        """Return where a recording goes on."""
+        shown = {axis: tuple(column.shown) for axis, column in history.columns.items()}
+        return cls(
+            history.visit,
+            history.present(history.visit),
+            tuple(history.latest),
+            shown,
+            _places(history),
+        )
+
+
+def _places(history: History) -> dict[str | None, dict[str, float]]:
+    by_visit: dict[int, dict[str, float]] = {}
+    for axis, readings in history.readings().items():
+        for visit, value in readings.items():
+            by_visit.setdefault(visit, {})[axis] = value
+    found: dict[str | None, dict[str, float]] = {}
+    for visit in sorted(by_visit):
+        pose = history.tour.place(visit)[1]
+        found[pose] = found.pop(pose, {}) | by_visit[visit]
+    return found
+
+
+class Ledger:
+    """``visit`` is the one awaited, ``present`` the axes that have it; ``tell`` hears what is done.
+
+    A reading is told only when it is safe on the disk. Raises `WriteError` where the disk fails.
+    """
+
+    def __init__(
+        self,
+        gauges: Mapping[str, Gauge],
+        *,
+        plan: RecordingPlan,
+        journal: Journal,
+        tell: Callable[[Said], None],
+        position: Position,
+    ) -> None:
+        self._gauges = gauges
+        self._plan = plan
+        self._tour = plan.tour
+        self._journal = journal
+        self._tell = tell
+        self._latest = deque(position.latest, maxlen=VOIDABLE)
+        self._stored_at: dict[str, float] = {}
+        self.visit = self.first_visit = position.visit
+        self.present = set(position.present)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether every cycle is recorded."""
+        return self.visit > self._plan.visits
+
+    @property
+    def can_void(self) -> bool:
+        """Whether there is a reading that may still be struck out."""
+        return bool(self._latest)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """The axes that the visit awaited lacks."""
+        return tuple(axis for axis in self._gauges if axis not in self.present)
+
+    def stored_at(self, axis: str) -> float:
+        """Return when the last stored reading of an axis arrived [s]."""
+        return self._stored_at.get(axis, -math.inf)
+
+    def store(self, readings: Sequence[Taken]) -> None:
+        """Write readings of the visit, make them safe, and only then say so."""
+        stored, gross = [], []
+        cycle, pose = self._tour.place(self.visit)
+        for taken in readings:
+            gauge, text = taken.gauge, taken.reading.text
+            unit = taken.reading.unit or gauge.unit or ""
+            stored.append(Stored(cycle, gauge.axis, parse_unit(unit).read(text), text, unit, pose))
+            if distance := gauge.shown.far(text, self.visit):
+                gross.append(gross_reading(stored[-1], distance))
+            self._journal.append(
+                "stored",
+                **self._tour.state(self.visit),
+                axis=gauge.axis,
+                text=text,
+                unit=unit,
+                at=round(taken.time, 6),
+            )
+            self._stored_at[gauge.axis] = taken.time
+        self._journal.sync()
+        for said in stored:
+            self.present.add(said.axis)
+            self._gauges[said.axis].shown.put(self.visit, said.text)
+            self._latest.append((self.visit, said.axis))
+            self._tell(said)
+        self._finish_visit(cycle, pose)
+        for found in gross:
+            self._tell(found)
+        self.say_waiting()
+
+    def _finish_visit(self, cycle: int, pose: str | None) -> None:
+        if not self.missing:
+            self._tell(
+                CycleDone(cycle, discarded=cycle == 1 and not self._plan.all_count, pose=pose)
+            )
+            self.visit += 1
+            self.present.clear()
+
+    def say_waiting(self) -> None:
+        """Tell which visit is awaited, and of which axes."""
+        if not self.is_full:
+            cycle, pose = self._tour.place(self.visit)
+            self._tell(Waiting(cycle, self.missing, pose))
+
+    def void(self, reason: str, *, together: bool) -> None:
+        """Strike out the last reading, or all of its visit where they were asked for together."""
+        visit, axis = self._latest.pop()
+        axes = [axis]
+        while together and self._latest and self._latest[-1][0] == visit:
+            axes.append(self._latest.pop()[1])
+        self.strike(visit, axes, reason)
+
+    def strike_last(self, axis: str, reason: str) -> None:
+        """Strike out the last reading of an axis, and what was stored behind its visit."""
+        for visit, name in reversed(self._latest):
+            if name == axis:
+                if visit != self.visit and self.present:
+                    self.strike(self.visit, sorted(self.present), reason)
+                self.strike(visit, [axis], reason)
+                return
+
+    def strike(self, visit: int, axes: Sequence[str], reason: str) -> None:
+        """Strike readings out, and go on with the visit that lacks them."""
+        for axis in axes:
+            with suppress(ValueError):
+                self._latest.remove((visit, axis))
+        self._journal.append("void", **self._tour.state(visit), axes=axes, reason=reason)
+        self._journal.sync()
+        if visit != self.visit:
+            self.visit, self.present = visit, set(self._gauges)
+        self.present -= set(axes)
+        for axis in axes:
+            self._gauges[axis].shown.void(visit)
+        cycle, pose = self._tour.place(visit)
+        self._tell(Voided(cycle, tuple(axes), reason, pose))
+        self.say_waiting()
+
+
+ATTEMPTS = 3
+"""How often a gauge is asked for one cycle before the session gives up."""
+RETRY_S = 0.2
+WATCH_S = 0.1
+"""Time between two looks at a dial that is to come to rest."""
+
+_LOST_FRAME = (
+    "a frame that is lost shifts the poses of all that follow: see that the pose awaited is where "
+    "the arm stands; the robot's line (`trigger=line:PORT`) names the pose and loses none"
+)
+
+
+class Session:
+    """Records visits until the plan is full, the operator quits, or a recorded stream ends.
+
+    `run` raises `InstrumentError` where a port is lost, a gauge stays silent or a unit changes,
+    `UsageError` where a unit is unknown, and `WriteError` where the disk fails. ``tell`` hears of
+    a stored reading only when it is on the disk. Where the unit or the zero of a gauge is lost, who
+    sits at the terminal (``attended``) is asked; otherwise it is an `InstrumentError`.
+    """
+
+    def __init__(
+        self,
+        gauges: Sequence[Gauge],
+        *,
+        plan: RecordingPlan,
+        journal: Journal,
+        clock: Clock,
+        operator: Operator,
+        tell: Callable[[Said], None],
+        position: Position,
+        attended: bool = False,
+    ) -> None:
+        self._gauges = {gauge.axis: gauge for gauge in gauges}
+        for axis, gauge in self._gauges.items():
+            for visit, text in position.shown.get(axis, ()):
+                gauge.shown.put(visit, text)
+        self._attended = attended
+        self._bench = Bench(gauges, journal=journal, clock=clock, tell=tell)
+        self._plan = plan
+        self._tour = plan.tour
+        self._journal = journal
+        self._clock = clock
+        self._operator = operator
+        self._tell = tell
+        self._ledger = Ledger(
+            self._gauges, plan=plan, journal=journal, tell=tell, position=position
+        )
+        self._visits = self._new_visits()
+        self._due = 0.0
+        self._pressed = -math.inf
+        self._paused = self._stopped = False
+        rule = plan.trigger if isinstance(plan.trigger, Settled) else Settled()
+        self._watch = Watch(self._bench, rule, position.places)
+
+    def run(self) -> None:
+        """Record."""
+        gauges = {a: f"{g.dialect.key} at {g.port.identity}" for a, g in self._gauges.items()}
+        cycle, pose = self._tour.place(self._ledger.visit)
+        trigger, poses = str(self._plan.trigger), self._tour.poses or None
+        self._tell(Started(gauges, cycle, self._plan.cycles, trigger, pose, poses))
+        if isinstance(self._plan.trigger, Listen) and len(self._tour) > 1 == len(self._gauges):
+            self._tell(Noticed("", _LOST_FRAME))
+        self._bench.open()
+        self._due = self._clock.now()
+        self._ledger.say_waiting()
+        step = {Listen: self._listen, Settled: self._look}.get(
+            type(self._plan.trigger), self._attend
+        )
+        while not self._ledger.is_full and not self._stopped:
+            try:
+                step()
+            except HaltError as halt:
+                self._ask_what_to_do(halt)
+
+    def _ask_what_to_do(self, halt: HaltError) -> None:
+        """Pause until somebody put it right; raise where nobody is there."""
+        axis = halt.where.removeprefix("gauge ")
+        gauge = self._gauges[axis]
+        if gauge.tells_unit and self._ledger.stored_at(axis) > gauge.unit_stated:
+            self._ledger.strike_last(axis, f"{halt.what}: asked again")
+        self._journal.append(halt.kind, axis=axis, message=halt.what)
+        self._journal.sync()
+        if not self._attended:
+            self._tell(Problem(axis, halt.kind, halt.what))
+            raise halt
+        self._paused = True
+        self._tell(Paused(True))
+        self._tell(
+            Problem(axis, halt.kind, f"{halt.what}; {halt.question}, then p goes on, or q ends")
+        )
+        self._bench.trust()
+        self._visits = self._new_visits()
+
+    def _new_visits(self) -> Visits:
+        """Return where a visit stands, without what was heard before."""
+        return Visits(
+            self._gauges,
+            present=self._ledger.present,
+            timed=self._plan.rearm_s > 0,
+            one_pose=len(self._tour) == 1,
+        )
+
+    def _listen(self) -> None:
+        """Take what comes by itself."""
+        arrivals = self._bench.receive()
+        for axis in self._bench.take_damaged():
+            self._keep_place(self._visits.hear(axis, self._clock.now(), None), axis)
+        for taken in arrivals:
+            self._take_or_refuse(taken)
+        self._obey(self._operator.poll())
+        if not arrivals:
+            self._stopped |= self._ended()
+            if not self._stopped:
+                self._clock.idle(math.inf)
+
+    def _take_or_refuse(self, taken: Taken) -> None:
+        """Store a reading that came by itself, or say why not."""
+        axis, text = taken.gauge.axis, taken.reading.text
+        if reason := self._why_not(taken):
+            self._bench.refuse([taken], reason)
+            return
+        heard = self._visits.hear(axis, taken.time, text)
+        if heard.refused or (heard.doubt and len(self._tour) > 1):
+            self._bench.refuse([taken], heard.refused or heard.doubt)
+        self._keep_place(heard, axis)
+        if heard.refused:
+            return
+        if self._bench.doubt([taken], self._ledger.visit):
+            self._visits.forget(axis)
+        else:
+            self._ledger.store([taken])
+            if taken.gauge.tells_unit:
+                taken.gauge.ask_unit(self._journal, self._clock)
+
+    def _why_not(self, taken: Taken) -> str:
+        """Return why a reading that came by itself is refused, or nothing."""
+        gauge, axis, channel = taken.gauge, taken.gauge.axis, taken.reading.channel
+        elapsed = taken.time - self._ledger.stored_at(axis)
+        reasons = {
+            "every cycle is recorded": self._ledger.is_full,
+            "paused": self._paused,
+            "began before the session": taken.stale,
+            f"of channel {channel}: give ?channel=": gauge.of_other_channel(taken.reading),
+            f"came within {self._plan.rearm_s:g} s of the one before": elapsed < self._plan.rearm_s,
+        }
+        return next((reason for reason, holds in reasons.items() if holds), "")
+
+    def _keep_place(self, heard: Heard, axis: str) -> None:
+        """Strike what is of another visit than a frame of ``axis``.
+
+        In a tour nothing is taken then until somebody has seen where the arm stands: every later
+        frame would be given to the wrong pose.
+        """
+        ledger, why = self._ledger, heard.doubt or heard.refused
+        halts = len(self._tour) > 1 and bool(why)
+        kept = frozenset[str]() if halts else heard.kept
+        reason = f"{why or 'another frame of the visit was damaged'}: asked again"
+        whole = heard.back and not ledger.present
+        if others := sorted(ledger.present - kept):
+            ledger.strike(ledger.visit, others, reason)
+        if heard.back:
+            again = kept if whole else frozenset()
+            ledger.strike(ledger.visit - 1, sorted(set(self._gauges) - again), reason)
+        if halts:
+            raise PlaceLostError(axis, why, visit=self._tour.name(ledger.visit))
+
+    def _attend(self) -> None:
+        """Wait for the trigger, then ask every gauge."""
+        if not self._await_trigger():
+            return
+        for attempt in range(ATTEMPTS):
+            if attempt:
+                self._bench.drain(RETRY_S, LATE)
+                self._bench.learn_units(self._bench.suspects())
+            taken = self._bench.measure(self._plan.stable)
+            if taken is not None and not self._bench.doubt(taken, self._ledger.visit):
+                self._pressed = self._clock.now()
+                self._store_missing(taken)
+                return
+            self._stopped |= self._ended()
+            if self._stopped:
+                return
+        if isinstance(self._plan.trigger, Timer):
+            raise self._silent(ATTEMPTS)
+        self._ledger.say_waiting()
+
+    def _look(self) -> None:
+        """Look at every gauge again and again, and take the readings of a dial at rest."""
+        if not self._paused:
+            pose = self._tour.place(self._ledger.visit)[1]
+            if taken := self._watch.look(self._ledger.visit, pose):
+                self._store_missing(taken)
+                self._watch.stored(pose)
+            if self._watch.unread >= ATTEMPTS:
+                raise self._silent(ATTEMPTS)
+        until = self._clock.now() + WATCH_S
+        while self._clock.now() < until and not self._stopped:
+            self._bench.refuse(self._bench.receive(), UNASKED)
+            self._obey(self._operator.poll())
+            self._stopped |= self._ended()
+            self._clock.idle(until)
+
+    def _store_missing(self, taken: Sequence[Taken]) -> None:
+        """Store readings that were asked for, when the gauges still show the unit they said."""
+        self._bench.learn_units([one.gauge for one in taken if one.gauge.tells_unit])
+        missing = self._ledger.missing
+        self._ledger.store([one for one in taken if one.gauge.axis in missing])
+
+    def _silent(self, attempts: int) -> InstrumentError:
+        return InstrumentError(
+            f"no reading of {self._tour.name(self._ledger.visit)} after {attempts} requests; "
+            f"at last {self._bench.last_problem}",
+            remedy="check cable, settings and that the indicator is on",
+        )
+
+    def _await_trigger(self) -> bool:
+        """Return True when the cycle is to be taken, False when the session ends instead."""
+        timed = isinstance(self._plan.trigger, Timer)
+        while True:
+            due = self._due if timed and not self._paused else math.inf
+            arrivals = self._bench.receive()
+            self._bench.refuse(arrivals, UNASKED)
+            taken = self._obey(self._operator.poll())
+            self._stopped |= self._ended()
+            if self._stopped:
+                return False
+            if not self._paused and (taken or self._clock.now() >= due):
+                self._set_next()
+                return True
+            if not arrivals:
+                self._clock.idle(due)
+
+    def _set_next(self) -> None:
+        """Keep to the timer's grid, and where that is missed begin a new one: no catching up."""
+        if isinstance(self._plan.trigger, Timer):
+            now, seconds = self._clock.now(), self._plan.trigger.seconds
+            self._due = (self._due if self._due + seconds > now else now) + seconds
+
+    def _ended(self) -> bool:
+        return any(self._gauges[axis].port.ended for axis in self._ledger.missing)
+
+    def _obey(self, command: Command | None) -> bool:
+        """Do as the operator says; return True where a reading is to be taken."""
+        match command:
+            case Take() if isinstance(self._plan.trigger, Enter):
+                return not self._bounced()
+            case Take() if isinstance(self._plan.trigger, RobotLine):
+                return True
+            case Void(reason=reason) if self._ledger.can_void:
+                self._ledger.void(reason, together=not isinstance(self._plan.trigger, Listen))
+                self._visits = self._new_visits()
+            case Note(text=text):
+                self._journal.append("note", text=text)
+                self._journal.sync()
+                self._tell(Noted(text))
+            case Pause():
+                self._paused = not self._paused
+                self._journal.append("paused" if self._paused else "continued")
+                self._tell(Paused(self._paused))
+            case Quit():
+                self._stopped = True
+        return False
+
+    def _bounced(self) -> bool:
+        """Say whether a key was held down, or pressed again before the reading was seen."""
+        since, self._pressed = self._clock.now() - self._pressed, self._clock.now()
+        rearm = self._plan.rearm_s
+        if since < rearm:
+            self._tell(Noticed("", f"Enter not taken: within {rearm:g} s of the one before"))
+        return since < rearm

@@ -1,0 +1,139 @@
+"""Which readings that come by themselves are of one visit of the pose.
+
+In a visit every gauge speaks once, in any order, and no gap within it is as long as the pause
+after it, or as two thirds of the pauses between the visits before it. Where frames contradict this
+they are parted at the longest gap: what lies before it is of another visit. A damaged frame spoils
+its visit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from scara_iso.recorder.events import TWICE
+
+_PAUSES = 5
+"""How many of the latest count."""
+_SHARE = 2 / 3
+"""Of a pause; both by benchmarks/line_faults.py (frames that miss in a row) and tours.py (none)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What a frame means for the readings that there are."""
+
+    kept: frozenset[str]
+    """The axes that have spoken in the same visit."""
+    doubt: str = ""
+    """Why readings of other axes, stored behind the last whole visit, are of another visit."""
+    back: bool = False
+    """Whether the last visit that was whole is in doubt too."""
+    refused: str = ""
+    """Why the frame itself is not a reading of a visit."""
+
+
+class _Frame(NamedTuple):
+    gap: float
+    """Since the frame before it in the same visit [s]."""
+    text: str | None
+    """What it says, None of a damaged one."""
+
+
+class Visits:
+    """Follows gauges that send by themselves; ``timed`` where the time between frames counts.
+
+    ``one_pose`` takes a frame that says in one visit what its gauge has said for the same reading
+    sent twice: at one pose it may stand for either.
+    """
+
+    def __init__(
+        self, axes: Iterable[str], *, present: Iterable[str], timed: bool, one_pose: bool
+    ) -> None:
+        self._axes = frozenset(axes)
+        self._timed = timed
+        self._one_pose = one_pose
+        self._frames = dict.fromkeys(present, _Frame(0.0, ""))
+        self._before: dict[str, str | None] = {}
+        self._pauses: deque[float] = deque(maxlen=_PAUSES)
+        """Between whole visits [s]; each doubt takes away the shortest."""
+        self._last: float | None = None
+
+    def hear(self, axis: str, time: float, text: str | None) -> Heard:
+        """Take a frame of a gauge at ``time`` [s]; ``text`` is None where it was damaged."""
+        gap = time - self._last if self._timed and self._last is not None else 0.0
+        whole, fits = self._frames.keys() == self._axes, self._fits(axis, gap)
+        if not fits and self._one_pose and self._repeats(axis, text, gap, whole=whole):
+            return Heard(frozenset(self._frames), refused=f"{axis} {TWICE}")
+        self._last = time
+        doubt, back = "", False
+        if not fits:
+            doubt = self._reason(axis, gap, whole=whole)
+            back = self._part(axis, gap, whole=whole)
+        elif whole:
+            self._begin(gap)
+        self._frames[axis] = _Frame(gap if self._frames else 0.0, text)
+        refused = self._spoilt()
+        kept = frozenset[str]() if refused else frozenset(self._frames) - {axis}
+        return Heard(kept, doubt, back=back, refused=refused)
+
+    def forget(self, axis: str) -> None:
+        """Take the last frame of a gauge for unsaid: it is asked for again."""
+        del self._frames[axis]
+
+    def _pause(self) -> float:
+        return min(self._pauses, default=math.inf)
+
+    def _longest(self) -> float:
+        return max((frame.gap for frame in self._frames.values()), default=0.0)
+
+    def _spoilt(self) -> str:
+        damaged = [axis for axis, frame in self._frames.items() if frame.text is None]
+        return f"the frame of {damaged[0]} was damaged: send all again" if damaged else ""
+
+    def _fits(self, axis: str, gap: float) -> bool:
+        """Say whether a frame begins the next visit, or goes on with this one."""
+        if self._frames.keys() == self._axes:
+            return not self._timed or gap > self._longest() or bool(self._spoilt())
+        return axis not in self._frames and gap < _SHARE * self._pause()
+
+    def _repeats(self, axis: str, text: str | None, gap: float, *, whole: bool) -> bool:
+        said = self._frames[axis].text if axis in self._frames else None
+        return text is not None and text == said and (whole or gap < _SHARE * self._pause())
+
+    def _reason(self, axis: str, gap: float, *, whole: bool) -> str:
+        if whole:
+            return f"{axis} came {gap:.1f} s later: a frame of another visit was among them"
+        if axis in self._frames:
+            missing = ", ".join(sorted(self._axes - self._frames.keys()))
+            return f"{axis} has sent again, and {missing} had sent none"
+        return f"{axis} came {gap:.1f} s later, as of the next visit"
+
+    def _begin(self, gap: float) -> None:
+        """Begin the next visit behind a whole one."""
+        if self._timed and not self._spoilt():
+            self._pauses.append(gap)
+        self._before = {axis: frame.text for axis, frame in self._frames.items()}
+        self._frames.clear()
+
+    def _part(self, axis: str, gap: float, *, whole: bool) -> bool:
+        """Leave the frames behind the longest gap; return whether a whole visit is in doubt too.
+
+        That is this one, or the one before where what is left out lay much nearer to it: then a
+        frame sent twice may have stood in it for one of these.
+        """
+        names, gaps = list(self._frames), [*(f.gap for f in self._frames.values()), gap]
+        cut = max(range(1, len(gaps)), key=lambda k: (gaps[k], k))
+        others = any(self._before.get(a) != frame.text for a, frame in self._frames.items())
+        near = bool(self._pauses) and self._pauses[-1] < gap / 2
+        back = whole or (cut == len(names) and others and near)
+        left = [name for name in names[cut:] if name != axis]
+        self._frames = {name: self._frames[name] for name in left}
+        if left:
+            self._frames[left[0]] = self._frames[left[0]]._replace(gap=0.0)
+        if self._pauses:  # one that was none, as of a visit sent twice, is believed once only
+            self._pauses.remove(self._pause())
+        return back

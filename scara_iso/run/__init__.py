@@ -1,0 +1,65 @@
+"""The one type that all rooms share: readings by cycle and axis, what else a row tells, their dial.
+
+A recording, a table and a model give the same `Run`.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.base.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.run.condition_columns import (
+        UNITS as UNITS,
+        RecordedCondition as RecordedCondition,
+        find_condition as find_condition,
+        unit_in_heading as unit_in_heading,
+        unit_of_condition as unit_of_condition,
+    )
+    from scara_iso.run.dial import (
+        Correction as Correction,
+        common_step as common_step,
+        joined_axis as joined_axis,
+        seen_step as seen_step,
+        step_of as step_of,
+    )
+    from scara_iso.run.frames import (
+        FRAME as FRAME,
+        frame_of as frame_of,
+        is_frame as is_frame,
+        make_frame as make_frame,
+        or_nan as or_nan,
+        stacked as stacked,
+    )
+    from scara_iso.run.origin import (
+        SIMULATED as SIMULATED,
+        Origin as Origin,
+        TableField as TableField,
+    )
+    from scara_iso.run.pose_columns import (
+        POSE_NAMES as POSE_NAMES,
+        Commanded as Commanded,
+        arrival_labels as arrival_labels,
+        by_pose as by_pose,
+        check_clusters as check_clusters,
+        coded as coded,
+        no_such_pose as no_such_pose,
+        number_cycles as number_cycles,
+        read_direction as read_direction,
+    )
+    from scara_iso.run.runs import (
+        AXES as AXES,
+        FARTHEST as FARTHEST,
+        Axis as Axis,
+        AxisKey as AxisKey,
+        FloatArray as FloatArray,
+        IntArray as IntArray,
+        Run as Run,
+        beyond_dials as beyond_dials,
+    )
+    from scara_iso.run.transient_columns import (
+        is_transient as is_transient,
+        overshoot_column as overshoot_column,
+        stabilisation_column as stabilisation_column,
+    )
+else:
+    __getattr__ = face(__name__)

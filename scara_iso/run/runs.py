@@ -1,0 +1,333 @@
+"""`Run`: readings by cycle and axis. The dial, a table and the model all produce this type."""
+
+from __future__ import annotations
+
+import copyreg
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.base.display import Displayed
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import TURN, Dimension, parse_unit
+from scara_iso.run.condition_columns import of_base_units
+from scara_iso.run.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
+from scara_iso.run.origin import Origin
+from scara_iso.run.pose_columns import (
+    Commanded,
+    arrival_at,
+    arrival_labels,
+    by_pose,
+    check_clusters,
+    in_base,
+    number_cycles,
+    pop_direction,
+    pose_column,
+    rows_by_label,
+    unwrap_by_pose,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def _read_only(values: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(values)
+
+
+# So a run's mappings go to another process too.
+copyreg.pickle(MappingProxyType, lambda one: (_read_only, (dict(one),)))
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+AXES = ("X", "Y", "Z", "theta")
+"""Names of the indicator axes, in the order in which they are reported."""
+AxisKey: TypeAlias = Annotated[str, ("enum", AXES)]
+"""One of them, as a schema says it."""
+
+FARTHEST = 1e9
+"""Largest reading, in mm or degrees, that a dial could show."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Axis:
+    """Readings of one indicator axis over the rows of a run.
+
+    ``readings`` has shape (rows,), in mm where ``dimension`` is a length and in degrees where it
+    is an angle; ``resolution``, ``uncertainty`` (standard uncertainty of the indicator, from its
+    certificate) and ``command`` are in the same unit, None where not stated. ``command`` is the
+    coordinate of the command pose: a number for a run of one pose, else numbers by pose.
+    """
+
+    name: str
+    """``X``, ``Y``, ``Z`` or ``theta``."""
+    readings: FloatArray = field(repr=False)
+    dimension: Dimension = Dimension.LENGTH
+    resolution: float | None = None
+    uncertainty: float | None = None
+    command: Commanded = None
+    displayed: FloatArray | None = field(default=None, repr=False)
+    """The readings as the dial showed them, where `readings` are corrected; else None."""
+    certified: float | None = None
+    """The part of `uncertainty` that is of the certificate, where corrections add to it."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
+        if self.displayed is not None:
+            object.__setattr__(self, "displayed", _frozen(self.displayed, np.float64))
+        if isinstance(self.command, Mapping):
+            object.__setattr__(self, "command", MappingProxyType(dict(self.command)))
+        for name in ("resolution", "uncertainty"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < FARTHEST:
+                raise DataError(f"axis {self.name}: a {name} of {value:g} {self.unit}")
+
+    @property
+    def unit(self) -> str:
+        """Unit of readings and resolution: ``mm`` or ``deg``."""
+        return self.dimension.value
+
+    @property
+    def shown(self) -> FloatArray:
+        """The readings on the dial's own divisions: as displayed, shape (rows,)."""
+        return self.readings if self.displayed is None else self.displayed
+
+    def take(self, rows: IntArray) -> Axis:
+        """Return the axis of some of the rows."""
+        displayed = None if self.displayed is None else self.displayed[rows]
+        return replace(self, readings=self.readings[rows], displayed=displayed)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Run(Displayed):
+    """One test: a row per cycle (and pose), a column per indicator axis; read-only.
+
+    ``cycle`` has shape (rows,); every axis, ``pose`` (labels), ``direction`` (of approach, ``+x``
+    to ``-z``; ISO 9283 7.2.3) and each covariate as well. ``lines`` are the rows' line numbers in
+    their file, if any. ``metadata`` holds the table's ``key: value`` lines as text. Raises
+    `DataError` where shapes differ, no axis is there, or a value is not finite.
+    """
+
+    cycle: IntArray
+    axes: Mapping[str, Axis]
+    """By name, in the order of `AXES`."""
+    pose: npt.NDArray[np.str_] | None = None
+    covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Other columns by name, each of shape (rows,)."""
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    lines: IntArray | None = None
+    origin: Origin = field(default_factory=Origin)
+    """Where the run came from; never computed with."""
+    direction: npt.NDArray[np.str_] | None = None
+    """Labels of the directions of approach; None where none are named."""
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "cycle", _frozen(self.cycle, np.int64))
+        set_(self, "axes", MappingProxyType({n: self.axes[n] for n in _ordered(self.axes)}))
+        set_(
+            self,
+            "covariates",
+            MappingProxyType(
+                {name: _frozen(values, np.float64) for name, values in self.covariates.items()}
+            ),
+        )
+        set_(self, "metadata", MappingProxyType(dict(self.metadata)))
+        for name, kind in (("pose", np.str_), ("direction", np.str_), ("lines", np.int32)):
+            if getattr(self, name) is not None:
+                set_(self, name, _frozen(getattr(self, name), kind))
+        self._check_shapes()
+
+    def _check_shapes(self) -> None:
+        if not self.axes:
+            raise DataError("a run needs at least one axis", remedy="name X, Y, Z or theta")
+        if not len(self):
+            raise DataError("a run needs at least one cycle")
+        columns: dict[str, npt.NDArray[np.generic]] = {
+            **{name: axis.readings for name, axis in self.axes.items()},
+            **self.covariates,
+        }
+        others = {"pose": self.pose, "direction": self.direction, "lines": self.lines}
+        columns |= {name: values for name, values in others.items() if values is not None}
+        misnamed = [key for key, axis in self.axes.items() if key != axis.name]
+        if misnamed:
+            raise DataError(f"axis {misnamed[0]} holds the readings of another")
+        wrong = [name for name, values in columns.items() if values.shape != self.cycle.shape]
+        if wrong:
+            raise DataError(f"{', '.join(wrong)}: not one value for each of {len(self)} rows")
+        absurd = [n for n, a in self.axes.items() if beyond_dials(a.readings).any()]
+        if absurd:
+            raise DataError(f"{', '.join(absurd)}: a reading is not finite, or beyond any dial")
+        gone = [name for name, values in self.covariates.items() if not np.isfinite(values).all()]
+        if gone:
+            raise DataError(f"{', '.join(gone)}: a value is missing or not finite")
+
+    def __repr__(self) -> str:
+        poses = len(list(self.rows_by_pose()))
+        named = f" of {self.origin.source}" if self.origin.source else ""
+        return f"<Run{named}: {', '.join(self.axes)}; {len(self)} rows, {poses} pose(s)>"
+
+    def __len__(self) -> int:
+        return len(self.cycle)
+
+    def take(self, rows: IntArray) -> Run:
+        """Return the run of some of its rows, given by number from 0; one pose has no label."""
+        labels = None if self.pose is None else self.pose[rows]
+        one_pose = labels is None or len(set(labels.tolist())) == 1
+        label = str(labels[0]) if labels is not None and one_pose and len(labels) else None
+        axes = {name: a.take(rows) for name, a in self.axes.items()}
+        if one_pose:
+            axes = {n: replace(a, command=self.command_of(n, label)) for n, a in axes.items()}
+        return replace(
+            self,
+            cycle=self.cycle[rows],
+            axes=axes,
+            pose=None if one_pose else labels,
+            covariates={name: values[rows] for name, values in self.covariates.items()},
+            lines=None if self.lines is None else self.lines[rows],
+            direction=None if self.direction is None else self.direction[rows],
+        )
+
+    def unwrapped(self) -> Run:
+        """Return the run with the angles of each pose on one turn (`quantities.unwrap`).
+
+        The run itself where they are; `DataError` where they scatter over more than half a turn.
+        """
+        moved = {}
+        for name, axis in self.axes.items():
+            if axis.dimension is Dimension.ANGLE and np.ptp(axis.readings) > TURN / 2:
+                poses = self.rows_by_pose()
+                readings = unwrap_by_pose(name, axis.readings, poses, where=self.origin.source)
+                if not np.array_equal(readings, axis.readings):
+                    moved[name] = replace(axis, readings=readings)
+        if not moved:
+            return self
+        said = f"{', '.join(moved)} passes a full turn and is unwrapped about its mean"
+        understood = "; ".join(part for part in (self.origin.understood, said) if part)
+        origin = replace(self.origin, understood=understood)
+        return replace(self, axes={**self.axes, **moved}, origin=origin)
+
+    def command_of(self, axis: str, label: str | None) -> float | None:
+        """Return the command coordinate of an axis at a pose, None where none is stated for it."""
+        stated = self.axes[axis].command
+        if isinstance(stated, Mapping):
+            pose = self.arrival_at(label)[0]
+            return stated.get(self.metadata.get("pose", "") if pose is None else pose)
+        several = self.pose is not None and bool(np.any(self.pose != self.pose[0]))
+        return None if several else stated
+
+    @property
+    def dial_zero_is_command(self) -> bool:
+        """Whether ``# dial_zero: command`` is stated: AP means something only then."""
+        return self.metadata.get("dial_zero", "").strip().lower() == "command"
+
+    def rows_by_pose(self) -> Iterator[tuple[str | None, IntArray]]:
+        """Yield each pose's label and row numbers, poses in order of first appearance.
+
+        A run without a pose column is one pose, labelled None; a pose that is approached from
+        several directions is one for each, as ``P1 from +x``.
+        """
+        return rows_by_label(arrival_labels(self.pose, self.direction), len(self))
+
+    def arrival_at(self, label: str | None) -> tuple[str | None, str | None]:
+        """Return pose and direction of approach of a label that `rows_by_pose` yields."""
+        return arrival_at(label, self.pose, self.direction)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the run as a pandas table; `from_frame` reads it back to the same run.
+
+        Columns: ``cycle``, ``pose`` if there, axes [mm, deg], covariates; metadata in ``attrs``.
+        """
+        columns: dict[str, npt.NDArray[np.generic]] = {"cycle": self.cycle}
+        columns |= {"pose": self.pose} if self.pose is not None else {}
+        columns |= {"approach": self.direction} if self.direction is not None else {}
+        columns |= {name: axis.readings for name, axis in self.axes.items()}
+        attributes = {"metadata": dict(self.metadata), "axes": axis_attributes(self.axes)}
+        return make_frame({**columns, **self.covariates}, attributes)
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: pd.DataFrame,
+        *,
+        unit: str | None = None,
+        resolution: float | None = None,
+        metadata: Mapping[str, str] | None = None,
+    ) -> Run:
+        """Return the run that a pandas table holds.
+
+        Columns X, Y, Z and theta are axes, ``cycle`` (see `number_cycles`), ``pose`` (or another
+        of `POSE_NAMES`, in any case), ``approach`` (+1/-1, or ``+x`` and the like) and
+        ``command_X`` are what they say, any other numeric one is a covariate, in seconds or °C
+        where its name ends in another unit of time or temperature. ``unit`` (``mm``,
+        ``deg``, ``0.01 mm`` ...) and ``resolution`` (in that unit) hold for every axis, unless
+        `to_frame` left others in ``attrs``. Raises `DataError` without an axis or its unit, for a
+        value that is missing or not finite, naming column and row, and for a column that parts
+        the readings as poses do.
+        """
+        kept = frame.attrs.get("axes", {})
+        values = {str(name): frame[name] for name in frame.columns}
+        named = pose_column(values)
+        check_axes(frame, AXES, kept, unit)
+        given = {"unit": unit, "resolution": resolution}
+        pose = None if named is None else values.pop(named).to_numpy(dtype=str)
+        direction = pop_direction(values)
+        numbers = of_base_units({name: numbers_of(name, column) for name, column in values.items()})
+        counted = numbers.pop("cycle", None)
+        if counted is not None and np.any(counted != np.round(counted)):
+            raise DataError("column 'cycle' holds a number that is not whole")
+        axes = {
+            name: _axis(
+                name,
+                numbers.pop(name),
+                kept.get(name, given),
+                by_pose(f"command_{name}", numbers.pop(f"command_{name}", None), pose),
+            )
+            for name in AXES
+            if name in numbers
+        }
+        run = cls(
+            cycle=number_cycles(counted, arrival_labels(pose, direction), len(frame)),
+            axes=axes,
+            pose=pose,
+            covariates=numbers,
+            metadata=frame.attrs.get("metadata", {}) if metadata is None else metadata,
+            origin=Origin(source=FRAME),
+            direction=direction,
+        ).unwrapped()
+        check_clusters(run.axes, run.rows_by_pose(), run.covariates, run.metadata, where=FRAME)
+        return run
+
+
+def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Commanded) -> Axis:
+    size = parse_unit(stated["unit"])
+    known = {**stated, **({} if command is None else {"command": command})}
+    sizes: dict[str, Any] = {k: in_base(known[k], size) for k in known if k != "unit"}
+    return Axis(name, size.to_base(values), size.dimension, **sizes)
+
+
+def beyond_dials(readings: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return which readings are not finite, or beyond any dial, shape (rows,)."""
+    return ~((readings >= -FARTHEST) & (readings <= FARTHEST))
+
+
+def _ordered(axes: Mapping[str, Axis]) -> list[str]:
+    return [name for name in AXES if name in axes] + [name for name in axes if name not in AXES]
+
+
+def _frozen(values: npt.ArrayLike, dtype: type[np.generic]) -> npt.NDArray[np.generic]:
+    if (
+        isinstance(values, np.ndarray)
+        and np.issubdtype(values.dtype, dtype)
+        and values.base is None
+        and not values.flags.writeable
+    ):
+        return values  # of another run, or of the reader
+    array = np.array(values, dtype=dtype)
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,49 @@
+"""The whole test as a folder: test.toml says what is measured, its recordings are the parts.
+
+`read_folder` says how far each part is, `assign` which comes next, `run_under` makes one `Run` of
+the parts of a condition.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.base.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.testfolder.folder import (
+        FAULTY as FAULTY,
+        Folder as Folder,
+        PartState as PartState,
+        drift_of as drift_of,
+        lacking as lacking,
+        push_of as push_of,
+        read_folder as read_folder,
+        refuse_faulty as refuse_faulty,
+        run_under as run_under,
+    )
+    from scara_iso.testfolder.next_part import (
+        Assignment as Assignment,
+        about as about,
+        assign as assign,
+        seconds_a_cycle as seconds_a_cycle,
+        seconds_left as seconds_left,
+        told_of_part as told_of_part,
+    )
+    from scara_iso.testfolder.place import FILE as FILE, is_test_folder as is_test_folder
+    from scara_iso.testfolder.published import published_status as published_status
+    from scara_iso.testfolder.reading import (
+        parse_test as parse_test,
+        read_instruments as read_instruments,
+        read_test as read_test,
+    )
+    from scara_iso.testfolder.whole_test import (
+        Condition as Condition,
+        WholeTest as WholeTest,
+        lines_of as lines_of,
+    )
+    from scara_iso.testfolder.writing import (
+        plan_test as plan_test,
+        strike as strike,
+        toml_of as toml_of,
+    )
+else:
+    __getattr__ = face(__name__)

@@ -1,0 +1,452 @@
+"""The folder of a test: which recordings are there, and how far each part is.
+
+A part's table with what test.toml states beside it; what the table says itself holds.
+
+The parts recorded under one condition as one `Run`, a pose each.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from scara_iso.base.errors import DataError, Fault, ScaraIsoError
+from scara_iso.force_loop import read_loop
+from scara_iso.iso9283 import (
+    CYCLES_RUN,
+    DRIFT_CODES,
+    SEPARATOR,
+    Counting,
+    DecisionRule,
+    Finding,
+    PushResult,
+    push_test,
+)
+from scara_iso.recorder import check_manifest, raw_path, read_history
+from scara_iso.run import Axis, Origin, Run, joined_axis
+from scara_iso.tables import converted, corrected, is_of_corrections, read_table
+from scara_iso.testfolder.reading import read_test
+from scara_iso.testfolder.whole_test import (
+    NOT_STATED,
+    Condition,
+    Part,
+    Struck,
+    WholeTest,
+    command_of,
+    metadata_of,
+    other_instruments,
+    why_not_of,
+)
+
+
+def completed(run: Run, part: Part, test: WholeTest) -> Run:
+    """Return the run of a part, with the lines and sizes of the test that its table lacks."""
+    of_test = metadata_of(part, test, run.axes)
+    own = {key: text for key, text in run.metadata.items() if text.strip() != NOT_STATED}
+    done = {f"_{name}" for name, axis in run.axes.items() if axis.displayed is not None}
+    lines = {
+        key: text
+        for key, text in of_test.items()
+        if not key.startswith(("command_", "indicator_unc"))
+        and not (is_of_corrections(key) and key.endswith(tuple(done)))
+    }
+    axes = {name: _completed_axis(axis, part, test) for name, axis in run.axes.items()}
+    other = other_instruments(own, of_test)
+    said = {"characteristics": ", ".join(_planned(part, test)), "instrument_of_the_test": other}
+    of_whole = {key: text for key, text in said.items() if text}
+    pose = np.full(len(run), part.pose) if part.beside else run.pose
+    known = replace(run, metadata={**lines, **own, **of_whole}, axes=axes, pose=pose)
+    found, wrong = corrected(known)
+    if wrong:
+        raise DataError(
+            f"cannot be corrected: {wrong[0]}",
+            where=run.origin.source,
+            faults=[Fault(one) for one in wrong],
+            remedy="state the curve and its zero in test.toml: docs/test-folder.md",
+        )
+    return found
+
+
+def _planned(part: Part, test: WholeTest) -> list[str]:
+    """Return the characteristics that a part has to give; a drift test gives its own alone."""
+    planned = test.schedule.characteristics
+    if test.drift is None:
+        return list(planned)
+    return [code for code in planned if (code in DRIFT_CODES) == bool(part.beside)]
+
+
+def _completed_axis(axis: Axis, part: Part, test: WholeTest) -> Axis:
+    instrument = test.instruments.get(axis.name)
+    command, uncertainty = axis.command, axis.uncertainty
+    if command is None:
+        command = command_of(part, test, axis.name)
+    if uncertainty is None and instrument is not None:
+        uncertainty = instrument.uncertainty
+    return replace(axis, command=command, uncertainty=uncertainty)
+
+
+DONE, MISSING, UNFINISHED = "done", "missing", "unfinished"
+STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
+STATES = (DONE, MISSING, UNFINISHED, STRUCK, OUT, FAULTY)
+PLANNED = ("other-load", "other-velocity", "not-measured")
+"""Deviations that the name of a part says already, or that are of the whole test."""
+OTHER_UNIT = "other-unit"
+_RAW = ".raw.jsonl"
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What was recorded for a part, once: a table, a raw file, or both."""
+
+    part: Part
+    table: Path
+    planned: int
+    """Cycles, or visits of a drift test."""
+
+    @property
+    def name(self) -> str:
+        """Its files' name without ending."""
+        return self.table.name.removesuffix(".csv")
+
+    @cached_property
+    def cycles(self) -> tuple[int, int]:
+        """How many cycles are complete, and how many were to be; raises as reading does.
+
+        A drift test is planned by its test.toml, which may end it early; a push test is one.
+        """
+        if self.part.is_push:
+            return 1, 1
+        if not raw_path(self.table).exists():
+            return len(self.run), len(self.run)
+        history = read_history(raw_path(self.table))
+        if not history.header and not history.faults:  # begun this moment, or cut short there
+            return 0, CYCLES_RUN
+        history.check()
+        wanted = int(history.header["cycles"])
+        done = int(history.complete_rows().sum())
+        return done, min(wanted, self.planned) if self.part.beside else wanted
+
+    @cached_property
+    def run(self) -> Run:
+        """The readings; raises as `read_table` does."""
+        return read_table(self.table)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every cycle is there, and the table is made."""
+        done, wanted = self.cycles
+        return done >= wanted and self.table.exists()
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is not as the recording left it."""
+        return check_manifest(self.table)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PartState:
+    """How far a part is; ``why`` says what is wrong with one that is faulty."""
+
+    part: Part
+    state: str
+    recording: Recording | None = None
+    struck: tuple[Struck, ...] = ()
+    deviations: tuple[Finding, ...] = ()
+    unmeasured: tuple[str, ...] = ()
+    """Characteristics that are planned and that its readings do not give, with what they need."""
+    why: str = ""
+    others: tuple[str, ...] = ()
+    """Further recordings that are not struck, where it was recorded more than once."""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether its recording can be analysed."""
+        return self.state in (DONE, OUT)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is still to be recorded, or to be gone on with."""
+        return self.state in (MISSING, STRUCK, UNFINISHED)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Folder:
+    """A test and the states of its parts, in the order of recording."""
+
+    path: Path
+    test: WholeTest
+    parts: tuple[PartState, ...]
+    foreign: tuple[str, ...]
+    """Recordings that are of no part of the test, by their names."""
+
+    @property
+    def unmeasured(self) -> tuple[str, ...]:
+        """What is planned and not given by the parts that are recorded, each line once."""
+        return tuple(dict.fromkeys(line for state in self.parts for line in state.unmeasured))
+
+    def under(self, condition: Condition) -> list[PartState]:
+        """Return the poses of a condition."""
+        return [
+            one for one in self.parts if one.part.condition == condition and not one.part.beside
+        ]
+
+    @property
+    def beside(self) -> list[PartState]:
+        """The tests beside the poses: drift, pushes."""
+        return [one for one in self.parts if one.part.beside]
+
+    @property
+    def next(self) -> PartState | None:
+        """What comes next: a part that was begun, else the first that lacks."""
+        begun = (part for part in self.parts if part.state == UNFINISHED)
+        return next(begun, next((part for part in self.parts if part.is_open), None))
+
+
+def read_folder(path: Path) -> Folder:
+    """Return what a folder holds now; raises as `read_test`.
+
+    A recording that cannot be read is a faulty part, never an error: status can always be asked.
+    """
+    test = read_test(path)
+    found = dict(_recordings(path, test))
+    parts = tuple(_state(part, found.get(part.name, []), test) for part in test.parts())
+    known = {recording.name for recordings in found.values() for recording in recordings}
+    return Folder(path, test, _in_units(parts), tuple(sorted(_names(path) - known)))
+
+
+def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
+    """Return the states with those out that were read in another unit than the first."""
+    runs = {
+        one.part.name: one.recording.run
+        for one in parts
+        if one.is_whole and one.recording is not None and not one.part.is_push
+    }
+    said = dict(converted(runs)) if runs else {}
+    return tuple(
+        replace(one, state=OUT, deviations=(*one.deviations, Finding(OTHER_UNIT, "warning", line)))
+        if (line := said.get(one.part.name))
+        else one
+        for one in parts
+    )
+
+
+def _names(path: Path) -> set[str]:
+    """Return the recordings of a folder by their names without ending."""
+    files = [one.name for one in path.iterdir() if one.is_file()]
+    return {
+        name.removesuffix(ending)
+        for name in files
+        for ending in (".csv", _RAW)
+        if name.endswith(ending)
+    }
+
+
+def _recordings(path: Path, test: WholeTest) -> Iterator[tuple[str, list[Recording]]]:
+    names = _names(path)
+    for part in test.parts():
+        repeats = re.compile(rf"{re.escape(part.name)}(?:-r\d+)?")
+        yield (
+            part.name,
+            [
+                Recording(part, path / f"{name}.csv", test.visits_of(part))
+                for name in sorted(filter(repeats.fullmatch, names), key=lambda n: (len(n), n))
+            ],
+        )
+
+
+def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartState:
+    reasons: Mapping[str, Struck] = {one.recording: one for one in test.struck}
+    struck = tuple(reasons[one.name] for one in recordings if one.name in reasons)
+    counting = [one for one in recordings if one.name not in reasons]
+    if not counting:
+        return PartState(part, STRUCK if struck else MISSING, struck=struck)
+    if len(counting) > 1:
+        why = (
+            f"recorded twice: {', '.join(one.name for one in counting)}; strike one of them in "
+            f'test.toml: [[struck]] with recording = "{counting[-1].name}" and its reason'
+        )
+        others = tuple(one.name for one in counting[:-1])
+        return PartState(part, FAULTY, counting[-1], struck, why=why, others=others)
+    return _state_of(counting[0], struck, test)
+
+
+def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest) -> PartState:
+    from scara_iso.iso9283 import analyze  # noqa: PLC0415 - scipy, for parts that are recorded
+
+    part = recording.part
+    try:
+        if not recording.is_whole:
+            return PartState(part, UNFINISHED, recording, struck)
+        if part.is_push:
+            push_of(recording, test)
+            return PartState(part, DONE, recording, struck)
+        if faults := why_not_of(recording.run, part, test):
+            return PartState(part, FAULTY, recording, struck, why="; ".join(faults))
+        run = completed(recording.run, part, test)
+        cycles = None if part.beside else test.schedule.cycles_run
+        findings = analyze(run, Counting(cycles=cycles)).findings
+    except ScaraIsoError as error:
+        return PartState(part, FAULTY, recording, struck, why=_why(error))
+    edited = tuple(Finding("edited", "warning", line) for line in recording.doubts)
+    off = tuple(
+        f
+        for f in (*findings, *edited)
+        if f.severity != "info" and f.code not in PLANNED and (f.rule or f.code == "edited")
+    )
+    lacking = tuple(finding.message for finding in findings if finding.code == "not-measured")
+    return PartState(part, OUT if off else DONE, recording, struck, off, lacking)
+
+
+def _why(error: ScaraIsoError) -> str:
+    """Return what is wrong with a recording in one line, the first of its faults with it."""
+    faults = error.faults if isinstance(error, DataError) else ()
+    said = [str(one) for one in faults[:1] if one.message != error.what]
+    more = [f"and {len(faults) - 1} more"] if len(faults) > 1 else []
+    return "; ".join([error.headline, *said, *more])
+
+
+def push_of(recording: Recording, test: WholeTest) -> PushResult:
+    """Return what the table of a push test says, held against its limits; raises as `push_test`."""
+    stated = test.pushes[recording.part.name]
+    return push_test(
+        read_loop(str(recording.table)),
+        arm_m=stated.arm_m,
+        limits=stated.limits,
+        decision=DecisionRule(test.decision),
+    )
+
+
+def drift_of(recording: Recording, test: WholeTest) -> Run:
+    """Return the run of a drift test, with what test.toml states; raises as `read_table`."""
+    return completed(recording.run, recording.part, test)
+
+
+_OF_A_PART = {"part", "pose", "doubts"}
+"""Lines that the merged run says in another way."""
+
+
+def run_under(folder: Folder, condition: Condition) -> Run | None:
+    """Return the run of the whole parts of a condition, None where there is none.
+
+    What is missing or struck is in its metadata. Raises `DataError` for parts that are faulty, or
+    not of the same axes.
+    """
+    states = folder.under(condition)
+    refuse_faulty(folder, states)
+    runs = {
+        state.part.pose: completed(state.recording.run, state.part, folder.test)
+        for state in states
+        if state.is_whole and state.recording is not None
+    }
+    if not runs:
+        return None
+    _refuse_other_axes(folder, runs)
+    run = runs_as_poses(runs)
+    said = f"{len(runs)} of {len(states)} parts of the test, {condition}"
+    metadata = {**run.metadata, **dict(_of_the_test(states))}
+    units = tuple(said for _, said in converted(runs))
+    return replace(
+        run,
+        metadata=metadata,
+        origin=Origin(str(folder.path), said, (*_notes(folder, runs), *units), other_units=units),
+    )
+
+
+def runs_as_poses(runs: Mapping[str, Run]) -> Run:
+    """Return runs of one pose each as one run with a pose column.
+
+    A line that all runs state stays; of others each is kept as ``key[P1]``. A size that one run
+    does not state is not stated, else the largest counts. Columns that a run lacks are left out.
+    """
+    parts = list(runs.values())
+    shared = [name for name in parts[0].covariates if all(name in p.covariates for p in parts)]
+    return Run(
+        cycle=np.concatenate([part.cycle for part in parts]),
+        axes={name: _merged_axis(name, runs) for name in parts[0].axes},
+        pose=np.repeat(list(runs), [len(part) for part in parts]),
+        covariates={n: np.concatenate([p.covariates[n] for p in parts]) for n in shared},
+        metadata=_metadata(runs),
+    )
+
+
+def _merged_axis(name: str, runs: Mapping[str, Run]) -> Axis:
+    axes = [run.axes[name] for run in runs.values()]
+    commands = {pose: run.command_of(name, None) for pose, run in runs.items()}
+    return joined_axis(axes, {pose: one for pose, one in commands.items() if one is not None})
+
+
+def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    keys = dict.fromkeys(key for run in runs.values() for key in run.metadata)
+    for key in (one for one in keys if one not in _OF_A_PART):
+        texts = {pose: run.metadata.get(key) for pose, run in runs.items()}
+        first = next(iter(texts.values()))
+        if first is not None and len(set(texts.values())) == 1:
+            found[key] = first
+        else:
+            found |= {f"{key}[{pose}]": text for pose, text in texts.items() if text is not None}
+    return found
+
+
+def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
+    """Raise `DataError` with what is wrong with each part that is faulty."""
+    faults = [Fault(f"{one.part.name}: {one.why}") for one in states if one.state == FAULTY]
+    if faults:
+        first = next(one for one in states if one.state == FAULTY)
+        raise DataError(
+            f"{len(faults)} part{'s' if len(faults) > 1 else ''} cannot be taken",
+            where=str(folder.path),
+            faults=faults,
+            remedy="move a file of another test away, correct or strike it, or repeat the part: "
+            f"scara-iso record {folder.path} `part={first.part.name}` `repeat='the reason'`",
+        )
+
+
+def _refuse_other_axes(folder: Folder, runs: Mapping[str, Run]) -> None:
+    found = {
+        pose: ", ".join(f"{n} in {a.unit}" for n, a in run.axes.items())
+        for pose, run in runs.items()
+    }
+    if len(set(found.values())) > 1:
+        raise DataError(
+            "the parts do not have the same axes",
+            where=str(folder.path),
+            faults=[Fault(f"{pose}: {said}") for pose, said in found.items()],
+            remedy="repeat the part that differs, with the gauges of the others",
+        )
+
+
+def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
+    """Yield what is missing, struck and doubted, for the checks and for the head of the report."""
+    if missing := [lacking(one) for one in states if one.is_open]:
+        yield "parts_missing", ", ".join(missing)
+    if struck := [f"{one.recording}: {one.reason}" for state in states for one in state.struck]:
+        yield "parts_struck", SEPARATOR.join(struck)
+    doubts = [
+        f"{state.part.name}: {line}"
+        for state in states
+        if state.is_whole and state.recording is not None
+        for line in state.recording.doubts
+    ]
+    if doubts:
+        yield "doubts", SEPARATOR.join(doubts)
+
+
+def lacking(state: PartState) -> str:
+    """Return a part that is not whole by its name, and how far it is where it was begun."""
+    if state.state != UNFINISHED or state.recording is None:
+        return state.part.name
+    done, wanted = state.recording.cycles
+    return f"{state.part.name} ({done} of {wanted} cycles)"
+
+
+def _notes(folder: Folder, runs: Mapping[str, Run]) -> Iterator[str]:
+    for pose, run in runs.items():
+        yield from (f"{pose}: {note}" for note in run.origin.notes)
+    for name in folder.foreign:
+        yield f"{name}: of no part of the test, not used"

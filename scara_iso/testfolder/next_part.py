@@ -1,0 +1,211 @@
+"""How far a test is, and how long is left, from the pace of the parts recorded.
+
+Which part is recorded next, into which file, and with what in its head.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+from scara_iso.base.errors import UsageError
+from scara_iso.recorder import Noticed, Said, Started, manifest_path, raw_path
+from scara_iso.testfolder.folder import FAULTY, UNFINISHED, Folder, PartState
+from scara_iso.testfolder.whole_test import Part, Struck, metadata_of
+from scara_iso.testfolder.writing import strike
+
+TIME = "time_s"
+_MINUTE_S, _HOUR_S = 60.0, 3600.0
+
+
+def seconds_a_cycle(folder: Folder) -> float | None:
+    """Return the pace: the median over the parts that have times, None where none has."""
+    paces = [pace for state in folder.parts if (pace := _pace(state)) is not None]
+    return median(paces) if paces else None
+
+
+def _pace(state: PartState) -> float | None:
+    if not state.is_whole or state.recording is None or state.part.beside:
+        return None
+    times = state.recording.run.covariates.get(TIME)
+    if times is None or len(times) < 2:
+        return None
+    return float(times[-1] - times[0]) / (len(times) - 1)
+
+
+def cycles_left(folder: Folder) -> int:
+    """Return how many cycles are still to be recorded at the poses."""
+    left = (one for one in folder.parts if one.is_open and not one.part.beside)
+    return sum(_cycles_of(state, folder) for state in left)
+
+
+def _cycles_of(state: PartState, folder: Folder) -> int:
+    if state.state != UNFINISHED or state.recording is None:
+        return folder.test.schedule.cycles
+    done, wanted = state.recording.cycles
+    return max(0, wanted - done)
+
+
+def seconds_left(folder: Folder) -> float | None:
+    """Return how long the poses that lack will take, None where no pace is known.
+
+    A drift test has a pace of its own: None too where nothing but the tests beside them lack.
+    """
+    pace, left = seconds_a_cycle(folder), cycles_left(folder)
+    beside_alone = not left and folder.next is not None
+    return None if pace is None or beside_alone else pace * left
+
+
+def about(seconds: float) -> str:
+    """Return a time as it is said: ``about 40 minutes``."""
+    if seconds < _MINUTE_S:
+        return "less than a minute"
+    if seconds < 2 * _HOUR_S:
+        minutes = math.ceil(seconds / _MINUTE_S)
+        return f"about {minutes} minute{'s' if minutes > 1 else ''}"
+    return f"about {seconds / _HOUR_S:.1f} hours"
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """One part to record; ``struck`` are the recordings that it stands for, if it is repeated."""
+
+    part: Part
+    table: Path
+    resume: bool
+    metadata: Mapping[str, str]
+    cycles: int
+    number: int
+    of: int
+    struck: tuple[Struck, ...] = ()
+    pace_s: float | None = None
+    """Seconds a cycle, from the parts recorded."""
+    cycles_after: int = 0
+    """Cycles to record when this part is done."""
+
+    def said(self, stored: int) -> str:
+        """Return where the test is: ``part 7 of 15, P2 at 50 %, about 40 minutes left``."""
+        if self.part.beside:
+            return f"part {self.number} of {self.of}, the {self.part.name} test at {self.part.pose}"
+        condition = self.part.condition
+        load = "" if condition.load == 100 else f" and {condition.load:g} % load"
+        where = f"part {self.number} of {self.of}, {self.part.pose} at {condition.velocity:g} %"
+        if self.pace_s is None:
+            return f"{where}{load}"
+        left = self.pace_s * (self.cycles - stored + self.cycles_after)
+        return f"{where}{load}, {about(left)} left"
+
+
+def told_of_part(
+    assignment: Assignment, folder: Path, tell: Callable[[Said], None]
+) -> Callable[[Said], None]:
+    """Return a listener that strikes what is repeated when the session has begun, and hands on.
+
+    So a port that cannot be opened strikes nothing, and no reading is stored beside one that
+    still counts.
+    """
+
+    def told(said: Said) -> None:
+        if isinstance(said, Started) and assignment.struck:
+            strike(folder, *assignment.struck)
+        tell(said)
+        if isinstance(said, Started):
+            tell(Noticed("", f"{assignment.part.name}: {assignment.said(said.cycle - 1)}"))
+
+    return told
+
+
+def assign(
+    folder: Folder, axes: Collection[str], *, part: str | None = None, repeat: str | None = None
+) -> Assignment | None:
+    """Return the part ``part``, or the next one; None where nothing is missing.
+
+    ``repeat`` is the reason for which what is there of the part is struck. Raises `UsageError` for
+    no such part, one that is recorded already, and axes other than those of the other parts.
+    """
+    if repeat is not None and (part is None or not repeat.strip()):
+        raise UsageError(
+            "a part is repeated by its name and a reason",
+            remedy="give `part=P3-v50-l100` and `repeat='the plunger stuck'`",
+        )
+    state = folder.next if part is None else _state(folder, part, repeat)
+    if state is None:
+        return None
+    if state.part.is_push:
+        raise UsageError(
+            f"{state.part.name} is a table of forces, which is typed and not recorded",
+            where=str(folder.path),
+            remedy=f"write the columns force_N and reading into {_free(folder, state.part)}",
+        )
+    _refuse_other_axes(folder, axes, state)
+    struck = tuple(_struck(state, repeat))
+    resume = state.state == UNFINISHED and not struck
+    table = state.recording.table if resume and state.recording else _free(folder, state.part)
+    done = state.recording.cycles[0] if resume and state.recording else 0
+    wanted = folder.test.visits_of(state.part)
+    return Assignment(
+        part=state.part,
+        table=table,
+        resume=resume,
+        metadata=metadata_of(state.part, folder.test, axes),
+        cycles=wanted,
+        number=1 + [one.part for one in folder.parts].index(state.part),
+        of=len(folder.parts),
+        struck=struck,
+        pace_s=seconds_a_cycle(folder),
+        cycles_after=cycles_left(folder)
+        - (wanted - done if state.is_open and not state.part.beside else 0),
+    )
+
+
+def _struck(state: PartState, reason: str | None) -> Iterator[Struck]:
+    """Yield the strikes of what is there of a part, where there is a reason to repeat it."""
+    if reason is not None and state.recording is not None:
+        for name in (*state.others, state.recording.name):
+            yield Struck(name, " ".join(reason.split()))
+
+
+def _state(folder: Folder, name: str, repeat: str | None) -> PartState:
+    found = {one.part.name: one for one in folder.parts}
+    if name not in found:
+        raise UsageError(
+            f"no part {name!r} in {folder.path}", remedy=f"it has {', '.join(list(found)[:15])}"
+        )
+    state = found[name]
+    if repeat is None and not state.is_open:
+        why = f" and {state.why}" if state.state == FAULTY else ""
+        raise UsageError(
+            f"{name} is recorded already{why}", remedy="give `repeat='the reason'` to repeat it"
+        )
+    if repeat is not None and state.recording is None:
+        raise UsageError(
+            f"{name} is not recorded: nothing is repeated", remedy="leave `repeat=` out"
+        )
+    return state
+
+
+def _refuse_other_axes(folder: Folder, axes: Collection[str], state: PartState) -> None:
+    if state.part.beside:
+        return
+    at_poses = (one for one in folder.parts if one is not state and not one.part.beside)
+    others = [one for one in at_poses if one.is_whole and one.recording]
+    for other in others[:1]:
+        known = set(other.recording.run.axes) if other.recording else set()
+        if known != set(axes):
+            raise UsageError(
+                f"{other.part.name} was recorded on {', '.join(sorted(known))}, "
+                f"and this would be {', '.join(sorted(axes))}",
+                remedy="give a gauge for each of these axes, so that the poses can be compared",
+            )
+
+
+def _free(folder: Folder, part: Part) -> Path:
+    """Return the first name of the part that no file has: ``P3-v50-l100``, ``P3-v50-l100-r2``."""
+    number, table = 1, folder.path / f"{part.name}.csv"
+    while any(path.exists() for path in (table, raw_path(table), manifest_path(table))):
+        number += 1
+        table = folder.path / f"{part.name}-r{number}.csv"
+    return table

@@ -1,0 +1,14 @@
+"""Where the test of a folder is written down; nothing else is imported, for every command asks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from scara_iso.base.files import is_file
+
+FILE = "test.toml"
+
+
+def is_test_folder(path: object) -> bool:
+    """Say whether a path names the folder of a test."""
+    return isinstance(path, str | Path) and is_file(Path(path) / FILE)

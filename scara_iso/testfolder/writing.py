@@ -1,0 +1,239 @@
+"""A `WholeTest` to test.toml, with a word on each section; a strike into the file that is there.
+
+A plan of the poses and a model file to a `WholeTest`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from scara_iso.base.disk import Disk, write_file
+from scara_iso.base.files import read_file
+from scara_iso.iso9283 import PosePlan
+from scara_iso.robot import Model
+from scara_iso.testfolder.place import FILE
+from scara_iso.testfolder.reading import EVERY_LENGTH
+from scara_iso.testfolder.whole_test import (
+    PUSH,
+    CommandPose,
+    Cube,
+    RobotTested,
+    Schedule,
+    Struck,
+    WholeTest,
+)
+
+CHARACTERISTICS = ("RP", "AP")
+"""What thirty cycles at five poses give."""
+
+
+def plan_test(
+    plan: PosePlan,
+    model: Model,
+    *,
+    model_path: Path,
+    folder: Path,
+    velocities: Sequence[float],
+    loads: Sequence[float],
+) -> WholeTest:
+    """Return the test of a plan; the model file is named as seen from ``folder``.
+
+    Poses in the order P1 to P5. What the model does not rate is left open.
+    """
+    return WholeTest(
+        robot=RobotTested(
+            model.robot,
+            model.serial_number,
+            _relative(model_path, folder),
+            model.rated.load_kg,
+            model.rated.velocity_mm_s,
+        ),
+        schedule=Schedule(
+            CHARACTERISTICS,
+            tuple(velocities),
+            tuple(loads),
+            plan.conditions.cycles,
+            dwell_s=plan.conditions.dwell_s,
+        ),
+        cube=Cube(plan.solid.value, plan.size_mm, plan.plane.value, plan.elbow.value),
+        poses={
+            pose.name: CommandPose(pose.x_mm, pose.y_mm, pose.z_mm, pose.theta_deg)
+            for pose in plan.poses
+        },
+    )
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """Return the path from the folder, with slashes; whole where no relative one leads there."""
+    try:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # another drive of Windows
+        return path.resolve().as_posix()
+
+
+_LARGEST = 1_000_000
+_INLINE = ("command", "limits")
+_HEAD = (
+    "A test of ISO 9283: the recordings in this folder are its parts.",
+    "Edit it freely; a line that begins with # says nothing. Every key: docs/test-folder.md",
+)
+_SAID = {
+    "robot": "what is tested; what is not stated is a deviation in the report",
+    "test": "velocities and loads in per cent of the rated ones, in the order of recording",
+    "cube": "where the poses come from, as plan computed it",
+    "pose": "command coordinates in the robot's base frame; command = { X = 0.0 }: on the dials",
+    "limits": "RP has to be at most this, in mm; the rule that decides: interval or simple",
+    "instrument": "the indicator of each axis and its certificate; uncertainty is standard, in mm",
+    "drift": "the drift test (7.6): blocks of visits over 8 h, from a cold start; drift.csv",
+    "push": "a joint pushed to and fro: forces and readings in push.csv; several: [push.joint_1]",
+    "environment": "where no limits are stated, (20 ± 2) °C are taken",
+    "people": "for the report",
+}
+_WITHOUT_HEAD = ("pose", "instrument", "drift", "push")
+"""Sections that hold sections, or that a test may be without."""
+_OPEN: Mapping[str, tuple[str, ...]] = {
+    "robot": ('serial_number = "0123"', "rated_payload_kg = 5", "rated_velocity_mm_s = 2000"),
+    "test": (
+        "stabilisation_time_s = 0.8",
+        'approach = "one side"',
+        "warm_up_min = 30",
+        'dial_zero = "command"   # the dials were zeroed at the command pose: gives AP',
+        "date = 2026-05-12",
+    ),
+    "limits": ("XY = 0.02", f"{EVERY_LENGTH} = 0.02"),
+    "instrument": (
+        "[instrument.X]",
+        'name = "dial indicator"',
+        'serial_number = "4711"',
+        'certificate = "K-2026-17"',
+        "calibration_date = 2026-01-10",
+        "calibration_due = 2027-01-10",
+        "uncertainty = 0.0005",
+    ),
+    "environment": ("temperature_C = 20.5", "temperature_limits_C = [18, 22]"),
+    "drift": ("[drift]", 'pose = "P1"', "blocks = 33", "visits = 10", "limits = { dAP = 0.03 }"),
+    "push": ("[push]", "arm_m = 0.25", "limits = { lost_motion = 1.2 }"),
+    "people": ('operator = "A. Name"', 'laboratory = "Name, town"', 'customer = "Name, town"'),
+}
+"""What may be stated beside what is, as comments; a key that is stated is left out."""
+
+
+def toml_of(test: WholeTest) -> str:
+    """Return the file of a test; `parse_test` reads it back to the same test."""
+    import tomlkit  # noqa: PLC0415 - only where a test is written
+
+    document = tomlkit.document()
+    for line in _HEAD:
+        document.add(tomlkit.comment(line))
+    limits = {name or EVERY_LENGTH: limit for name, limit in test.limits.items()}
+    sections = {
+        "robot": _plain(test.robot),
+        "test": _plain(test.schedule),
+        "cube": _plain(test.cube),
+        "pose": {name: _plain(pose) for name, pose in test.poses.items()},
+        "limits": {"decision": test.decision, **limits},
+        "instrument": {axis: _plain(one) for axis, one in test.instruments.items()},
+        "drift": {} if test.drift is None else _plain(test.drift),
+        "push": _pushes(test),
+        "environment": _plain(test.surroundings),
+        "people": _plain(test.people),
+    }
+    for name, values in sections.items():
+        document.add(tomlkit.nl())
+        if name in _WITHOUT_HEAD:
+            document.add(tomlkit.comment(_SAID[name]))
+        if values or name not in _WITHOUT_HEAD:
+            table = _section(values)
+            if name not in _WITHOUT_HEAD:
+                table.comment(_SAID[name])
+            document.add(name, table)
+        for line in _still_open(name, values):
+            document.add(tomlkit.comment(line))
+    for struck in test.struck:
+        _add(document, struck)
+    return tomlkit.dumps(document)
+
+
+def _pushes(test: WholeTest) -> dict[str, Any]:
+    found = {name: _plain(one) for name, one in test.pushes.items()}
+    if PUSH in found:
+        return found[PUSH]
+    return {name.removeprefix(f"{PUSH}-"): one for name, one in found.items()}
+
+
+def _still_open(name: str, values: Mapping[str, Any]) -> list[str]:
+    """Return the lines of what may be stated and is not."""
+    if name in _WITHOUT_HEAD and values:
+        return []
+    return [line for line in _OPEN.get(name, ()) if line.partition(" =")[0] not in values]
+
+
+def strike(folder: Path, *struck: Struck, disk: Disk | None = None) -> None:
+    """Add strikes to the test.toml of a folder, all else kept as it is; raises as `write_file`."""
+    import tomlkit  # noqa: PLC0415 - only where a test is written
+
+    path = folder / FILE
+    document = tomlkit.parse(read_file(path, _LARGEST).decode("utf-8-sig"))
+    for one in struck:
+        _add(document, one)
+    write_file(path, tomlkit.dumps(document).encode(), disk)
+
+
+def _add(document: Any, struck: Struck) -> None:
+    import tomlkit  # noqa: PLC0415 - only where a test is written
+
+    tables = document.setdefault("struck", tomlkit.aot())
+    listed = isinstance(tables, tomlkit.items.Array)  # struck = [...] in place of [[struck]]
+    table = tomlkit.inline_table() if listed else tomlkit.table()
+    table["recording"], table["reason"] = struck.recording, struck.reason
+    tables.append(table)
+
+
+def _section(values: Mapping[str, Any]) -> Any:
+    import tomlkit  # noqa: PLC0415 - only where a test is written
+
+    table = tomlkit.table(
+        is_super_table=bool(values) and all(isinstance(value, dict) for value in values.values())
+    )
+    for key, value in values.items():
+        inner = key in _INLINE
+        if isinstance(value, dict) and not inner:
+            table.add(key, _section(value))
+        elif inner:
+            inline = tomlkit.inline_table()
+            inline.update(value)
+            table.add(key, inline)
+        else:
+            table.add(key, value)
+    return table
+
+
+def _plain(one: Any) -> dict[str, Any]:
+    """Return what a section states: what is empty is not stated."""
+    found = {}
+    for name in (item.name for item in fields(one)):
+        value = getattr(one, name)
+        if isinstance(value, Mapping):
+            value = {
+                key: [*map(_number, each)] if isinstance(each, tuple) else _number(each)
+                for key, each in value.items()
+            }
+        if isinstance(value, tuple):
+            value = [
+                [*map(_number, each)] if isinstance(each, tuple) else _number(each)
+                for each in value
+            ]
+        if value not in (None, "", [], {}):
+            found[name] = value if isinstance(value, dict | list | str | date) else _number(value)
+    return found
+
+
+def _number(value: Any) -> Any:
+    """Return a whole number without its decimal point, for the reader's eye."""
+    whole = isinstance(value, float) and value.is_integer() and abs(value) < _LARGEST
+    return int(value) if whole else value
