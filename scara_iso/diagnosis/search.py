@@ -11,12 +11,12 @@ import numpy as np
 from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
 from scara_iso.diagnosis.likelihood.evidence import Views
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
-from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet
+from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build
 from scara_iso.diagnosis.naming.choice import Choice, choose, two_states
 from scara_iso.diagnosis.naming.levels import with_levels
 from scara_iso.diagnosis.naming.misfit import without_misfit
 from scara_iso.diagnosis.naming.pairs import pairs
-from scara_iso.diagnosis.naming.refined import refined, refined_courses
+from scara_iso.diagnosis.naming.refined import refined, refined_courses, refined_members
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.significance.marginal import MarginalTests, marginal_tests
@@ -262,6 +262,8 @@ def _choice(
     if named_course and not of_two:
         return choice
     both = pairs(hypotheses, left.views, left.rows)
+    finer_ones = refined_members(problem, choice.forms, hypotheses.members)
+    hypotheses = build([*hypotheses.members, *finer_ones], left.rows, left.basis)
     return choose(hypotheses, left.views, [*hidden, *both], readings, log_change, finer)
 
 

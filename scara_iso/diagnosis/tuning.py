@@ -47,6 +47,9 @@ ENOUGH_FURTHER = 10
 PERSISTENCE_SHARE = 0.08
 """Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
 
+UNKNOWN_SHARE = 0.3
+"""Weight of the likeliest course of unknown form over that of all hypotheses (undeclared.py)."""
+
 WIDENING_SHARE = 0.1
 """Weight of scatter that changes, by ranks, over that of all hypotheses (undeclared.py)."""
 
@@ -185,8 +188,13 @@ SMOOTH_WEIGHT, SMOOTH_LENGTHS, SMOOTH_VARIANCES = 0.4, (1.5, 3.0, 6.0, 12.0), (0
 SMOOTH_CYCLES = 30
 """The run of which SMOOTH_LENGTHS are lengths in cycles; longer runs have longer ones."""
 
+CHANGING_LENGTHS = ((3.0, 1.0), (2.5, 0.8), (1.0, 3.0), (0.8, 2.5))
+"""At the first and the last cycle."""
+SWING_LENGTH, SWING_PERIODS = 4.0, (3.0, 4.0, 5.5, 8.0)
+"""Cycles for which a swing keeps its phase, and its periods."""
+CHANGING_WEIGHT, CHANGING_VARIANCES = 0.4, (2.0, 8.0, 32.0)
+
 ROUGH_WEIGHT, ROUGH_LENGTHS, ROUGH_VARIANCES = 0.1, (2.0, 5.0), (1.0, 4.0)
-PASSAGE_WEIGHT = 0.4
 LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
 """Weight of courses of three and of four levels."""
 

@@ -240,12 +240,25 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     direction does; one axis freed of the others does. Of several poses: each axis takes part or
     not; the axes of one pose do or not. Named directions count as much as these.
     """
-    bf, q = _bayes_factors(log_bf, views), views.axes
+    return _joint(_bayes_factors(log_bf, views), views)
+
+
+def _joint(bf: FloatArray, views: Views) -> FloatArray:
+    q = views.axes
     if q == 1:
         return np.asarray(bf[:, 0])
     together = _taking_part(bf[:, :q], views)
     together += np.einsum("v,ivm->im", _shares(views), bf[:, q:])
     return together
+
+
+def largest_evidence(bf: FloatArray, views: Views) -> FloatArray:
+    """Return the largest (m,) of the `joint_evidence` of members, of single ones (members, v, m).
+
+    0 where there are none.
+    """
+    capped = np.minimum(bf, math.exp(LARGEST_LOG / views.axes))
+    return np.asarray(_joint(capped, views).max(axis=0, initial=0.0))
 
 
 def mean_evidence(weights: FloatArray, bf: FloatArray, views: Views) -> FloatArray:

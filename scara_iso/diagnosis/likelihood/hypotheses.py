@@ -10,10 +10,12 @@ from itertools import combinations
 import numpy as np
 
 from scara_iso.diagnosis.tuning import (
+    CHANGING_LENGTHS,
+    CHANGING_VARIANCES,
+    CHANGING_WEIGHT,
     FEWEST_MOVED,
     GAIN,
     LEVELS_WEIGHT,
-    PASSAGE_WEIGHT,
     ROUGH_LENGTHS,
     ROUGH_VARIANCES,
     ROUGH_WEIGHT,
@@ -21,6 +23,8 @@ from scara_iso.diagnosis.tuning import (
     SMOOTH_LENGTHS,
     SMOOTH_VARIANCES,
     SMOOTH_WEIGHT,
+    SWING_LENGTH,
+    SWING_PERIODS,
     UNKNOWN,
 )
 from scara_iso.effects import CLOCK, Chain, Conditions, Effect, Form, OwnEffect, Process, Shape
@@ -94,7 +98,7 @@ def _of_clock(effect: Effect, cycle: bytes, clock: bytes) -> tuple[Hypothesis, .
 def _of_no_name(cycle: bytes) -> tuple[Hypothesis, ...]:
     """Return the hypotheses that carry no name; tables of the same cycles share them."""
     conditions = Conditions(np.frombuffer(cycle, dtype=np.int64))
-    return (*_unknown(conditions), *_passages(conditions), *_levels(conditions))
+    return (*_unknown(conditions), *_levels(conditions))
 
 
 def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hypothesis]:
@@ -158,40 +162,45 @@ def _still(form: Form) -> bool:
 
 
 def _unknown(conditions: Conditions) -> list[Hypothesis]:
-    """Return smooth (squared-exponential) and rough (exponential) processes over the cycles."""
+    """Return Gaussian processes over the cycles: smooth, of changing width, swinging, rough.
+
+    Smooth ones are squared exponentials; a swing keeps its phase for some cycles.
+    """
     lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
     unit = len(conditions) / SMOOTH_CYCLES
     smooth = [np.exp(-0.5 * (lag / (unit * length)) ** 2) for length in SMOOTH_LENGTHS]
+    changing = [gibbs(conditions.elapsed, unit * np.array(ends)) for ends in CHANGING_LENGTHS]
+    kept = np.exp(-0.5 * (lag / (unit * SWING_LENGTH)) ** 2)
+    swinging = [kept * np.cos(2 * np.pi * lag / period) for period in SWING_PERIODS]
     rough = [np.exp(-lag / length) for length in ROUGH_LENGTHS]
     return [
         *_processes(smooth, SMOOTH_VARIANCES, SMOOTH_WEIGHT),
+        *_processes([*changing, *swinging], CHANGING_VARIANCES, CHANGING_WEIGHT, test_weight=0.0),
         *_processes(rough, ROUGH_VARIANCES, ROUGH_WEIGHT),
     ]
 
 
+def gibbs(elapsed: FloatArray, ends: FloatArray) -> FloatArray:
+    """Return the correlation (n, n) of a course whose width goes from ``ends[0]`` to ``ends[1]``.
+
+    k(i, j) = sqrt(2 l_i l_j / (l_i^2 + l_j^2)) exp(-(t_i - t_j)^2 / (l_i^2 + l_j^2)), l linear in
+    time (Gibbs 1997, eq. 3.40).
+    """
+    width = np.interp(elapsed, elapsed[[0, -1]], ends)
+    squares = width[:, np.newaxis] ** 2 + width**2
+    lag = np.subtract.outer(elapsed, elapsed)
+    return np.asarray(np.sqrt(2 * np.outer(width, width) / squares) * np.exp(-(lag**2) / squares))
+
+
 def _processes(
-    correlations: Sequence[FloatArray], variances: Sequence[float], weight: float
+    correlations: Sequence[FloatArray],
+    variances: Sequence[float],
+    weight: float,
+    test_weight: float = 1.0,
 ) -> list[Hypothesis]:
     each = weight / (len(correlations) * len(variances))
     forms = [Process(c, variance=v) for c in correlations for v in variances]
-    return [Hypothesis(UNKNOWN, form, each) for form in forms]
-
-
-def _passages(conditions: Conditions) -> list[Hypothesis]:
-    """Return levels that come and go again: they help the test to see, and carry no name."""
-    n = len(conditions)
-    row = np.arange(n)[:, np.newaxis]
-    stride = max(2, n // 15)
-    spans = [(a, b) for a in range(2, n - 3, stride) for b in range(a + 2, n - 1, stride)]
-    return [
-        Hypothesis(
-            UNKNOWN,
-            Shape(np.where((row >= a) & (row < b), 1.0, 0.0)),
-            PASSAGE_WEIGHT / len(spans),
-            named=False,
-        )
-        for a, b in spans
-    ]
+    return [Hypothesis(UNKNOWN, form, each, test_weight) for form in forms]
 
 
 def _levels(conditions: Conditions) -> list[Hypothesis]:

@@ -54,6 +54,11 @@ class HypothesisSet:
         tested = self.weights * [member.test_weight for member in self.members]
         return np.asarray(tested / tested.sum(), dtype=self.vectors.dtype)
 
+    @cached_property
+    def by_largest(self) -> IntArray:
+        """Places of the members without a weight in the test, of which the likeliest counts."""
+        return np.flatnonzero([not member.test_weight for member in self.members])
+
     def explained(self, squared: FloatArray, out: FloatArray) -> None:
         """Put the shrunk sums over each member's columns, of (columns, m), into ``out``.
 

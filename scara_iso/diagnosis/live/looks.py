@@ -73,5 +73,6 @@ def _scores(n: int) -> FloatArray:
 def _hypotheses(n: int) -> HypothesisSet:
     """Return what the test compares after ``n`` readings."""
     rows: IntArray = np.arange(n)
-    members = hypotheses_of(find_effects(), Conditions(rows + 1, {}))
+    every = hypotheses_of(find_effects(), Conditions(rows + 1, {}))
+    members = [member for member in every if member.test_weight]
     return build([m for m in members if m.ordered], rows, constant(n))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -16,9 +16,7 @@ from scara_iso.effects import Form, Shape
 
 def refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> Form:
     """Return the likeliest of the forms near ``form``, where its effect knows nearer ones."""
-    if name not in problem.effects or not isinstance(form, Shape):
-        return form
-    near = problem.effects[name].near(problem.residual.conditions, form.parameters)
+    near = _near(problem, name, form)
     if not near:
         return form
     hypotheses = build([Hypothesis(name, one, 1.0) for one in near], left.rows, left.basis)
@@ -45,3 +43,25 @@ def refined_courses(
             searched = sum(not isinstance(value, str) for value in finer.parameters.values())
             found.append((name, course_beside(left.basis, finer.columns[left.rows], searched)))
     return found
+
+
+def refined_members(
+    problem: SearchProblem, forms: Mapping[str, Form], members: Sequence[Hypothesis]
+) -> list[Hypothesis]:
+    """Return the forms near the likeliest ones ``forms`` of the effects, which share their weight.
+
+    Readings far beyond their scatter leave much of a course that lies between those of the grid.
+    """
+    weight = {id(member.form): member.weight for member in members}
+    return [
+        Hypothesis(name, one, weight.get(id(form), 0.0) / len(near))
+        for name, form in forms.items()
+        if (near := _near(problem, name, form))
+        for one in near
+    ]
+
+
+def _near(problem: SearchProblem, name: str, form: Form) -> tuple[Form, ...]:
+    if name not in problem.effects or not isinstance(form, Shape):
+        return ()
+    return problem.effects[name].near(problem.residual.conditions, form.parameters)

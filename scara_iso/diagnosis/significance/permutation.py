@@ -16,7 +16,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.likelihood.evidence import Views, bayes_factors, mean_evidence
+from scara_iso.diagnosis.likelihood.evidence import (
+    Views,
+    bayes_factors,
+    largest_evidence,
+    mean_evidence,
+)
 from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet
 from scara_iso.diagnosis.significance.persistence import Emissions
 from scara_iso.diagnosis.significance.widening import widening
@@ -25,6 +30,7 @@ from scara_iso.diagnosis.tuning import (
     ENOUGH_FURTHER,
     PERMUTATIONS,
     PERSISTENCE_SHARE,
+    UNKNOWN_SHARE,
     WIDENING_SHARE,
 )
 from scara_iso.iso9283 import quantiles
@@ -172,6 +178,8 @@ def log_statistic(
 ) -> FloatArray:
     """Return the log of the mean Bayes factor for each order of the cycles, shape (orders,).
 
+    That of the likeliest course of unknown form counts as much as the mean of all hypotheses.
+
     ``beside`` is evidence that comes from outside the set.
     """
     n, v = views.columns.shape
@@ -179,4 +187,7 @@ def log_statistic(
     if hypotheses.basis.shape[1] > 1:
         permuted = permuted - hypotheses.basis @ (hypotheses.basis.T @ permuted)
     bf = bayes_factors(hypotheses, permuted).reshape(-1, v, len(orders))
-    return np.asarray(np.log(mean_evidence(hypotheses.test_weights, bf, views) + beside))
+    unknown = UNKNOWN_SHARE * largest_evidence(bf[hypotheses.by_largest], views)
+    return np.asarray(
+        np.log(mean_evidence(hypotheses.test_weights, bf, views) + unknown + beside)
+    )
