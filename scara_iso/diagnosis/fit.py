@@ -135,9 +135,9 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
             parts[i] = _kriged(term.form.covariance, left, rows) * term.moves
             among = term.form.covariance[np.ix_(rows, rows)]
             much = _wider(among, left, parts[i][rows], fitted_basis(terms, rows))
-            wider = np.where(term.moves, much, 1.0)
+            wider = np.where(term.moves, much, wider)
             stays = 1 + term.form.variance * term.form.stays
-            cured = wider * np.where(term.moves, stays, 1.0) ** 0.5
+            cured = np.where(term.moves, much * stays**0.5, cured)
     predicted = pose + sum(parts, np.zeros((n, axes)))
     return Fit(tuple(terms), predicted, tuple(coefficients), tuple(parts), wider, cured)
 

@@ -22,6 +22,7 @@ from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
     Found,
+    Learned,
     Repeatabilities,
     Series,
 )
@@ -228,6 +229,7 @@ def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[Found]) -> 
             here(series.predicted_after),
         ),
         courses=tuple(replace(c, axis=own[c.axis]) for c in whole.courses if c.axis in own),
+        learned=Learned(here(whole.learned.axes)) if whole.learned else None,
         flags=tuple(replace(f, axis=own[f.axis]) for f in whole.flags if f.axis in own),
         notes=tuple(note for note in whole.notes if _is_of(note, pose, test)),
     )

@@ -13,6 +13,7 @@ from scara_iso.diagnosis.result import (
     Flag,
     Foretold,
     Found,
+    Learned,
     Repeatabilities,
     Series,
     Shares,
@@ -189,6 +190,8 @@ class OfOnePose:
     """Where it is `unexplained`: the nearest effects."""
     courses: tuple[UnexplainedCourse, ...]
     """Where it is `unexplained`: how it goes."""
+    learned: Learned | None
+    """Where it is `unexplained`: the course that the completed model holds, about its mean."""
     error: Errors
     """Measured minus predicted, before and after."""
     repeatability: RepeatabilityOfModel

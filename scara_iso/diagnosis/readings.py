@@ -15,6 +15,7 @@ from scara_iso.diagnosis.gain.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.gain.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.gain.held_out import HeldOut, on_second_run, search_cross_validated
 from scara_iso.diagnosis.gain.unseen import of_other_half, of_second_run
+from scara_iso.diagnosis.learned import last_cycles, learn, learned_course
 from scara_iso.diagnosis.naming.misfit import is_slow
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -107,7 +108,9 @@ def diagnose_problem(
     """
     rng = np.random.default_rng(seed)
     terms, stages = find(problem, rng, level=level)
-    fitted = fit(terms, problem.residual.values, problem.rows, len(run))
+    verdict = verdict_of(terms, stages)
+    learned = learn(problem, terms, problem.rows) if verdict is Verdict.UNEXPLAINED else ()
+    fitted = fit((*terms, *learned), problem.residual.values, problem.rows, len(run))
     if second is None:
         unseen = search_cross_validated(problem, fitted, stages, rng)
     else:
@@ -120,7 +123,16 @@ def diagnose_problem(
     next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
     other: UnseenRP | None
     if second is None:
-        other = of_other_half(problem, stages, len(terms), groups, standing, (run, predicted), rng)
+        other = of_other_half(
+            problem,
+            stages,
+            len(terms),
+            groups,
+            standing,
+            (run, predicted),
+            rng,
+            learning=bool(learned),
+        )
     else:
         other = of_second_run(problem, fitted, groups, standing, second, rng)
     diagnosis = _diagnosis(
@@ -130,16 +142,17 @@ def diagnose_problem(
         unseen,
         courses[:3],
         Repeatabilities(measured, before, after, removed, next_test, other),
-        found_effects(problem, fitted, stages, problem.effects),
+        found_effects(problem, fitted, stages, unseen),
         _named(problem.residual, median(drawn)),
     )
     stated = _stated_otherwise(problem, seed, level)
     diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *stated))
     if diagnosis.verdict is Verdict.UNEXPLAINED:
+        notes = (*diagnosis.notes, *last_cycles(problem, terms))
         last = stages[-1].choice
         form = last.forms.get(UNKNOWN) if last and last.best == UNKNOWN else None
         courses_left = tuple(courses_of(problem.residual, fitted, form, rng))
-        diagnosis = replace(diagnosis, courses=courses_left)
+        diagnosis = replace(diagnosis, courses=courses_left, notes=notes)
     return Solved(diagnosis, fitted)
 
 
@@ -155,7 +168,7 @@ def _diagnosis(
 ) -> Diagnosis:
     shares = shares_of(problem.residual, fitted)
     return Diagnosis(
-        verdict=verdict_of(fitted.terms, stages),
+        verdict=verdict_of(named_terms(fitted), stages),
         effects=found,
         candidates=_candidates(fitted, stages),
         p_value=stages[0].p_value,
@@ -172,6 +185,7 @@ def _diagnosis(
         ),
         repeatability=RP,
         scatter=scatter,
+        learned=learned_course(problem, fitted),
         series=Series(problem.residual.conditions.cycle, *courses),
     )
 
@@ -218,6 +232,11 @@ def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:
     return Residual(first.axes, np.stack(columns, axis=1), first.division, conditions)
 
 
+def named_terms(fitted: Fit) -> tuple[Term, ...]:
+    """Return the terms of a fit that have a name, without a learned course."""
+    return tuple(term for term in fitted.terms if term.effect != UNKNOWN)
+
+
 def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:
     """Return what a search ends with: it may leave structure that no effect accounts for."""
     if stages[0].choice is None:
@@ -229,7 +248,7 @@ def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:
 
 def _candidates(fitted: Fit, stages: Sequence[Stage]) -> tuple[Rival, ...]:
     choice = stages[-1].choice
-    if choice is None or verdict_of(fitted.terms, stages) is not Verdict.UNEXPLAINED:
+    if choice is None or verdict_of(named_terms(fitted), stages) is not Verdict.UNEXPLAINED:
         return ()
     return (choice.ranked[0], *choice.rivals)
 

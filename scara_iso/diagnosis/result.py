@@ -202,6 +202,26 @@ class UnexplainedCourse:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class LearnedCourse:
+    """The course of one axis that no effect explains, about its mean [mm, deg]."""
+
+    cycle: IntArray = field(repr=False)
+    """Cycle numbers, shape (n,)."""
+    value: FloatArray = field(repr=False)
+    """Expected, shape (n,)."""
+    band: FloatArray = field(repr=False)
+    """95 % of the course, without scatter: lower and upper end, shape (n, 2)."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Learned:
+    """What the completed model holds where no known effect fits: no name, no cause."""
+
+    axes: Mapping[AxisKey, LearnedCourse]
+    """By axis; an axis that shows no course is not among them."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Diagnosis(Plotted):
     """What was found in one pose's readings."""
 
@@ -227,6 +247,8 @@ class Diagnosis(Plotted):
     """Readings and predictions over the cycles."""
     courses: tuple[UnexplainedCourse, ...] = ()
     """What the unexplained looks like, where the verdict is that."""
+    learned: Learned | None = None
+    """The course that is added to the model where the verdict is ``unexplained``."""
     scatter: ByAxis = field(default_factory=dict)
     """Standard deviation of each axis beside effects and rounding."""
     flags: tuple[Flag, ...] = ()

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
 from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.effects import Effect, OwnEffect, find_effects
-from scara_iso.robot import DeclaredEffect, declare, is_random, read_model
+from scara_iso.robot import DeclaredCourse, DeclaredEffect, declare, is_random, read_model
 
 
 def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
@@ -70,7 +72,8 @@ def save_model(
         alone = tuple(found for found, one in in_arm.items() if one is None)
     dials = described.indicators
     scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
-    declare(model, effects, to, scatter, described.own)
+    learned = _learned(diagnosis, dials)
+    declare(model, effects, to, scatter, described.own, learned)
     said = [
         f"{to} does not hold the {found.effect} at {', '.join(found.poses)}: a model knows effects "
         "of a joint or of a dial, not of single poses"
@@ -82,9 +85,26 @@ def save_model(
         for found in diagnosis.effects
         if found not in recurring
     ]
+    said += [
+        f"{to} holds the learned course of {one.axis}: nameless, as it went in this table"
+        for one in learned
+    ]
     said = said or [f"{to} holds the model's effects as they were: none was found to declare"]
     sizes = ", ".join(f"{axis} {value:g}" for axis, value in scatter.items())
     return (*said, f"{to} states the scatter: {sizes}") if scatter else tuple(said)
+
+
+def _learned(
+    diagnosis: Diagnosis | DiagnosisOfPoses, dials: Container[str]
+) -> tuple[DeclaredCourse, ...]:
+    """Return the learned courses of one pose as a model holds them; it has none of single poses."""
+    if not isinstance(diagnosis, Diagnosis) or diagnosis.learned is None:
+        return ()
+    return tuple(
+        DeclaredCourse(axis, one.cycle.astype(float), one.value, np.ptp(one.band, axis=1) / 4)
+        for axis, one in diagnosis.learned.axes.items()
+        if axis in dials
+    )
 
 
 def _expectation(one: DeclaredEffect, effect: Effect | None) -> str:

@@ -67,6 +67,9 @@ FEWEST_MOVED = 3
 """A course that moves fewer readings than this is hardly rarer than any other order, and cannot be
 told from as many gross readings."""
 
+FEWEST_PERIODS = 2
+"""Fewer periods are surely no sine."""
+
 FEWEST_ON_A_LEVEL = 4
 """Fewer readings than this are no level of their own."""
 

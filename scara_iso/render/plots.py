@@ -74,14 +74,18 @@ def plot_poses(found: DiagnosisOfPoses) -> Figure:
 @own_style()
 def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float) -> Figure:
     of = [
-        (f"{axis} {pose[:_LABEL]}".strip(), axis, one.series)
+        (f"{axis} {pose[:_LABEL]}".strip(), axis, one.series, one.learned)
         for pose, one in found.items()
         for axis in one.series.measured
     ]
     figure = new_figure(9, 1.2 + height * len(of), layout="constrained")
     rows = figure.subplots(len(of), 2, sharex=True, squeeze=False)
-    for (left, right), (label, axis, series) in zip(rows, of, strict=True):
+    for (left, right), (label, axis, series, learned) in zip(rows, of, strict=True):
         _draw_series(left, right, series, axis)
+        if learned is not None and axis in learned.axes:
+            low, high = learned.axes[axis].band.T - learned.axes[axis].value
+            after = series.predicted_after[axis]
+            left.fill_between(series.cycle, after + low, after + high, color=PLANE, alpha=0.2, lw=0)
         left.set_ylabel(label, parse_math=False)
     rows[0][0].set_title(f"readings: {verdict}")
     rows[0][1].set_title("measured minus predicted")

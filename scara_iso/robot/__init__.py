@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         sides as sides,
     )
     from scara_iso.robot.model import (
+        DeclaredCourse as DeclaredCourse,
         DeclaredEffect as DeclaredEffect,
         Gearbox as Gearbox,
         Indicator as Indicator,

@@ -21,7 +21,7 @@ from scara_iso.base.toml_keys import KeyFaults, number_at, only, pair
 from scara_iso.effects import Effect, OwnEffect, find_effects, find_gear_effects, own_effects
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.two_inertia import Backlash, backlash
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 Value = float | str | Mapping[str, float]
 
@@ -101,6 +101,23 @@ class DeclaredEffect:
         }
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class DeclaredCourse:
+    """A course without a name, learned of one table: knots at cycles, with their uncertainties."""
+
+    axis: str
+    cycle: FloatArray
+    """Cycle numbers that increase, shape (n,)."""
+    value: FloatArray
+    """Displacement at the knots, shape (n,) [mm, deg]."""
+    u: FloatArray
+    """Standard uncertainty of the values, shape (n,) [mm, deg]."""
+
+    def at(self, cycle: IntArray) -> FloatArray:
+        """Return the displacement at some cycles, linear between knots and constant beyond."""
+        return np.interp(cycle, self.cycle, self.value)
+
+
 @dataclass(frozen=True, slots=True)
 class Model:
     """A robot at its poses, seen by indicators, with the effects that are known."""
@@ -121,6 +138,8 @@ class Model:
     """Effects of a user's own, which stand in the file or beside it."""
     poses: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Joints 1 and 2 at each named pose of a test."""
+    learned: tuple[DeclaredCourse, ...] = ()
+    """Courses without a name, at most one for each axis."""
 
     def at(self, pose: str | None) -> Model:
         """Return the model at a named pose; it stays as it is where it names none.

@@ -9,8 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import DataError, Fault, UsageError
@@ -28,6 +31,7 @@ from scara_iso.effects import (
 from scara_iso.robot.arm import Arm
 from scara_iso.robot.model import (
     ARM_PLACES,
+    DeclaredCourse,
     DeclaredEffect,
     Gearbox,
     Indicator,
@@ -144,7 +148,8 @@ _LARGEST = 1_000_000  # bytes
 _ARM = ("link_1_mm", "link_2_mm", "joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg")
 _PAIRS = {"joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg"}
 _RATED = tuple(field.name for field in fields(Rated))
-_SECTIONS = {"robot", "rated", "gearbox", "pose", "indicator", "effect", "definition"}
+_SECTIONS = {"robot", "rated", "gearbox", "pose", "indicator", "effect", "definition", "learned"}
+_KNOTS = ("cycle", "value", "u")
 
 
 def read_model(path: str | Path, own: Sequence[OwnEffect] = ()) -> Model:
@@ -177,6 +182,7 @@ def read_model(path: str | Path, own: Sequence[OwnEffect] = ()) -> Model:
         rated=_rated(section(document, "rated", faults), faults),
         serial_number=str(robot.get("serial_number", "")),
         own=defined,
+        learned=tuple(_learned(document.get("learned", []), indicators, faults)),
     )
     if faults:
         raise DataError(
@@ -194,11 +200,13 @@ def declare(
     to: str | Path,
     scatter: Mapping[str, float] | None = None,
     own: Iterable[OwnEffect] = (),
+    learned: Iterable[DeclaredCourse] = (),
 ) -> None:
     """Write the model file ``path`` to ``to`` with ``effects`` added; comments are kept.
 
     ``scatter`` is that of some of its indicators, by axis; of ``own`` effects those declared are
-    defined too, so that the file stands alone. ``to`` may be ``path`` itself. Raises as
+    defined too, so that the file stands alone. ``learned`` courses are added to those of the same
+    axes that the file has, at its own knots. ``to`` may be ``path`` itself. Raises as
     `write_file`.
     """
     import tomlkit  # noqa: PLC0415 - only where a model is written
@@ -215,9 +223,28 @@ def declare(
             table[name] = _inline(value) if isinstance(value, Mapping) else _written(value)
         tables.append(table)
     _define(document, [one for one in own if one.name in {e.name for e in effects}])
+    _add_learned(document, learned)
     for axis, value in (scatter or {}).items():
         document["indicator"][axis]["scatter"] = value
     write_file(Path(to), tomlkit.dumps(document).encode())
+
+
+def _add_learned(document: Any, learned: Iterable[DeclaredCourse]) -> None:
+    """Add learned courses; one that its axis already has is what they are beside."""
+    import tomlkit  # noqa: PLC0415 - only where a model is written
+
+    for course in learned:
+        tables = document.setdefault("learned", tomlkit.aot())
+        there = next((entry for entry in tables if entry.get("axis") == course.axis), None)
+        value = course.value
+        if there is None:
+            there = tomlkit.table()
+            there["axis"] = course.axis
+            tables.append(there)
+        else:
+            value = value + np.interp(course.cycle, there["cycle"], there["value"])
+        for name, numbers in zip(_KNOTS, (course.cycle, value, course.u), strict=True):
+            there[name] = [float(f"{number:.6g}") for number in numbers.tolist()]
 
 
 def _define(document: Any, own: Iterable[OwnEffect]) -> None:
@@ -230,6 +257,40 @@ def _define(document: Any, own: Iterable[OwnEffect]) -> None:
         tables = document.setdefault("definition", tomlkit.aot())
         for definition in wanted:
             tables.append(tomlkit.item(dict(definition)))
+
+
+def _learned(
+    entries: object, indicators: Mapping[str, Indicator], faults: KeyFaults
+) -> Iterator[DeclaredCourse]:
+    """Yield the courses of the ``[[learned]]`` tables; what is wrong goes to ``faults``."""
+    if not isinstance(entries, list):
+        faults.add("learned", "write each course as [[learned]]")
+        return
+    seen: set[str] = set()
+    for k, entry in enumerate(entries, 1):
+        where = f"learned {k}"
+        if not isinstance(entry, dict) or entry.get("axis") not in {*indicators} - seen:
+            faults.add(f"{where}.axis", f"name one of {', '.join(indicators)}, each once")
+            continue
+        seen.add(entry["axis"])
+        only(entry, {"axis", *_KNOTS}, where, faults)
+        columns = [entry.get(name) for name in _KNOTS]
+        if wrong := _why_no_knots(columns):
+            faults.add(where, wrong)
+            continue
+        yield DeclaredCourse(entry["axis"], *(np.array(column, dtype=float) for column in columns))
+
+
+def _why_no_knots(columns: Sequence[object]) -> str:
+    """Return why cycle, value and u are not those of knots; empty where they are."""
+    lists = [column for column in columns if isinstance(column, list)]
+    if len(lists) < len(columns) or not lists[0] or len({len(column) for column in lists}) > 1:
+        return "give cycle, value and u as lists of one length"
+    if not all(is_number(number) for column in lists for number in column):
+        return "every cycle, value and u is a finite number"
+    if any(later <= earlier for earlier, later in pairwise(lists[0])):
+        return "the cycles must increase"
+    return "" if min(lists[2]) >= 0 else "no u is negative"
 
 
 def _inline(values: Mapping[str, float]) -> InlineTable:

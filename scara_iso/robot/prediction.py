@@ -29,10 +29,10 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
 
     Each is pose + half the gears' reversal on the side of ``approach`` + every declared effect
     whose course is determined; an effect of chance (which flank, a random walk) moves the
-    expectation by nothing. Without an ``approach`` column every cycle arrives on the same flank and
-    the reversal is a constant, which belongs to the pose; ``reversal`` False leaves it out. Raises
-    `UsageError` for an effect that lacks a parameter or needs a column that the procedure does not
-    have.
+    expectation by nothing, a learned course by what it was. Without an ``approach`` column every
+    cycle arrives on the same flank and the reversal is a constant, which belongs to the pose;
+    ``reversal`` False leaves it out. Raises `UsageError` for an effect that lacks a parameter or
+    needs a column that the procedure does not have.
     """
     known = {effect.name: effect for effect in find_effects(model.own)}
     axes = {}
@@ -40,6 +40,9 @@ def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Ru
         readings = np.full(len(procedure), indicator.level)
         if reversal:
             readings += _reversal(model, procedure, name)
+        for learned in model.learned:
+            if learned.axis == name:
+                readings += learned.at(procedure.cycle)
         for declared in model.effects:
             effect = known.get(declared.name)
             if effect is None:

@@ -10,27 +10,33 @@ from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.direction import Match, match
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
+from scara_iso.diagnosis.gain.held_out import HeldOut
 from scara_iso.diagnosis.naming.choice import Choice
+from scara_iso.diagnosis.naming.stated import unsure
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import ByAxis, Found, Shares
 from scara_iso.diagnosis.search import Stage
-from scara_iso.diagnosis.tuning import TWO_DIVISIONS, UNKNOWN
+from scara_iso.diagnosis.tuning import FEWEST_MOVED, FEWEST_PERIODS, TWO_DIVISIONS, UNKNOWN
 from scara_iso.effects import Effect, Form, Process, Shape, Spread
-from scara_iso.iso9283 import repeatability
+from scara_iso.iso9283 import median, repeatability
 from scara_iso.run import FloatArray
 
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 
 
 def found_effects(
-    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], effects: Mapping[str, Effect]
+    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], unseen: HeldOut
 ) -> tuple[Found, ...]:
-    """Return what was found, one for each term of the fit, in the order of the search."""
+    """Return what was found, one for each term with a name, in the order of the search.
+
+    ``unseen`` is the error on unseen cycles.
+    """
     left = (problem.residual.values - fitted.predicted) * fitted.wider
     return tuple(
-        _found(problem, fitted, i, stage, effects[fitted.terms[i].effect], left)
+        _found(problem, fitted, i, stage, problem.effects[fitted.terms[i].effect], left, unseen)
         for i, stage in enumerate(stages[: len(fitted.terms)])
+        if fitted.terms[i].effect != UNKNOWN
     )
 
 
@@ -65,7 +71,13 @@ def shares_of(residual: Residual, fitted: Fit) -> dict[str, Shares]:
 
 
 def _found(
-    problem: SearchProblem, fitted: Fit, i: int, stage: Stage, effect: Effect, left: FloatArray
+    problem: SearchProblem,
+    fitted: Fit,
+    i: int,
+    stage: Stage,
+    effect: Effect,
+    left: FloatArray,
+    unseen: HeldOut,
 ) -> Found:
     term, residual = fitted.terms[i], problem.residual
     assert stage.choice is not None  # noqa: S101 - a term stands for the choice of its stage
@@ -74,6 +86,9 @@ def _found(
     if term.located is None:
         where = match(*_movement(fitted.coefficients[i], errors), problem.directions)
     moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
+    probability, rivals = stage.choice.probability[effect.name], stage.choice.rivals
+    if _is_unsure(term, effect, where.name, residual, unseen):
+        probability, rivals = unsure(probability, rivals)
     return Found(
         effect=effect.name,
         units={p.name: p.unit for p in effect.parameters}
@@ -85,14 +100,36 @@ def _found(
         standard_errors=_by_axis(errors[0] if len(errors) else None, residual, term),
         p_value=stage.p_value,
         p_value_at_floor=stage.p_value_at_floor,
-        probability=stage.choice.probability[effect.name],
-        rivals=stage.choice.rivals,
+        probability=probability,
+        rivals=rivals,
         cause=effect.cause,
         confirm_by=effect.confirm_by,
         unidentified=_unidentified(stage.choice, effect, term, residual),
         share=_share(residual, fitted, i),
         left_open=_left_open(term, residual, effect, left),
     )
+
+
+def _is_unsure(
+    term: Term, effect: Effect, direction: str | None, residual: Residual, unseen: HeldOut
+) -> bool:
+    """Return whether no evidence makes a name sure.
+
+    Two levels show no contact by themselves: only a movement along one joint does. Fewer than two
+    periods are no sine. And where the error on unseen cycles does not fall, a course is no more
+    than a guess; single readings say nothing of others, and scatter moves no mean.
+    """
+    form = term.form
+    if effect.by_flank and not effect.needs:
+        joint = direction or (term.located.place.joint if term.located else None)
+        return joint is None
+    if not isinstance(form, Shape):
+        return False
+    if len(residual) < FEWEST_PERIODS * float(form.parameters.get("period", 0)):
+        return True
+    squares = [(error[term.moves] ** 2).sum() for error in (unseen.before, unseen.after)]
+    moved = int((form.columns != median(form.columns, axis=0)).any(axis=1).sum())
+    return bool(moved >= FEWEST_MOVED and squares[1] >= squares[0])
 
 
 def _share(residual: Residual, fitted: Fit, i: int) -> dict[str, float]:

@@ -13,10 +13,11 @@ import numpy as np
 
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.fit import Fit, Term, fit
+from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import Stage, find_again
-from scara_iso.diagnosis.tuning import FOLDS, REPEATS, WORTH_CHAINS
+from scara_iso.diagnosis.tuning import FOLDS, REPEATS, UNKNOWN, WORTH_CHAINS
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.run import FloatArray, IntArray
 
@@ -43,6 +44,7 @@ def search_cross_validated(
         hidden=sum(p > WORTH_CHAINS for p in likely),
         log_changes=[choice.log_change for choice in choices],
         limits=[stage.limit for stage in stages],
+        learning=any(term.effect == UNKNOWN for term in fitted.terms),
     )
 
 
@@ -55,11 +57,13 @@ def cross_validated(
     log_changes: Sequence[Mapping[str, float]] = (),
     limits: Sequence[float] = (),
     repeats: int = REPEATS,
+    learning: bool = False,
 ) -> HeldOut:
     """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
 
     Each fold chooses anew how many effects there are, up to those that the whole run's tests
-    admitted, and which; ``hidden``, ``log_changes`` and ``limits`` as in `find_again`. That a
+    admitted, and which; ``hidden``, ``log_changes`` and ``limits`` as in `find_again`;
+    with ``learning`` it learns the course of what they leave anew. That a
     fold's fit has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its
     excess over the whole fit, on all cycles, is taken off.
     """
@@ -72,11 +76,12 @@ def cross_validated(
             terms = find_again(
                 problem,
                 rows,
-                len(fitted.terms),
+                sum(term.effect != UNKNOWN for term in fitted.terms),
                 hidden=hidden,
                 log_changes=log_changes,
                 limits=limits,
             )
+            terms = (*terms, *learn(problem, terms, rows)) if learning else terms
             predicted = fit(terms, values[rows], rows, n).predicted if terms else pose
             before.append(_excess(values, pose, unseen))
             after.append(_excess(values, predicted, unseen))

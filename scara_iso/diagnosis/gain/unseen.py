@@ -9,6 +9,7 @@ import numpy as np
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.gain.completed import foretold, scatter_draws
 from scara_iso.diagnosis.gain.findings import repeatabilities
+from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import SECOND, UnseenRP
@@ -46,6 +47,8 @@ def of_other_half(
     standing: Standing,
     run: tuple[Run, Predicted | None],
     rng: np.random.Generator,
+    *,
+    learning: bool = False,
 ) -> UnseenRP | None:
     """Return RP of every other cycle, foretold by what is found anew in the rest of them.
 
@@ -59,6 +62,7 @@ def of_other_half(
     changes = [stage.choice.log_change for stage in chosen if stage.choice]
     limits = [stage.limit for stage in chosen]
     terms = find_again(problem, seen, count, hidden=count, log_changes=changes, limits=limits)
+    terms = (*terms, *learn(problem, terms, seen)) if learning else terms
     known = fit(terms, problem.residual.values[seen], seen, n)
     drawn = scatter_draws(problem.residual, known, rng, seen)
     told = foretold(

@@ -14,6 +14,7 @@ from scara_iso.diagnosis.tuning import (
     UNNAMED_AHEAD,
     UNSURE,
 )
+from scara_iso.diagnosis.verdict import Rival
 
 _SAID = 1.001 * RIVAL
 """Share that no rounding of numbers takes below RIVAL."""
@@ -58,6 +59,16 @@ def beside_near_rivals(
     whole = sum(others.values())
     sure = min(most, probability[best] / (probability[best] + whole))
     return {best: sure, **{name: p * (1 - sure) / whole for name, p in others.items()}}
+
+
+def unsure(probability: float, rivals: tuple[Rival, ...]) -> tuple[float, tuple[Rival, ...]]:
+    """Return a probability of at most UNSURE, and rivals of which the unknown takes the rest."""
+    if probability <= UNSURE:
+        return probability, rivals
+    known = tuple(rival for rival in rivals if rival.effect != UNKNOWN)
+    rest = max(1 - UNSURE - sum(rival.probability for rival in known), probability - UNSURE)
+    every = (*known, Rival(UNKNOWN, rest))
+    return UNSURE, tuple(sorted(every, key=lambda rival: -rival.probability))
 
 
 def as_often_right(probability: Mapping[str, float]) -> dict[str, float]:

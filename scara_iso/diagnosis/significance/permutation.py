@@ -188,6 +188,4 @@ def log_statistic(
         permuted = permuted - hypotheses.basis @ (hypotheses.basis.T @ permuted)
     bf = bayes_factors(hypotheses, permuted).reshape(-1, v, len(orders))
     unknown = UNKNOWN_SHARE * largest_evidence(bf[hypotheses.by_largest], views)
-    return np.asarray(
-        np.log(mean_evidence(hypotheses.test_weights, bf, views) + unknown + beside)
-    )
+    return np.asarray(np.log(mean_evidence(hypotheses.test_weights, bf, views) + unknown + beside))

@@ -8,9 +8,6 @@ import numpy as np
 
 from scara_iso.run import FloatArray, IntArray
 
-_PENALTIES = np.geomspace(0.1, 1e5, 13)
-_BETTER = 0.9
-"""A smooth course is one where it foretells left-out readings so much better than their mean."""
 _TURN = 0.2
 """A turn is worth a word from this share of the course's range."""
 _LEVEL, _LONG = 0.1, 0.2
@@ -20,15 +17,14 @@ _STAYS = "stays level"
 _DUST = 1e-300
 
 
-def in_words(y: FloatArray, cycle: IntArray) -> str:
-    """Return what the course of residuals y (n,) does over the cycles (n,), empty for no course."""
-    smooth, error = _smoothed(y)
-    if error > _BETTER * y.std() * len(y) / (len(y) - 1):
+def in_words(smooth: FloatArray, cycle: IntArray) -> str:
+    """Return what a smooth course (n,) does over the cycles (n,), empty where it does nothing."""
+    if not np.ptp(smooth):
         return ""
     parts = [part for a, b in pairwise(_turns(smooth)) for part in _parts(smooth, a, b)]
     if len(parts) > _MOST_PARTS:
         swings = sum(verb != _STAYS for verb, _ in parts)
-        return f"goes up and down, {swings} times in {len(y)} cycles"
+        return f"goes up and down, {swings} times in {len(smooth)} cycles"
     return _said(_merged(parts), cycle)
 
 
@@ -47,19 +43,6 @@ def levels_in_words(y: FloatArray, behind: FloatArray, cycle: IntArray) -> str:
     first = cycle[behind.argmax(axis=0)]
     said = [f"{step:+.2g} from cycle {k} on" for step, k in zip(steps[1:], first, strict=True)]
     return f"has {changes + 1} levels: {', '.join(said)}"
-
-
-def _smoothed(y: FloatArray) -> tuple[FloatArray, float]:
-    """Return y (n,) smoothed by penalised second differences, and its leave-one-out error."""
-    n = len(y)
-    bend = np.diff(np.eye(n), 2, axis=0)
-    found = []
-    for penalty in _PENALTIES:
-        smoother = np.linalg.inv(np.eye(n) + penalty * bend.T @ bend)
-        left_out = (y - smoother @ y) / (1 - np.diag(smoother))
-        found.append((float(np.sqrt((left_out**2).mean())), smoother @ y))
-    error, smooth = min(found, key=lambda one: one[0])
-    return smooth, error
 
 
 def _turns(smooth: FloatArray) -> list[int]:

@@ -1,0 +1,55 @@
+"""Something begins in mid-run and settles: 0 before a cycle, then 1 - exp(-(t - k) / tau).
+
+The first cycle that it moves is k, by 1 - exp(-1 / tau).
+"""
+
+import numpy as np
+
+from scara_iso.effects._conditions import Conditions
+from scara_iso.effects._effect import KnownCourse, as_column
+from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.run import FloatArray
+
+_LEAST_CYCLES = 4
+"""Fewer cycles before it are a warm-up; fewer after it a step."""
+
+_TAUS = (0.05, 0.09, 0.16)
+"""Of a run."""
+
+
+def _columns(conditions: Conditions, *, at_cycle: float, tau: float) -> FloatArray:
+    since = conditions.cycle - at_cycle + 1.0
+    return as_column(1 - np.exp(-np.maximum(since, 0.0) / tau))
+
+
+def _begins(conditions: Conditions) -> Grid:
+    n = len(conditions)
+    stride = max(1, round(n / 20))
+    return Grid(
+        conditions.cycle[_LEAST_CYCLES : n - _LEAST_CYCLES : stride].tolist(),
+        near=lambda begin: begin + np.arange(1.0 - stride, stride),
+    )
+
+
+def _taus(conditions: Conditions) -> Grid:
+    taus = [share * len(conditions) for share in _TAUS]
+    return Grid(taus, near=lambda tau: tau * np.geomspace(0.7, 1.4, 7))
+
+
+EFFECT = KnownCourse(
+    name="settles",
+    parameters=(
+        Parameter("at_cycle", "k", "", "first cycle that it moves", grid=_begins),
+        Parameter("tau", "τ", "cycles", "time constant", above=0, grid=_taus),
+        Parameter("size", "A", "reading", "travel to the new level"),
+    ),
+    cause="something changed during the test and settled: a heater or a machine switched on, a "
+    "clamp or a stand that slipped and crept on",
+    confirm_by="ask what was switched on, moved or loaded at that time, and repeat the run: it "
+    "must not come back at the same cycle",
+    at_once="look what was switched on, and for a clamp that gives",
+    weight=0.3,  # benchmarks/undeclared.py
+    test_weight=0.5,
+    smooth=True,
+    columns=_columns,
+)
