@@ -109,7 +109,7 @@ class EffectOnAxes(EffectFound):
 
     joint: Literal[1, 2] | None
     """Along whose movement it lies; null along none."""
-    parameters: Mapping[str, float | str | OfAxes]
+    parameters: Mapping[str, float | str | tuple[int, ...] | OfAxes]
     """By name; sizes by axis; `tau_s`, `period_s` where `time_s` was recorded."""
     standard_errors: Mapping[str, OfAxes]
     """Standard error of each size, by axis."""

@@ -62,7 +62,7 @@ class EffectAtPoses(EffectFound):
     """Where in the arm; theta alike everywhere is joint 4 or its indicator."""
     direction: str | None
     """Its place; null where none is sure."""
-    parameters: Mapping[str, float | str | Mapping[str, OfAxes]]
+    parameters: Mapping[str, float | str | tuple[int, ...] | Mapping[str, OfAxes]]
     """By name; sizes by pose and axis."""
     standard_errors: Mapping[str, Mapping[str, OfAxes]]
     """Standard error of each size, by pose and axis."""

@@ -42,7 +42,7 @@ from scara_iso.diagnosis.tuning import (
 from scara_iso.diagnosis.unexplained.courses import courses_of
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
-from scara_iso.iso9283 import median
+from scara_iso.iso9283 import far_readings, median
 from scara_iso.run import FloatArray, Run
 
 
@@ -146,7 +146,8 @@ def diagnose_problem(
         _named(problem.residual, median(drawn)),
     )
     stated = _stated_otherwise(problem, seed, level)
-    diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *stated))
+    flags = tuple(_flags(run, problem.residual, stages))
+    diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *stated), flags=flags)
     if diagnosis.verdict is Verdict.UNEXPLAINED:
         notes = (*diagnosis.notes, *last_cycles(problem, terms))
         last = stages[-1].choice
@@ -176,7 +177,6 @@ def _diagnosis(
         error_before=_error(problem.residual, None, unseen.before),
         error_after=_error(problem.residual, fitted, unseen.after),
         shares=shares,
-        flags=_flags(problem.residual, stages),
         notes=(
             *problem.residual.notes,
             *_coarse(shares),
@@ -263,13 +263,21 @@ def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
     return dict(zip(residual.axes, map(float, values), strict=True))
 
 
-def _flags(residual: Residual, stages: Sequence[Stage]) -> tuple[Flag, ...]:
+def _flags(run: Run, residual: Residual, stages: Sequence[Stage]) -> Iterator[Flag]:
+    """Yield the readings to look at: rare in Gaussian scatter, or far off to the analysis.
+
+    The analysis sees the readings themselves, which are of interest where nothing is found in them.
+    """
     marginal = stages[-1].marginal
-    if marginal.gaussian_outlier > FLAG_LEVEL:
-        return ()
-    cycle = int(residual.conditions.cycle[marginal.outlier_row])
-    p = marginal.gaussian_outlier
-    return (Flag(residual.axes[marginal.outlier_axis], cycle, p, p <= marginal.floor),)
+    p, at_floor = marginal.gaussian_outlier, marginal.gaussian_outlier <= marginal.floor
+    far = set()
+    if p <= FLAG_LEVEL:
+        far.add((residual.axes[marginal.outlier_axis], marginal.outlier_row))
+    if stages[0].choice is None:
+        far |= {
+            (a.name, k) for a in run.axes.values() for k in far_readings(a.readings, a.resolution)
+        }
+    yield from (Flag(axis, int(run.cycle[row]), p, at_floor) for axis, row in sorted(far))
 
 
 def _coarse(shares: Mapping[str, Shares]) -> list[str]:

@@ -20,6 +20,10 @@ ByAxis: TypeAlias = Mapping[str, float]
 """One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""
 
 
+Parameter: TypeAlias = "float | str | tuple[int, ...] | ByAxis"
+"""A number, the name of a column, some cycles, or one number for each axis."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class AtJoint:
     """The size of an effect in a joint, in the links (growth, of 1), or in an axis everywhere."""
@@ -46,8 +50,8 @@ class Found:
     """Name of the direction that its movement lies along, such as ``joint 1``."""
     angles: ByAxis
     """Angle in degrees between the movement and each direction of the geometry."""
-    parameters: Mapping[str, float | str | ByAxis]
-    """Parameters by name; sizes are one for each axis that it moves."""
+    parameters: Mapping[str, Parameter]
+    """Parameters by name; sizes are one for each axis that it moves, ``cycles`` a tuple."""
     standard_errors: Mapping[str, ByAxis]
     """Standard error of each size."""
     p_value: float

@@ -35,7 +35,8 @@ def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
 
 def declared(found: Found) -> DeclaredEffect:
     """Return a found effect as one that a model declares."""
-    return DeclaredEffect(found.effect, {**found.parameters, **found.left_open})
+    given = {k: v for k, v in found.parameters.items() if not isinstance(v, tuple)}
+    return DeclaredEffect(found.effect, {**given, **found.left_open})
 
 
 def declared_in_arm(found: Found) -> DeclaredEffect | None:
@@ -47,7 +48,11 @@ def declared_in_arm(found: Found) -> DeclaredEffect | None:
     if at is None:
         return None
     axis = "theta" if place == "joint 4" else place.removesuffix(" everywhere")
-    shape = {k: v for k, v in found.parameters.items() if k not in at.parameters}
+    shape = {
+        k: v
+        for k, v in found.parameters.items()
+        if k not in at.parameters and not isinstance(v, tuple)
+    }
     sizes = {name: {axis: value} for name, value in at.parameters.items()}
     return DeclaredEffect(found.effect, {**shape, **sizes})
 

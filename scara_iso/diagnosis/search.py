@@ -19,15 +19,18 @@ from scara_iso.diagnosis.naming.pairs import pairs
 from scara_iso.diagnosis.naming.refined import refined, refined_courses, refined_members
 from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.significance.marginal import MarginalTests, marginal_tests
+from scara_iso.diagnosis.significance.marginal import MarginalTests, marginal_tests, odd_rows
 from scara_iso.diagnosis.significance.permutation import OrderTest, order_statistic, order_test
 from scara_iso.diagnosis.significance.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.tuning import (
+    AS_OFTEN_ODD,
     FEWEST_ON_A_LEVEL,
     FURTHER_LEVEL,
     GROSS,
+    HEAVY_TAILS,
     LEVEL,
     MOST_EFFECTS,
+    ODD,
     ORDER_SHARE,
     OUTLIER_SHARE,
     TWO_LEVELS_SHARE,
@@ -216,8 +219,39 @@ def chosen(
         limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
         named = [member for member in left.members if member.named]
         choice = _choice(problem, left, named, with_chains=True, of_two=by_outlier <= level)
+        if by_outlier <= level and ODD in problem.effects:
+            by_levels = _shared(stage.order, stage.marginal)[1]
+            choice = _with_odd(
+                problem, left, stage.marginal, choice, min(by_order, by_levels) > level
+            )
         stage = replace(stage, choice=choice, limit=limit)
     return stage, left
+
+
+def _with_odd(
+    problem: SearchProblem,
+    left: Remainder,
+    found: MarginalTests,
+    choice: Choice[Form],
+    alone: bool,
+) -> Choice[Form]:
+    """Return a choice of all odd readings at once where it is an outlier, or nothing else is there.
+
+    ``alone`` says whether only the test of outliers has found anything: what else they may be is
+    scatter with heavy tails.
+    """
+    if not alone and choice.best != ODD:
+        return choice
+    far = np.flatnonzero(found.of_axes <= LEVEL * OUTLIER_SHARE)
+    own = [odd_rows(left.values[:, a]) for a in far] or [np.array([found.outlier_row])]
+    rows = left.rows[list(dict.fromkeys(np.concatenate(own).tolist()))]
+    cycle = problem.residual.conditions.cycle
+    columns = (np.arange(len(cycle))[:, np.newaxis] == rows).astype(np.float64)
+    forms = {**choice.forms, ODD: Shape(columns, {"at_cycle": float(cycle[rows[0]])})}
+    if not alone:
+        return replace(choice, forms=forms)
+    odd = max(0.5, AS_OFTEN_ODD / (AS_OFTEN_ODD + found.heavy_tailed))
+    return Choice({ODD: odd, HEAVY_TAILS: 1 - odd}, forms, choice.log_change)
 
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> Emissions | None:
@@ -271,7 +305,7 @@ def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remaind
     form = refined(problem, name, choice.forms[name], left)
     if isinstance(form, Spread):
         return spread_term(name, form, left.values, left.rows)
-    if problem.poses is not None and isinstance(form, Shape):
+    if problem.poses is not None and isinstance(form, Shape) and name != ODD:
         data = (left.values, left.rows, left.basis)
         return located_term(name, form, *data, problem.places, problem.poses.of)
     return term_of(name, form, left.values, left.rows, left.basis)

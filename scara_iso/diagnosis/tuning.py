@@ -11,6 +11,15 @@ from __future__ import annotations
 SEED = 9283
 """Seed of every permutation and simulation unless another is given."""
 
+ODD = "outlier"
+"""Name of the effect of single readings."""
+
+HEAVY_TAILS = "heavy_tails"
+"""Name of scatter with heavier tails than the level of the tests allows for."""
+
+AS_OFTEN_ODD = 0.05
+"""An odd reading is as likely as tails which throw one as far in so large a share of tables."""
+
 UNKNOWN = "unknown"
 """Name of the processes that stand for structure outside the catalogue."""
 
@@ -30,7 +39,7 @@ FLAG_LEVEL = 0.01
 
 MOST_EFFECTS = 3
 
-ORDER_SHARE, TWO_LEVELS_SHARE, OUTLIER_SHARE = 0.95, 0.25, 0.1
+ORDER_SHARE, TWO_LEVELS_SHARE, OUTLIER_SHARE = 0.85, 0.2, 0.25
 """How much of the level each test of readings uses. They add up to 1.3 and LEVEL is no bound. What
 trips one marginal test (skewed scatter the two levels, heavy tails the outlier) hardly ever trips
 the other, and Gaussian scatter trips neither: in table *null*, 38 cells of scatter only, structure

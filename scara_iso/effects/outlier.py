@@ -1,9 +1,16 @@
 """A single reading that stands apart from all others."""
 
+import numpy as np
+
 from scara_iso.effects._conditions import Conditions
 from scara_iso.effects._effect import KnownCourse, as_column
+from scara_iso.effects._linear import Linear
 from scara_iso.effects._parameter import Grid, Parameter
 from scara_iso.run import FloatArray
+
+
+def _farthest(coefficients: FloatArray) -> dict[str, float]:
+    return {"size": float(coefficients[np.abs(coefficients).argmax()])}
 
 
 def _columns(conditions: Conditions, *, at_cycle: float) -> FloatArray:
@@ -20,5 +27,6 @@ EFFECT = KnownCourse(
     confirm_by="look at the sheet or the raw capture of that cycle",
     recurs=False,
     gain=60.0,
+    linear=Linear(("size",), _farthest, lambda values: np.array([values["size"]])),
     columns=_columns,
 )

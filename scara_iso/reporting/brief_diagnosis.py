@@ -30,6 +30,7 @@ from scara_iso.reporting.diagnosis import (
     Failure,
     diagnosis_in_words,
     is_of_a_kind,
+    odd_said,
     parameters_said,
     rivals_said,
     sureness,
@@ -60,7 +61,9 @@ def diagnosis_brief(diagnosis: Diagnosis, again: Again) -> Report:
 
 def _answer(diagnosis: Diagnosis) -> Iterator[Headline]:
     if diagnosis.verdict is Verdict.NOTHING:
-        yield Headline(("Nothing besides scatter and the dial's division",), "good")
+        odd = odd_said(diagnosis)
+        said = "Nothing besides scatter and the dial's division"
+        yield Headline((f"{said}; {odd}" if odd else said,), "warn" if odd else "good")
     if diagnosis.effects:
         yield Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
     if diagnosis.verdict is Verdict.UNEXPLAINED:
@@ -109,8 +112,9 @@ def _repeatability(diagnosis: Diagnosis) -> Text:
     n = len(diagnosis.series.cycle)
     said = [f"RP  {name} {rounded(RP.measured[name], U_of_scatter(RP.measured[name], n))}"]
     removed = RP.with_effect_removed.get(name)
-    if diagnosis.effects and removed is not None:
-        said.append(f"without the effect {rounded(removed, U_of_scatter(removed, n))}")
+    if (diagnosis.effects or diagnosis.learned) and removed is not None:
+        what = "the effect" if diagnosis.effects else "the learned course"
+        said.append(f"without {what} {rounded(removed, U_of_scatter(removed, n))}")
     if (told := getattr(RP, "completed", {}).get(name)) is not None:
         spec = f".{digits_of(told.value, (told.low, told.high))}f"
         ends = f"[{told.low:{spec}}, {told.high:{spec}}]"
@@ -165,7 +169,9 @@ def doubts(diagnosis: Diagnosis, *, effects: bool = True) -> Iterator[Text]:
 def _courses(diagnosis: Diagnosis) -> Iterator[Block]:
     """Yield the axes that an effect moves, before and after; the others in one line."""
     series = diagnosis.series
-    moved = {axis for axis in series.measured if any(axis in f.axes for f in diagnosis.effects)}
+    learned = {} if diagnosis.learned is None else diagnosis.learned.axes
+    named = {axis for found in diagnosis.effects for axis in found.axes}
+    moved = {axis for axis in series.measured if axis in named or axis in learned}
     is_all = bool(moved) and diagnosis.verdict is Verdict.EXPLAINED
     still = [axis for axis in series.measured if is_all and axis not in moved]
     for axis, measured in series.measured.items():
@@ -186,7 +192,9 @@ def _spread(axis: str, readings: FloatArray) -> str:
 def _behind(diagnosis: Diagnosis) -> Iterator[Text]:
     before, after = diagnosis.error_before.held_out_rms, diagnosis.error_after.held_out_rms
     n = len(diagnosis.series.cycle)
-    changed = [axis for axis in before if any(axis in one.axes for one in diagnosis.effects)]
+    learned = () if diagnosis.learned is None else tuple(diagnosis.learned.axes)
+    moved = {axis for one in diagnosis.effects for axis in one.axes} | {*learned}
+    changed = [axis for axis in before if axis in moved]
     if changed:
         said = "; ".join(
             f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}" for axis in changed

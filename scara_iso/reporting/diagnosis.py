@@ -14,12 +14,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from scara_iso.diagnosis import (
+    ODD,
     SECOND,
     ByAxis,
     Diagnosis,
     DiagnosisOfPoses,
     Foretold,
     Found,
+    Parameter,
     Repeatabilities,
     Rival,
     UnseenRP,
@@ -42,6 +44,7 @@ from scara_iso.reporting.blocks import (
     rounded,
     words,
 )
+from scara_iso.tables import listed
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Reversal, RunReversals
@@ -226,7 +229,16 @@ def diagnosis_in_words(found: Diagnosis | Failure) -> str:
             return f"the readings show {named}, and besides more that no known effect accounts for"
         case Verdict.UNEXPLAINED:
             return "the readings show more than scatter, and no known effect accounts for it"
-    return "nothing besides scatter and the dial's division was found"
+    said = "nothing besides scatter and the dial's division was found"
+    return f"{said}, but an {odd}" if (odd := odd_said(found)) else said
+
+
+def odd_said(found: Diagnosis) -> str:
+    """Return what the readings to look at may be where nothing was found; empty for none."""
+    if found.verdict is not Verdict.NOTHING or not found.flags:
+        return ""
+    at = listed([f"{flag.axis} in cycle {flag.cycle}" for flag in found.flags])
+    return f"odd reading, or scatter with heavy tails: {at}"
 
 
 def unexplained_said(found: Diagnosis | DiagnosisOfPoses) -> str:
@@ -242,6 +254,8 @@ def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
                 f"nothing to explain: no structure beyond chance ({p_equals(diagnosis)})",
                 "good",
             )
+            if odd := odd_said(diagnosis):
+                yield Text(odd, "warn")
             yield Text("an effect that is too small for these cycles would not show")
         case Verdict.EXPLAINED:
             said = "; ".join(sureness(found) for found in diagnosis.effects)
@@ -263,14 +277,30 @@ def sureness(found: Found, *, on_axes: bool = True) -> str:
     where = f" on {', '.join(found.axes)}" if found.axes and on_axes else ""
     if on_axes and found.joint is not None and found.place is not None:
         where += f", {found.place}"
+    where = f"{_in_cycles(found)}{where}"
     if found.probability >= _SURE or not found.rivals:
         return f"{words(found.effect)}{where} ({found.probability:.0%})"
+    if found.effect == ODD:
+        return f"odd reading{where}, or scatter with heavy tails"
     others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals
-    names = [words(found.effect), *(words(rival.effect) for rival in others)]
+    names = [_unproven(found), *(words(rival.effect) for rival in others)]
     if is_of_a_kind(found):
         return f"{' or '.join(names)}{where}"
     likeliest = f"{', '.join(names[:_MOST_KINDS])} or {len(names) - _MOST_KINDS} others"
     return f"more than scatter{where}, its kind not clear: {likeliest}"
+
+
+def _in_cycles(found: Found) -> str:
+    cycles = found.parameters.get("cycles")
+    if not isinstance(cycles, tuple):
+        return ""
+    return f" in cycle{'s' if len(cycles) > 1 else ''} {listed(map(str, cycles))}"
+
+
+def _unproven(found: Found) -> str:
+    """Return the name of an effect that is not sure; two levels alone prove no contact."""
+    name = words(found.effect)
+    return f"two levels, {name}" if found.effect == "contact_side" else name
 
 
 def is_of_a_kind(found: Found) -> bool:
@@ -311,7 +341,9 @@ def parameters_said(found: Found, only: Iterable[str] | None = None) -> str:
     )
 
 
-def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
+def _parameter(name: str, value: Parameter, found: Found) -> str:
+    if isinstance(value, tuple):
+        return f"{words(name)} {listed(map(str, value))}"
     if not isinstance(value, Mapping):
         said = value if isinstance(value, str) else f"{value:.3g}"
         seconds = found.parameters.get(f"{name}{_SECONDS}")

@@ -313,9 +313,18 @@ def _answer(found: DiagnosisOfPoses) -> Iterator[Headline]:
         effects = "; ".join(
             f"{sureness(one, on_axes=False)} {_where(one)}" for one in found.effects
         )
-        yield Headline((f"Found: {effects}",))
+        yield Headline((f"{_found(found)}: {effects} ({p_equals(found)})",))
     if found.verdict is Verdict.UNEXPLAINED:
         yield Headline((unexplained_said(found),), "warn")
+
+
+def _found(found: DiagnosisOfPoses) -> str:
+    """Return how an effect that was found is introduced: what brings nothing is suspected."""
+    before, after = (
+        sum(rms**2 for rms in error.held_out_rms.values())
+        for error in (found.error_before, found.error_after)
+    )
+    return "Found" if after < before else "Suspected"
 
 
 def _where(found: Found) -> str:

@@ -9,15 +9,15 @@ import numpy as np
 from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.direction import Match, match
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
 from scara_iso.diagnosis.gain.held_out import HeldOut
+from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
 from scara_iso.diagnosis.naming.choice import Choice
 from scara_iso.diagnosis.naming.stated import unsure
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.result import ByAxis, Found, Shares
+from scara_iso.diagnosis.result import ByAxis, Found, Parameter, Shares
 from scara_iso.diagnosis.search import Stage
-from scara_iso.diagnosis.tuning import FEWEST_MOVED, FEWEST_PERIODS, TWO_DIVISIONS, UNKNOWN
+from scara_iso.diagnosis.tuning import FEWEST_MOVED, FEWEST_PERIODS, ODD, TWO_DIVISIONS, UNKNOWN
 from scara_iso.effects import Effect, Form, Process, Shape, Spread
 from scara_iso.iso9283 import median, repeatability
 from scara_iso.run import FloatArray
@@ -147,7 +147,7 @@ def _share(residual: Residual, fitted: Fit, i: int) -> dict[str, float]:
 
 def _parameters(
     term: Term, coefficients: FloatArray, residual: Residual, effect: Effect, left: FloatArray
-) -> dict[str, float | str | ByAxis]:
+) -> dict[str, Parameter]:
     form = term.form
     match form:
         case Shape():
@@ -156,7 +156,9 @@ def _parameters(
                 for name, value in effect.linear.sizes(coefficients[:, a]).items():
                     sizes.setdefault(name, {})[residual.axes[a]] = value
             seconds = effect.timed(residual.conditions, form.parameters)
-            return {**form.parameters, **seconds, **sizes}
+            moved = residual.conditions.cycle[form.columns.any(axis=1)]
+            cycles = {"cycles": tuple(moved.tolist())} if effect.name == ODD else {}
+            return {**form.parameters, **cycles, **seconds, **sizes}
         case Spread():
             return dict(form.parameters)
         case Process():

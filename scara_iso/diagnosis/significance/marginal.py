@@ -1,7 +1,7 @@
 """Marginal tests: what no permutation sees, two levels in any order and isolated readings.
 
 The null is simulated on the dial's grid. Which scatter it has is not known, so several families
-stand for it, and a finding must be rare under each: Gaussian, Student t with 5 and 3 degrees of
+stand for it, and a finding must be rare under each: Gaussian, Student t with 5 degrees of
 freedom, Laplace, a gamma distribution rather more skewed than the readings are, and two that end
 at limits, where no tail tells them from two levels: uniform, and arcsine, a sampled vibration.
 """
@@ -28,7 +28,7 @@ from scara_iso.diagnosis.tuning import (
     TWO_DIVISIONS,
 )
 from scara_iso.iso9283 import median
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 Family = Callable[[np.random.Generator, tuple[int, int]], FloatArray]
 """Draws scatter of unit variance."""
@@ -57,6 +57,10 @@ class MarginalTests:
     outlier_row: int
     floor: float
     """Smallest p-value that the simulations can give."""
+    of_axes: FloatArray
+    """The p-value of outliers by axis, in the families that the level allows for."""
+    heavy_tailed: float = 1.0
+    """Share of scatter of Student's t with 3 degrees of freedom in which one is as far."""
 
 
 def marginal_tests(
@@ -85,7 +89,42 @@ def marginal_tests(
         outlier_axis=worst,
         outlier_row=_farthest(values[:, worst]),
         floor=floor,
+        of_axes=np.minimum(1.0, axes * outliers),
+        heavy_tailed=_heavy_tailed(values, division, seed, outliers),
     )
+
+
+def _heavy_tailed(
+    values: FloatArray, division: FloatArray, seed: int, outliers: FloatArray
+) -> float:
+    """Return the `MarginalTests.heavy_tailed` of the axis with the farthest outlier."""
+    a, axes = int(outliers.argmin()), len(outliers)
+    if outliers[a] == 1:
+        return 1.0
+    y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
+    statistic, read = _of_outliers(y, on_dial, seed)
+    return min(1.0, axes * _share(statistic, _T3, y, read, SIMULATIONS))
+
+
+def _of_outliers(
+    y: FloatArray, on_dial: bool, seed: int
+) -> tuple[Statistic, Callable[[int, int], FloatArray]]:
+    """Return the statistic of outliers, and how readings like y (n,) are drawn."""
+    inner = y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]]
+    scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
+    statistic = partial(outlier_statistic, least=float(on_dial))
+    return statistic, partial(_read, y=y, scatter=scatter, seed=seed, skewed_as=inner)
+
+
+def odd_rows(y: FloatArray) -> IntArray:
+    """Return the rows of the one to three readings of y (n,) that lie apart, the farthest first.
+
+    Those beyond the widest gap between the four farthest from the median.
+    """
+    distance = np.abs(y - median(y))
+    order = np.argsort(-distance, kind="stable")[:_MOST_ODD]
+    ranked = np.sort(distance)[::-1][: _MOST_ODD + 1]
+    return np.asarray(order[: int(np.argmax(ranked[:-1] - ranked[1:])) + 1])
 
 
 def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> float:
@@ -105,10 +144,7 @@ def _outlier(y: FloatArray, on_dial: bool, seed: int) -> tuple[float, float]:
     """
     if on_dial and _apart(y) < TWO_DIVISIONS:
         return 1.0, 1.0
-    statistic = partial(outlier_statistic, least=float(on_dial))
-    inner = y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]]
-    scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
-    read = partial(_read, y=y, scatter=scatter, seed=seed)
+    statistic, read = _of_outliers(y, on_dial, seed)
     cases = [(statistic, name) for name in _TAILS]
     gaussian = _share(*cases[0], y, read, FIRST_SIMULATIONS)
     if gaussian > CLEAR:
@@ -197,7 +233,8 @@ def outlier_statistic(y: FloatArray, least: float = 0.0) -> FloatArray:
 
 
 _GAUSSIAN, _T5, _T3, _LAPLACE, _SKEWED, _UNIFORM, _ARCSINE = range(7)
-_TAILS = (_GAUSSIAN, _T5, _T3, _LAPLACE, _SKEWED)
+_TAILS = (_GAUSSIAN, _T5, _LAPLACE, _SKEWED)
+_MOST_ODD = 3
 _FAMILIES: Mapping[int, Family] = {
     _GAUSSIAN: lambda rng, shape: rng.normal(size=shape),
     _T5: lambda rng, shape: rng.standard_t(5, size=shape) / np.sqrt(5 / 3),
@@ -221,16 +258,16 @@ _FEW = 1 << 18
 """Numbers of scatter that are kept for the next axis."""
 
 
-def _skewed(y: FloatArray, seed: int, count: int) -> FloatArray:
-    """Return gamma scatter (n, count), skewed rather more than the readings y (n,) are.
+def _skewed(y: FloatArray, seed: int, shape: tuple[int, int]) -> FloatArray:
+    """Return gamma scatter of a shape, skewed rather more than the readings y (n,) are.
 
     Of few readings the skewness comes out too small, and uncertain by about sqrt(6 / n).
     """
     centred = y - y.mean()
-    observed = abs(float((centred**3).mean())) / float((centred**2).mean()) ** 1.5
+    observed = abs(float((centred**3).mean())) / max(float((centred**2).mean()), _TINY) ** 1.5
     k = 4 / min(MOST_SKEWED, 1.5 * observed + 0.6) ** 2
-    rng = np.random.default_rng([seed, count, _SKEWED])
-    return np.asarray((rng.gamma(k, size=(len(y), count)) - k) / np.sqrt(k))
+    rng = np.random.default_rng([seed, shape[1], _SKEWED])
+    return np.asarray((rng.gamma(k, size=shape) - k) / np.sqrt(k))
 
 
 def _scatter(y: FloatArray) -> float:
@@ -238,10 +275,21 @@ def _scatter(y: FloatArray) -> float:
     return float(np.sqrt(max(float(y.var(ddof=1)) - 1 / 12, 0.2**2)))
 
 
-def _read(family: int, count: int, *, y: FloatArray, scatter: float, seed: int) -> FloatArray:
-    """Return readings (n, count) like y (n,), in whole divisions where there is a dial."""
+def _read(
+    family: int,
+    count: int,
+    *,
+    y: FloatArray,
+    scatter: float,
+    seed: int,
+    skewed_as: FloatArray | None = None,
+) -> FloatArray:
+    """Return readings (n, count) like y (n,), in whole divisions where there is a dial.
+
+    Those of ``skewed_as`` say how skewed, all unless given.
+    """
     if family == _SKEWED:
-        drawn = _skewed(y, seed, count)
+        drawn = _skewed(y if skewed_as is None else skewed_as, seed, (len(y), count))
     else:
         draw = _drawn if len(y) * count <= _FEW else _draw
         drawn = draw(seed, family, len(y), count)

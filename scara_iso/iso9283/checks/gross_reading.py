@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.iso9283.figures import AxisResult
 from scara_iso.iso9283.results import Finding, Measured, poses_in_cycles
 from scara_iso.iso9283.statistics import median
+from scara_iso.run import FloatArray
 
 CODE = "gross-reading"
 BRIEF = "a reading lies far off"
@@ -25,8 +25,8 @@ def check(measured: Measured) -> Iterator[Finding]:
     """Yield a warning for each axis with up to three readings over six sigma from the median."""
     for pose in poses_in_cycles(measured):
         for axis in pose.axes.values():
-            far = _far_readings(axis)
-            if 0 < len(far) <= _MOST:
+            far = far_readings(axis.readings, axis.resolution)
+            if far:
                 named = ", ".join(
                     f"{axis.readings[k]:.7g} {axis.unit} in cycle {pose.cycle[k]}" for k in far
                 )
@@ -40,13 +40,15 @@ def check(measured: Measured) -> Iterator[Finding]:
                 )
 
 
-def _far_readings(axis: AxisResult) -> list[int]:
-    distance = np.abs(axis.readings - median(axis.readings))
+def far_readings(readings: FloatArray, resolution: float | None) -> list[int]:
+    """Return which of an axis' readings (n,) lie over six sigma from the median; at most three."""
+    distance = np.abs(readings - median(readings))
     # A coarse dial makes the median distance 0: half a division is the least that it can mean.
-    sigma = max(_MAD_TO_SIGMA * float(median(distance)), (axis.resolution or 0.0) / 2)
+    sigma = max(_MAD_TO_SIGMA * float(median(distance)), (resolution or 0.0) / 2)
     if sigma == 0:
         # Most readings are the same and no division is known: one other is far from them, of
         # several the nearest is taken as one division off.
         others = distance[distance > 0]
         sigma = float(others.min()) / 2 if len(others) > 1 else 0.0
-    return [int(k) for k in np.flatnonzero(distance > _FARTHEST * sigma)]
+    far = [int(k) for k in np.flatnonzero(distance > _FARTHEST * sigma)]
+    return far if len(far) <= _MOST else []
