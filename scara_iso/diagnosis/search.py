@@ -214,16 +214,14 @@ def chosen(
         left, misfit = without_misfit(problem, terms, left)
         if misfit:
             stage = replace(_tests(problem, terms, left, rng), misfit=misfit)
-    by_order, _, by_outlier = _shared(stage.order, stage.marginal)
+    by_order, by_levels, by_outlier = _shared(stage.order, stage.marginal)
     if stage.p_value <= level:
         limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
         named = [member for member in left.members if member.named]
         choice = _choice(problem, left, named, with_chains=True, of_two=by_outlier <= level)
         if by_outlier <= level and ODD in problem.effects:
-            by_levels = _shared(stage.order, stage.marginal)[1]
-            choice = _with_odd(
-                problem, left, stage.marginal, choice, min(by_order, by_levels) > level
-            )
+            alone = min(by_order, by_levels) > level
+            choice = _with_odd(problem, left, stage.marginal, choice, alone=alone)
         stage = replace(stage, choice=choice, limit=limit)
     return stage, left
 
@@ -233,6 +231,7 @@ def _with_odd(
     left: Remainder,
     found: MarginalTests,
     choice: Choice[Form],
+    *,
     alone: bool,
 ) -> Choice[Form]:
     """Return a choice of all odd readings at once where it is an outlier, or nothing else is there.

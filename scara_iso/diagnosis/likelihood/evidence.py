@@ -180,7 +180,7 @@ def _left(
     nu = np.asarray(len(columns) - first.basis.shape[1])
     if known is not None:
         nu = nu + np.where(known > 0, KNOWN_FROM - 1, 0)
-    power = np.maximum((columns**2).sum(axis=0), _TINY) + beside
+    power = np.maximum((columns**2).sum(axis=0), np.finfo(kind).tiny) + beside
     unit = columns / np.sqrt(power)
     squared = first.vectors.T @ unit
     squared *= squared
