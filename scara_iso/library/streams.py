@@ -8,9 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
 
+from scara_iso.iso9283 import StreamVisits, with_arrivals
 from scara_iso.library.inputs import ReadingOptions, Table, TableOptions
 from scara_iso.run import Run
-from scara_iso.streams import StreamVisits, Wanted, find_visits
+from scara_iso.signals import Wanted, find_visits
 from scara_iso.tables import read_bytes
 
 _RECORDING = ".raw.jsonl"
@@ -37,7 +38,7 @@ def visits(
     order = poses.split(",") if poses and isinstance(poses, str) else list(poses)
     wanted = Wanted(dwell, still, band, tuple(name.strip() for name in order))
     run, digest = _read(stream, TableOptions(**reading))
-    found = find_visits(run, wanted)
+    found = with_arrivals(find_visits(run, wanted))
     source = {} if digest is None else {"stream_sha256": digest}
     named = {"stream": Path(run.origin.source).name} if run.origin.source else {}
     return replace(

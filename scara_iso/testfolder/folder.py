@@ -16,7 +16,6 @@ from pathlib import Path
 import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, ScaraIsoError
-from scara_iso.force_loop import read_loop
 from scara_iso.iso9283 import (
     CYCLES_RUN,
     DRIFT_CODES,
@@ -29,6 +28,7 @@ from scara_iso.iso9283 import (
 )
 from scara_iso.recorder import check_manifest, raw_path, read_history
 from scara_iso.run import Axis, Origin, Run, joined_axis
+from scara_iso.signals import read_loop
 from scara_iso.tables import converted, corrected, is_of_corrections, read_table
 from scara_iso.testfolder.reading import read_test
 from scara_iso.testfolder.whole_test import (

@@ -13,12 +13,12 @@ from hypothesis import given, strategies as st
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.cli import main
-from scara_iso.force_loop import ForceLoop
 from scara_iso.iso9283 import push_test
 from scara_iso.reporting import Text
 from scara_iso.reporting.front import front_page
+from scara_iso.signals import ForceLoop
 
-EXAMPLE = Path(__file__).parents[1] / "examples" / "push.csv"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "push.csv"
 
 
 def of_joint(rng, arm=0.25, **joint):

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from scara_iso.base.published import Count, Unit, publish
-from scara_iso.iso9283 import PublishedCharacteristic, published_characteristic
+from scara_iso.iso9283.published import PublishedCharacteristic, published_characteristic
+from scara_iso.iso9283.transients import StreamVisits
 from scara_iso.run import AxisKey
-from scara_iso.streams.rests import Doubt, Rule, StreamVisits, Visit
+from scara_iso.signals import Doubt, Rule, Visit
 
 
 @dataclass(frozen=True)

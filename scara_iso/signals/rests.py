@@ -8,14 +8,11 @@ most rests is taken, at twice its low end. The most, since a dial that nothing t
 than one at a pose, and a threshold between the two would lose every visit. What comes or goes by
 halving or doubling the threshold, and the other stretches, are for the caller to list.
 
-How one axis comes to rest: the pose attained, and what happens before it is kept.
-
-The stabilisation time runs from the first entry into the limit band about the attained pose, after
+An arrival is how one axis comes to rest: the pose attained, and what happens before it is kept. The
+stabilisation time runs from the first entry into the limit band about the attained pose, after
 the farthest point of the motion, to the last; the overshoot is the largest distance beyond the
 attained pose after that entry, 0 where it stays in the band. Clauses 7.4 and 7.5 as known in the
 trade.
-
-What is found in a stream: visits, what is doubtful, and the parameters of the rule.
 """
 
 from __future__ import annotations
@@ -31,7 +28,6 @@ import numpy.typing as npt
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import Count, Size
-from scara_iso.iso9283 import Characteristic
 from scara_iso.run import AxisKey, FloatArray, Run
 
 if TYPE_CHECKING:
@@ -298,7 +294,7 @@ class Rule:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class StreamVisits(Displayed):
+class SegmentedStream(Displayed):
     """The visits of a stream, and the table that they are."""
 
     run: Run
@@ -315,13 +311,11 @@ class StreamVisits(Displayed):
     """Samples a second, the median."""
     notes: tuple[str, ...]
     """What else is to be known of the reading, in words."""
-    characteristics: tuple[Characteristic, ...]
-    """Stabilisation time and overshoot (7.4, 7.5) of each pose with three arrivals or more."""
 
     def to_frame(self) -> pd.DataFrame:
         """Return the visits as a pandas table, a row for each."""
         return self.run.to_frame()
 
     def __repr__(self) -> str:
-        of_it = self.run.origin.source or "a stream"
-        return f"<StreamVisits of {of_it}: {len(self.visits)} visits, {len(self.doubts)} doubts>"
+        of_it = f"{type(self).__name__} of {self.run.origin.source or 'a stream'}"
+        return f"<{of_it}: {len(self.visits)} visits, {len(self.doubts)} doubts>"

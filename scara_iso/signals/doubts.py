@@ -1,7 +1,4 @@
-"""Which rests are visits, and what is said of the doubtful ones: none is dropped in silence.
-
-Which visit is of which pose: in turn as the user says, or by the stream's own pose column.
-"""
+"""Which rests are visits, of which pose, and which are doubtful: none is dropped in silence."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ import numpy as np
 
 from scara_iso.base.errors import DataError
 from scara_iso.run import FloatArray, Run
-from scara_iso.streams.rests import Doubt, Motion, Rest, find_rests, middle
+from scara_iso.signals.rests import Doubt, Motion, Rest, find_rests, middle
 
 _LONG = 2.0
 """Times the usual duration of a visit from which on two may have become one."""

@@ -1,7 +1,4 @@
-"""From the samples of a stream to visits: the steps in their order.
-
-The visits as a run: what a dial would have been read as, with the conditions of each visit.
-"""
+"""From the samples of a stream to a run of visits: what a dial would have read, and when."""
 
 from __future__ import annotations
 
@@ -14,7 +11,6 @@ import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283 import arrival_characteristics
 from scara_iso.run import (
     FloatArray,
     Run,
@@ -23,7 +19,7 @@ from scara_iso.run import (
     overshoot_column,
     stabilisation_column,
 )
-from scara_iso.streams.doubts import (
+from scara_iso.signals.doubts import (
     Samples,
     Stay,
     join,
@@ -32,11 +28,11 @@ from scara_iso.streams.doubts import (
     of_other_thresholds,
     sort,
 )
-from scara_iso.streams.rests import (
+from scara_iso.signals.rests import (
     Doubt,
     Motion,
     Rule,
-    StreamVisits,
+    SegmentedStream,
     Visit,
     arrive,
     find_rests,
@@ -188,7 +184,7 @@ class Wanted:
             )
 
 
-def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
+def find_visits(run: Run, wanted: Wanted) -> SegmentedStream:
     """Return the visits of a stream: a run with a row for each sample and the covariate time_s.
 
     Raises `DataError` where time is missing or goes back, nothing moves or rests, or levels clearly
@@ -222,7 +218,7 @@ def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
     if 1 / interval < SLOWEST_HZ * _ALMOST:
         notes.append(f"{1 / interval:.3g} Hz: stabilisation time and overshoot need 50 Hz or more")
     made, more = table(run, visits, rule, 1 / interval)
-    return StreamVisits(
+    return SegmentedStream(
         run=made,
         visits=tuple(visits),
         doubts=tuple(sorted(doubts + unsettled, key=lambda doubt: doubt.start)),
@@ -230,7 +226,6 @@ def find_visits(run: Run, wanted: Wanted) -> StreamVisits:
         samples=len(stream.time),
         rate_hz=1 / interval,
         notes=(*notes, *more),
-        characteristics=tuple(arrival_characteristics(made)),
     )
 
 
