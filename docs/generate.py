@@ -33,11 +33,7 @@ from scara_iso.reporting import (
     ResultsAndBeside,
 )
 from scara_iso.reporting.explain import Page, PublishedPages, pages
-from scara_iso.reporting.published_ports import (
-    PublishedDialects,
-    PublishedPorts,
-    PublishedProbe,
-)
+from scara_iso.reporting.published_ports import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.tables.published import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
 from scara_iso.validation import PublishedValidation

@@ -147,7 +147,7 @@ def test_the_result_is_pose_by_characteristic_on_one_page(tmp_path):
     for pose, cell in zip(analysis.poses, at["RP XY [mm]"], strict=False):
         assert (cell.value.value, cell.interval.low.value) == (pose.XY.RP, pose.XY.RP_interval[0])
         assert cell.verdict in ("pass", "not provable", "FAIL")
-    assert str(at["RP Z [mm]"][-1]) == "0.05"
+    assert str(at["RP Z [mm]"][-1]) == "0.05 mm"
     assert str(at["RP_a theta [deg]"][0]).startswith("± ")
 
 

@@ -60,26 +60,24 @@ def analyze_command(
     analysis = library.analyze(table, **read, **options)
     if json:
         write_json(render.analysis_json(analysis))
-    elif full:
-        write_report(reporting.analysis_report(analysis))
     else:
-        _write_brief(analysis, table, read, limit, decision)
+        following = _next(analysis, table, read, limit, decision)
+        write_report(reporting.analysis_report(analysis, following), full=full)
     if analysis.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
-def _write_brief(
+def _next(
     analysis: Analysis,
     table: Sequence[str],
     read: Mapping[str, object],
     limit: Sequence[str] | None,
     decision: DecisionRule,
-) -> None:
-    """Write the answer and what to do next, as a command line with the options of this one."""
+) -> reporting.NextStep:
+    """Return what to do next, as a command line with the options of this one."""
     simple = decision is DecisionRule.SIMPLE
     held = {"limit": limit, "decision": decision.value if simple else None}
     again, whole = command_line(table, read), command_line(table, {**held, **read})
     axis = reporting.axis_of_loop(analysis)
     loop = command_line(table, {"axis": axis, **{k: read[k] for k in ("unit", "resolution")}})
-    following = reporting.after_analysis(analysis, whole, again, None if axis is None else loop)
-    write_report(reporting.analysis_brief(analysis, following))
+    return reporting.after_analysis(analysis, whole, again, None if axis is None else loop)

@@ -62,7 +62,6 @@ def analyze_folder(
     else:
         from scara_iso.reporting import (
             after_analysis,
-            analysis_brief,
             analysis_report,
             missing_report,
         )
@@ -72,11 +71,9 @@ def analyze_folder(
                 write_report(missing_report(str(one.condition), one.missing))
                 continue
             _say_condition(one, found)
-            if full:
-                write_report(analysis_report(analysis))
-            else:
-                again = command_line([folder], {"condition": one.condition.name})
-                write_report(analysis_brief(analysis, after_analysis(analysis, again, again)))
+            again = command_line([folder], {"condition": one.condition.name})
+            following = after_analysis(analysis, again, again)
+            write_report(analysis_report(analysis, following), full=full)
         _write_beside(found[0].folder, beside, full=full)
     verdicts = [None if one is None else one.conformity for one in analyses]
     _exit_by([*verdicts, beside.conformity])
@@ -87,8 +84,7 @@ def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:
     if (drift := beside.drift) is not None:
         again = command_line([drift.run.origin.source], {})
         following = reporting.after_analysis(drift, again, again)
-        brief = reporting.analysis_brief(drift, following)
-        write_report(reporting.analysis_report(drift) if full else brief)
+        write_report(reporting.analysis_report(drift, following), full=full)
     for found in beside.pushes.values():
         following = reporting.NextStep(f"scara-iso report {folder.path}", "the report of all")
         brief = reporting.push_brief(found, following)

@@ -10,6 +10,7 @@ import numpy as np
 from scara_iso.iso9283 import Analysis, Characteristic
 from scara_iso.reporting.blocks import (
     Block,
+    DriftPicture,
     Figure,
     Headline,
     Number,
@@ -17,8 +18,8 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    rounded,
 )
+from scara_iso.reporting.digits import rounded
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import DriftCourse
@@ -132,7 +133,6 @@ def _table(course: DriftCourse) -> Table:
 def _picture(course: DriftCourse) -> Iterator[Block]:
     if course.hours is None:
         return
-    from scara_iso.reporting.plotted import DriftPicture  # noqa: PLC0415 - for drift tests only
 
     lengths = [name for name, axis in course.pose.axes.items() if axis.unit == "mm"]
     moved = {name: course.means[name] - course.means[name][0] for name in lengths}
