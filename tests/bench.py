@@ -8,15 +8,13 @@ from pathlib import Path
 from disks import UnsyncedDisk
 
 from scara_iso.base.errors import InstrumentError
+from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     Job,
     RecordingPlan,
     Stored,
-    Tour,
     parse_gauges,
     parse_trigger,
-    raw_path,
-    read_history,
     record,
     recording as recording_module,
 )

@@ -17,17 +17,8 @@ from scara_iso.base.errors import (
     ScaraIsoError,
     WriteError,
 )
-from scara_iso.recorder import (
-    Noticed,
-    Stored,
-    SystemDisk,
-    Tour,
-    Voided,
-    check_manifest,
-    raw_path,
-    read_history,
-    rebuild,
-)
+from scara_iso.rawfile import Tour, check_manifest, raw_path, read_history
+from scara_iso.recorder import Noticed, Stored, SystemDisk, Voided, rebuild
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ports import StreamClock
 
