@@ -38,7 +38,7 @@ from scara_iso.recorder import (
 )
 from scara_iso.render.live import LiveScreen, draw
 
-FIXTURES = Path(__file__).with_name("fixtures") / "recordings"
+FIXTURES = Path(__file__).parents[1] / "fixtures" / "recordings"
 X = ["--gauge", "X=opto-rs232@sim:?pace=0"]
 Y = ["--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
 TIMER = ["--trigger", "timer:0.1"]

@@ -183,7 +183,7 @@ def test_a_simulation_shows_what_its_source_says():
 
 
 def test_a_simulation_shows_what_a_model_predicts():
-    model = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+    model = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
     heard = simulated(f"sim:?model={model}")
     values = [float(e.text) for e in Decoder(OPTO).feed(heard)]
     rng = np.random.default_rng(0)

@@ -365,7 +365,7 @@ def test_no_manifest_says_nothing(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs fork and SIGKILL")
 def test_killed_at_random_moments():
-    script = Path(__file__).parents[1] / "benchmarks" / "durability.py"
+    script = Path(__file__).parents[2] / "benchmarks" / "durability.py"
     found = subprocess.run(
         [sys.executable, script, "--kills", "20", "--only", "kills"],
         capture_output=True, text=True, check=False,

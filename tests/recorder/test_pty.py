@@ -17,8 +17,8 @@ from scara_iso.recorder.indicators import LineSettings
 from scara_iso.recorder.ports import DevicePort
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
-EXAMPLE = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
-SIMULATOR = Path(__file__).with_name("simulator.py")
+EXAMPLE = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
+SIMULATOR = Path(__file__).parents[1] / "simulator.py"
 
 
 @pytest.fixture
