@@ -49,7 +49,7 @@ def visits(
 def _read(stream: Table, options: TableOptions) -> tuple[Run, str | None]:
     """Return the run of the samples and the SHA-256 of the bytes that it was read from."""
     if isinstance(stream, str | Path) and str(stream).endswith(_RECORDING):
-        from scara_iso.recorder import read_history
+        from scara_iso.rawfile import read_history
 
         run = read_history(Path(stream)).run()
         return run, hashlib.sha256(read_bytes(stream)[0]).hexdigest()

@@ -8,6 +8,7 @@ import pytest
 
 from scara_iso import read_table, recorder
 from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.rawfile import Tour
 from scara_iso.recorder import (
     Job,
     RecordingPlan,
@@ -20,7 +21,6 @@ from scara_iso.recorder import (
 )
 from scara_iso.recorder.bench import AtRest
 from scara_iso.recorder.events import Noticed, Quit, Stored
-from scara_iso.recorder.plan import Tour
 from scara_iso.recorder.robot_line import RobotSays
 
 DIVISION = {"X": 0.001}

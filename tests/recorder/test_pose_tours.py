@@ -16,6 +16,7 @@ import scara_iso
 from scara_iso import read_table
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.cli import main
+from scara_iso.rawfile import Tour, raw_path
 from scara_iso.recorder import (
     Gross,
     Pause,
@@ -24,12 +25,10 @@ from scara_iso.recorder import (
     Refused,
     Stored,
     Take,
-    Tour,
     Void,
     Voided,
     Waiting,
     parse_poses,
-    raw_path,
     rebuild,
 )
 from scara_iso.recorder.gauge import Shown

@@ -11,15 +11,9 @@ from hypothesis import given, strategies as st
 from scara_iso import read_table
 from scara_iso.base.errors import CannotCreateError, DataError
 from scara_iso.cli import main
-from scara_iso.recorder import (
-    Quit,
-    Take,
-    Void,
-    check_manifest,
-    raw_path,
-    read_history,
-)
-from scara_iso.recorder.tape import decode_record, encode, read_tape
+from scara_iso.rawfile import check_manifest, encode, raw_path, read_history, read_records
+from scara_iso.rawfile.integrity import decode_record
+from scara_iso.recorder import Quit, Take, Void
 
 X = ["X=opto-rs232@sim:?pace=0"]
 CHANGED = "run.raw.jsonl was changed after it was recorded"
@@ -376,5 +370,5 @@ def test_a_raw_file_that_contradicts_itself_is_refused_with_its_line(
 
 
 def test_every_line_names_the_one_before_it(recording):
-    records = [record for _, record in read_tape(raw_path(recording / "run.csv"))]
+    records = [record for _, record in read_records(raw_path(recording / "run.csv"))]
     assert [r["prev"] for r in records] == ["00000000", *[r["crc"] for r in records[:-1]]]

@@ -10,7 +10,7 @@ from scara_iso.recorder.indicators import (
     make_generic,
 )
 
-PAGE = (Path(__file__).parents[2] / "docs" / "indicators.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "indicators.md").read_text(encoding="utf-8")
 
 
 def test_the_keys_in_the_commands_are_known() -> None:

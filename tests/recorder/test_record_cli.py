@@ -17,6 +17,9 @@ from scara_iso.cli import main, recording
 from scara_iso.cli.keyboard import Keys, Lines, parse_line
 from scara_iso.cli.record_options import RecordOptions
 from scara_iso.cli.record_screen import Screen
+from scara_iso.rawfile import VOIDABLE, History, encode, raw_path
+from scara_iso.rawfile.history import AxisReadings
+from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder import (
     CycleDone,
     Done,
@@ -32,13 +35,10 @@ from scara_iso.recorder import (
     Void,
     Voided,
     Waiting,
-    raw_path,
 )
-from scara_iso.recorder.history import VOIDABLE, AxisReadings, History
-from scara_iso.recorder.tape import decode_record, encode
 from scara_iso.render.live import LiveScreen, draw
 
-FIXTURES = Path(__file__).with_name("fixtures") / "recordings"
+FIXTURES = Path(__file__).parents[1] / "fixtures" / "recordings"
 X = ["--gauge", "X=opto-rs232@sim:?pace=0"]
 Y = ["--gauge", "Y=mitutoyo-mux@sim:?pace=0"]
 TIMER = ["--trigger", "timer:0.1"]

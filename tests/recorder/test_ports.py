@@ -13,6 +13,8 @@ from serial import rfc2217
 
 from scara_iso.base.errors import DataError, InstrumentError, NoInputError, UsageError
 from scara_iso.effects import Conditions
+from scara_iso.rawfile import encode, read_records
+from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder.indicators import (
     Decoder,
     LineSettings,
@@ -38,7 +40,6 @@ from scara_iso.recorder.ports import (
     refuse_same_device,
 )
 from scara_iso.recorder.ports.simulated import MODEL_CYCLES
-from scara_iso.recorder.tape import decode_record, encode, read_tape
 from scara_iso.robot.model_file import read_model
 from scara_iso.robot.prediction import simulate
 
@@ -182,7 +183,7 @@ def test_a_simulation_shows_what_its_source_says():
 
 
 def test_a_simulation_shows_what_a_model_predicts():
-    model = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+    model = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
     heard = simulated(f"sim:?model={model}")
     values = [float(e.text) for e in Decoder(OPTO).feed(heard)]
     rng = np.random.default_rng(0)
@@ -530,7 +531,7 @@ def test_a_line_proves_itself_whole(tmp_path):
 def test_a_line_without_end_takes_bounded_memory(tmp_path):
     path = tmp_path / "x.raw.jsonl"
     path.write_bytes(b"x" * (3 << 20))
-    assert [record for _, record in read_tape(path)] == [None, None, None]
+    assert [record for _, record in read_records(path)] == [None, None, None]
 
 
 def test_nan_never_enters_a_raw_file():

@@ -6,9 +6,9 @@ from disks import UnsyncedDisk
 
 from scara_iso import read_table
 from scara_iso.cli import main
-from scara_iso.recorder import Note, Quit, Take, Void, raw_path, rebuild
-from scara_iso.recorder.ports.replay import Timeline
-from scara_iso.recorder.tape import decode_record, encode
+from scara_iso.rawfile import Timeline, encode, raw_path
+from scara_iso.rawfile.integrity import decode_record
+from scara_iso.recorder import Note, Quit, Take, Void, rebuild
 
 OPTO = "X=opto-rs232?unit=mm@script"
 MUX = "Y=mitutoyo-mux?unit=mm@script2"

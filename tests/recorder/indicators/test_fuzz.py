@@ -17,7 +17,7 @@ from scara_iso.recorder.indicators import Dialect, Reading, find_dialect, find_d
 
 
 def load_benchmark() -> ModuleType:
-    path = Path(__file__).parents[2] / "benchmarks" / "decode.py"
+    path = Path(__file__).parents[3] / "benchmarks" / "decode.py"
     spec = importlib.util.spec_from_file_location("decode_benchmark", path)
     assert spec is not None
     assert spec.loader is not None

@@ -31,7 +31,7 @@ from scara_iso.testfolder.whole_test import (
     WholeTest,
 )
 
-MODEL = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+MODEL = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
 GAUGE = "X=opto-rs232@sim:?pace=0&seed={}"
 
 

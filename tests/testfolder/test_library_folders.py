@@ -12,7 +12,7 @@ from scara_iso.cli import main
 from scara_iso.library import new_test, read_conditions
 from scara_iso.testfolder import read_folder
 
-MODEL = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+MODEL = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
 
 
 def gauges(seed):

@@ -1,10 +1,6 @@
-"""What a raw file says was recorded: the table, and where a session goes on.
+"""What a raw file says was recorded: the readings of each axis, what was struck out and noted.
 
 The table of every recording is made here, after a clean end as after a crash.
-
-Readings of one axis, as a raw file gives them line by line.
-
-What was struck out and noted in a recording, in words for the head of its table.
 """
 
 from __future__ import annotations
@@ -22,12 +18,9 @@ import numpy as np
 
 from scara_iso.base.errors import DataError, Fault
 from scara_iso.base.quantities import Dimension, find_unit, parse_number
-from scara_iso.iso9283 import SEPARATOR
-from scara_iso.recorder.doubts import LineDoubts
-from scara_iso.recorder.plan import Tour, sizes_of_axis
-from scara_iso.recorder.ports.replay import Timeline
-from scara_iso.recorder.tape import FIRST, SCHEMA, Record, read_tape
-from scara_iso.run import Axis, IntArray, Origin, Run
+from scara_iso.rawfile.integrity import FIRST, SCHEMA, Record, read_records
+from scara_iso.rawfile.records import LineDoubts, Timeline, Tour, sizes_of_axis
+from scara_iso.run import SEPARATOR, Axis, IntArray, Origin, Run
 
 ShownReading: TypeAlias = tuple[float, str, str]
 """A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
@@ -362,7 +355,7 @@ class History:
 def read_history(path: Path) -> History:
     """Read a raw file; `NoInputError` where that is not possible. Damaged lines are noted."""
     history = History(str(path))
-    for line, record in read_tape(path):
+    for line, record in read_records(path):
         history.take(line, record)
     return history
 

@@ -17,17 +17,8 @@ from scara_iso.base.errors import (
     ScaraIsoError,
     WriteError,
 )
-from scara_iso.recorder import (
-    Noticed,
-    Stored,
-    SystemDisk,
-    Tour,
-    Voided,
-    check_manifest,
-    raw_path,
-    read_history,
-    rebuild,
-)
+from scara_iso.rawfile import Tour, check_manifest, raw_path, read_history
+from scara_iso.recorder import Noticed, Stored, SystemDisk, Voided, rebuild
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ports import StreamClock
 
@@ -374,7 +365,7 @@ def test_no_manifest_says_nothing(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs fork and SIGKILL")
 def test_killed_at_random_moments():
-    script = Path(__file__).parents[1] / "benchmarks" / "durability.py"
+    script = Path(__file__).parents[2] / "benchmarks" / "durability.py"
     found = subprocess.run(
         [sys.executable, script, "--kills", "20", "--only", "kills"],
         capture_output=True, text=True, check=False,

@@ -16,7 +16,7 @@ from scara_iso.recorder.indicators import (
     find_dialects,
 )
 
-STREAMS = Path(__file__).parents[1] / "fixtures" / "streams"
+STREAMS = Path(__file__).parents[2] / "fixtures" / "streams"
 DIALECTS = find_dialects()
 RECORDED = sorted(STREAMS.glob("*/*.bin"))
 

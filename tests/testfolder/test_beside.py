@@ -18,7 +18,7 @@ from scara_iso.library import new_test
 from scara_iso.testfolder import parse_test, read_folder, toml_of
 from scara_iso.testfolder.whole_test import CommandPose, DriftTest, PushTest, WholeTest
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 DECLARED = """
 [drift]
 pose = "P1"

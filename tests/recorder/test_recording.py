@@ -6,17 +6,9 @@ from disks import UnsyncedDisk
 
 from scara_iso import read_table
 from scara_iso.base.errors import CannotCreateError, InstrumentError, UsageError, WriteError
-from scara_iso.recorder import (
-    CycleDone,
-    Noticed,
-    Quit,
-    Take,
-    Void,
-    raw_path,
-    recording as module,
-)
+from scara_iso.rawfile import raw_path, read_records
+from scara_iso.recorder import CycleDone, Noticed, Quit, Take, Void, recording as module
 from scara_iso.recorder.ports import StreamClock
-from scara_iso.recorder.tape import read_tape
 
 SIM = ["X=opto-rs232@sim:?pace=0"]
 
@@ -32,7 +24,7 @@ def stream(tmp_path):
 
 
 def events(folder, name):
-    tape = read_tape(raw_path(folder / "run.csv"))
+    tape = read_records(raw_path(folder / "run.csv"))
     return [record for _, record in tape if record and record["event"] == name]
 
 

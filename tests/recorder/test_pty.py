@@ -11,14 +11,14 @@ import pytest
 
 from scara_iso import read_table
 from scara_iso.cli import main
-from scara_iso.recorder import raw_path
+from scara_iso.rawfile import raw_path
+from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder.indicators import LineSettings
 from scara_iso.recorder.ports import DevicePort
-from scara_iso.recorder.tape import decode_record
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
-EXAMPLE = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
-SIMULATOR = Path(__file__).with_name("simulator.py")
+EXAMPLE = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
+SIMULATOR = Path(__file__).parents[1] / "simulator.py"
 
 
 @pytest.fixture

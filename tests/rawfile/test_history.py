@@ -7,9 +7,8 @@ import pytest
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
-from scara_iso.recorder import history as module
-from scara_iso.recorder.history import History, read_history
-from scara_iso.recorder.tape import checksum, decode_record, encode
+from scara_iso.rawfile import History, checksum, encode, history as module, read_history
+from scara_iso.rawfile.integrity import decode_record
 
 
 def gauge(**changes):
