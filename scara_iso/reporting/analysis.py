@@ -53,7 +53,7 @@ from scara_iso.reporting.digits import (
     interval,
     rounded,
 )
-from scara_iso.reporting.drift import drift_headlines, drift_sections
+from scara_iso.reporting.drift import drift_details, drift_headlines, drift_sections
 from scara_iso.reporting.limits import (
     STRICTEST,
     VERDICTS,
@@ -102,6 +102,7 @@ def _shown(analysis: Analysis) -> PoseResult:
 
 def _details(analysis: Analysis) -> Iterator[Section]:
     """Yield every figure of each pose, the limits, and what was found."""
+    yield from drift_details(analysis)
     poses = poses_in_cycles(analysis)
     for pose in poses:
         label = pose.label or ""

@@ -27,15 +27,16 @@ if TYPE_CHECKING:
 _WHOLE = ("XYZ", "XY")
 
 
-def drift_verdict(analysis: Analysis) -> Iterator[Text]:
-    """Yield how far each pose of a drift test moves, and when it is steady."""
+def drift_details(analysis: Analysis) -> Iterator[Section]:
+    """Yield when each pose of a drift test is steady, and the means of its blocks."""
     for course in analysis.drift or ():
-        yield Text(", ".join(_moved(analysis, course)), "strong")
-        yield Text(_steady(course))
+        label = course.pose.label or ""
+        name = f"pose {label}: " if label else ""
+        yield Section(f"{name}drift by block", (Text(_steady(course)), _table(course)), label)
 
 
 def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
-    """Yield the same in lines that give up their second figure where room is short."""
+    """Yield how far each pose moves, and when it is steady."""
     for course in analysis.drift or ():
         yield Headline(tuple(_moved(analysis, course)))
         steady, _, constant = _steady(course).partition(": ")
