@@ -109,7 +109,8 @@ def _details(analysis: Analysis) -> Iterator[Section]:
         name = f"pose {label}: " if label else ""
         strips = tuple(_strips(pose)) if len(poses) > 1 else ()
         yield Section(f"{name}repeatability", (*pose_figures(pose), *strips), label)
-    yield from characteristics(analysis)
+    if analysis.block is None:
+        yield from characteristics(analysis)
     yield from limits(analysis)
     yield from findings(analysis)
 
