@@ -18,6 +18,7 @@ from scara_iso.base.errors import (
 )
 from scara_iso.commands.output import as_answers
 from scara_iso.commands.recording import RecordOptions, instruments_of, record_as_asked, usual_bench
+from scara_iso.rawfile import raw_path
 from scara_iso.recorder import (
     AUTO,
     BENCH_FILE,
@@ -30,7 +31,6 @@ from scara_iso.recorder import (
     list_devices,
     parse_gauges,
     parse_trigger,
-    raw_path,
     write_bench,
 )
 from scara_iso.reporting import printable

@@ -20,8 +20,8 @@ from scara_iso.commands.options import (
     parse_limits,
 )
 from scara_iso.commands.output import command_line, write_json, write_report
-from scara_iso.force_loop import loop_of, read_loop
 from scara_iso.iso9283 import Conformity, DecisionRule, Limit, PushResult, push_test
+from scara_iso.signals import loop_of, read_loop
 from scara_iso.tables import Source, read_table
 
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,13 +17,14 @@ from scara_iso.commands.keyboard import Keys, Lines, TypedKeys, TypedLines, open
 from scara_iso.commands.output import settings
 from scara_iso.commands.screen import Screen, write_line
 from scara_iso.commands.watching import Watcher
+from scara_iso.iso9283 import past_due
+from scara_iso.rawfile import History, Tour
 from scara_iso.recorder import (
     BENCH_FILE,
     Command,
     Done,
     Enter,
     GaugeSpec,
-    History,
     Job,
     Listen,
     Noticed,
@@ -32,7 +34,6 @@ from scara_iso.recorder import (
     RobotLine,
     Said,
     SystemDisk,
-    Tour,
     Trigger,
     check_files,
     check_metadata,
@@ -50,6 +51,7 @@ from scara_iso.recorder import (
     rebuild,
     record,
     refuse_absent,
+    when_started,
 )
 from scara_iso.render import LiveScreen, open_console
 from scara_iso.reporting import printable
@@ -309,9 +311,7 @@ def _run(
         if options.watched:
             tell = Watcher(job, earlier, tell).told
         if assignment is not None:
-            from scara_iso.testfolder import told_of_part
-
-            tell = told_of_part(assignment, job.table.parent, tell)
+            tell = when_started(partial(assignment.begin, job.table.parent), tell)
         try:
             record(
                 job,
@@ -321,6 +321,7 @@ def _run(
                 tell=tell,
                 attended=on_terminal and sys.stdin.isatty(),
                 typed=typed,
+                remarks=past_due,
             )
         except InstrumentError as error:
             if assignment is not None:  # which the same command goes on with

@@ -27,7 +27,6 @@ from scara_iso.base.trust import of_a_child
 from scara_iso.commands.record import record
 from scara_iso.comparison import exchangeability
 from scara_iso.diagnosis import SEED, CyclesWanted, close_the_loop
-from scara_iso.force_loop import read_loop
 from scara_iso.iso9283 import (
     Characteristic,
     Counting,
@@ -37,6 +36,7 @@ from scara_iso.iso9283 import (
     repeatability,
     standard_deviation,
 )
+from scara_iso.rawfile import raw_path, read_history
 from scara_iso.recorder import (
     Decoder,
     DeviceNotice,
@@ -47,11 +47,10 @@ from scara_iso.recorder import (
     Said,
     Stored,
     find_dialects,
-    raw_path,
-    read_history,
 )
 from scara_iso.reporting import ReferenceCheck
 from scara_iso.robot import first_joint, table_1
+from scara_iso.signals import read_loop
 from scara_iso.tables import read_table
 
 _FIXTURES = "tests", "fixtures"
