@@ -40,8 +40,8 @@ from scara_iso.cli.record_options import RecordOptions  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
 from scara_iso.fleets import runs  # noqa: E402
 from scara_iso.library import engines, selftests  # noqa: E402
-from scara_iso.recorder import read_history, rebuild  # noqa: E402
-from scara_iso.recorder.manifest import raw_path  # noqa: E402
+from scara_iso.rawfile import raw_path, read_history  # noqa: E402
+from scara_iso.recorder import rebuild  # noqa: E402
 
 EXAMPLES = ROOT / "examples"
 MODEL, TABLE = str(EXAMPLES / "fum_scara.toml"), str(EXAMPLES / "fum_scara_table1.csv")

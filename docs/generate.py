@@ -19,7 +19,7 @@ from scara_iso.diagnosis.published_gears import PUBLISHED as BACKLASH
 from scara_iso.diagnosis.published_poses import PosesDiagnosis, TracedPosesDiagnosis
 from scara_iso.fleets import PublishedFleet, PublishedFleetFigures
 from scara_iso.gauge import PublishedGaugeStudy
-from scara_iso.iso9283 import PublishedPlan
+from scara_iso.iso9283 import PublishedPlan, PublishedVisits
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.iso9283.published_push import PublishedPush
 from scara_iso.library import PublishedRun
@@ -38,7 +38,6 @@ from scara_iso.reporting.published_ports import (
     PublishedPorts,
     PublishedProbe,
 )
-from scara_iso.streams.published import PublishedVisits
 from scara_iso.tables.published import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
 from scara_iso.validation import PublishedValidation

@@ -9,8 +9,8 @@ import pytest
 
 from scara_iso import read_table
 from scara_iso.cli import main
+from scara_iso.rawfile import encode
 from scara_iso.recorder.ports import Device
-from scara_iso.recorder.tape import encode
 from scara_iso.reporting.blocks import printable
 from tests.hostile import TEXTS, WORDS, model, sweep, table
 

@@ -14,7 +14,7 @@ from scara_iso import library
 from scara_iso.base.disk import SystemDisk, check_output, write_file
 from scara_iso.base.errors import CannotCreateError, NoInputError
 from scara_iso.cli import build_app, main
-from scara_iso.recorder import raw_path
+from scara_iso.rawfile import raw_path
 
 ROOT = Path(__file__).parents[1]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")

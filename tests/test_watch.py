@@ -21,6 +21,7 @@ from scara_iso.diagnosis.live import monitoring
 from scara_iso.diagnosis.live.e_process import EProcess, _bet, _normal, _step_table
 from scara_iso.diagnosis.live.looks import is_look, look, normal_scores
 from scara_iso.library import Watcher
+from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     CycleDone,
     Job,
@@ -32,14 +33,11 @@ from scara_iso.recorder import (
     Started,
     Stored,
     Timer,
-    Tour,
     Voided,
     Waiting,
     Watched,
     as_json,
     parse_gauges,
-    raw_path,
-    read_history,
 )
 from scara_iso.render.live import LiveScreen, draw
 from scara_iso.reporting.watching import warning

@@ -19,6 +19,7 @@ from scara_iso.base.errors import (
 from scara_iso.cli.output import as_answers
 from scara_iso.cli.record_options import RecordOptions, instruments_of, usual_bench
 from scara_iso.cli.recording import record_as_asked
+from scara_iso.rawfile import raw_path
 from scara_iso.recorder import (
     AUTO,
     BENCH_FILE,
@@ -31,7 +32,6 @@ from scara_iso.recorder import (
     list_devices,
     parse_gauges,
     parse_trigger,
-    raw_path,
     write_bench,
 )
 from scara_iso.reporting import printable

@@ -220,10 +220,10 @@ def _same_file(path: Path, name: Path) -> bool:
 
 def _of_a_recording(path: Path) -> bool:
     """Say whether a recording's raw file or manifest is there, or the place of its table."""
-    from scara_iso.recorder import is_tape, manifest_path, raw_path
+    from scara_iso.rawfile import is_raw_file, manifest_path, raw_path
 
     if path.is_file():
         with path.open("rb") as file:
-            if is_tape(file.read(16)) or path.name.endswith((".raw.jsonl", ".manifest.json")):
+            if is_raw_file(file.read(16)) or path.name.endswith((".raw.jsonl", ".manifest.json")):
                 return True
     return raw_path(path).exists() or manifest_path(path).exists()

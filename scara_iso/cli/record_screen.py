@@ -11,6 +11,7 @@ from types import TracebackType
 
 from scara_iso.base.errors import DataError, WriteError
 from scara_iso.cli.keyboard import KEYS, Keys
+from scara_iso.rawfile import ShownReading, Tour
 from scara_iso.recorder import (
     Command,
     CycleDone,
@@ -23,10 +24,8 @@ from scara_iso.recorder import (
     Problem,
     Refused,
     Said,
-    ShownReading,
     Started,
     Stored,
-    Tour,
     Voided,
     Waiting,
     Watched,

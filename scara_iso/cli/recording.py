@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,12 +17,13 @@ from scara_iso.cli.keyboard import Keys, Lines, TypedKeys, TypedLines, open_keyb
 from scara_iso.cli.output import settings
 from scara_iso.cli.record_options import RecordOptions, complete, confirm
 from scara_iso.cli.record_screen import Screen, write_line
+from scara_iso.iso9283 import past_due
 from scara_iso.library import Nobody, Watcher
+from scara_iso.rawfile import History, Tour
 from scara_iso.recorder import (
     Done,
     Enter,
     GaugeSpec,
-    History,
     Job,
     Listen,
     Noticed,
@@ -30,7 +32,6 @@ from scara_iso.recorder import (
     RobotLine,
     Said,
     SystemDisk,
-    Tour,
     Trigger,
     check_files,
     check_metadata,
@@ -46,6 +47,7 @@ from scara_iso.recorder import (
     rebuild,
     record,
     refuse_absent,
+    when_started,
 )
 from scara_iso.render import LiveScreen, open_console
 from scara_iso.reporting import printable
@@ -186,9 +188,7 @@ def _run(
         if options.watched:
             tell = Watcher(job, earlier, tell).told
         if assignment is not None:
-            from scara_iso.testfolder import told_of_part
-
-            tell = told_of_part(assignment, job.table.parent, tell)
+            tell = when_started(partial(assignment.begin, job.table.parent), tell)
         try:
             record(
                 job,
@@ -198,6 +198,7 @@ def _run(
                 tell=tell,
                 attended=on_terminal and sys.stdin.isatty(),
                 typed=typed,
+                remarks=past_due,
             )
         except InstrumentError as error:
             if assignment is not None:  # which the same command goes on with

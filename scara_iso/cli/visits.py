@@ -78,7 +78,7 @@ def visits_command(
         write_text(write_table(found.run, find_locale(excel_locale)), output)
     if json:
         from scara_iso.base.published import to_json
-        from scara_iso.streams import published_visits
+        from scara_iso.iso9283 import published_visits
 
         write_json(to_json(published_visits(found)))
     else:

@@ -43,7 +43,7 @@ def tables_beside(folder: Folder) -> Iterator[Path]:
 
 def files_of(tables: Sequence[Path]) -> Iterator[tuple[str, Path]]:
     """Yield tables and their raw files, each with what it is."""
-    from scara_iso.recorder import raw_path
+    from scara_iso.rawfile import raw_path
 
     yield from ((f"table {table.name}", table) for table in tables)
     raws = [raw for raw in map(raw_path, tables) if raw.exists()]

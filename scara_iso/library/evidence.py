@@ -69,7 +69,7 @@ def archive(
 
 def with_recording(table: Path) -> Iterator[tuple[str, bytes]]:
     """Yield the raw file and the manifest beside a table, where it was recorded."""
-    from scara_iso.recorder import manifest_path, raw_path
+    from scara_iso.rawfile import manifest_path, raw_path
 
     for beside in (raw_path(table), manifest_path(table)):
         if beside.is_file():

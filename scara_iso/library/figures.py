@@ -97,7 +97,7 @@ def compared_with_its_manifest(analysis: Analysis, table: Tables) -> Analysis:
     if not paths:
         return analysis
     from scara_iso.iso9283 import Finding
-    from scara_iso.recorder import check_manifest
+    from scara_iso.rawfile import check_manifest
 
     said = {finding.said for finding in analysis.findings}
     found = dict.fromkeys(line for path in paths for line in check_manifest(path))

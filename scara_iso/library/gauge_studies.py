@@ -82,7 +82,7 @@ def _positive(sizes: Mapping[str, float]) -> Mapping[str, float]:
 
 def _changed(table: Tables) -> tuple[Remark, ...]:
     """Return a remark for each file that changed since it was recorded."""
-    from scara_iso.recorder import check_manifest
+    from scara_iso.rawfile import check_manifest
 
     found = dict.fromkeys(line for path in paths_of(table) for line in check_manifest(path))
     return tuple(Remark("warning", "", line) for line in found)

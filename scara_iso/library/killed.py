@@ -14,7 +14,8 @@ from tempfile import TemporaryDirectory
 
 from scara_iso.base.trust import of_a_child
 from scara_iso.library.recordings import record
-from scara_iso.recorder import Said, Stored, raw_path, read_history
+from scara_iso.rawfile import raw_path, read_history
+from scara_iso.recorder import Said, Stored
 from scara_iso.validation import ReferenceCheck
 
 _GAUGE = "X=opto-rs232@sim:?pace=1"

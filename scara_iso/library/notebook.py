@@ -10,7 +10,7 @@ from scara_iso.comparison import Comparison, RobotHistory
 from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, SeparatingPlan
 from scara_iso.fleets import FleetFigures, FleetSummary
 from scara_iso.gauge import GaugeStudy
-from scara_iso.iso9283 import Analysis, PosePlan, PushResult
+from scara_iso.iso9283 import Analysis, PosePlan, PushResult, StreamVisits
 from scara_iso.library.diagnoses import Diagnoses
 from scara_iso.library.reports import TestReport
 from scara_iso.render import (
@@ -45,7 +45,6 @@ from scara_iso.reporting import (
 )
 from scara_iso.robot import Backlash
 from scara_iso.run import Run
-from scara_iso.streams import StreamVisits
 from scara_iso.validation import Validation
 
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from scara_iso.base.errors import UsageError
-from scara_iso.force_loop import loop_of, read_loop
 from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
 from scara_iso.library.sizes import sizes_of
+from scara_iso.signals import loop_of, read_loop
 from scara_iso.tables import Source, read_table
 
 

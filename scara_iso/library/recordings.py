@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from scara_iso import recorder
 from scara_iso.base.errors import UsageError
-from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.iso9283 import CYCLES_RUN, past_due
 from scara_iso.library.watching import Watcher
+from scara_iso.rawfile import Tour
 from scara_iso.recorder import (
     Command,
     Job,
@@ -16,7 +18,6 @@ from scara_iso.recorder import (
     RecordingPlan,
     Said,
     SystemDisk,
-    Tour,
     check_metadata,
     choose_clock,
     earlier_of,
@@ -25,10 +26,11 @@ from scara_iso.recorder import (
     parse_gauges,
     parse_poses,
     parse_trigger,
+    when_started,
 )
 from scara_iso.run import Run
 from scara_iso.tables import read_table
-from scara_iso.testfolder import Assignment, assign, is_test_folder, read_folder, told_of_part
+from scara_iso.testfolder import Assignment, assign, is_test_folder, read_folder
 
 _REARM_S = 0.5
 
@@ -84,7 +86,7 @@ def record(
     if (
         found := _part(path, [spec.axis for spec in specs], cycles, tour, part, repeat)
     ) is not None:
-        told = told_of_part(found, path, told)
+        told = when_started(partial(found.begin, path), told)
         path, cycles, resume = found.table, found.cycles, found.resume
         head = check_metadata(dict(found.metadata)) | head
     plan = RecordingPlan(parse_trigger(trigger), cycles or CYCLES_RUN, stable, pause, tour)
@@ -98,6 +100,7 @@ def record(
         clock=choose_clock(spec.address for spec in specs),
         operator=operator or Nobody(),
         tell=told,
+        remarks=past_due,
     )
     return read_table(path)
 

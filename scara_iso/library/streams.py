@@ -8,9 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
 
+from scara_iso.iso9283 import StreamVisits, with_arrivals
 from scara_iso.library.inputs import ReadingOptions, Table, TableOptions
 from scara_iso.run import Run
-from scara_iso.streams import StreamVisits, Wanted, find_visits
+from scara_iso.signals import Wanted, find_visits
 from scara_iso.tables import read_bytes
 
 _RECORDING = ".raw.jsonl"
@@ -37,7 +38,7 @@ def visits(
     order = poses.split(",") if poses and isinstance(poses, str) else list(poses)
     wanted = Wanted(dwell, still, band, tuple(name.strip() for name in order))
     run, digest = _read(stream, TableOptions(**reading))
-    found = find_visits(run, wanted)
+    found = with_arrivals(find_visits(run, wanted))
     source = {} if digest is None else {"stream_sha256": digest}
     named = {"stream": Path(run.origin.source).name} if run.origin.source else {}
     return replace(
@@ -48,7 +49,7 @@ def visits(
 def _read(stream: Table, options: TableOptions) -> tuple[Run, str | None]:
     """Return the run of the samples and the SHA-256 of the bytes that it was read from."""
     if isinstance(stream, str | Path) and str(stream).endswith(_RECORDING):
-        from scara_iso.recorder import read_history
+        from scara_iso.rawfile import read_history
 
         run = read_history(Path(stream)).run()
         return run, hashlib.sha256(read_bytes(stream)[0]).hexdigest()

@@ -12,10 +12,10 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from scara_iso.base.quantities import TURN, Dimension, parse_unit
+from scara_iso.rawfile import History, Tour
 from scara_iso.recorder import (
     CycleDone,
     Done,
-    History,
     Job,
     NextWay,
     Noticed,
@@ -23,7 +23,6 @@ from scara_iso.recorder import (
     Said,
     Started,
     Stored,
-    Tour,
     Voided,
     Watched,
 )

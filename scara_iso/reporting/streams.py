@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283 import Characteristic
+from scara_iso.iso9283 import Characteristic, StreamVisits
 from scara_iso.reporting.analysis import characteristics_table
 from scara_iso.reporting.blocks import (
     Block,
@@ -22,7 +22,7 @@ from scara_iso.reporting.blocks import (
     words,
 )
 from scara_iso.reporting.brief import figure_said, first_three
-from scara_iso.streams import Doubt, Rule, StreamVisits, Visit
+from scara_iso.signals import Doubt, Rule, Visit
 
 _SHOWN, _SHOWN_IN_BRIEF = 40, 6
 

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from scara_iso.comparison import exchangeability
-from scara_iso.force_loop import read_loop
 from scara_iso.iso9283 import Characteristic, Counting, analyze, find_characteristics, push_test
+from scara_iso.signals import read_loop
 from scara_iso.tables import read_table
 from scara_iso.validation.references import references
 from scara_iso.validation.result import ReferenceCheck
