@@ -224,9 +224,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     _check_covariates(columns, faults)
     _check_directions(columns, faults)
     check_counts(columns, faults)
-    for row in rows:
-        if row.line < layout.header_line:
-            refuse_unused(row, faults)
+    refuse_unused([row for row in rows if row.line < layout.header_line], faults)
     body.check_blocks()
     lines = columns.all_lines()
     if not len(lines) and not faults.total:

@@ -192,11 +192,11 @@ class Body:
             statement = read_statement(row)
             if statement and is_of_axes(statement.key):
                 self.faults.add(f"{quoted(text)} under the header", line, remedy=_ONE_TABLE)
-            refuse_unused(row, self.faults)
+            refuse_unused([row], self.faults)
             self.note(f"{self.faults.row} {line}: comment {quoted(text)} not used")
         elif self._is_footer(line, texts):
             self.footer = self.footer or line
-            refuse_unused(Row(line, texts, text, line), self.faults)
+            refuse_unused([Row(line, texts, text, line)], self.faults)
             self.note(f"{self.faults.row} {line}: footer {quoted(text)} not averaged")
         elif names_an_axis(texts):
             self.faults.add("a second table begins", line, remedy=_ONE_TABLE)
@@ -249,7 +249,7 @@ class Body:
             self.faults.add(f"{quoted(text)} under the header", line, remedy=_WRITE_ABOVE)
             return True
         before = self.faults.total
-        refuse_unused(row, self.faults)
+        refuse_unused([row], self.faults)
         if self.faults.total > before:
             return True
         numbers = any(parse_cell(text) for text in found)

@@ -123,8 +123,7 @@ def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = No
         raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
     form = form_rows([*found[:place], *comments])
     stated, notes = read_preamble(form, sys.maxsize, faults)
-    for row in form:
-        refuse_unused(row, faults)
+    refuse_unused(form, faults)
     statements = {key: one.value for key, one in stated.items()}
     header_line, header = found[place]
     found_names = _named(found[place], names, faults)

@@ -163,11 +163,16 @@ def is_of_axes(key: str) -> bool:
     )
 
 
-def refuse_unused(row: Row, faults: Faults) -> None:
-    """Add what a row states that would change a figure and is not understood.
+def refuse_unused(rows: Iterable[Row], faults: Faults) -> None:
+    """Add what rows state that would change a figure and is not understood.
 
     Such a statement is never passed over; every other key is the report's.
     """
+    for row in rows:
+        _refuse_unused(row, faults)
+
+
+def _refuse_unused(row: Row, faults: Faults) -> None:
     stated = read_statements(row)
     used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
     before = faults.total

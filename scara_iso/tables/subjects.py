@@ -55,11 +55,11 @@ _WEAK = {
 _COMPANY = """
 x y z theta axis axes achse axe asse eje read value wert mess mass messwert messung measur mesur
 misur medi lectur lettur ables anzeig affich displa output data daten donne dati dato angab valeur
-valor dial gauge gage indicator indikator indicateur uhr comparat komparat taster prob sensor palpeur
-reloj orolog instrument channel kanal canal column spalt cycl zykl cicl run lauf row zeil point
-punkt calibrat kalibr etalonn tarat cal kal length lang longueur lunghezz longitud engineer
-standard expand erweiter combin estes espand number num nombr numer all alle tutt tout todo of the
-der des die das du de d la le les l di del dell dei el los las for fur pour por par je a an at to by
+valor dial gauge gage indicator indikator indicateur uhr comparat komparat taster prob sensor
+palpeur reloj orolog instrument channel kanal canal column spalt cycl zykl cicl run lauf row
+zeil point punkt calibrat kalibr etalonn tarat cal kal length lang longueur lunghezz
+longitud engineer standard expand erweiter combin estes espand number num nombr numer all alle tutt tout todo of the
+of the der des die das du de d la le les l di del dell dei el los las for fur pour por par je a an at to by
 mit with da in en is are sind und and et e y not no non nicht kein pas nr rapport p count digit tick
 lsb step puls increment inkrement mm um micron mikron inch zoll anfahr approach arriv
 angl winkel angul angol
@@ -101,7 +101,7 @@ def _fold(text: str) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class About:
+class Topic:
     """What a key speaks of, and the axes that it names."""
 
     subject: Subject
@@ -109,7 +109,7 @@ class About:
 
 
 @lru_cache(maxsize=1024)
-def about(text: str) -> About | None:
+def topic_of(text: str) -> Topic | None:
     """Return what a key or heading speaks of, None where it is of another thing, or of none."""
     if len(text) > LONGEST_NAME:
         return None
@@ -127,7 +127,7 @@ def about(text: str) -> About | None:
         if any(_begins(word, _OTHERS) for word in others):
             return None
     subject = next((one for one in Subject if one in subjects), None)
-    return About(subject, _axes_of(words, known)) if subject else None
+    return Topic(subject, _axes_of(words, known)) if subject else None
 
 
 def _axes_of(words: list[str], known: list[str]) -> tuple[str, ...]:
@@ -209,7 +209,7 @@ def refusal(key: str, written: str, value: str) -> tuple[str, str] | None:
 
     Beside it is what to write; None for any other statement. ``key`` as `normal_key` has it.
     """
-    if key in _UNDERSTOOD or (found := about(written)) is None:
+    if key in _UNDERSTOOD or (found := topic_of(written)) is None:
         return None
     text = clean(value[:_LONGEST_LINE])
     if found.subject not in _REMEDIES or not _acts(found.subject, written, text):
