@@ -41,7 +41,7 @@ class Statement:
     line: int
 
 
-class Pair(NamedTuple):
+class KeyValue(NamedTuple):
     """A statement as a row has it: its key as `normal_key` has it, its value, the key's words."""
 
     key: str
@@ -110,12 +110,12 @@ def _is_labelled(row: Row) -> bool:
     return names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
 
 
-def read_statement(row: Row) -> Pair | None:
+def read_statement(row: Row) -> KeyValue | None:
     """Return the first statement of a row, or None."""
     return next(iter(read_statements(row)), None)
 
 
-def read_statements(row: Row) -> list[Pair]:
+def read_statements(row: Row) -> list[KeyValue]:
     """Return each statement of a row.
 
     That is a ``# key: value`` line, a row of two such cells, or several statements beside each
@@ -147,7 +147,7 @@ def _end_of_key(text: str) -> re.Match[str] | None:
     return next(outside, next(iter(marks), None))
 
 
-def _in_cells(cells: Sequence[str]) -> list[Pair]:
+def _in_cells(cells: Sequence[str]) -> list[KeyValue]:
     """Return what cells beside each other state that would change a figure."""
     return [_normal(key, value) for key, value in pairwise(cells) if _matters(key, value)]
 
@@ -163,7 +163,7 @@ def _begins_another(cell: str) -> bool:
     return _BARE_KEY.fullmatch(cell) is not None or _own_size(cell) is not None
 
 
-def _beside_each_other(cells: Sequence[str], text: str) -> list[Pair]:
+def _beside_each_other(cells: Sequence[str], text: str) -> list[KeyValue]:
     """Return the statements of cells; what follows a key up to the next is its value.
 
     A key has a colon, or is a resolution's. Words in front of the first are a title; numbers there
@@ -218,7 +218,7 @@ def _own_size(text: str) -> tuple[str, str] | None:
     return (size[1], size[3]) if sure else None
 
 
-def _normal(key: str, value: str) -> Pair:
+def _normal(key: str, value: str) -> KeyValue:
     """Return a statement with its key as `normal_key`, a unit in it behind its value.
 
     ``Resolution [mm]: 0.001`` is ``resolution: 0.001 mm``; likewise ``Payload [kg]: 2``.
@@ -228,8 +228,8 @@ def _normal(key: str, value: str) -> Pair:
     if split and number and not number.unit:
         stem, unit = normal_key(split[1]), split[2]
         if unit.lower() in _OF_CONDITIONS or (stem.startswith(RESOLUTION) and read_unit(unit)):
-            return Pair(stem, f"{value} {unit}", key)
-    return Pair(normal_key(key), value, key)
+            return KeyValue(stem, f"{value} {unit}", key)
+    return KeyValue(normal_key(key), value, key)
 
 
 RESOLUTION = "resolution"

@@ -56,13 +56,13 @@ _COMPANY = """
 x y z theta axis axes achse axe asse eje read value wert mess mass messwert messung measur mesur
 misur medi lectur lettur ables anzeig affich displa output data daten donne dati dato angab valeur
 valor dial gauge gage indicator indikator indicateur uhr comparat komparat taster prob sensor
-palpeur reloj orolog instrument channel kanal canal column spalt cycl zykl cicl run lauf row
-zeil point punkt calibrat kalibr etalonn tarat cal kal length lang longueur lunghezz
-longitud engineer standard expand erweiter combin estes espand number num nombr numer all alle tutt tout todo of the
-of the der des die das du de d la le les l di del dell dei el los las for fur pour por par je a an at to by
-mit with da in en is are sind und and et e y not no non nicht kein pas nr rapport p count digit tick
-lsb step puls increment inkrement mm um micron mikron inch zoll anfahr approach arriv
-angl winkel angul angol
+palpeur reloj orolog instrument channel kanal canal column spalt cycl zykl cicl run lauf row zeil
+point punkt calibrat kalibr etalonn tarat cal kal length lang longueur lunghezz longitud engineer
+standard expand erweiter combin estes espand number num nombr numer all alle tutt tout todo of the
+der des die das du de d la le les l di del dell dei el los las for fur pour por par je a an at to
+by mit with da in en is are sind und and et e not no non nicht kein pas nr rapport p count digit
+tick lsb step puls increment inkrement mm um micron mikron inch zoll anfahr approach arriv angl
+winkel angul angol
 """
 """Stems of readings, axes and gauges, and the little words between."""
 _ANOTHER = """
