@@ -21,7 +21,7 @@ from scara_iso.comparison.chance import largest_bias, mean_error, spread, throug
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.render.json import to_text
 from scara_iso.render.plots import plot_comparison, save_figure
-from scara_iso.reporting.comparison import (comparison_report, headline)
+from scara_iso.reporting.comparison import comparison_report, headline
 from scara_iso.run import Axis, Run
 
 SHOWN = (ContrastVerdict.LESS, ContrastVerdict.MORE)

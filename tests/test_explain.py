@@ -8,7 +8,7 @@ import pytest
 
 from scara_iso.commands import main
 from scara_iso.effects import find_effects, find_gear_effects
-from scara_iso.reporting.explain import (SAME, WORDS, find_pages, pages)
+from scara_iso.reporting.explain import SAME, WORDS, find_pages, pages
 from tests.hostile import TEXTS
 
 ROOT = Path(__file__).parents[1]

@@ -11,7 +11,7 @@ from scara_iso import analyze, read_table
 from scara_iso.base.published import to_json
 from scara_iso.iso9283 import published_analysis
 from scara_iso.render import analysis_json, to_text
-from scara_iso.reporting.blocks import (Charted, ChartedRow, Table, table_by_name)
+from scara_iso.reporting.blocks import Charted, ChartedRow, Table, table_by_name
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 

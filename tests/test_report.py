@@ -24,9 +24,9 @@ from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
-from scara_iso.reporting.blocks import (Courses, Figure, Planes, Predictions, Table, Text)
-from scara_iso.reporting.dossier import (Dossier, document)
-from scara_iso.reporting.stated import (FIELDS, InputFile, NOT_STATED, Provenance, head)
+from scara_iso.reporting.blocks import Courses, Figure, Planes, Predictions, Table, Text
+from scara_iso.reporting.dossier import Dossier, document
+from scara_iso.reporting.stated import FIELDS, NOT_STATED, InputFile, Provenance, head
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TABLE_1, WARM_UP = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "warm_up.csv"

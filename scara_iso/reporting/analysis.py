@@ -24,10 +24,44 @@ from scara_iso.iso9283 import (
     option_in_brief,
     poses_in_cycles,
 )
-from scara_iso.reporting.blocks import (Block, Cell, Charted, ChartedRow, Headline, NextStep, Notice, Number, Report, Result, Section, Strip, Table, Text, answer_lines, at_depth, table_by_name)
-from scara_iso.reporting.digits import (Ends, U_of_RP, U_of_mean, U_of_scatter, figure_cells, figure_said, interval, rounded)
-from scara_iso.reporting.drift import (drift_details, drift_headlines, drift_sections)
-from scara_iso.reporting.limits import (STRICTEST, VERDICTS, conformity, figure_held, limit_cell, limits)
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Charted,
+    ChartedRow,
+    Headline,
+    NextStep,
+    Notice,
+    Number,
+    Report,
+    Result,
+    Section,
+    Strip,
+    Table,
+    Text,
+    answer_lines,
+    at_depth,
+    table_by_name,
+)
+from scara_iso.reporting.digits import (
+    Ends,
+    U_of_mean,
+    U_of_RP,
+    U_of_scatter,
+    figure_cells,
+    figure_said,
+    interval,
+    rounded,
+)
+from scara_iso.reporting.drift import drift_details, drift_headlines, drift_sections
+from scara_iso.reporting.limits import (
+    STRICTEST,
+    VERDICTS,
+    conformity,
+    figure_held,
+    limit_cell,
+    limits,
+)
 from scara_iso.run import SIMULATED, FloatArray, Run
 
 _OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from scara_iso.iso9283 import PoseResult
-from scara_iso.reporting.blocks import (Block, Cell, Number, Report, Section, Table, Text)
-from scara_iso.reporting.digits import (U_of_RP, four_digits, p_equals, rounded, words)
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.digits import U_of_RP, four_digits, p_equals, rounded, words
 from scara_iso.robot import (
     PRINTED_DEVIATION_MM,
     PRINTED_FREE_PLAY_MM,

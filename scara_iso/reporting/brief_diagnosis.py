@@ -11,9 +11,28 @@ import numpy as np
 
 from scara_iso.diagnosis import UNKNOWN, Diagnosis, Found, Verdict
 from scara_iso.effects import find_effects
-from scara_iso.reporting.blocks import (Block, Facts, Headline, NextStep, Report, Section, Strip, Text, answer_lines)
-from scara_iso.reporting.diagnosis import (Failure, diagnosis_in_words, is_of_a_kind, parameters_said, rivals_said, sureness, unexplained_said, unit_of)
-from scara_iso.reporting.digits import (U_of_scatter, digits_of, p_equals, rounded, words)
+from scara_iso.reporting.blocks import (
+    Block,
+    Facts,
+    Headline,
+    NextStep,
+    Report,
+    Section,
+    Strip,
+    Text,
+    answer_lines,
+)
+from scara_iso.reporting.diagnosis import (
+    Failure,
+    diagnosis_in_words,
+    is_of_a_kind,
+    parameters_said,
+    rivals_said,
+    sureness,
+    unexplained_said,
+    unit_of,
+)
+from scara_iso.reporting.digits import U_of_scatter, digits_of, p_equals, rounded, words
 from scara_iso.run import FloatArray
 from scara_iso.tables import listed
 

@@ -25,9 +25,19 @@ from scara_iso.diagnosis import (
     UnseenRP,
     Verdict,
 )
-from scara_iso.reporting.backlash import (gear_blocks, gear_errors)
-from scara_iso.reporting.blocks import (Block, Cell, Notice, Number, Report, Section, Strip, Table, Text)
-from scara_iso.reporting.digits import (U_of_scatter, p_equals, p_value, rounded, words)
+from scara_iso.reporting.backlash import gear_blocks, gear_errors
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Notice,
+    Number,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+)
+from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, rounded, words
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Reversal, RunReversals

@@ -14,7 +14,7 @@ from typing import Protocol
 
 from scara_iso.diagnosis import UNKNOWN
 from scara_iso.iso9283 import AxisResult, RadialResult
-from scara_iso.reporting.blocks import (Interval, MOST_PLACES, Number)
+from scara_iso.reporting.blocks import MOST_PLACES, Interval, Number
 
 Ends = tuple[float, float] | None
 """Of a 95 % interval, where there is one."""

@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scara_iso.iso9283 import Analysis, Characteristic
-from scara_iso.reporting.blocks import (Block, DriftPicture, Figure, Headline, Number, Section, Strip, Table, Text)
+from scara_iso.reporting.blocks import (
+    Block,
+    DriftPicture,
+    Figure,
+    Headline,
+    Number,
+    Section,
+    Strip,
+    Table,
+    Text,
+)
 from scara_iso.reporting.digits import rounded
 
 if TYPE_CHECKING:

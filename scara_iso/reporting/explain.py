@@ -20,7 +20,7 @@ from scara_iso.base.published import publish
 from scara_iso.comparison import PAGES
 from scara_iso.effects import Effect, GearEffect, OwnEffect
 from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks, in_brief
-from scara_iso.reporting.blocks import (Block, Report, Section, Table, Text)
+from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
 KIND = "word of the screens"
 SAME: Mapping[str, str] = {

@@ -14,8 +14,8 @@ from scara_iso.fleets import (
     RobotFigures,
     RobotResult,
 )
-from scara_iso.reporting.blocks import (Block, Cell, Number, Report, Section, Table, Text)
-from scara_iso.reporting.digits import (four_digits, words)
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.digits import four_digits, words
 
 _WORST, _FAILURES, _NAMED = 20, 10, 5
 

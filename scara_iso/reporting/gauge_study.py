@@ -22,8 +22,23 @@ from scara_iso.gauge import (
     whole_categories,
 )
 from scara_iso.iso9283 import Conformity, DecisionRule
-from scara_iso.reporting.blocks import (Block, Cell, Chart, Curve, Figure, Headline, Interval, NextStep, Number, Report, Section, Table, Text, answer_lines)
-from scara_iso.reporting.digits import (figure_cells, figure_said, four_digits)
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Chart,
+    Curve,
+    Figure,
+    Headline,
+    Interval,
+    NextStep,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+    answer_lines,
+)
+from scara_iso.reporting.digits import figure_cells, figure_said, four_digits
 
 
 def study_picture(study: AxisStudy) -> Figure:

@@ -24,9 +24,23 @@ from scara_iso.comparison import (
     day_of,
     moment_said,
 )
-from scara_iso.reporting.blocks import (Block, ControlPicture, Figure, Headline, MonthsPicture, NextStep, Number, Report, Result, Section, Table, Text, answer_lines)
-from scara_iso.reporting.comparison import (CHANGED, headline, is_live, ratio_said)
-from scara_iso.reporting.digits import (interval, rounded)
+from scara_iso.reporting.blocks import (
+    Block,
+    ControlPicture,
+    Figure,
+    Headline,
+    MonthsPicture,
+    NextStep,
+    Number,
+    Report,
+    Result,
+    Section,
+    Table,
+    Text,
+    answer_lines,
+)
+from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_said
+from scara_iso.reporting.digits import interval, rounded
 from scara_iso.reporting.dossier import Document
 from scara_iso.run import FloatArray
 

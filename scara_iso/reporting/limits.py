@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 
 from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, LimitCheck
-from scara_iso.reporting.blocks import (Interval, Number, Section, Table, Text)
-from scara_iso.reporting.digits import (decimals, places_that_decide)
+from scara_iso.reporting.blocks import Interval, Number, Section, Table, Text
+from scara_iso.reporting.digits import decimals, places_that_decide
 
 _USUAL = ("mm", "deg")
 GRAVER = (

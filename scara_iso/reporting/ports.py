@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from scara_iso.recorder import DeviceNotice, Dialect, Event, Garbage, InstrumentFault, Reading
-from scara_iso.reporting.blocks import (Block, Report, Section, Table, Text)
+from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,10 +23,36 @@ from scara_iso.diagnosis import (
     SourceOfScatter,
     Verdict,
 )
-from scara_iso.reporting.blocks import (Block, Cell, Headline, NextStep, Number, Report, Section, Table, Text, answer_lines)
-from scara_iso.reporting.brief_diagnosis import (Again, doubts, is_explained)
-from scara_iso.reporting.diagnosis import (of_pose, parameters_said, rivals_said, sureness, unexplained_said)
-from scara_iso.reporting.digits import (U_of_scatter, digits_of, figure_cells, figure_said, p_equals, printable, rounded, words)
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Headline,
+    NextStep,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+    answer_lines,
+)
+from scara_iso.reporting.brief_diagnosis import Again, doubts, is_explained
+from scara_iso.reporting.diagnosis import (
+    of_pose,
+    parameters_said,
+    rivals_said,
+    sureness,
+    unexplained_said,
+)
+from scara_iso.reporting.digits import (
+    U_of_scatter,
+    digits_of,
+    figure_cells,
+    figure_said,
+    p_equals,
+    printable,
+    rounded,
+    words,
+)
 
 _SAID = {"dial": "dial's own", "neither": "neither"}
 _MEANING = (

@@ -7,8 +7,27 @@ from dataclasses import replace
 from typing import Literal
 
 from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck, PushResult
-from scara_iso.reporting.blocks import (Block, Cell, Headline, Interval, NextStep, Number, Report, Section, Table, Text, answer_lines)
-from scara_iso.reporting.digits import (decimals, figure_said, interval, places_that_decide, rounded, words)
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Headline,
+    Interval,
+    NextStep,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+    answer_lines,
+)
+from scara_iso.reporting.digits import (
+    decimals,
+    figure_said,
+    interval,
+    places_that_decide,
+    rounded,
+    words,
+)
 from scara_iso.reporting.limits import limit_cell
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")

@@ -15,7 +15,7 @@ from typing import Annotated
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Cycles
-from scara_iso.reporting.blocks import (Block, Facts, Text)
+from scara_iso.reporting.blocks import Block, Facts, Text
 from scara_iso.run import Origin, Run
 
 

@@ -8,7 +8,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from datetime import date
 
-from scara_iso.reporting.blocks import (Block, Cell, Facts, Notice, Number, Report, Section, Table, Text)
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Facts,
+    Notice,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+)
 from scara_iso.run import Run, TableField
 from scara_iso.testfolder import Folder, PartState, about, lacking, seconds_left
 

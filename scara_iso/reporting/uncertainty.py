@@ -9,7 +9,7 @@ from typing import cast
 from scara_iso.base.published import Size, Unit
 from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.iso9283 import Analysis
-from scara_iso.reporting.blocks import (Block, Cell, Number, Table, Text)
+from scara_iso.reporting.blocks import Block, Cell, Number, Table, Text
 from scara_iso.reporting.digits import rounded
 from scara_iso.reporting.stated import NOT_STATED
 from scara_iso.run import Axis, Run

@@ -9,7 +9,7 @@ from typing import Literal
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import publish
-from scara_iso.reporting.blocks import (Block, Facts, Number, Report, Section, Signature, Table, Text)
+from scara_iso.reporting.blocks import Block, Facts, Number, Report, Section, Signature, Table, Text
 from scara_iso.reporting.dossier import Document
 
 
