@@ -11,18 +11,20 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import parse_unit
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.fleets import (
+    LOCAL,
     FiguresTask,
     FleetFigures,
     FleetSummary,
     ReadAs,
     Task,
+    cores,
+    engine_of,
     run_figures,
     run_fleet,
     summarise,
     summarise_figures,
 )
 from scara_iso.iso9283 import Counting, CountingOptions
-from scara_iso.library.engines import LOCAL, engine_of, threads_of
 
 LEVEL = 0.05
 
@@ -83,8 +85,9 @@ def fleet_figures(
     check_folder(Path(to))
     _check(unit, decimal)
     wanted = CyclesWanted(counting=Counting(**counting))
-    with threads_of(engine, workers) as (where, threads):
-        task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
+    threads = (workers or cores()) if engine == LOCAL else 1
+    task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
+    with engine_of(engine, workers, in_process=True) as where:
         run = run_figures(Path(source), Path(to), task, where, track=track)
     return summarise_figures(run)
 
