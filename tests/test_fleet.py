@@ -24,7 +24,7 @@ from rich.console import Console
 
 import scara_iso
 from scara_iso.base.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.fleets import Engine, ReadAs, engines
 from scara_iso.fleets.database import as_parquet, results_in, workspace
