@@ -172,7 +172,7 @@ def test_a_head_that_a_kill_left_unfinished_is_begun_anew(tmp_path):
 
 
 def test_results_of_which_a_kill_left_some_lines_only_count_once(tmp_path):
-    source = Path(__file__).parents[1] / "examples" / "fleet"
+    source = ROOT / "examples" / "fleet"
     whole = scara_iso.fleet_figures(source, tmp_path / "o")
     manifest = tmp_path / "o" / "manifest.jsonl"
     manifest.write_bytes(b"".join(manifest.read_bytes().splitlines(keepends=True)[:3]))
