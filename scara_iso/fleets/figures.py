@@ -33,15 +33,15 @@ from scara_iso.fleets.parts import (
 from scara_iso.fleets.runs import (
     FIGURES,
     FleetRun,
-    Found,
     PartResult,
+    PartRows,
     Results,
     Row,
     Track,
     date_of,
     result_of,
+    rows_as_table,
     run_parts,
-    table_of,
     why,
 )
 from scara_iso.iso9283 import repeatability
@@ -142,21 +142,21 @@ def figures_of(parts: Sequence[str], task: FiguresTask) -> list[PartResult]:
     found = [result_of(Path(part), partial(_of_text, task=task, rows=rows)) for part in parts]
     holder = next((k for k, one in enumerate(found) if one.tables), None)
     if holder is not None:
-        found[holder] = replace(found[holder], rows=(table_of(rows, KINDS),))
+        found[holder] = replace(found[holder], rows=(rows_as_table(rows, KINDS),))
     return found
 
 
-def _of_text(path: Path, task: FiguresTask, rows: list[Row]) -> Found:
+def _of_text(path: Path, task: FiguresTask, rows: list[Row]) -> PartRows:
     own = list(_one_by_one(path, task, None))
     rows += own
-    return Found(*_counted(own))
+    return PartRows(*_counted(own))
 
 
-def _of_parquet(path: Path, task: FiguresTask) -> Found:
+def _of_parquet(path: Path, task: FiguresTask) -> PartRows:
     together = _together(path, task)
     rows = list(_one_by_one(path, task, together.others))
     tables, failed = _counted(rows)
-    return Found(together.tables + tables, failed, (*together.rows, table_of(rows, KINDS)))
+    return PartRows(together.tables + tables, failed, (*together.rows, rows_as_table(rows, KINDS)))
 
 
 def _counted(rows: Sequence[Row]) -> tuple[int, int]:

@@ -37,7 +37,7 @@ Row: TypeAlias = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class PartRows:
     """What is found of one part: how many tables, how many of these failed, and their rows."""
 
     tables: int
@@ -67,7 +67,7 @@ Results = Iterator[tuple[Sequence[str], Sequence[PartResult] | Exception]]
 """What is found of parts that share a file of results, or what became of them, by their paths."""
 
 
-def result_of(path: Path, work: Callable[[Path], Found]) -> PartResult:
+def result_of(path: Path, work: Callable[[Path], PartRows]) -> PartResult:
     """Return what ``work`` finds of a part, or why it cannot be read; raises `WriteError`."""
     sha256 = ""
     try:
@@ -80,7 +80,7 @@ def result_of(path: Path, work: Callable[[Path], Found]) -> PartResult:
     return PartResult(path.name, sha256, _version(), found.tables, found.failed, found.rows)
 
 
-def table_of(rows: Sequence[Row], kinds: Mapping[str, str]) -> Any:
+def rows_as_table(rows: Sequence[Row], kinds: Mapping[str, str]) -> Any:
     """Return rows as a pandas table with the columns of ``kinds``."""
     return make_frame({name: [row.get(name) for row in rows] for name in kinds}, {})
 

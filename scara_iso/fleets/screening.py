@@ -27,15 +27,15 @@ from scara_iso.fleets.runs import (
     FIGURES,
     RESULTS,
     FleetRun,
-    Found,
     PartResult,
+    PartRows,
     Results,
     Row,
     Track,
     date_of,
     result_of,
+    rows_as_table,
     run_parts,
-    table_of,
     why,
 )
 from scara_iso.run import Run
@@ -129,10 +129,10 @@ def examine(piece: Piece, task: Task) -> PartResult:
     return result_of(Path(piece.path), partial(_diagnosed, task=task, share=piece.share))
 
 
-def _diagnosed(path: Path, task: Task, share: Share) -> Found:
+def _diagnosed(path: Path, task: Task, share: Share) -> PartRows:
     tables = tables_in(path, task.reading, share=share)
     rows = [{**_row(table, task), "part": path.name} for table in tables]
-    return Found(len(rows), sum("error" in row for row in rows), (table_of(rows, KINDS),))
+    return PartRows(len(rows), sum("error" in row for row in rows), (rows_as_table(rows, KINDS),))
 
 
 def _row(table: FleetTable, task: Task) -> Row:
