@@ -113,7 +113,11 @@ def test_what_is_not_stated_is_named_in_one_line(key):
     run = read_table(WARM_UP)
     run = type(run)(run.cycle, run.axes, metadata=given, origin=run.origin)
     page = document(Dossier(analyze(run), MADE)).sections[0]
-    (line,) = [b.text for b in page.blocks if getattr(b, "text", "").startswith("Not stated:") and b.text[-1] != "]"]
+    (line,) = [
+        b.text
+        for b in page.blocks
+        if getattr(b, "text", "").startswith("Not stated:") and b.text[-1] != "]"
+    ]
     assert WORDS.get(key, key.replace("_", " ")) in line
 
 
@@ -131,7 +135,11 @@ def test_where_much_is_not_stated_page_1_names_the_first_of_it_and_the_condition
     run = read_table(WARM_UP)
     run = type(run)(run.cycle, run.axes, origin=run.origin)
     page, *others = document(Dossier(analyze(run), MADE)).sections
-    (line,) = [b.text for b in page.blocks if getattr(b, "text", "").startswith("Not stated:") and b.text[-1] != "]"]
+    (line,) = [
+        b.text
+        for b in page.blocks
+        if getattr(b, "text", "").startswith("Not stated:") and b.text[-1] != "]"
+    ]
     assert len(line) < 150
     held = next(one for one in others if one.heading == "Conditions and instruments")
     assert any("calibration certificate" in getattr(b, "text", "") for b in held.blocks)
