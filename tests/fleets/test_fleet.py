@@ -17,20 +17,21 @@ from pathlib import Path
 import duckdb
 import numpy as np
 import openpyxl
+import pandas as pd
 import pytest
 from hypothesis import given, strategies as st
 from rich.console import Console
 
 import scara_iso
 from scara_iso.base.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
-from scara_iso.commands import engines, main
-from scara_iso.commands.engines import open_processes
+from scara_iso.commands import main
 from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
-from scara_iso.fleets import Engine, ReadAs
+from scara_iso.fleets import Engine, ReadAs, engines
 from scara_iso.fleets.database import as_parquet, results_in, workspace
+from scara_iso.fleets.engines import done_by, open_processes
 from scara_iso.fleets.parts import tables_in
-from scara_iso.fleets.runs import PartLedger
-from scara_iso.fleets.work import PartResult, done_by, whole_part
+from scara_iso.fleets.runs import PartLedger, PartResult
+from scara_iso.fleets.screening import whole_part
 from scara_iso.render import track
 
 ROOT = Path(scara_iso.__file__).parents[1]
@@ -80,7 +81,7 @@ def test_what_cannot_be_read_is_listed_and_the_rest_goes_on(done):
     _, _, summary = done
     assert list(summary.run.failed) == ["unreadable.parquet"]
     said = {one.robot: one.error for one in summary.failed}
-    assert "'X' is not numeric" in said["R8"]
+    assert "line 4, column 4: 'abc' is not a number" in said["R8"]
     assert "cycle" in said["R9"]
 
 
@@ -122,7 +123,7 @@ def test_a_part_that_changes_during_a_closer_look_keeps_its_p_values(
 ):
     source, out, summary = done
     shutil.copytree(out, tmp_path / "o")
-    monkeypatch.setattr("scara_iso.fleets.work.digest", lambda _: "of another content")
+    monkeypatch.setattr("scara_iso.fleets.screening.digest", lambda _: "of another content")
     found = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
     assert found.run.failed["part1.csv"] == "has changed since it was read: run it again"
     assert found.robots[0].p_value == summary.robots[0].p_value
@@ -171,7 +172,7 @@ def test_a_head_that_a_kill_left_unfinished_is_begun_anew(tmp_path):
 
 
 def test_results_of_which_a_kill_left_some_lines_only_count_once(tmp_path):
-    source = Path(__file__).parents[1] / "examples" / "fleet"
+    source = ROOT / "examples" / "fleet"
     whole = scara_iso.fleet_figures(source, tmp_path / "o")
     manifest = tmp_path / "o" / "manifest.jsonl"
     manifest.write_bytes(b"".join(manifest.read_bytes().splitlines(keepends=True)[:3]))
@@ -213,7 +214,7 @@ def test_outputs_that_would_be_lost_are_refused(tmp_path, done):
 def test_a_cluster_that_is_not_there(tmp_path, done, monkeypatch):
     pytest.importorskip("distributed")
     source, _, _ = done
-    monkeypatch.setattr("scara_iso.commands.engines._PATIENCE", 1)
+    monkeypatch.setattr("scara_iso.fleets.engines._PATIENCE", 1)
     with pytest.raises(ServiceError, match="no Dask scheduler"):
         scara_iso.fleet(source, tmp_path / "o", engine="dask://127.0.0.1:9")
     with pytest.raises(UsageError):
@@ -245,9 +246,9 @@ def test_the_tables_of_one_part_are_shared_and_its_result_is_one_file(
     source, out, _ = done
     (tmp_path / "parts").mkdir()
     shutil.copy(source / "part1.csv", tmp_path / "parts")
-    whole, examined = scara_iso.fleets.runs.examine, []
+    whole, examined = scara_iso.fleets.screening.examine, []
     monkeypatch.setattr(
-        "scara_iso.fleets.runs.examine",
+        "scara_iso.fleets.screening.examine",
         lambda *a, **k: examined.append(whole(*a, **k)) or examined[-1],
     )
     found = scara_iso.fleet(tmp_path / "parts", tmp_path / "o", workers=2)
@@ -258,7 +259,7 @@ def test_the_tables_of_one_part_are_shared_and_its_result_is_one_file(
 
 
 def test_a_part_that_changed_between_its_pieces_is_left_to_the_next_run():
-    pieces = [PartResult("a.csv", digest, "1", 4, 0, b"", None) for digest in ("one", "other")]
+    pieces = [PartResult("a.csv", digest, "1", 4, 0) for digest in ("one", "other")]
     found = whole_part(pieces)
     assert (found.sha256, found.error) == ("", "has changed while it was read: run it again")
 
@@ -306,7 +307,7 @@ COMMAS = ("0,1", "0,25", "0,003")
         (("1,512", "2,048", "3,001"), {"decimal": ","}, [1.512, 2.048, 3.001]),
         (("1,512", "2,048", "3,001"), {"decimal": "."}, [1512, 2048, 3001]),
         (("0,1", "0.25", "0,3"), {}, "commas and points both occur"),
-        (("0,1", "dent", "0,3"), {}, "'X' is not numeric"),
+        (("0,1", "dent", "0,3"), {}, "line 4, column 3: 'dent' is not a number"),
     ],
 )
 def test_decimal_commas_of_a_part_are_those_of_analyze(tmp_path, cells, options, expected):
@@ -331,7 +332,7 @@ def test_micrometres_that_may_be_grouped_are_refused(tmp_path):
     text = "# unit: um\nrobot;cycle;X\nR1;1;1.512\nR1;2;2.048\n"
     part.write_text(text, encoding="utf-8")
     with pytest.raises(DataError, match="group thousands"):
-        list(tables_in(part, ReadAs()))
+        only_run(part)
     (found,) = tables_in(part, ReadAs(decimal="."))
     assert found.run.axes["X"].readings.tolist() == pytest.approx([0.001512, 0.002048])
 
@@ -391,13 +392,17 @@ def test_two_tests_of_one_name_are_said_to_be_that(tmp_path, in_this_process):
 @pytest.mark.parametrize(
     ("text", "encoding", "said"),
     [
-        ("# unit: mm\n# resolution: fine\nrobot,X\nR1,1\n", "utf-8", "'fine', which is no number"),
+        (
+            "# unit: mm\n# resolution: fine\nrobot,X\nR1,1\n",
+            "utf-8",
+            "line 2: resolution: 'fine' is not a number",
+        ),
     ],
 )
 def test_a_part_whose_head_cannot_be_used_is_refused(tmp_path, text, encoding, said):
     (tmp_path / "a.csv").write_text(text, encoding=encoding)
     with pytest.raises(DataError, match=said):
-        list(tables_in(tmp_path / "a.csv", ReadAs()))
+        only_run(tmp_path / "a.csv")
 
 
 def test_a_workbook_is_a_robot_and_a_note_beside_it_is_listed(tmp_path, in_this_process):
@@ -498,7 +503,7 @@ def test_a_full_disk_and_damaged_results_are_said(tmp_path, monkeypatch):
         pass
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
     with pytest.raises(WriteError, match="temporary"):
-        as_parquet("SELECT 1 AS a")
+        as_parquet([pd.DataFrame({"a": [1]})], {"a": "INTEGER"})
 
 
 SORTED = "CREATE TABLE a AS SELECT random()::VARCHAR AS r FROM range(400000) ORDER BY r"
@@ -698,7 +703,7 @@ def alive(pid):
 @pytest.mark.slow
 def test_processes_end_with_the_one_that_started_them():
     program = (
-        "import os, time; from scara_iso.commands.engines import open_processes; "
+        "import os, time; from scara_iso.fleets.engines import open_processes; "
         "pool = open_processes(1); print(pool.submit(os.getpid).result(), "
         "pool.submit(os.getenv, 'OPENBLAS_NUM_THREADS').result(), flush=True); "
         "time.sleep(600)"

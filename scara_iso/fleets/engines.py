@@ -1,27 +1,45 @@
-"""Where many tables are worked on: processes of this machine, or a cluster of Dask."""
+"""Where many tables are worked on: processes of this machine, or a cluster of Dask.
+
+The one seam is an `Executor`, opened anew where it broke. A process that dies breaks its pool and
+takes down what was under way in it. Those items are then done alone, each in a pool of its own:
+only the one that kills its process again is given up.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import math
 import multiprocessing
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
-from multiprocessing.connection import wait
+from multiprocessing import connection
 from threading import Thread, current_thread, main_thread
 from types import ModuleType
 from typing import Any, ParamSpec, TypeVar
 
 from scara_iso.base.errors import ServiceError, UsageError, with_extra
 from scara_iso.base.trust import code_folders
-from scara_iso.fleets import Engine
+from scara_iso.fleets.parts import Share
 
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
+Item = TypeVar("Item")
 LOCAL, DASK = "local", "dask://"
 _SLOW_TO_IMPORT = ("duckdb", "pandas", "scipy.special", "scara_iso.diagnosis.closed_loop")
 _AHEAD = 2
@@ -31,6 +49,93 @@ _PATIENCE = 10
 _FIRST_WORKER = 60
 """Seconds in which it is to have a worker."""
 _REMEDY = "use local, or dask://HOST:PORT of a scheduler"
+_TRIES = 2
+_GONE = "the cluster has gone away"
+_GO_ON = "start it again; the same command then goes on where it stopped"
+_LOOK_AGAIN = 10
+"""Seconds after which it is looked who is there, where nothing is done meanwhile."""
+_ROUNDS = 2
+"""At least so often all that can be under way is: more evens the load, and reads a part oftener."""
+
+
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """Where the work is done: how an executor of it is opened, and how much is under way."""
+
+    open: Callable[[], Executor]
+    under_way: Callable[[], int]
+    """Of the moment: a cluster grows and shrinks. Raises `ServiceError` where nobody is left."""
+
+    def shares_of_each(self, parts: int) -> list[Share]:
+        """Return the shares in which each of so many parts is given out: no worker waits long."""
+        count = math.ceil(_ROUNDS * self.under_way() / max(parts, 1))
+        return [Share(number, count) for number in range(count)]
+
+
+def done_by(
+    engine: Engine, work: Callable[[Item], Answer], items: Sequence[Item]
+) -> Iterator[tuple[Item, Answer | Exception]]:
+    """Yield each item once, as it is done, with its result or what became of it."""
+    waiting = deque(items)
+    while waiting:
+        with engine.open() as executor:
+            try:
+                suspects = yield from _until_broken(executor, engine.under_way, work, waiting)
+            except ServiceError:
+                executor.shutdown(wait=False)  # nobody is left to wait for
+                raise
+        for item in suspects:
+            yield item, _alone(engine, work, item)
+
+
+def _until_broken(
+    executor: Executor,
+    under_way: Callable[[], int],
+    work: Callable[[Item], Answer],
+    waiting: deque[Item],
+) -> Generator[tuple[Item, Answer | Exception], None, list[Item]]:
+    """Yield what is done; return what was under way where the executor broke, else nothing."""
+    running: dict[Future[Answer], Item] = {}
+    while running or waiting:
+        room = under_way()
+        try:
+            while waiting and len(running) < room:
+                running[executor.submit(work, waiting[0])] = waiting[0]
+                waiting.popleft()
+        except BrokenExecutor:
+            return list(running.values())
+        finished, _ = wait(running, _LOOK_AGAIN, return_when=FIRST_COMPLETED)
+        outcomes: dict[Future[Answer], Answer | Exception] = {}
+        for future in finished:
+            outcome = _outcome(future)
+            outcomes[future] = outcome
+        if any(isinstance(one, BrokenExecutor) for one in outcomes.values()):
+            return list(running.values())
+        yield from ((running.pop(future), outcome) for future, outcome in outcomes.items())
+    return []
+
+
+def _outcome(future: Future[Answer]) -> Answer | Exception:
+    try:
+        error = future.exception()
+    except CancelledError as gone:  # nothing here cancels
+        raise ServiceError(_GONE, remedy=_GO_ON) from gone
+    if error is None:
+        return future.result()
+    if isinstance(error, Exception):
+        return error
+    raise error
+
+
+def _alone(engine: Engine, work: Callable[[Item], Answer], item: Item) -> Answer | Exception:
+    failed: Exception = RuntimeError("not tried")
+    for _ in range(_TRIES):
+        with engine.open() as executor:
+            found = _outcome(executor.submit(work, item))
+        if not isinstance(found, BrokenExecutor):
+            return found
+        failed = found
+    return failed
 
 
 class _Processes(ProcessPoolExecutor):
@@ -62,7 +167,7 @@ def open_processes(workers: int | None = None) -> Executor:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # theirs: the processes share the cores
     methods = multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
-    context.set_forkserver_preload(["scara_iso.fleets.work", *_SLOW_TO_IMPORT])
+    context.set_forkserver_preload(["scara_iso.fleets.screening", *_SLOW_TO_IMPORT])
     with _nothing_of_this_folder():
         if "forkserver" in methods:
             _start_deaf()
@@ -101,7 +206,7 @@ def _ctrl_c_later() -> Iterator[None]:
 
 def _start_deaf() -> None:
     """Start the server of processes so that it and they leave Ctrl-C to this one."""
-    from multiprocessing import forkserver, resource_tracker  # not of every system
+    from multiprocessing import forkserver, resource_tracker  # noqa: PLC0415 - not of every system
 
     resource_tracker.ensure_running()  # it would undo what is blocked
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -119,19 +224,24 @@ def _leave_with_parent() -> None:
 
 
 def _leave_after(sentinel: int) -> None:
-    wait([sentinel])
+    connection.wait([sentinel])
     os._exit(1)
 
 
 @contextmanager
-def engine_of(name: str, workers: int | None = None) -> Iterator[Engine]:
+def engine_of(
+    name: str, workers: int | None = None, *, in_process: bool = False
+) -> Iterator[Engine]:
     """Yield the engine of a name: ``local``, or ``dask://HOST:PORT`` of a scheduler.
 
-    Raises `UsageError` for another name or without the package for it, `ServiceError` where no
-    scheduler answers.
+    ``in_process`` has ``local`` work in this process: DuckDB has threads of its own. Raises
+    `UsageError` for another name or without the package for it, `ServiceError` where no scheduler
+    answers.
     """
-    if name == LOCAL:
-        count = workers or os.cpu_count() or 1
+    if name == LOCAL and in_process:
+        yield Engine(partial(ThreadPoolExecutor, 1), lambda: 1)
+    elif name == LOCAL:
+        count = workers or cores()
         yield Engine(partial(open_processes, count), lambda: _AHEAD * count)
     elif name.startswith(DASK):
         with _cluster(name.removeprefix(DASK)) as engine:
@@ -140,23 +250,15 @@ def engine_of(name: str, workers: int | None = None) -> Iterator[Engine]:
         raise UsageError(f"`engine={name}`", remedy=_REMEDY)
 
 
-@contextmanager
-def threads_of(name: str, workers: int | None = None) -> Iterator[tuple[Engine, int]]:
-    """Yield an engine as `engine_of`, and the threads that DuckDB may take for one part.
-
-    ``local`` is this process: what adds up in threads of its own needs no other.
-    """
-    if name == LOCAL:
-        yield Engine(partial(ThreadPoolExecutor, 1), lambda: 1), workers or os.cpu_count() or 1
-    else:
-        with engine_of(name) as engine:
-            yield engine, 1
+def cores() -> int:
+    """Return how many cores there are."""
+    return os.cpu_count() or 1
 
 
 @contextmanager
 def _cluster(address: str) -> Iterator[Engine]:
     try:
-        from distributed import Client
+        from distributed import Client  # noqa: PLC0415 - an extra
     except ImportError as error:
         raise UsageError("a cluster needs Dask", remedy=with_extra("dask")) from error
     host, _, port = address.rpartition(":")
@@ -178,7 +280,7 @@ def _cluster(address: str) -> Iterator[Engine]:
 
 async def _met(address: str) -> None:
     """Return once a scheduler has spoken: a client would wait for what only listens."""
-    from distributed.comm import connect
+    from distributed.comm import connect  # noqa: PLC0415 - an extra
 
     line = await asyncio.wait_for(connect(address, timeout=_PATIENCE), _PATIENCE)
     await line.close()
