@@ -19,7 +19,7 @@ from scara_iso.comparison import (
     poses_in_common,
 )
 from scara_iso.iso9283 import Analysis, Conformity, Finding, LimitCheck, PoseResult
-from scara_iso.reporting.analysis import cautions, characteristics_table, simulated
+from scara_iso.reporting.analysis import cautions, simulated
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -36,6 +36,7 @@ from scara_iso.reporting.blocks import (
     answer_lines,
 )
 from scara_iso.reporting.digits import figure_said, p_value, rounded
+from scara_iso.reporting.figure_tables import characteristics_table
 from scara_iso.reporting.limits import VERDICTS, table_of_limits
 
 SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Characteristic, StreamVisits
-from scara_iso.reporting.analysis import characteristics_table
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -21,6 +20,7 @@ from scara_iso.reporting.blocks import (
     answer_lines,
 )
 from scara_iso.reporting.digits import figure_said, rounded, words
+from scara_iso.reporting.figure_tables import characteristics_table
 from scara_iso.signals import Doubt, Rule, Visit
 
 _SHOWN, _SHOWN_IN_BRIEF = 40, 6
