@@ -51,14 +51,12 @@ if TYPE_CHECKING:
         Text as Text,
         in_form as in_form,
     )
-    from scara_iso.reporting.brief_diagnosis import diagnosis_brief as diagnosis_brief
     from scara_iso.reporting.comparison import (
         comparison_brief as comparison_brief,
         comparison_report as comparison_report,
     )
     from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
     from scara_iso.reporting.diagnosis import (
-        Failure as Failure,
         diagnosis_report as diagnosis_report,
         summary_report as summary_report,
     )
@@ -96,6 +94,7 @@ if TYPE_CHECKING:
         history_report as history_report,
     )
     from scara_iso.reporting.limits import conformity as conformity
+    from scara_iso.reporting.named_effects import Failure as Failure
     from scara_iso.reporting.plan import (
         design_of_poses_report as design_of_poses_report,
         design_report as design_report,
@@ -109,10 +108,7 @@ if TYPE_CHECKING:
         ports_report as ports_report,
         probe_report as probe_report,
     )
-    from scara_iso.reporting.poses_diagnosis import (
-        poses_brief as poses_brief,
-        poses_report as poses_report,
-    )
+    from scara_iso.reporting.poses_diagnosis import poses_report as poses_report
     from scara_iso.reporting.published_dossier import (
         PublishedReport as PublishedReport,
         published_report as published_report,

@@ -41,11 +41,7 @@ from scara_iso.reporting.blocks import (
     at_depth,
     table_by_name,
 )
-from scara_iso.reporting.digits import (
-    Ends,
-    figure_cells,
-    figure_said,
-)
+from scara_iso.reporting.digits import Ends, figure_cells, figure_said
 from scara_iso.reporting.drift import drift_details, drift_headlines, drift_sections
 from scara_iso.reporting.figure_tables import characteristics, definitions_table, pose_figures
 from scara_iso.reporting.limits import (

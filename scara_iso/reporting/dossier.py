@@ -25,11 +25,10 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
-from scara_iso.reporting.brief_diagnosis import interpretation
-from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.drift import drift_pictures, largest_of
 from scara_iso.reporting.figures import courses, planes, predictions
 from scara_iso.reporting.front import Amendment, front_page
+from scara_iso.reporting.named_effects import Failure, interpretation
 from scara_iso.reporting.push import BOUGHT_BY, push_report
 from scara_iso.reporting.result_table import ResultPart
 from scara_iso.reporting.stated import (
