@@ -52,7 +52,6 @@ if TYPE_CHECKING:
         in_form as in_form,
     )
     from scara_iso.reporting.comparison import (
-        comparison_brief as comparison_brief,
         comparison_report as comparison_report,
     )
     from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
@@ -84,12 +83,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.front import Amendment as Amendment
     from scara_iso.reporting.gauge_study import (
-        gauge_study_brief as gauge_study_brief,
         gauge_study_report as gauge_study_report,
         study_picture as study_picture,
     )
     from scara_iso.reporting.history import (
-        history_brief as history_brief,
         history_document as history_document,
         history_report as history_report,
     )
@@ -131,7 +128,7 @@ if TYPE_CHECKING:
         published_conditions as published_conditions,
         published_folder as published_folder,
     )
-    from scara_iso.reporting.push import push_brief as push_brief, push_report as push_report
+    from scara_iso.reporting.push import push_report as push_report
     from scara_iso.reporting.stated import (
         NOT_STATED as NOT_STATED,
         InputFile as InputFile,
@@ -142,7 +139,6 @@ if TYPE_CHECKING:
         stated_field as stated_field,
     )
     from scara_iso.reporting.streams import (
-        visits_brief as visits_brief,
         visits_report as visits_report,
     )
     from scara_iso.reporting.tables_read import (
@@ -157,7 +153,6 @@ if TYPE_CHECKING:
         ReferenceCheck as ReferenceCheck,
         Validation as Validation,
         published_validation as published_validation,
-        validation_brief as validation_brief,
         validation_document as validation_document,
         validation_report as validation_report,
     )

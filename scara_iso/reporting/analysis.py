@@ -244,7 +244,7 @@ def _can_be_diagnosed(analysis: Analysis) -> bool:
 
 def _courses(analysis: Analysis) -> Iterator[Section]:
     """Yield the strips of a drift test and its figures, without the tables of its blocks."""
-    yield from drift_sections(analysis)
+    yield from (replace(one, heading="") for one in drift_sections(analysis))
     yield from (replace(one, heading="") for one in characteristics(analysis, advice=False))
 
 

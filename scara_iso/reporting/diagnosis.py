@@ -63,7 +63,7 @@ def diagnosis_report(diagnosis: Diagnosis, again: Again | None = None) -> Report
     """Return the document of one pose's diagnosis; ``again`` names its table in a command line."""
     following = None if again is None else _next(diagnosis, again)
     sizes = (Text(_sizes(found, diagnosis)) for found in diagnosis.effects)
-    lines = [*_answer(diagnosis), *sizes, _RP_said(diagnosis), *_why(diagnosis)]
+    lines = [*_answer(diagnosis), *sizes, *_RP_said(diagnosis), *_why(diagnosis)]
     error = [Text(said) for said in (_error_said(diagnosis),) if said]
     notes = notes_in_short(diagnosis.notes, "errors, shares, rivals", _MOST_NOTES)
     return (
@@ -119,22 +119,22 @@ def _sizes(found: Found, diagnosis: Diagnosis) -> str:
     return f"{of}{_GAP.join(sizes_said(found) or ['size not estimated'])}"
 
 
-def _RP_said(diagnosis: Diagnosis) -> Text:  # noqa: N802 - the field's symbol
+def _RP_said(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the field's symbol
     """Return RP as measured, were the effects cured, and in a new test by the completed model."""
     RP = diagnosis.repeatability
     named = [name for name in RP.measured if name != "XYZ"]
     name = "XY" if "XY" in named else named[0]
     n = len(diagnosis.series.cycle)
-    said = [f"RP  {name} {of_scatter(RP.measured[name], n)}"]
+    said = [f"RP  {name} {of_scatter(RP.measured[name], n)} {length(name)}".rstrip()]
     removed = RP.with_effect_removed.get(name)
     if diagnosis.effects and removed is not None:
         said.append(f"without the effect {of_scatter(removed, n)}")
-    if (expected := getattr(RP, "completed", {}).get(name)) is not None:
+    yield Text("; ".join(said))
+    if (expected := RP.completed.get(name)) is not None:
         spec = f".{digits_of(expected.value, (expected.low, expected.high))}f"
         ends = f"[{expected.low:{spec}}, {expected.high:{spec}}]"
         value = f"{expected.value:{spec}} {length(name)}".rstrip()
-        said.append(f"expected in a repeat test: {value}, 95 % prediction interval {ends}")
-    return Text("; ".join(said))
+        yield Text(f"Expected in a repeat test: {name} {value}, 95 % prediction interval {ends}")
 
 
 def _next(diagnosis: Diagnosis, again: Again) -> NextStep:

@@ -24,6 +24,7 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    page_sections,
 )
 from scara_iso.reporting.drift import drift_pictures, largest_of
 from scara_iso.reporting.figures import courses, planes, predictions
@@ -153,6 +154,9 @@ class Document:
     """None where it is about neither a whole test nor a gauge study."""
     simulated: bool = False
     """Whether the readings are of no dial."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sections", page_sections(self.sections))
 
 
 def document(dossier: Dossier) -> Document:
