@@ -125,7 +125,10 @@ def _parameter(name: str, value: float | str | Mapping[str, float], found: Found
         also = f" ({seconds:.3g} s)" if isinstance(seconds, float) else ""
         return f"{words(name)} {said} {unit_of(found, name)}".rstrip() + also
     errors = _errors(found, name)
-    parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
+    parts = [
+        _size(axis, size, errors[axis]) if errors.get(axis) else f"{axis} {size:+.3g}"
+        for axis, size in value.items()
+    ]
     return f"{words(name)} {', '.join(parts)} {unit_of(found, name)}".rstrip()
 
 
