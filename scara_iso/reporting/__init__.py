@@ -51,9 +51,7 @@ if TYPE_CHECKING:
         Text as Text,
         in_form as in_form,
     )
-    from scara_iso.reporting.comparison import (
-        comparison_report as comparison_report,
-    )
+    from scara_iso.reporting.comparison import comparison_report as comparison_report
     from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
     from scara_iso.reporting.diagnosis import (
         diagnosis_report as diagnosis_report,
@@ -138,9 +136,7 @@ if TYPE_CHECKING:
         not_stated as not_stated,
         stated_field as stated_field,
     )
-    from scara_iso.reporting.streams import (
-        visits_report as visits_report,
-    )
+    from scara_iso.reporting.streams import visits_report as visits_report
     from scara_iso.reporting.tables_read import (
         missing_report as missing_report,
         status_report as status_report,
