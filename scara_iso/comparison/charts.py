@@ -7,10 +7,11 @@ against the tests before them (`standardised`), so that no test has to be declar
 Since when a figure grows, how fast, and when it meets a limit: each as an interval.
 
 The model is ln RP = a + ln(1 + b (t - t0)), or a + c (t - t0), from an unknown day t0 on and a
-before: wear grows from some day at an even rate, or compounds; both are as likely. Errors are normal: those of the tests' own sampling,
-and what tests differ by beside it, of unknown size. Every t0 among the tests, every b and every
-such size of a grid is weighed by its likelihood (Bayes; a is integrated out), so that knowing none
-of them widens every interval. How often they hold: benchmarks/history.py.
+before: wear grows from some day at an even rate, or compounds; both are as likely. Errors are
+normal: those of the tests' own sampling, and what tests differ by beside it, of unknown size. Every
+t0 among the tests, every b and c and every such size of a grid is weighed by its likelihood (Bayes;
+a is integrated out), so that knowing none of them widens every interval. How often they hold:
+benchmarks/history.py.
 """
 
 from __future__ import annotations

@@ -2,9 +2,10 @@
 
 A difference counts only as far as the dials' rounding does not explain it (`comparison.dial`), in
 units of its standard error, against the largest such difference among all figures of each
-permutation, means and spreads alike: the single-step maximum (Westfall and Young 1993), so that
-of two unchanged runs 5 % get any verdict. Interval and test use the same permutations, so an interval leaves out "no difference" exactly where the test rejects it. Several
-pairs share the level equally (Bonferroni).
+permutation, means and spreads alike: the single-step maximum (Westfall and Young 1993), so that in
+5 % of unchanged pairs something is called changed. Interval and test use the same permutations, so
+an interval leaves out "no difference" exactly where the test rejects it. Several pairs share the
+level equally (Bonferroni).
 
 What a comparison yields: frozen figures, their intervals, and what each one decides.
 """
