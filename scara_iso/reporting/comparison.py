@@ -276,8 +276,8 @@ def _method(comparison: Comparison) -> str:
     shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
     return (
         f"Cycles are assigned to the two runs at random {comparison.shuffles} times (studentised "
-        "permutation, fixed seed). The intervals of one quantity hold together with 95 %; p allows "
-        f"for all its figures{shared}. The dials' rounding is subtracted. Method: docs/compare.md"
+        "permutation, fixed seed). The intervals of a pair hold together with 95 %; p allows for "
+        f"all its figures{shared}. The dials' rounding is subtracted. Method: docs/compare.md"
     )
 
 
