@@ -27,7 +27,8 @@ from bench import Orders, Script, run_session  # noqa: E402
 
 from scara_iso import read_table  # noqa: E402
 from scara_iso.base.errors import InstrumentError  # noqa: E402
-from scara_iso.recorder import Quit, Voided, raw_path, read_history, recording  # noqa: E402
+from scara_iso.rawfile import raw_path, read_history  # noqa: E402
+from scara_iso.recorder import Quit, Voided, recording  # noqa: E402
 from scara_iso.recorder.ports import StreamClock  # noqa: E402
 
 AXES = ("X", "Y", "Z", "theta")

@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "scara_iso"
 ROLES = {
-    "#cfe3f3": ("cli", "library", "acquisition", "render", "tables", "disk", "files"),
+    "#cfe3f3": ("commands", "acquisition", "render", "tables", "disk", "files"),
     "#f6e3c5": ("reporting", "diagnosis", "comparison"),
     "#dcebd5": ("robot", "effects"),
     "#eeeeee": ("iso9283", "run", "dial", "pose_columns", "condition_columns", "quantities"),

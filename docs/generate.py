@@ -10,7 +10,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from scara_iso.base.published import Json, schema
-from scara_iso.cli import COMMANDS
+from scara_iso.commands import PublishedRun
+from scara_iso.commands.evidence import Evidence
+from scara_iso.commands.program import COMMANDS
 from scara_iso.comparison import PublishedComparison, PublishedHistory
 from scara_iso.diagnosis import PublishedSeparatingPlan
 from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
@@ -22,14 +24,13 @@ from scara_iso.gauge import PublishedGaugeStudy
 from scara_iso.iso9283 import PublishedPlan, PublishedVisits
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.iso9283.published_push import PublishedPush
-from scara_iso.library import PublishedRun
-from scara_iso.library.evidence import Evidence
 from scara_iso.recorder.events import PUBLISHED as EVENTS
 from scara_iso.recorder.indicators import Dialect, find_dialects
 from scara_iso.reporting import (
     ConditionResults,
     PublishedDemo,
     PublishedReport,
+    PublishedValidation,
     ResultsAndBeside,
 )
 from scara_iso.reporting.explain import Page, PublishedPages, pages
@@ -40,7 +41,6 @@ from scara_iso.reporting.published_ports import (
 )
 from scara_iso.tables.published import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
-from scara_iso.validation import PublishedValidation
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
@@ -108,7 +108,7 @@ def reference() -> dict[str, str]:
 
 def _commands() -> Iterator[str]:
     for command in ("", *COMMANDS):
-        call = ["-c", "import sys; from scara_iso.cli import main; sys.exit(main())"]
+        call = ["-c", "import sys; from scara_iso.commands import main; sys.exit(main())"]
         environment = {
             **os.environ,
             "COLUMNS": "100",

@@ -363,4 +363,6 @@ def test_a_correction_says_how_much_it_added():
 def test_a_calibration_is_past_the_day_after_it_is_due():
     head = {"calibration_due": "2026-05-11", "calibration_date": "2025-05-11"}
     assert past_due(head, date(2026, 5, 11)) == []
-    assert past_due(head, date(2026, 5, 12)) == ["calibration_due 2026-05-11"]
+    assert past_due(head, date(2026, 5, 12)) == [
+        "calibration_due 2026-05-11 is past: calibrate the indicator, or use another"
+    ]

@@ -23,15 +23,14 @@ from rich.console import Console
 
 import scara_iso
 from scara_iso.base.errors import CannotCreateError, DataError, ServiceError, UsageError, WriteError
-from scara_iso.cli import main
+from scara_iso.commands import engines, main
+from scara_iso.commands.engines import open_processes
 from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.fleets import Engine, ReadAs
 from scara_iso.fleets.database import as_parquet, results_in, workspace
 from scara_iso.fleets.parts import tables_in
 from scara_iso.fleets.runs import PartLedger
 from scara_iso.fleets.work import PartResult, done_by, whole_part
-from scara_iso.library import engines
-from scara_iso.library.engines import open_processes
 from scara_iso.render import track
 
 ROOT = Path(scara_iso.__file__).parents[1]
@@ -214,7 +213,7 @@ def test_outputs_that_would_be_lost_are_refused(tmp_path, done):
 def test_a_cluster_that_is_not_there(tmp_path, done, monkeypatch):
     pytest.importorskip("distributed")
     source, _, _ = done
-    monkeypatch.setattr("scara_iso.library.engines._PATIENCE", 1)
+    monkeypatch.setattr("scara_iso.commands.engines._PATIENCE", 1)
     with pytest.raises(ServiceError, match="no Dask scheduler"):
         scara_iso.fleet(source, tmp_path / "o", engine="dask://127.0.0.1:9")
     with pytest.raises(UsageError):
@@ -699,7 +698,7 @@ def alive(pid):
 @pytest.mark.slow
 def test_processes_end_with_the_one_that_started_them():
     program = (
-        "import os, time; from scara_iso.library.engines import open_processes; "
+        "import os, time; from scara_iso.commands.engines import open_processes; "
         "pool = open_processes(1); print(pool.submit(os.getpid).result(), "
         "pool.submit(os.getenv, 'OPENBLAS_NUM_THREADS').result(), flush=True); "
         "time.sleep(600)"

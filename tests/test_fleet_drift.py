@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import kstest, linregress, t
 
 import scara_iso
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.fleets.drift import moderated
 
 DATES = ("2026-01", "2026-02-05", "2026-03-05", "2026-04-05 10:30", "2026-06-01", "2026-07-01")

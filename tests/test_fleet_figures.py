@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import scara_iso
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.fleets import FiguresTask, ReadAs
 from scara_iso.fleets.figures import figures_of

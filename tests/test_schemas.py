@@ -16,10 +16,10 @@ from referencing import Registry, Resource
 
 import scara_iso
 from scara_iso.base.published import to_json
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.recorder import events
 from scara_iso.recorder.ports.port import Device
-from scara_iso.validation import Installation, ReferenceCheck, Validation, published_validation
+from scara_iso.reporting import Installation, ReferenceCheck, Validation, published_validation
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"

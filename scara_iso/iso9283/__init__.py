@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
     from scara_iso.iso9283.checks.calibration_date import past_due as past_due
-    from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
     from scara_iso.iso9283.cycles import (
         AS_THE_TABLE_SAYS as AS_THE_TABLE_SAYS,
