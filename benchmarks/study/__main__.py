@@ -11,7 +11,7 @@ N-th test only, --quick a few. --write puts tables and figure into docs/evidence
 from __future__ import annotations
 
 import argparse
-import datetime
+import datetime as dt
 import os
 import time
 from collections.abc import Iterator
@@ -69,15 +69,18 @@ def page_parts(
     outcomes: list[Outcome], judge: trial.Verdicts, taken: str, minutes: float
 ) -> Iterator[tuple[str, str]]:
     """Yield name and text of every part of the page."""
-    today = datetime.datetime.now(datetime.UTC).date()
+    today = dt.datetime.now(dt.UTC).date()
     certain = tables.sure(outcomes)
     wrong = sum(one.verdict == "wrong" for one in certain)
     null = [one for one in outcomes if one.next_nothing]
-    yield "run", (
-        f"{today}, {len(outcomes)} tests ({taken}), {minutes:.0f} minutes.\n\n"
-        f"- Names stated at 0.9 or more, wrong: {tables.share(wrong, len(certain))}; aim at most "
-        "3 %.\n- RP of the next test in the prediction interval, null pairs: "
-        f"{tables.share(*tables.inside(null, 'predicted'))}; aim 93 to 97 %."
+    names = tables.share(wrong, len(certain))
+    pairs = tables.share(*tables.inside(null, "predicted"))
+    yield (
+        "run",
+        f"""{today}, {len(outcomes)} tests ({taken}), {minutes:.0f} minutes.
+
+- Names stated at 0.9 or more that are wrong: {names}. Aim: at most 3 %.
+- RP of the next test in the prediction interval, null pairs: {pairs}. Aim: 93 to 97 %.""",
     )
     yield "sets", "\n".join(tables.by_set(outcomes))
     yield "names", "\n".join(tables.by_name(outcomes))

@@ -42,6 +42,7 @@ def _bumps(j: Array, n: int) -> Iterator[Array]:
         yield from (
             np.exp(-0.5 * ((j - centre) / width) ** 2) for width in (1.0, 2, n / 12, n / 8, n / 5)
         )
+    yield from (1.0 * ((j >= a) & (j < n)) for a in range(3, n - 2))
     step = max(2, n // 15)
     for a in range(2, n - 3, step):
         yield from (1.0 * ((j >= a) & (j < b)) for b in range(a + 2, n - 1, step))

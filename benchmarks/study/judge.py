@@ -119,13 +119,17 @@ def _sides(own: set[str], neutral: set[str], second: set[str], labels: Array) ->
     is_own, kept = np.isin(labels, list(own)), ~np.isin(labels, list(own | neutral))
     beside = np.isin(labels, list(second))
     pairs = (is_own[:, None] & beside) | (beside[:, None] & is_own)
-    return {"own": pairs | (alone & is_own), "others": (alone | beside.any()) & kept & kept[:, None]}
+    return {
+        "own": pairs | (alone & is_own),
+        "others": (alone | beside.any()) & kept & kept[:, None],
+    }
 
 
 def by_themselves(z: Array) -> float:
-    """Return the least BIC of readings about a constant or any single course."""
-    alone = np.eye(len(library(len(z), 0).labels), dtype=bool)
-    return min(best_bic(z, 0, alone), *(a for a, _ in courses.constants(z, z[:0]).values()))
+    """Return the least BIC of readings about a constant or a line."""
+    labels = library(len(z), 0).labels
+    line = np.diag(labels == "line")
+    return min(best_bic(z, 0, line), *(a for a, _ in courses.constants(z, z[:0]).values()))
 
 
 def best_bic(y: Array, after: int, wanted: Array) -> float:

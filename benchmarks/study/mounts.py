@@ -35,7 +35,7 @@ PUBLISHED = {
 
 @dataclass(frozen=True)
 class Mount:
-    """Five cycles of one mount: what was commanded, where it came to be, and the way of arriving."""
+    """Five cycles of one mount: targets and angles [deg], and the way of arriving."""
 
     name: str
     target: Array
@@ -98,9 +98,8 @@ def found(one: Mount) -> Found:
         for cycle, i in enumerate(own[one.rising[own] == rising], 1)
     ]
     values = answer_of(rows)
-    scale = {"mm": 1e6, "deg": 1e6}
     by_code = {
-        code: np.array([v["value"] * scale[v["unit"]] for v in values if pick(v)])
+        code: np.array([v["value"] * 1e6 for v in values if pick(v)])
         for code, pick in {
             "lost": lambda v: v["code"] == "vAP",
             "below": lambda v: v["code"] == "RP" and str(v["pose"]).endswith("+z"),
@@ -108,7 +107,7 @@ def found(one: Mount) -> Found:
         }.items()
     }
     return Found(one.name, by_code["lost"], by_code["below"], by_code["above"],
-                 one.compensated * 1e6, _inner(one) * 1e6)  # fmt: skip
+                 one.compensated * 1e6, inner(one) * 1e6)  # fmt: skip
 
 
 def answer_of(rows: list[tuple[str, int, str, float]]) -> list[dict]:
@@ -122,7 +121,7 @@ def answer_of(rows: list[tuple[str, int, str, float]]) -> list[dict]:
         return answer(["analyze", str(path), "--cycles", "5", "--json"])["characteristics"]
 
 
-def _inner(one: Mount) -> float:
+def inner(one: Mount) -> float:
     """Return what holds the inner 95 % of deviations from the mean of each target and side."""
     inside = np.abs(one.target) <= RANGE
     key = np.round(one.target[inside], 9) + np.where(one.rising[inside], 100.0, 0.0)

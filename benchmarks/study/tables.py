@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -58,9 +59,8 @@ def by_set(outcomes: Sequence[Outcome]) -> Iterator[str]:
     """Yield a row for each series: tests, statements, and what came of names."""
     head = ("set", "series", "tests", "nothing", "unexplained", "named", *VERDICTS,
             "sure (0.9 and more)", "of them wrong")  # fmt: skip
-    rows = []
-    for key in dict.fromkeys((one.set, one.series) for one in outcomes):
-        rows.append((*key, *_statements([o for o in outcomes if (o.set, o.series) == key])))
+    keys = dict.fromkeys((one.set, one.series) for one in outcomes)
+    rows = [(*key, *_statements([o for o in outcomes if (o.set, o.series) == key])) for key in keys]
     rows.append(("**all**", "", *_statements(outcomes)))
     yield from table(head, rows)
 
@@ -88,7 +88,7 @@ def by_name(outcomes: Sequence[Outcome]) -> Iterator[str]:
 def reliability(outcomes: Sequence[Outcome]) -> list[tuple[str, int, float, int, int, int]]:
     """Return for each bin of stated probability: its words, n, mean stated, right, wrong, open."""
     found = []
-    for low, high in zip(BINS, BINS[1:], strict=False):
+    for low, high in pairwise(BINS):
         own = [one for one in named(outcomes) if low <= one.stated.probability < high]
         own = [one for one in own if one.verdict != "unjudged"]
         if own:
@@ -170,13 +170,19 @@ def mounts(found: Iterable[Found]) -> Iterator[str]:
     rows = []
     for one in found:
         backlash, u, repeat, v = PUBLISHED[one.name]
-        taken = f" + {one.compensated:.0f} compensated" if one.compensated else ""
-        rows.append((one.name, f"{np.median(one.lost):.0f} ({one.lost.min():.0f} to "
-                     f"{one.lost.max():.0f}){taken}", f"{backlash} ± {u}",
-                     f"{np.median(one.below):.0f}, {np.median(one.above):.0f}",
-                     f"{one.inner:.0f}", f"{repeat} ± {v}"))  # fmt: skip
-    head = ("mount", "vAP: median of the targets (range)", "makers' backlash",
-            "RP from below, from above", "inner 95 % of deviations", "makers' unidirectional")
+        lost = f"{np.median(one.lost):.0f} ({one.lost.min():.0f} to {one.lost.max():.0f})"
+        lost += f" + {one.compensated:.0f} compensated" if one.compensated else ""
+        sides = f"{np.median(one.below):.0f}, {np.median(one.above):.0f}"
+        makers = f"{backlash} ± {u}", f"{repeat} ± {v}"
+        rows.append((one.name, lost, makers[0], sides, f"{one.inner:.0f}", makers[1]))
+    head = (
+        "mount",
+        "vAP: median of the targets (range)",
+        "makers' backlash",
+        "RP from below, from above",
+        "inner 95 % of deviations",
+        "makers' unidirectional",
+    )
     yield from table(head, rows)
 
 
@@ -208,7 +214,12 @@ def draw(outcomes: Sequence[Outcome], path: Path) -> None:
             right.plot(k + shift, hits / max(n, 1), "o", color=colour, ms=5,
                        label=None if k else f"{label} pairs")  # fmt: skip
     right.axhline(0.95, color="0.7", lw=1)
-    right.set(xticks=range(len(names)), xticklabels=names, ylim=(0, 1.02),
-              ylabel=f"RP of the next {NEXT} in the interval", title="Prediction interval of RP")
+    right.set(
+        xticks=range(len(names)),
+        xticklabels=names,
+        ylim=(0, 1.02),
+        ylabel=f"RP of the next {NEXT} in the interval",
+        title="Prediction interval of RP",
+    )
     right.legend(loc="lower left", frameon=False)
     figure.savefig(path, format="svg", metadata={"Date": None})

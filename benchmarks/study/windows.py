@@ -21,7 +21,7 @@ import numpy as np
 import scara_iso
 from benchmarks.study.courses import Array
 from benchmarks.study.judge import NOTHING, UNEXPLAINED, judged
-from scara_iso.cli import main as program
+from scara_iso.commands import main as program
 
 NEXT = 30
 """Readings that came next, against which a statement is held: a test of the standard."""
