@@ -106,7 +106,7 @@ def analyze_many(
     One that cannot be analysed gives its error. ``executor`` shares the work, as of
     `concurrent.futures`, else processes of this machine; ``options`` are those of `analyze`.
     """
-    from scara_iso.commands.engines import open_processes
+    from scara_iso.fleets import open_processes
 
     work = partial(_analyze_one, options=options)
     with nullcontext(executor) if executor is not None else open_processes() as pool:
