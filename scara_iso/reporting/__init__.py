@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.reporting.analysis import analysis_report as analysis_report
+    from scara_iso.reporting.analysis import (
+        after_analysis as after_analysis,
+        analysis_report as analysis_report,
+        axis_of_loop as axis_of_loop,
+    )
     from scara_iso.reporting.appendix import readings_report as readings_report
     from scara_iso.reporting.backlash import (
-        backlash_brief as backlash_brief,
         backlash_report as backlash_report,
         paper_section as paper_section,
         sweep_report as sweep_report,
@@ -20,14 +23,25 @@ if TYPE_CHECKING:
     from scara_iso.reporting.blocks import (
         Block as Block,
         Cell as Cell,
+        Chart as Chart,
         Charted as Charted,
+        ControlPicture as ControlPicture,
+        Course as Course,
+        Courses as Courses,
+        Curve as Curve,
+        DriftPicture as DriftPicture,
         Facts as Facts,
         Figure as Figure,
         Headline as Headline,
         Interval as Interval,
+        MonthsPicture as MonthsPicture,
         NextStep as NextStep,
         Notice as Notice,
         Number as Number,
+        Plane as Plane,
+        Planes as Planes,
+        Prediction as Prediction,
+        Predictions as Predictions,
         Report as Report,
         Result as Result,
         Section as Section,
@@ -35,18 +49,9 @@ if TYPE_CHECKING:
         Strip as Strip,
         Table as Table,
         Text as Text,
-        U_of_scatter as U_of_scatter,
-        printable as printable,
-        rounded as rounded,
+        in_form as in_form,
     )
-    from scara_iso.reporting.brief import (
-        after_analysis as after_analysis,
-        analysis_brief as analysis_brief,
-        axis_of_loop as axis_of_loop,
-    )
-    from scara_iso.reporting.brief_diagnosis import (
-        diagnosis_brief as diagnosis_brief,
-    )
+    from scara_iso.reporting.brief_diagnosis import diagnosis_brief as diagnosis_brief
     from scara_iso.reporting.comparison import (
         comparison_brief as comparison_brief,
         comparison_report as comparison_report,
@@ -56,6 +61,11 @@ if TYPE_CHECKING:
         Failure as Failure,
         diagnosis_report as diagnosis_report,
         summary_report as summary_report,
+    )
+    from scara_iso.reporting.digits import (
+        U_of_scatter as U_of_scatter,
+        printable as printable,
+        rounded as rounded,
     )
     from scara_iso.reporting.dossier import (
         Document as Document,
@@ -92,19 +102,6 @@ if TYPE_CHECKING:
         plan_report as plan_report,
         separating_report as separating_report,
         visits_csv as visits_csv,
-    )
-    from scara_iso.reporting.plotted import (
-        Chart as Chart,
-        ControlPicture as ControlPicture,
-        Course as Course,
-        Courses as Courses,
-        Curve as Curve,
-        DriftPicture as DriftPicture,
-        MonthsPicture as MonthsPicture,
-        Plane as Plane,
-        Planes as Planes,
-        Prediction as Prediction,
-        Predictions as Predictions,
     )
     from scara_iso.reporting.ports import (
         Probe as Probe,

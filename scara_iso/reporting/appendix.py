@@ -15,20 +15,11 @@ import numpy as np
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, AxisResult, PoseResult, poses_in_cycles
-from scara_iso.reporting.analysis import characteristics, pose_figures
 from scara_iso.reporting.backlash import backlash_report
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Number,
-    Report,
-    Section,
-    Strip,
-    Table,
-    Text,
-    decimals,
-)
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Strip, Table, Text
 from scara_iso.reporting.diagnosis import Failure, diagnosis_report
+from scara_iso.reporting.digits import decimals
+from scara_iso.reporting.figure_tables import characteristics, pose_figures
 from scara_iso.reporting.limits import limits
 from scara_iso.robot import Gearbox
 from scara_iso.run import Axis, FloatArray, IntArray, Run

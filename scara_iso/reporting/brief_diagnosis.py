@@ -20,12 +20,8 @@ from scara_iso.reporting.blocks import (
     Section,
     Strip,
     Text,
-    U_of_scatter,
-    p_equals,
-    rounded,
-    words,
+    answer_lines,
 )
-from scara_iso.reporting.brief import digits_of, first_three
 from scara_iso.reporting.diagnosis import (
     Failure,
     diagnosis_in_words,
@@ -36,6 +32,7 @@ from scara_iso.reporting.diagnosis import (
     unexplained_said,
     unit_of,
 )
+from scara_iso.reporting.digits import U_of_scatter, digits_of, p_equals, rounded, words
 from scara_iso.run import FloatArray
 from scara_iso.tables import listed
 
@@ -50,7 +47,7 @@ Again = Callable[..., str]
 def diagnosis_brief(diagnosis: Diagnosis, again: Again) -> Report:
     """Return a diagnosis in ten to twenty lines; ``again`` names its table."""
     lines: list[Block] = [*_answer(diagnosis), *_sizes_said(diagnosis), _repeatability(diagnosis)]
-    head = first_three([*lines, *_why(diagnosis), *doubts(diagnosis)], _next(diagnosis, again))
+    head = answer_lines([*lines, *_why(diagnosis), *doubts(diagnosis)], _next(diagnosis, again))
     return (
         Section("", head),
         Section("", tuple(_courses(diagnosis))),

@@ -19,7 +19,7 @@ from scara_iso.comparison import (
     poses_in_common,
 )
 from scara_iso.iso9283 import Analysis, Conformity, Finding, LimitCheck, PoseResult
-from scara_iso.reporting.analysis import characteristics_table
+from scara_iso.reporting.analysis import cautions, simulated
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -33,10 +33,10 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    p_value,
-    rounded,
+    answer_lines,
 )
-from scara_iso.reporting.brief import cautions, figure_said, first_three, simulated
+from scara_iso.reporting.digits import figure_said, p_value, rounded
+from scara_iso.reporting.figure_tables import characteristics_table
 from scara_iso.reporting.limits import VERDICTS, table_of_limits
 
 SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
@@ -271,8 +271,8 @@ def _method(comparison: Comparison) -> str:
     shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
     return (
         f"Cycles are assigned to the two runs at random {comparison.shuffles} times (studentised "
-        "permutation, fixed seed). The intervals of one quantity hold together with 95 %; p allows "
-        f"for all its figures{shared}. The dials' rounding is subtracted. Method: docs/compare.md"
+        "permutation, fixed seed). The intervals of a pair hold together with 95 %; p allows for "
+        f"all its figures{shared}. The dials' rounding is subtracted. Method: docs/compare.md"
     )
 
 
@@ -322,7 +322,7 @@ def _against(check: LimitCheck) -> str:
 
 def _brief_pair(pair: Pair, tables: tuple[str, str]) -> Iterator[Section]:
     doubts = [*simulated(pair.after.run), *caution(pair), *cautions(_of_runs(pair.findings))]
-    head = first_three([*_answer(pair), *doubts], _next(pair, tables))
+    head = answer_lines([*_answer(pair), *doubts], _next(pair, tables))
     name = pair.after.run.origin.source
     yield Section("", head, name)
     rows = _rows(pair)

@@ -36,12 +36,8 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    U_of_scatter,
-    p_equals,
-    p_value,
-    rounded,
-    words,
 )
+from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, rounded, words
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Reversal, RunReversals

@@ -25,6 +25,8 @@ from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
+    Chart,
+    Curve,
     Figure,
     Headline,
     Interval,
@@ -34,10 +36,9 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    four_digits,
+    answer_lines,
 )
-from scara_iso.reporting.brief import figure_cells, figure_said, first_three
-from scara_iso.reporting.plotted import Chart, Curve
+from scara_iso.reporting.digits import figure_cells, figure_said, four_digits
 
 
 def study_picture(study: AxisStudy) -> Figure:
@@ -161,7 +162,7 @@ def gauge_study_brief(found: GaugeStudy, following: NextStep) -> Report:
     tables = [_criteria(found)] if found.criteria else []
     behind = Text("figures, ANOVA, uncertainty, picture: `full=`", "quiet")
     return (
-        Section("", (*first_three(lines, following, answer=answer), *warnings)),
+        Section("", (*answer_lines(lines, following, answer=answer), *warnings)),
         Section("", (*tables, behind)),
     )
 

@@ -26,8 +26,10 @@ from scara_iso.comparison import (
 )
 from scara_iso.reporting.blocks import (
     Block,
+    ControlPicture,
     Figure,
     Headline,
+    MonthsPicture,
     NextStep,
     Number,
     Report,
@@ -35,13 +37,11 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    interval,
-    rounded,
+    answer_lines,
 )
-from scara_iso.reporting.brief import first_three
 from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_said
+from scara_iso.reporting.digits import interval, rounded
 from scara_iso.reporting.dossier import Document
-from scara_iso.reporting.plotted import ControlPicture, MonthsPicture
 from scara_iso.run import FloatArray
 
 _AHEAD = 0.5  # spans of the tests that the picture goes on for
@@ -136,7 +136,7 @@ _METHOD = (
 
 def history_document(found: RobotHistory) -> Document:
     """Return the page of a robot."""
-    title = f"Months of {found.robot or 'a robot that is not named'}"
+    title = f"Months of {found.robot}" if found.robot else "Months of a robot, its name not stated"
     end = Section("", (Text(f"End of {title}", "quiet"),))
     simulated = any(test.analysis.run.metadata.get("simulated") for test in found.tests)
     return Document(title, (*history_report(found), end), simulated=simulated)
@@ -145,7 +145,7 @@ def history_document(found: RobotHistory) -> Document:
 def history_brief(found: RobotHistory, following: NextStep) -> Report:
     """Return the answer: a line for each figure that changed or has a limit."""
     answer: list[Block] = [Headline((_subject(found),)), *_verdicts(found, brief=True)]
-    lines = first_three([*answer, *_left_out(found)], following, answer=len(answer))
+    lines = answer_lines([*answer, *_left_out(found)], following, answer=len(answer))
     return (Section("", lines), Section("", (_now(found),)))
 
 
@@ -171,7 +171,7 @@ def _sections(found: RobotHistory) -> Iterator[Section]:
 
 def _subject(found: RobotHistory) -> str:
     first, last = found.tests[0].when, found.tests[-1].when
-    name = found.robot or "a robot that is not named"
+    name = found.robot or "robot not stated"
     serial = f", serial {found.serial}" if found.serial else ""
     if len(found.tests) == 1:
         return (

@@ -33,13 +33,8 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    U_of_scatter,
-    p_equals,
-    printable,
-    rounded,
-    words,
+    answer_lines,
 )
-from scara_iso.reporting.brief import digits_of, figure_cells, figure_said, first_three
 from scara_iso.reporting.brief_diagnosis import Again, doubts, is_explained
 from scara_iso.reporting.diagnosis import (
     of_pose,
@@ -47,6 +42,16 @@ from scara_iso.reporting.diagnosis import (
     rivals_said,
     sureness,
     unexplained_said,
+)
+from scara_iso.reporting.digits import (
+    U_of_scatter,
+    digits_of,
+    figure_cells,
+    figure_said,
+    p_equals,
+    printable,
+    rounded,
+    words,
 )
 
 _SAID = {"dial": "dial's own", "neither": "neither"}
@@ -273,7 +278,7 @@ def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
     return (
         Section(
             "",
-            first_three(head, _next(found, again))
+            answer_lines(head, _next(found, again))
             if len(head) > 1
             else (*head, _next(found, again)),
         ),

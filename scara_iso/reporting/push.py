@@ -18,13 +18,16 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    answer_lines,
+)
+from scara_iso.reporting.digits import (
     decimals,
+    figure_said,
     interval,
     places_that_decide,
     rounded,
     words,
 )
-from scara_iso.reporting.brief import figure_said, first_three
 from scara_iso.reporting.limits import limit_cell
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
@@ -69,7 +72,7 @@ def push_brief(found: PushResult, following: NextStep) -> Report:
     table = (replace(_limits(found.limits), note=""),) if found.limits else ()
     behind = Text(f"figures of the {of}; how they are found, and the others: `full=`", "quiet")
     return (
-        Section("", (*first_three(lines, following, answer=answer), *doubts)),
+        Section("", (*answer_lines(lines, following, answer=answer), *doubts)),
         Section("", (_figures(rows), *table, behind)),
     )
 

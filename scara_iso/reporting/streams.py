@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Characteristic, StreamVisits
-from scara_iso.reporting.analysis import characteristics_table
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -18,10 +17,10 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    rounded,
-    words,
+    answer_lines,
 )
-from scara_iso.reporting.brief import figure_said, first_three
+from scara_iso.reporting.digits import figure_said, rounded, words
+from scara_iso.reporting.figure_tables import characteristics_table
 from scara_iso.signals import Doubt, Rule, Visit
 
 _SHOWN, _SHOWN_IN_BRIEF = 40, 6
@@ -58,7 +57,7 @@ def visits_brief(found: StreamVisits, following: NextStep) -> Report:
     )
     behind = Text("the rule for a rest, scatter at each, all arrivals: `full=`", "quiet")
     return (
-        Section("", first_three([count, arrival, *doubts], following)),
+        Section("", answer_lines([count, arrival, *doubts], following)),
         Section("", (shown, *counted, *faults, behind)),
     )
 
