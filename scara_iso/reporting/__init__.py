@@ -52,7 +52,6 @@ if TYPE_CHECKING:
         in_form as in_form,
     )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
-    from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
     from scara_iso.reporting.diagnosis import (
         diagnosis_report as diagnosis_report,
         summary_report as summary_report,
@@ -64,9 +63,11 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.dossier import (
         Amendment as Amendment,
+        Chapter as Chapter,
         Document as Document,
         Dossier as Dossier,
         document as document,
+        joined as joined,
     )
     from scara_iso.reporting.explain import (
         Page as Page,

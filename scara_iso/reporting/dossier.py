@@ -32,7 +32,7 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.digits import words
 from scara_iso.reporting.figure_tables import budget_blocks
-from scara_iso.reporting.limits import GRAVER, RULES, ResultPart, conformity, result_tables
+from scara_iso.reporting.limits import RULES, STRICTER, ResultPart, conformity, result_tables
 from scara_iso.reporting.named_effects import Failure, diagnosis_in_words, interpretation
 from scara_iso.reporting.pictures import courses, drift_pictures, largest_of, planes, predictions
 from scara_iso.reporting.signals import BOUGHT_BY, push_report
@@ -48,6 +48,7 @@ from scara_iso.reporting.stated import (
     stated_field,
 )
 from scara_iso.robot import Gearbox
+from scara_iso.testfolder import UnderCondition, joined_analysis
 
 SCOPE = (
     "The results relate only to the item tested (ISO/IEC 17025:2017, 7.8.2.1 l). The report is "
@@ -130,7 +131,7 @@ def _rule(analysis: Analysis) -> str:
     if not analysis.limits:
         return "No limit was given: nothing is decided."
     planar = any(check.figure == "XY" for check in analysis.limits)
-    return RULES[analysis.limits[0].decision] + (f" {GRAVER}" if planar else "")
+    return RULES[analysis.limits[0].decision] + (f" {STRICTER}" if planar else "")
 
 
 def _deviations(analysis: Analysis) -> Iterator[Text]:
@@ -374,3 +375,42 @@ def _struck(analysis: Analysis) -> Iterator[Block]:
     if others:
         yield Text("Remarks of the recording:", "strong")
         yield from map(Text, others)
+
+
+@dataclass(frozen=True, slots=True)
+class Chapter:
+    """What was measured under one condition.
+
+    ``name`` is that of the condition, as the parts have it (``v50-l100``); ``conditions`` are the
+    columns that tell it from others, such as ``{"velocity": "50 %"}``.
+    """
+
+    name: str
+    conditions: Mapping[str, str]
+    dossier: Dossier
+
+
+def joined(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
+    """Return one dossier of several conditions, as `joined_analysis` of their analyses."""
+    parts = [UnderCondition(one.name, one.dossier.analysis) for one in chapters]
+    analysis, labels = joined_analysis(parts, missing)
+    first = chapters[0].dossier
+    diagnoses: dict[str | None, Diagnosis | Failure] = {
+        names[pose]: found
+        for one, names in zip(chapters, labels, strict=True)
+        for pose, found in one.dossier.diagnoses.items()
+    }
+    files = [file for one in chapters for file in one.dossier.provenance.files]
+    return replace(
+        first,
+        analysis=analysis,
+        provenance=replace(first.provenance, files=tuple(dict.fromkeys(files))),
+        diagnoses=diagnoses,
+        parts=tuple(_result_part(one) for one in chapters),
+    )
+
+
+def _result_part(chapter: Chapter) -> ResultPart:
+    analysis = chapter.dossier.analysis
+    labels = tuple(pose.label for pose in analysis.poses)
+    return ResultPart(analysis.characteristics, labels, chapter.conditions)

@@ -22,10 +22,10 @@ from scara_iso.reporting.digits import U_of_scatter, decimals, places, places_th
 from scara_iso.tables import listed
 
 _USUAL = ("mm", "deg")
-GRAVER = (
+STRICTER = (
     "XY has two figures, radial (7.2.2) and eq. 23 of the paper: the stricter of the two decides."
 )
-_FIGURES = f"In mm; an angle in degrees, by ± 3 s. {GRAVER} "
+_FIGURES = f"In mm; an angle in degrees, by ± 3 s. {STRICTER} "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
@@ -214,7 +214,6 @@ _PAIRS = 3
 """More results of one characteristic than these are said by the one that decides."""
 _COVERED_BY = {"X": ("XY", "XYZ"), "Y": ("XY", "XYZ"), "XY": ("XYZ",), "Z": ("XYZ",)}
 """Which figures stand for others; of RP, plane and height are what a robot is bought by."""
-_GRAVITY = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
 _TONES = {Conformity.FAIL: "bad", Conformity.NOT_PROVABLE: "warn", Conformity.PASS: "good"}
 
 _Column = tuple[str, str]
@@ -372,7 +371,7 @@ def _that_decide(
 
 
 def _grave(one: Characteristic) -> tuple[int, float]:
-    gravity = 0 if one.limit is None else -_GRAVITY.index(one.limit.verdict)
+    gravity = 0 if one.limit is None else -STRICTEST.index(one.limit.verdict)
     return (gravity, abs(one.estimate.value))
 
 
