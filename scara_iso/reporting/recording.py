@@ -133,7 +133,7 @@ _WORTH = 0.02
 _STANDS_OUT = 0.5
 """Share from which a cause is called the likeliest: below, fewer than half are right (watch.py)."""
 _UNKNOWN = "look at robot, fixture and indicator"
-_YOURS = "Nothing stops by itself; a test that is stopped early is no ISO 9283 test"
+_YOURS = "Nothing stops by itself; a test that is stopped early does not meet ISO 9283"
 
 
 def warning(watched: Watched) -> tuple[str, ...]:
