@@ -13,7 +13,7 @@ from scara_iso.commands import main, new_test
 from scara_iso.reporting import Chapter, Facts, Figure, Table, Text, document, joined
 from scara_iso.run import Axis, Run
 
-MODEL = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+MODEL = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
 POSES = ("P1", "P2")
 
 
