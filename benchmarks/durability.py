@@ -1,6 +1,6 @@
 """What survives: kills, power cuts, disks that fail or fill; and a long session's memory.
 
-Prints the table of docs/appendix/durability.md. ``python benchmarks/durability.py --kills 1000``;
+Prints a table of benchmarks/results/durability.md. ``benchmarks/durability.py --kills 1000``;
 ``--only kills`` or another row's word for one row; ``--hours 8`` adds the long session.
 Needs fork and SIGKILL (Linux, macOS).
 """
@@ -27,7 +27,8 @@ from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states 
 
 from scara_iso import read_table  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
-from scara_iso.recorder import Stored, SystemDisk, raw_path, read_history  # noqa: E402
+from scara_iso.rawfile import raw_path, read_history  # noqa: E402
+from scara_iso.recorder import Stored, SystemDisk  # noqa: E402
 
 GAUGES = ["X=opto-rs232@sim:?pace=0", "Y=mitutoyo-mux@sim:?pace=0"]
 FOUR = [*GAUGES, "Z=cdi-starrett-iq@sim:?pace=0", "theta=heidenhain-nd@sim:?pace=0"]

@@ -1,6 +1,6 @@
 """What a kill, a signal or a full disk leaves of a file being written: the old or the new one.
 
-Prints the table of docs/appendix/durability.md.
+Prints the table of benchmarks/results/durability.md.
 ``python benchmarks/kills.py --kills 1000``. Needs fork,
 SIGKILL and RLIMIT_FSIZE (Linux, macOS). The processes are forks of this one, which has imported
 everything and diagnosed the table once: a kill meets the writing and not what goes before it.
@@ -35,13 +35,12 @@ from scara_iso import Run  # noqa: E402
 from scara_iso.base import interrupts  # noqa: E402
 from scara_iso.base.disk import SystemDisk  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
-from scara_iso.cli import main as scara_iso  # noqa: E402
-from scara_iso.cli.record_options import RecordOptions  # noqa: E402
+from scara_iso.commands import engines, main as scara_iso, selftest as selftests  # noqa: E402
+from scara_iso.commands.recording import RecordOptions  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
 from scara_iso.fleets import runs  # noqa: E402
-from scara_iso.library import engines, selftests  # noqa: E402
-from scara_iso.recorder import read_history, rebuild  # noqa: E402
-from scara_iso.recorder.manifest import raw_path  # noqa: E402
+from scara_iso.rawfile import raw_path, read_history  # noqa: E402
+from scara_iso.recorder import rebuild  # noqa: E402
 
 EXAMPLES = ROOT / "examples"
 MODEL, TABLE = str(EXAMPLES / "fum_scara.toml"), str(EXAMPLES / "fum_scara_table1.csv")

@@ -14,8 +14,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 import push_rig
 
-from scara_iso.force_loop import ForceLoop
 from scara_iso.iso9283 import push_test
+from scara_iso.signals import ForceLoop
 
 RUNS = 200
 JOINTS = {

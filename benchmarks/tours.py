@@ -1,6 +1,6 @@
 """Right pose: tours at the DATA key, the keys in random order, with a fault of the line or none.
 
-Prints a table of docs/appendix/durability.md. ``python benchmarks/tours.py --tours 300`` records
+Prints a table of benchmarks/results/durability.md. ``benchmarks/tours.py --tours 300`` records
 300 tours of each kind on two to four simulated gauges and a clock of their own, the same each time.
 
 Every visit has a value of its own at each gauge. After a stop the arm goes back to the pose that
@@ -27,7 +27,8 @@ from bench import Orders, Script, run_session  # noqa: E402
 
 from scara_iso import read_table  # noqa: E402
 from scara_iso.base.errors import InstrumentError  # noqa: E402
-from scara_iso.recorder import Quit, Voided, raw_path, read_history, recording  # noqa: E402
+from scara_iso.rawfile import raw_path, read_history  # noqa: E402
+from scara_iso.recorder import Quit, Voided, recording  # noqa: E402
 from scara_iso.recorder.ports import StreamClock  # noqa: E402
 
 AXES = ("X", "Y", "Z", "theta")

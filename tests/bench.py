@@ -8,15 +8,14 @@ from pathlib import Path
 from disks import UnsyncedDisk
 
 from scara_iso.base.errors import InstrumentError
+from scara_iso.iso9283 import past_due
+from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     Job,
     RecordingPlan,
     Stored,
-    Tour,
     parse_gauges,
     parse_trigger,
-    raw_path,
-    read_history,
     record,
     recording as recording_module,
 )
@@ -136,6 +135,7 @@ def run_session(
     record(
         job, disk=disk or UnsyncedDisk(), clock=clock, operator=operator or Orders(), tell=hear,
         attended=attended,
+        remarks=past_due,
     )  # fmt: skip
     return said
 

@@ -17,7 +17,6 @@ from test_checks import clean_run, x_axis
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
-from scara_iso.force_loop import ForceLoop
 from scara_iso.iso9283 import (
     drift_courses,
     moment_of_test,
@@ -29,6 +28,7 @@ from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.cycles import Counting, find_repeats
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.run import Axis, Run
+from scara_iso.signals import ForceLoop
 from scara_iso.tables import read_table
 
 
@@ -363,4 +363,6 @@ def test_a_correction_says_how_much_it_added():
 def test_a_calibration_is_past_the_day_after_it_is_due():
     head = {"calibration_due": "2026-05-11", "calibration_date": "2025-05-11"}
     assert past_due(head, date(2026, 5, 11)) == []
-    assert past_due(head, date(2026, 5, 12)) == ["calibration_due 2026-05-11"]
+    assert past_due(head, date(2026, 5, 12)) == [
+        "calibration_due 2026-05-11 is past: calibrate the indicator, or use another"
+    ]

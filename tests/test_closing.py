@@ -10,7 +10,7 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
 from scara_iso.diagnosis.next_test.planning import PlannedRun, smallest_effects
 from scara_iso.diagnosis.published import published_diagnosis
@@ -136,8 +136,8 @@ def test_it_is_said_on_the_terminal_and_drawn(call, tmp_path):
     picture = tmp_path / "d.svg"
     code, out, err = call("diagnose", TABLE_1, "--full", "--plot", picture)
     assert (code, err) == (0, "")
-    assert "explained: step or linear drift on Y" in out
-    assert "confirm:" in out
+    assert "Found: step or linear drift on Y" in out
+    assert "To be sure:" in out
     assert picture.read_text(encoding="utf-8").startswith("<?xml")
 
 

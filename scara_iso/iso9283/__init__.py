@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
     from scara_iso.iso9283.checks.calibration_date import past_due as past_due
-    from scara_iso.iso9283.checks.edited import SEPARATOR as SEPARATOR
     from scara_iso.iso9283.checks.gross_reading import far_readings as far_readings
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
     from scara_iso.iso9283.cycles import (
@@ -86,6 +85,10 @@ if TYPE_CHECKING:
         published_plan as published_plan,
     )
     from scara_iso.iso9283.published_push import published_push_test as published_push_test
+    from scara_iso.iso9283.published_stream import (
+        PublishedVisits as PublishedVisits,
+        published_visits as published_visits,
+    )
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,
@@ -113,6 +116,9 @@ if TYPE_CHECKING:
         standard_deviation as standard_deviation,
         two_divisions as two_divisions,
     )
-    from scara_iso.iso9283.transients import arrival_characteristics as arrival_characteristics
+    from scara_iso.iso9283.transients import (
+        StreamVisits as StreamVisits,
+        with_arrivals as with_arrivals,
+    )
 else:
     __getattr__ = face(__name__)

@@ -12,11 +12,11 @@ import numpy as np
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Estimate, rounding_uncertainty
-from scara_iso.force_loop import ForceLoop, LoopFit, fit_loop
 from scara_iso.iso9283.figures import EVERY_LENGTH, Conformity, DecisionRule, Limit
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest
 from scara_iso.run import frame_of, or_nan
+from scara_iso.signals import ForceLoop, LoopFit, fit_loop
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -49,11 +49,7 @@ if TYPE_CHECKING:
         Waiting as Waiting,
         Watched as Watched,
         as_json as as_json,
-    )
-    from scara_iso.recorder.history import (
-        History as History,
-        ShownReading as ShownReading,
-        read_history as read_history,
+        when_started as when_started,
     )
     from scara_iso.recorder.indicators import (
         Decoder as Decoder,
@@ -71,12 +67,6 @@ if TYPE_CHECKING:
         find_dialects as find_dialects,
         make_generic as make_generic,
     )
-    from scara_iso.recorder.manifest import (
-        check_manifest as check_manifest,
-        manifest_path as manifest_path,
-        raw_path as raw_path,
-        sha256 as sha256,
-    )
     from scara_iso.recorder.plan import (
         Enter as Enter,
         GaugeSpec as GaugeSpec,
@@ -86,7 +76,6 @@ if TYPE_CHECKING:
         RobotLine as RobotLine,
         Settled as Settled,
         Timer as Timer,
-        Tour as Tour,
         Trigger as Trigger,
         check_metadata as check_metadata,
         parse_gauges as parse_gauges,
@@ -123,6 +112,5 @@ if TYPE_CHECKING:
         rebuild as rebuild,
         record as record,
     )
-    from scara_iso.recorder.tape import is_tape as is_tape
 else:
     __getattr__ = face(__name__)

@@ -23,24 +23,13 @@ from dataclasses import dataclass
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import parse_unit
-from scara_iso.recorder.events import (
-    LATE,
-    SECOND,
-    UNASKED,
-    UNIT_ASKED,
-    Noticed,
-    Problem,
-    ProblemKind,
-    Refused,
-    Said,
-)
+from scara_iso.rawfile import LATE, SCHEMA, SECOND, UNASKED, UNIT_ASKED, History
+from scara_iso.recorder.events import Noticed, Problem, ProblemKind, Refused, Said
 from scara_iso.recorder.gauge import DisplayChangedError, Gauge, no_unit
-from scara_iso.recorder.history import History
 from scara_iso.recorder.indicators import DeviceNotice, Garbage, InstrumentFault, Reading
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import GaugeSpec, Job, Settled
 from scara_iso.recorder.ports import Clock, Port
-from scara_iso.recorder.tape import SCHEMA
 
 SETTLING_S = 10.0
 """Longest time that a value may take to settle, under the rule of equal readings [s]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal, Protocol, TypeAlias
 
@@ -111,14 +111,6 @@ class Gross:
     """What is far from what, and what to do."""
     pose: str | None = None
     """Where the poses have names."""
-
-
-LATE = "late, or not asked for"
-UNASKED = "not asked for"
-UNIT_ASKED = "the unit was asked for"
-SECOND = "a second answer to one request"
-TWICE = "sent twice"
-"""Why a frame is refused that no request called for, and no visit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,6 +291,21 @@ def as_json(said: Said) -> Json:
         line = publish(ProblemLine, said, event=said.kind)
     found: Json = to_json(line)
     return found
+
+
+def when_started(act: Callable[[int], str], tell: Callable[[Said], None]) -> Callable[[Said], None]:
+    """Return a listener that hands on; ``act`` is called as a session begins with a cycle.
+
+    What it returns is told behind the begin.
+    """
+
+    def told(said: Said) -> None:
+        noticed = act(said.cycle) if isinstance(said, Started) else None
+        tell(said)
+        if noticed is not None:
+            tell(Noticed("", noticed))
+
+    return told
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from scara_iso.base.disk import Disk, write_whole
 from scara_iso.base.errors import CannotCreateError, NoInputError, ScaraIsoError, WriteError
+from scara_iso.rawfile import FIRST, checksum, encode
 from scara_iso.recorder.ports import Clock
-from scara_iso.recorder.tape import FIRST, checksum, encode
 
 
 class Journal:

@@ -1,12 +1,6 @@
-"""What is to be recorded: table, gauges, number of cycles, and what makes a reading be taken.
+"""What is to be recorded, as the user writes it: gauges, metadata, poses, trigger, cycles.
 
-What the user states of an indicator in numbers: its uncertainty and the command pose.
-
-The recorder's table is in mm and degrees, and so are these; each becomes part of its axis.
-
-A gauge as the user writes it: ``AXIS=DRIVER[?OPTIONS]@PORT``, and the metadata of a table.
-
-The poses that every cycle visits, in their order, and the numbers of the visits.
+A gauge is ``AXIS=DRIVER[?OPTIONS]@PORT``; a trigger is what makes a reading be taken.
 """
 
 from __future__ import annotations
@@ -20,49 +14,12 @@ from urllib.parse import quote
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
-from scara_iso.base.quantities import Dimension, parse_unit
+from scara_iso.base.quantities import parse_unit
+from scara_iso.rawfile import Tour, wrong_sizes
 from scara_iso.recorder.indicators import KEYBOARD, Dialect, Parity, find_dialect
 from scara_iso.recorder.indicators.generic import make_generic
 from scara_iso.recorder.ports import is_device, is_keyboard, number_option, split_options
 from scara_iso.run import AXES
-
-_SIZE_KEY = re.compile(r"indicator_uncertainty(_(x|y|z|theta))?|command_(x|y|z|theta)")
-_NUMBER = re.compile(r"[+-]?[0-9]{1,6}(\.[0-9]{1,12})?")
-
-
-def wrong_sizes(metadata: Mapping[str, str]) -> list[str]:
-    """Return the keys whose size is not a plain number, or whose uncertainty is not positive."""
-    stated = {key: str(text) for key, text in metadata.items() if _SIZE_KEY.fullmatch(_normal(key))}
-    return [
-        key
-        for key, text in stated.items()
-        if not _NUMBER.fullmatch(text)
-        or (_normal(key).startswith("indicator") and not float(text) > 0)
-    ]
-
-
-def sizes_of_axis(
-    metadata: Mapping[str, str], axis: str, dimension: Dimension
-) -> tuple[float | None, float | None]:
-    """Return standard uncertainty and command pose of an axis [mm or deg], None where not stated.
-
-    ``indicator_uncertainty`` without an axis is a length: that of every axis read in mm.
-    """
-    if wrong := wrong_sizes(metadata):
-        raise DataError(f"{wrong[0]}: not a plain number")
-    stated = {
-        _normal(key): float(text)
-        for key, text in metadata.items()
-        if _SIZE_KEY.fullmatch(_normal(key))
-    }
-    general = stated.get("indicator_uncertainty") if dimension is Dimension.LENGTH else None
-    name = axis.lower()
-    return stated.get(f"indicator_uncertainty_{name}", general), stated.get(f"command_{name}")
-
-
-def _normal(key: str) -> str:
-    return key.lower().replace(" ", "_").replace("-", "_")
-
 
 OPTIONS = {
     "unit": "unit of the display, such as mm or inch",
@@ -247,44 +204,6 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ .+-]{0,30}")
 _MOST = 100
 
 
-@dataclass(frozen=True, slots=True)
-class Tour:
-    """``poses`` in the order in which every cycle visits them; none is one pose without a name.
-
-    Visits are numbered from 1 through the whole test: those of cycle 1, of cycle 2, and so on.
-    """
-
-    poses: tuple[str, ...] = ()
-
-    def __len__(self) -> int:
-        return max(len(self.poses), 1)
-
-    def place(self, visit: int) -> tuple[int, str | None]:
-        """Return cycle (from 1) and pose of a visit."""
-        turn, k = divmod(visit - 1, len(self))
-        return turn + 1, self.poses[k] if self.poses else None
-
-    def visit(self, cycle: int, pose: str | None) -> int:
-        """Return the number of a visit; `ValueError` for a pose that is not visited."""
-        poses: tuple[str | None, ...] = self.poses or (None,)
-        if pose not in poses:
-            raise ValueError(f"pose {pose} is none of {', '.join(map(str, poses))}")
-        return (cycle - 1) * len(poses) + poses.index(pose) + 1
-
-    def name(self, visit: int) -> str:
-        """Return ``cycle 3`` or ``cycle 3 at P2``."""
-        cycle, pose = self.place(visit)
-        return f"cycle {cycle}" if pose is None else f"cycle {cycle} at {pose}"
-
-    def state(self, visit: int) -> dict[str, int | str]:
-        """Return cycle, and pose where poses have names, as a raw file states them."""
-        cycle, pose = self.place(visit)
-        return {"cycle": cycle} if pose is None else {"cycle": cycle, "pose": pose}
-
-
-ONE_POSE = Tour()
-
-
 def parse_poses(poses: str | Sequence[str]) -> tuple[str, ...]:
     """Return the poses of ``P1,P2,P3`` or of a sequence; `UsageError` for what is not a name."""
     names = [n.strip() for n in (poses.split(",") if isinstance(poses, str) else poses)]
@@ -375,7 +294,7 @@ class RecordingPlan:
     cycles: int = 31
     stable: int = 1
     rearm_s: float = 0.5
-    tour: Tour = ONE_POSE
+    tour: Tour = field(default_factory=Tour)
     all_count: bool = False
     """Whether no first cycle is discarded later, as in a drift test."""
 

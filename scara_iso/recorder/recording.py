@@ -1,14 +1,13 @@
 """The one path of a recording: ports, raw file, what was before, header, session, table.
 
-The table of a raw file, and its manifest: made of what that file holds and of nothing else.
-
-What was recorded before: read, and refused where going on would lose or mix something.
+What was recorded before is refused where going on would lose or mix something. Table and manifest
+are made of what the raw file holds and of nothing else.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from datetime import date
@@ -25,13 +24,19 @@ from scara_iso.base.errors import (
     WriteError,
 )
 from scara_iso.base.files import is_folder
-from scara_iso.iso9283 import past_due
+from scara_iso.rawfile import (
+    History,
+    Tour,
+    find_doubts,
+    manifest_of,
+    manifest_path,
+    raw_path,
+    read_history,
+)
 from scara_iso.recorder.bench import make_gauges, write_header
 from scara_iso.recorder.events import Done, Noticed, Operator, Said
-from scara_iso.recorder.history import History, read_history
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.manifest import find_doubts, manifest_of, manifest_path, raw_path
-from scara_iso.recorder.plan import GaugeSpec, Job, Listen, RobotLine, Settled, Tour
+from scara_iso.recorder.plan import GaugeSpec, Job, Listen, RobotLine, Settled
 from scara_iso.recorder.ports import (
     Clock,
     Port,
@@ -279,12 +284,14 @@ def record(
     tell: Callable[[Said], None],
     attended: bool = False,
     typed: Callable[[], bytes] | None = None,
+    remarks: Callable[[Mapping[str, str], date], Iterable[str]] = lambda _head, _day: (),
 ) -> None:
     """Record a job and write its table, however the session ends.
 
     After a `WriteError` the table is not written: the raw file holds every announced reading.
     ``attended`` says that the operator can answer a question, ``typed`` gives
-    the lines of the port ``keyboard:``. Raises what `Session.run` raises,
+    the lines of the port ``keyboard:``, ``remarks`` what is to be noticed of the table's head on
+    the day of the session. Raises what `Session.run` raises,
     and `CannotCreateError` where files are there already.
     Nothing is left behind where no reading was stored.
     """
@@ -301,7 +308,7 @@ def record(
             for struck in strike_cut_short(earlier, journal):
                 tell(struck)
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
-            for remark in (*earlier.timeline.jumps, *_past_due(job, earlier, clock)):
+            for remark in (*earlier.timeline.jumps, *_remarks(job, earlier, clock, remarks)):
                 tell(Noticed("", remark))
             if isinstance(job.plan.trigger, RobotLine):
                 operator = robot = _robot(job, job.plan.trigger, operator, journal, tell, stack)
@@ -318,13 +325,16 @@ def record(
             ).run()
 
 
-def _past_due(job: Job, earlier: History, clock: Clock) -> Iterator[str]:
-    """Yield what is stated of a calibration that has run out; a simulation has no date."""
+def _remarks(
+    job: Job,
+    earlier: History,
+    clock: Clock,
+    remarks: Callable[[Mapping[str, str], date], Iterable[str]],
+) -> Iterable[str]:
+    """Return what is to be noticed of the head; a simulation has no date."""
     wall = clock.wall()
-    if wall is not None:
-        head = {**earlier.header.get("metadata", {}), **job.metadata}
-        for line in past_due(head, date.fromisoformat(wall[:10])):
-            yield f"{line} is past: calibrate the indicator, or use another"
+    head = {**earlier.header.get("metadata", {}), **job.metadata}
+    return () if wall is None else remarks(head, date.fromisoformat(wall[:10]))
 
 
 def _robot(

@@ -18,10 +18,9 @@ from dataclasses import dataclass, field
 
 from scara_iso.base.errors import InstrumentError
 from scara_iso.base.quantities import parse_unit
+from scara_iso.rawfile import LATE, UNASKED, VOIDABLE, History
 from scara_iso.recorder.bench import Bench, Taken, Watch
 from scara_iso.recorder.events import (
-    LATE,
-    UNASKED,
     Command,
     CycleDone,
     Note,
@@ -41,7 +40,6 @@ from scara_iso.recorder.events import (
     Waiting,
 )
 from scara_iso.recorder.gauge import Gauge, HaltError, PlaceLostError, gross_reading
-from scara_iso.recorder.history import VOIDABLE, History
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import (
     Enter,

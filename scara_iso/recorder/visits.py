@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from scara_iso.recorder.events import TWICE
+from scara_iso.rawfile import TWICE
 
 _PAUSES = 5
 """How many of the latest count."""

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         stacked as stacked,
     )
     from scara_iso.run.origin import (
+        SEPARATOR as SEPARATOR,
         SIMULATED as SIMULATED,
         Origin as Origin,
         TableField as TableField,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+SEPARATOR = " | "
+"""Between the statements in one line of a table's head."""
 SIMULATED = "SIMULATED readings: no robot was measured"
 """What is said of a run whose head states `simulated`."""
 

@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.testfolder.all_conditions import (
+        UnderCondition as UnderCondition,
+        joined_analysis as joined_analysis,
+    )
     from scara_iso.testfolder.folder import (
         FAULTY as FAULTY,
         Folder as Folder,
@@ -26,7 +30,6 @@ if TYPE_CHECKING:
         assign as assign,
         seconds_a_cycle as seconds_a_cycle,
         seconds_left as seconds_left,
-        told_of_part as told_of_part,
     )
     from scara_iso.testfolder.place import FILE as FILE, is_test_folder as is_test_folder
     from scara_iso.testfolder.published import published_status as published_status

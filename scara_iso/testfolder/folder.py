@@ -1,8 +1,7 @@
-"""The folder of a test: which recordings are there, and how far each part is.
+"""The folder of a test: which recordings are there, how far each part is, and their runs.
 
-A part's table with what test.toml states beside it; what the table says itself holds.
-
-The parts recorded under one condition as one `Run`, a pose each.
+A part's run has what test.toml states beside it; what its table says itself holds. The parts
+recorded under one condition are one `Run`, a pose each.
 """
 
 from __future__ import annotations
@@ -16,19 +15,18 @@ from pathlib import Path
 import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, ScaraIsoError
-from scara_iso.force_loop import read_loop
 from scara_iso.iso9283 import (
     CYCLES_RUN,
     DRIFT_CODES,
-    SEPARATOR,
     Counting,
     DecisionRule,
     Finding,
     PushResult,
     push_test,
 )
-from scara_iso.recorder import check_manifest, raw_path, read_history
-from scara_iso.run import Axis, Origin, Run, joined_axis
+from scara_iso.rawfile import check_manifest, raw_path, read_history
+from scara_iso.run import SEPARATOR, Axis, Origin, Run, joined_axis
+from scara_iso.signals import read_loop
 from scara_iso.tables import converted, corrected, is_of_corrections, read_table
 from scara_iso.testfolder.reading import read_test
 from scara_iso.testfolder.whole_test import (

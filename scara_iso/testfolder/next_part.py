@@ -1,18 +1,15 @@
-"""How far a test is, and how long is left, from the pace of the parts recorded.
-
-Which part is recorded next, into which file, and with what in its head.
-"""
+"""Which part is recorded next, into which file, with what in its head; how long the test lasts."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
 from scara_iso.base.errors import UsageError
-from scara_iso.recorder import Noticed, Said, Started, manifest_path, raw_path
+from scara_iso.rawfile import manifest_path, raw_path
 from scara_iso.testfolder.folder import FAULTY, UNFINISHED, Folder, PartState
 from scara_iso.testfolder.whole_test import Part, Struck, metadata_of
 from scara_iso.testfolder.writing import strike
@@ -98,24 +95,15 @@ class Assignment:
         left = self.pace_s * (self.cycles - stored + self.cycles_after)
         return f"{where}{load}, {about(left)} left"
 
+    def begin(self, folder: Path, cycle: int) -> str:
+        """Strike what is repeated, now that ``cycle`` is awaited; return which part it is.
 
-def told_of_part(
-    assignment: Assignment, folder: Path, tell: Callable[[Said], None]
-) -> Callable[[Said], None]:
-    """Return a listener that strikes what is repeated when the session has begun, and hands on.
-
-    So a port that cannot be opened strikes nothing, and no reading is stored beside one that
-    still counts.
-    """
-
-    def told(said: Said) -> None:
-        if isinstance(said, Started) and assignment.struck:
-            strike(folder, *assignment.struck)
-        tell(said)
-        if isinstance(said, Started):
-            tell(Noticed("", f"{assignment.part.name}: {assignment.said(said.cycle - 1)}"))
-
-    return told
+        Done when the session has begun: a port that cannot be opened strikes nothing, and no
+        reading is stored beside one that still counts.
+        """
+        if self.struck:
+            strike(folder, *self.struck)
+        return f"{self.part.name}: {self.said(cycle - 1)}"
 
 
 def assign(

@@ -27,8 +27,8 @@ def compute(test: Measured) -> Iterator[Characteristic]:
     force = test.run.covariates.get("force_N")
     if force is None:
         return
-    from scara_iso.force_loop import ForceLoop, fit_loop, is_loop  # noqa: PLC0415 - for few tables
     from scara_iso.iso9283.pushed_joint import compliance_estimate  # noqa: PLC0415
+    from scara_iso.signals import ForceLoop, fit_loop, is_loop  # noqa: PLC0415 - for few tables
 
     for pose in test.poses:
         for name, axis in pose.axes.items():

@@ -42,9 +42,12 @@ def check(measured: Measured) -> Iterator[Finding]:
 
 
 def past_due(head: Mapping[str, str], day: date) -> list[str]:
-    """Return the lines of a table's head by which a calibration is past on a day."""
-    lines = stated_in(head, _DUE)
-    return [str(line) for line in lines if (due := line.day()) is not None and due < day]
+    """Return a remark on each line of a table's head by which a calibration is past on a day."""
+    return [
+        f"{line} is past: calibrate the indicator, or use another"
+        for line in stated_in(head, _DUE)
+        if (due := line.day()) is not None and due < day
+    ]
 
 
 def _against(test: Stated, done: Stated | None, due: Stated | None) -> Iterator[Finding]:

@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.run import SEPARATOR
 
 CODE = "edited"
 BRIEF = "recording edited or not sealed"
-SEPARATOR = " | "
 
 
 def check(measured: Measured) -> Iterator[Finding]:

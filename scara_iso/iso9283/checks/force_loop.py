@@ -21,7 +21,7 @@ def check(measured: Measured) -> Iterator[Finding]:
     force = measured.run.covariates.get("force_N")
     if force is None:
         return
-    from scara_iso.force_loop import is_loop  # noqa: PLC0415 - for few tables
+    from scara_iso.signals import is_loop  # noqa: PLC0415 - for few tables
 
     for pose in poses_in_cycles(measured):
         for axis in pose.axes.values() if is_loop(force[pose.rows]) else ():

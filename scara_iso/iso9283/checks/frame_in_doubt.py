@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.iso9283.checks.edited import SEPARATOR
 from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.run import SEPARATOR
 
 CODE = "frame-in-doubt"
 

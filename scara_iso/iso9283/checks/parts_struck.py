@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.iso9283.checks.edited import SEPARATOR
 from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.run import SEPARATOR
 
 CODE = "parts-struck"
 _RULE = "good practice (no clause verified): what is left out is named with its reason"

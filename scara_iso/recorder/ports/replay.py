@@ -5,8 +5,6 @@ not what was struck out, refused, or sent before the first cycle. Where none was
 another driver than the recording's, what was recorded after a request is sent after the same
 request, and what came by itself at its recorded time. A file of bytes has no times: its lines come
 one second apart, or one for each request.
-
-The time of a raw file's records over all its sessions: it never goes back.
 """
 
 from __future__ import annotations
@@ -17,73 +15,13 @@ import re
 from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from datetime import datetime
 from pathlib import Path
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import open_file, read_file
+from scara_iso.rawfile import Record, Timeline, is_raw_file, read_records
 from scara_iso.recorder.indicators import Decoder, Dialect, LinePulse, Reading
 from scara_iso.recorder.ports.port import Clock, StreamClock, split_options
-from scara_iso.recorder.tape import Record, is_tape, read_tape
-
-_SET_S = 5.0
-"""A clock that differs by more from the time that passed was set [s]."""
-
-
-class Timeline:
-    """Seconds since the first session began; between sessions the machine's date counts.
-
-    A date that goes back lets the next session begin where the one before ended. `jumps` says
-    where the clock cannot have been right.
-    """
-
-    def __init__(self) -> None:
-        self.start = self._last = 0.0
-        self._begun: tuple[str | None, float] = (None, 0.0)
-        self._latest: tuple[str | None, float] = (None, 0.0)
-        self._sessions = 0
-        self._jumps: list[str] = []
-
-    def at(self, record: Record) -> float:
-        """Return the time of the next record [s]."""
-        t, wall = float(record["t"]), record.get("wall")
-        if record["event"] == "session":
-            self._begin(wall, t)
-        time = self.start + t
-        self._last = max(self._last, time)
-        self._latest = (wall, t)
-        return time
-
-    @property
-    def jumps(self) -> tuple[str, ...]:
-        """What is wrong with the dates, a sentence each."""
-        return (*self._jumps, *self._set_within())
-
-    def _begin(self, wall: str | None, t: float) -> None:
-        self._jumps += self._set_within()
-        gap = _seconds(self._latest[0], wall)
-        self._sessions += 1
-        if gap < 0:
-            self._jumps.append(
-                f"the clock went back {-gap:.0f} s before session {self._sessions}: its time_s "
-                "begins where the session before ended"
-            )
-        self.start = self._last + max(0.0, gap) - (t if self._sessions > 1 else 0.0)
-        self._begun = (wall, t)
-
-    def _set_within(self) -> list[str]:
-        (began, first), (ended, last) = self._begun, self._latest
-        off = _seconds(began, ended) - (last - first)
-        if None in (began, ended) or abs(off) < _SET_S:
-            return []
-        return [f"the clock was set by {off:+.0f} s during session {self._sessions}"]
-
-
-def _seconds(start: str | None, now: str | None) -> float:
-    if start is None or now is None:
-        return 0.0
-    return (datetime.fromisoformat(now) - datetime.fromisoformat(start)).total_seconds()
-
 
 OPTIONS = {
     "pace": "1 for the recorded timing, 0 (default) for as fast as possible",
@@ -180,9 +118,9 @@ def replayed_poses(address: str) -> tuple[str, ...]:
         return ()
     path = Path(split_options(address.removeprefix("replay:"), OPTIONS)[0])
     with open_file(path) as file:
-        if not is_tape(file.read(16)):
+        if not is_raw_file(file.read(16)):
             return ()
-    records = (record for _, record in read_tape(path) if record)
+    records = (record for _, record in read_records(path) if record)
     first = next((one for one in records if one["event"] == "session"), {})
     return tuple(map(str, first.get("poses", ())))
 
@@ -192,7 +130,7 @@ _TAPE = "name the .raw.jsonl of a recording, or a file of what an indicator sent
 
 def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
     with open_file(path) as file:
-        tape = is_tape(file.read(16))
+        tape = is_raw_file(file.read(16))
     data = b"" if tape else read_file(path, _LARGEST)
     try:
         stream = _from_tape(path, dialect, axis, asked=asked) if tape else Stream()
@@ -294,7 +232,7 @@ def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
     """Yield the records of one axis with their time, sessions one behind the other."""
     timeline = Timeline()
     axes: Iterable[str] = ()
-    for _, record in read_tape(path):
+    for _, record in read_records(path):
         if not record:
             continue
         if record["event"] == "session":

@@ -1,0 +1,177 @@
+"""The watch over a recording: it hears what a session says, and adds what the readings say.
+
+Nothing of the recording depends on it: no reading, no file, no answer on a line.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from itertools import product
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from scara_iso.base.quantities import TURN, Dimension, parse_unit
+from scara_iso.rawfile import History, Tour
+from scara_iso.recorder import (
+    CycleDone,
+    Done,
+    Job,
+    NextWay,
+    Noticed,
+    Paused,
+    Said,
+    Started,
+    Stored,
+    Voided,
+    Watched,
+)
+
+if TYPE_CHECKING:
+    from scara_iso.diagnosis import Monitor
+
+_DIGITS = 6
+_SHARE = 3
+_Channel: TypeAlias = tuple[str | None, str]
+"""Pose and axis."""
+
+
+class Watcher:
+    """A listener that hands on what it hears, and says after each cycle what is known then.
+
+    Ties on the dial are broken by a seed that is a hash of the recording's own head (axes, poses,
+    planned cycles, metadata), so that the same readings always say the same.
+    """
+
+    def __init__(self, job: Job, earlier: History | None, tell: Callable[[Said], None]) -> None:
+        """``earlier`` is what a recording that is resumed holds."""
+        self._tell = tell
+        begun = earlier.first_header if earlier else {}
+        self._head = _head_in(begun) if begun else _head_of(job)
+        poses = self._head["poses"] or [None]
+        self._channels: list[_Channel] = list(product(poses, self._head["axes"]))
+        self._values: dict[int, dict[_Channel, float]] = {}
+        self._first: dict[_Channel, float] = {}
+        self._stood: set[int] = set()
+        """How many cycles were complete before each pause."""
+        self._monitor: Monitor | None = None
+        self._due = self._failed = False
+        if earlier is not None:
+            self._remember(earlier)
+
+    def told(self, said: Said) -> None:
+        """Hear what is said; a cycle is judged once everything about it is said and answered."""
+        if isinstance(said, Done):
+            self._judge(said)
+        self._tell(said)
+        if isinstance(said, Stored):
+            angle = parse_unit(said.unit).dimension is Dimension.ANGLE
+            self._put(said.cycle, (said.pose, said.axis), said.value, angle=angle)
+        elif not isinstance(said, CycleDone | Done):
+            self._judge(said)
+        self._due |= isinstance(said, CycleDone)
+        if said == Paused(on=False) and self._monitor is not None:
+            self._stood.add(self._monitor.cycles)
+
+    def _put(self, cycle: int, channel: _Channel, value: float, *, angle: bool) -> None:
+        first = self._first.setdefault(channel, value)
+        turned = first + (value - first + TURN / 2) % TURN - TURN / 2
+        self._values.setdefault(cycle, {})[channel] = turned if angle else value
+
+    def _remember(self, earlier: History) -> None:
+        self._stood.update(earlier.pauses)
+        for axis, readings in earlier.readings().items():
+            angle = earlier.columns[axis].dimension is Dimension.ANGLE
+            for visit, value in readings.items():
+                cycle, pose = earlier.tour.place(visit)
+                self._put(cycle, (pose, axis), value, angle=angle)
+
+    def _judge(self, said: Said) -> None:
+        """Take the cycles that are complete, and say what is known; never end a recording."""
+        if self._failed or not (self._due or isinstance(said, Started | Voided)):
+            return
+        self._due = False
+        try:
+            found = self._judged(said)
+        except Exception as error:  # noqa: BLE001 - the recording goes on, whatever it is
+            self._failed = True
+            self._tell(Noticed("", f"the watch has ended: {error}"))
+            return
+        if found is not None:
+            self._tell(found)
+
+    def _judged(self, said: Said) -> Watched | None:
+        """Return what is known where other cycles are complete than before."""
+        monitor = self._monitor or self._begun()
+        before = monitor.cycles
+        if isinstance(said, Voided):
+            self._strike(said, monitor)
+        while len(self._values.get(monitor.cycles + 1, {})) == len(self._channels):
+            if monitor.cycles in self._stood:
+                monitor.pause()
+            values = self._values[monitor.cycles + 1]
+            monitor.take([values[channel] for channel in self._channels])
+        if monitor.cycles in (0, before):
+            return None
+        known = _known(monitor)
+        return None if isinstance(said, Started) and known.says == "nothing yet" else known
+
+    def _begun(self) -> Monitor:
+        from scara_iso.diagnosis import Monitor
+
+        self._monitor = Monitor(planned=_planned(self._head), seed=_seed(self._head))
+        return self._monitor
+
+    def _strike(self, said: Voided, monitor: Monitor) -> None:
+        for axis in said.axes:
+            self._values.get(said.cycle, {}).pop((said.pose, axis), None)
+        self._stood = {min(before, said.cycle - 1) for before in self._stood}
+        if said.cycle <= monitor.cycles:
+            monitor.strike(said.cycle)
+
+
+def _known(monitor: Monitor) -> Watched:
+    found = monitor.suspicion
+    evidence = float(f"{found.evidence:.{_DIGITS}g}")
+    if not found.alarm:
+        return Watched(monitor.cycles, evidence, "nothing yet")
+    return Watched(
+        monitor.cycles,
+        evidence,
+        "structure",
+        found.effect,
+        found.since,
+        round(found.share or 0.0, _SHARE),
+        {name: round(share, _SHARE) for name, share in (found.rivals or {}).items()},
+        tuple(NextWay(one.pause, one.cycles, round(one.right, _SHARE)) for one in found.next)
+        or None,
+    )
+
+
+def _head_of(job: Job) -> dict[str, Any]:
+    return _head([gauge.axis for gauge in job.gauges], job.plan.tour, job.plan.cycles, job.metadata)
+
+
+def _head_in(record: Mapping[str, Any]) -> dict[str, Any]:
+    poses = Tour(tuple(map(str, record.get("poses", ()))))
+    return _head(record["gauges"], poses, int(record["cycles"]), record["metadata"])
+
+
+def _head(axes: Any, tour: Tour, cycles: int, metadata: Mapping[str, str]) -> dict[str, Any]:
+    return {
+        "axes": sorted(axes),
+        "poses": list(tour.poses),
+        "cycles": cycles,
+        "metadata": {key: str(metadata[key]) for key in sorted(metadata)},
+    }
+
+
+def _seed(head: Mapping[str, Any]) -> int:
+    data = json.dumps(head, sort_keys=True).encode("ascii")
+    return int.from_bytes(hashlib.sha256(data).digest()[:8], "big")
+
+
+def _planned(head: Mapping[str, Any]) -> int | None:
+    """Return the planned cycles; None for a drift test, whose length is open."""
+    drift = head["metadata"].get("test", "").strip().lower() == "drift"
+    return None if drift else int(head["cycles"])

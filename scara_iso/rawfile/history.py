@@ -1,0 +1,390 @@
+"""What a raw file says was recorded: the readings of each axis, what was struck out and noted.
+
+The table of every recording is made here, after a clean end as after a crash.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from array import array
+from collections import Counter, deque
+from collections.abc import Iterable, Iterator, Mapping
+from decimal import Decimal
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from scara_iso.base.errors import DataError, Fault
+from scara_iso.base.quantities import Dimension, find_unit, parse_number
+from scara_iso.rawfile.integrity import FIRST, SCHEMA, Record, read_records
+from scara_iso.rawfile.records import LineDoubts, Timeline, Tour, sizes_of_axis
+from scara_iso.run import SEPARATOR, Axis, IntArray, Origin, Run
+
+ShownReading: TypeAlias = tuple[float, str, str]
+"""A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
+VOIDABLE = 100
+"""How many readings back an operator may void."""
+
+
+class AxisReadings:
+    """Readings of one axis by visit [mm or deg], in the memory of one number each."""
+
+    def __init__(self) -> None:
+        self.values = array("d")
+        self.dimension: Dimension | None = None
+        self.unit: str | None = None
+        """What the indicator showed last."""
+        self.shown: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
+        self.resolution = 0.0
+        """The coarsest that was sent: never states more than every reading holds."""
+
+    def put(self, visit: int, text: str, unit: str) -> None:
+        """Take a reading; `ValueError` says what is wrong with it."""
+        size = find_unit(unit)
+        if size is None:
+            raise ValueError(f"unknown unit {unit!r}")
+        if self.dimension not in (None, size.dimension):
+            raise ValueError(f"{unit} after {self.dimension.value}")
+        if parse_number(text) is None:
+            raise ValueError(f"{text[:40]!r} is no reading")
+        grow(self.values, visit)
+        if not math.isnan(self.values[visit - 1]):
+            raise ValueError("stored twice")
+        self.values[visit - 1] = size.read(text)
+        count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
+        self.resolution = max(self.resolution, size.to_base(count))
+        self.dimension, self.unit = size.dimension, unit
+        self.shown.append((visit, text))
+
+    def void(self, visit: int) -> None:
+        """Strike out the reading of a visit."""
+        if visit <= len(self.values):
+            self.values[visit - 1] = math.nan
+            self.shown = deque((one for one in self.shown if one[0] != visit), maxlen=VOIDABLE)
+
+    def text(self, visit: int) -> str:
+        """Return the latest readings' text, and nothing for one that is too old to be struck."""
+        return dict(self.shown).get(visit, "")
+
+    def axis(self, name: str, rows: IntArray, metadata: Mapping[str, str]) -> Axis:
+        """Return the readings in ``rows``, with what ``metadata`` states of the axis."""
+        dimension = self.dimension or Dimension.LENGTH
+        sizes = sizes_of_axis(metadata, name, dimension)
+        return Axis(name, np.array(self.values)[rows], dimension, self.resolution or None, *sizes)
+
+    def by_visit(self) -> dict[int, ShownReading]:
+        """Return the readings by visit, the latest as they were shown, others in mm or degrees."""
+        texts, unit = dict(self.shown), self.unit or ""
+        base = self.dimension.value if self.dimension else ""
+        return {
+            visit: (value, texts[visit], unit) if visit in texts else (value, f"{value:g}", base)
+            for visit, value in enumerate(self.values, start=1)
+            if not math.isnan(value)
+        }
+
+    def __contains__(self, visit: int) -> bool:
+        return visit <= len(self.values) and not math.isnan(self.values[visit - 1])
+
+
+def grow(values: array[float], size: int) -> None:
+    """Make room for ``size`` numbers; what is not there yet is NaN."""
+    values.extend([math.nan] * (size - len(values)))
+
+
+_MOST = 99
+
+
+class Remarks:
+    """Collects struck readings with their reasons, notes, and why recording stopped, in order."""
+
+    def __init__(self) -> None:
+        self._said: list[tuple[str, str]] = []
+
+    def take(self, record: Record, shown: Mapping[str, str]) -> None:
+        """Take a record; ``shown`` holds the readings that a ``void`` strikes out, by axis."""
+        match record:
+            case {"event": "void", "cycle": int(cycle), "reason": str(reason)}:
+                values = ", ".join(f"{axis} {text}" for axis, text in sorted(shown.items()))
+                at = f" at {record['pose']}" if "pose" in record else ""
+                self._said.append(("struck", f"cycle {cycle}{at}, {values}: {reason}"))
+            case {"event": "note", "text": str(text)}:
+                self._said.append(("note", text))
+            case {"event": "changed", "axis": str(axis), "message": str(message)}:
+                self._said.append(("changed", f"{axis}: {message}"))
+
+    def metadata(self) -> Iterator[tuple[str, str]]:
+        """Yield a key and its text for each remark; beyond the first 99 only their number."""
+        for number, (kind, text) in enumerate(self._said[:_MOST], 1):
+            yield f"record_{number:02d}_{kind}", text
+        if len(self._said) > _MOST:
+            yield "record_more_remarks", str(len(self._said) - _MOST)
+
+
+_SHOWN = 10
+_SEED = re.compile(r"&seed=[^&\s]*|(?<=\?)seed=[^&\s]*&?")
+_DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
+"""What a record raises whose values are of another kind or size."""
+_THEN = ", then "
+_GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
+_MAX_CYCLES = 10_000_000
+
+
+class History:
+    """The readings, what the sessions' headers say, and the troubles of one raw file."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.header: Record = {}
+        self.first_header: Record = {}
+        """As it stands in the file, without what later sessions say."""
+        self.tour = Tour()
+        self.columns: dict[str, AxisReadings] = {}
+        self.times = array("d")
+        self.troubles: Counter[str] = Counter()
+        self.latest: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
+        self.damaged: list[int] = []
+        self.faults: list[Fault] = []
+        self.timeline = Timeline()
+        self.remarks = Remarks()
+        self._line = LineDoubts()
+        self.pauses: list[int] = []  # how many cycles were complete at each
+        self.previous = FIRST
+        """Checksum of the last whole line."""
+        self.has_table = False
+        """Whether the last session that ended in good order left a table, and so a manifest."""
+        self._chained = False
+        self._broken: list[int] = []
+        self._harmed: list[int] = []
+        """Behind the last line, where that was changed: no next one names it."""
+        self._inherited: list[str] = []
+
+    def take(self, line: int, record: Record | None) -> None:
+        """Take the next line of the file."""
+        self._harmed = []
+        if not record:
+            self.damaged.append(line)
+            self._harmed = [] if record is None else [line + 1]
+            return
+        if not self._follows(line, record):
+            self._broken.append(line)
+        self.previous, self._chained = record["crc"], "prev" in record
+        try:
+            self.timeline.at(record)
+            self._take(record)
+        except _DAMAGED as error:
+            self.faults.append(Fault(f"{record.get('event')}: {error}", line))
+
+    def _follows(self, line: int, record: Record) -> bool:
+        """Say whether nothing was changed before a line: it names the whole one that is there.
+
+        Lines of older versions name none; a crash tears only what stands before a new session.
+        """
+        if "prev" in record or self._chained:
+            return bool(record.get("prev") == self.previous)
+        return self.damaged[-1:] != [line - 1] or record["event"] == "session"
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is known to have been changed after it was recorded, a line each."""
+        name = Path(self.source).name
+        broken = [*self._broken, *self._harmed]
+        places = ", ".join(map(str, broken[:_SHOWN])) + (", .." if len(broken) > _SHOWN else "")
+        found = [f"{name}: lines were changed or taken away before line {places}"] if places else []
+        return tuple(dict.fromkeys((*self._inherited, *found)))
+
+    def inherit(self, doubts: Iterable[str]) -> None:
+        """Take what was found beside the file: it goes on into all that is made of it."""
+        self._inherited += doubts
+
+    def _take(self, record: Record) -> None:
+        self._line.take(record)
+        match record:
+            case {"event": "session"}:
+                self._begin(record)
+            case {"event": "stored", "cycle": int(cycle), "axis": str(axis)}:
+                self._put(cycle, axis, record)
+            case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
+                visit = self.tour.visit(cycle, record.get("pose"))
+                self.remarks.take(record, {axis: self.columns[axis].text(visit) for axis in axes})
+                self.strike(visit, axes)
+                self.pauses = [min(before, cycle - 1) for before in self.pauses]
+            case {"event": "continued"}:
+                self.pauses.append(self.cycles)
+            case {"event": "note" | "changed"}:
+                self.remarks.take(record, {})
+            case {"event": "end"}:
+                self.has_table = bool(self.complete_rows().any())
+            case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
+                self.troubles[event] += 1
+
+    def _put(self, cycle: int, axis: str, record: Record) -> None:
+        if not 0 < cycle <= _MAX_CYCLES // len(self.tour):
+            raise ValueError(f"cycle {cycle}")
+        visit = self.tour.visit(cycle, record.get("pose"))
+        self.columns[axis].put(visit, record["text"], record["unit"])
+        grow(self.times, visit)
+        self.times[visit - 1] = self.timeline.start + record["at"]
+        self.latest.append((visit, axis))
+
+    def strike(self, visit: int, axes: Iterable[str]) -> None:
+        """Take readings of a visit out of the table."""
+        for axis in axes:
+            self.columns[axis].void(visit)
+            self.latest.remove((visit, axis))
+            self.troubles["voided"] += 1
+
+    def cut_short(self) -> list[str]:
+        """Return the axes of the unfinished visit: the arm may have left since."""
+        return sorted(self.present(self.visit))
+
+    def _begin(self, record: Record) -> None:
+        if record["schema"] != SCHEMA:
+            raise ValueError(f"schema {record['schema']!r} is not {SCHEMA}")
+        _check_header(record)
+        self._inherited += map(str, record.get("doubts", ()))
+        if not self.header:
+            self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
+            self.tour = Tour(tuple(map(str, record.get("poses", ()))))
+            self.first_header = record
+        self.header = _merged(self.header, record) if self.header else record
+
+    @property
+    def visit(self) -> int:
+        """The first visit that is not complete, from 1."""
+        ends = [len(column.values) for column in self.columns.values()]
+        done = self.complete_rows()
+        return next((k + 1 for k in range(max(ends, default=0)) if not done[k]), len(done) + 1)
+
+    def present(self, visit: int) -> frozenset[str]:
+        """Return the axes that have a reading of the visit."""
+        return frozenset(axis for axis, column in self.columns.items() if visit in column)
+
+    def complete_rows(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return for each visit from 1 whether every axis has a reading."""
+        size = max((len(column.values) for column in self.columns.values()), default=0)
+        complete = np.ones(size, dtype=np.bool_)
+        for column in self.columns.values():
+            here = np.zeros(size, dtype=np.bool_)
+            here[: len(column.values)] = ~np.isnan(np.array(column.values))
+            complete &= here
+        return complete
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether as many cycles are complete as the last session planned."""
+        return int(self.complete_rows().sum()) == int(self.header["cycles"]) * len(self.tour)
+
+    @property
+    def cycles(self) -> int:
+        """How many cycles are complete at every pose."""
+        return int(self.complete_rows().sum()) // len(self.tour)
+
+    def readings(self) -> dict[str, dict[int, float]]:
+        """Return the readings by axis and visit [mm or deg]."""
+        return {
+            axis: {k + 1: v for k, v in enumerate(column.values) if not math.isnan(v)}
+            for axis, column in self.columns.items()
+        }
+
+    def shown(self) -> dict[str, dict[int, ShownReading]]:
+        """Return the readings by axis and visit, as a screen shows them."""
+        return {axis: column.by_visit() for axis, column in self.columns.items()}
+
+    def check(self) -> None:
+        """Raise `DataError` where the file is not a recording, or contradicts itself."""
+        if not self.header and not self.faults:
+            self.faults.append(Fault("no session was recorded", 1))
+        if self.faults:
+            raise DataError(
+                "is no recording that a table can be made of",
+                where=self.source,
+                remedy="the file was changed after it was recorded; look at these lines",
+                faults=self.faults[:_SHOWN],
+            )
+
+    def run(self) -> Run:
+        """Return the complete visits; raises as `check` does."""
+        self.check()
+        rows = np.flatnonzero(self.complete_rows())
+        if not len(rows):
+            raise DataError(
+                "no cycle is complete",
+                where=self.source,
+                remedy="record on, until every gauge has a cycle",
+            )
+        times = np.array(self.times)[rows]
+        counted = "visits" if self.tour.poses else "cycles"
+        turn, place = np.divmod(rows, len(self.tour))
+        return Run(
+            cycle=turn + 1,
+            pose=np.array(self.tour.poses)[place] if self.tour.poses else None,
+            axes={
+                name: column.axis(name, rows, self.header["metadata"])
+                for name, column in self.columns.items()
+            },
+            covariates={"time_s": np.round(times, 3)},
+            metadata=dict(self._metadata()),
+            origin=Origin(source=self.source, understood=f"{len(rows)} {counted} recorded"),
+        )
+
+    def _metadata(self) -> Iterator[tuple[str, str]]:
+        if self.doubts:
+            yield "doubts", SEPARATOR.join(self.doubts)
+        if self.header.get("wall"):
+            yield "recorded", f"{str(self.header['wall'])[:19]}Z"
+        yield from ((str(k), str(v)) for k, v in self.header["metadata"].items())
+        yield "first_cycle_discarded", "false"
+        gauges = self.header["gauges"]
+        if len(gauges) > 1:
+            yield "axes_recorded", "together"
+        yield "indicator", " | ".join(f"{axis} {_indicator(g)}" for axis, g in gauges.items())
+        simulated = [axis for axis, gauge in gauges.items() if gauge["simulated"]]
+        if simulated:
+            yield "simulated", " ".join(simulated)
+        if not self.is_complete:
+            yield "cycles_planned", str(self.header["cycles"])
+        if jumps := self.timeline.jumps:
+            yield "record_clock", "; ".join(jumps)
+        yield from self._line.metadata()
+        yield from self.remarks.metadata()
+        yield from ((f"record_{kind}", str(n)) for kind, n in sorted(self.troubles.items()))
+
+
+def read_history(path: Path) -> History:
+    """Read a raw file; `NoInputError` where that is not possible. Damaged lines are noted."""
+    history = History(str(path))
+    for line, record in read_records(path):
+        history.take(line, record)
+    return history
+
+
+def _check_header(record: Record) -> None:
+    """Raise one of the errors of a record that lacks what the table needs."""
+    _ = int(record["cycles"]), dict(record["metadata"]), str(record["trigger"])
+    for gauge in record["gauges"].values():
+        _ = [gauge[key] for key in _GAUGE_KEYS]
+
+
+def _merged(first: Record, later: Record) -> Record:
+    """Return the first session's header with what a later one says otherwise."""
+    gauges = {axis: dict(gauge) for axis, gauge in first["gauges"].items()}
+    for axis, gauge in later["gauges"].items():
+        known = gauges.setdefault(axis, dict(gauge))
+        if gauge["identity"] not in known["identity"].split(_THEN):
+            known["identity"] += _THEN + gauge["identity"]
+        known["simulated"] |= gauge["simulated"]
+    metadata = first["metadata"] | later["metadata"]
+    locale = later.get("excel_locale") or first.get("excel_locale")
+    same = {**first, "cycles": later["cycles"], "excel_locale": locale}
+    return {**same, "metadata": metadata, "gauges": gauges}
+
+
+def _indicator(gauge: Record) -> str:
+    unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
+    identity = gauge["identity"]
+    if gauge["simulated"]:  # a seed is no identity
+        plain = _SEED.sub("", identity).replace("sim:? ", "sim: ")
+        identity = _THEN.join(dict.fromkeys(plain.split(_THEN)))
+    return f"{gauge['dialect']} {gauge['line']} at {identity}{unit}"
