@@ -19,12 +19,14 @@ from scara_iso.diagnosis.likelihood.evidence import log_bayes_amplified
 from scara_iso.diagnosis.likelihood.hypothesis_set import build
 from scara_iso.diagnosis.problem import SearchProblem, remainder
 from scara_iso.diagnosis.result import Learned, LearnedCourse
-from scara_iso.diagnosis.tuning import AMPLITUDES, TAKES_PART, UNKNOWN
+from scara_iso.diagnosis.tuning import AMPLITUDES, UNKNOWN
 from scara_iso.effects import Process
 from scara_iso.run import FloatArray, IntArray
 
 _TWO_SIDED = 2.0
 """Standard deviations of a band of 95 %, to the digits that a band has."""
+_STRONG = 3.0
+"""Log Bayes factor from which an axis shows a course; the one with the largest always does."""
 _LAST = 5
 """The last fifth of the cycles is predicted from those before it."""
 
@@ -41,7 +43,8 @@ def learn(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> tupl
     for a in range(axes):
         amplitude, i = divmod(int(best[a]), len(hypotheses.members))
         form = hypotheses.members[i].form
-        if log_bf[amplitude, i, a] > np.log(TAKES_PART) and isinstance(form, Process):
+        strength = log_bf.max(axis=(0, 1))
+        if strength[a] >= min(_STRONG, strength.max()) and isinstance(form, Process):
             factor = AMPLITUDES[amplitude][0]
             form = replace(form, variance=factor * form.variance, amplitude=factor**0.5)
             found.append(Term(UNKNOWN, form, np.arange(axes) == a))

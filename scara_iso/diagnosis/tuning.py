@@ -8,16 +8,18 @@ files.
 
 from __future__ import annotations
 
+from scara_iso.effects import outlier
+
 SEED = 9283
 """Seed of every permutation and simulation unless another is given."""
 
-ODD = "outlier"
+ODD = outlier.EFFECT.name
 """Name of the effect of single readings."""
 
 HEAVY_TAILS = "heavy_tails"
 """Name of scatter with heavier tails than the level of the tests allows for."""
 
-AS_OFTEN_ODD = 0.05
+AS_OFTEN_ODD = 0.04
 """An odd reading is as likely as tails which throw one as far in so large a share of tables."""
 
 UNKNOWN = "unknown"

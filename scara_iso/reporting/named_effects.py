@@ -69,7 +69,8 @@ def _in_cycles(found: Found) -> str:
 def _unproven(found: Found) -> str:
     """Return the name of an effect that is not sure; two levels alone prove no contact."""
     name = words(found.effect)
-    return f"two levels, {name}" if found.effect == "contact_side" else name
+    hidden = {effect.name for effect in find_effects() if effect.by_flank and not effect.needs}
+    return f"two levels, {name}" if found.effect in hidden else name
 
 
 def odd_said(found: Diagnosis) -> str:

@@ -9,7 +9,7 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache, partial
 
 import numpy as np
@@ -57,7 +57,7 @@ class MarginalTests:
     outlier_row: int
     floor: float
     """Smallest p-value that the simulations can give."""
-    of_axes: FloatArray
+    of_axes: FloatArray = field(default_factory=lambda: np.ones(0))
     """The p-value of outliers by axis, in the families that the level allows for."""
     heavy_tailed: float = 1.0
     """Share of scatter of Student's t with 3 degrees of freedom in which one is as far."""
