@@ -37,6 +37,7 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    Tone,
     answer_lines,
 )
 from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_said
@@ -187,7 +188,7 @@ def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
     """
     for one in found.spreads:
         if limited := _limit_said(one):
-            yield Text(f"{_code(one)} {_name(one)}: {limited}", "bad" if one.crossed else "good")
+            yield Text(f"{_code(one)} {_name(one)}: {limited}", _tone(one))
     for event, moved in _served(found):
         worse = any(one.verdict is ContrastVerdict.MORE for one in moved)
         said = ", ".join(map(_moved, moved))
@@ -256,20 +257,36 @@ def _change_said(one: SpreadHistory) -> Iterator[str]:
         yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, one.alarms)}"
 
 
+def _tone(one: SpreadHistory) -> Tone:
+    """Return the tone of a limit: exceeded, in doubt (by the last test, or as it goes on), kept."""
+    when, last = one.crossing, one.tests[-1]
+    soon = when is not None and when.earliest is not None and when.earliest <= day_of(last.when)
+    return "bad" if one.crossed else "warn" if soon or not one.is_proven else "good"
+
+
 def _limit_said(one: SpreadHistory) -> str:
     if one.limit is None:
         return ""
-    limit = f"limit {one.limit:g} {one.unit}"
+    limit, last = f"limit {one.limit:g} {one.unit}", f"last {_last(one)}"
     if one.crossed:
-        return f"{limit} CROSSED, last {_last(one)}"
+        return f"{limit} EXCEEDED, {last}"
+    if not one.is_proven:
+        until = _until(one).removeprefix(", ")
+        forecast = f"; exceeded {until}" if until else ""
+        return f"{limit} may be exceeded, {last}: that test does not prove it kept{forecast}"
+    return f"{limit} {_expected(one, last)}"
+
+
+def _expected(one: SpreadHistory, last: str) -> str:
+    """Return until when a limit that is kept is expected to be."""
     when = one.crossing
     if when is None:
-        return f"{limit} kept, last {_last(one)}; too few tests since the service for a forecast"
+        return f"kept, {last}; too few tests since the service for a forecast"
     if when.earliest is None:
-        return f"{limit} kept; not before {date_on(when.horizon)}"
+        return f"kept; not expected to be exceeded before {date_on(when.horizon)}"
     if when.earliest <= day_of(one.tests[-1].when):
-        return f"{limit} may be met already, last {_last(one)}{_until(one)}"
-    return f"{limit} kept; not before {date_on(when.earliest)}{_until(one)}"
+        return f"may already be exceeded, {last}{_until(one)}"
+    return f"kept; not expected to be exceeded before {date_on(when.earliest)}{_until(one)}"
 
 
 def _until(one: SpreadHistory) -> str:
@@ -343,7 +360,7 @@ def _spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Block]:
     said = "; ".join(_change_said(one))
     yield Text(said or _unchanged(one), "strong" if said else "plain")
     if limited := _limit_said(one):
-        yield Text(limited, "bad" if one.crossed else "good")
+        yield Text(limited, _tone(one))
     yield month_picture(found, one)
     yield from control_pictures(found, one)
     yield _every_test(one)
