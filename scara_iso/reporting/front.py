@@ -9,9 +9,9 @@ from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, Finding
 from scara_iso.reporting.analysis import as_deviation, cycles_said, force_loop, is_force_loop
 from scara_iso.reporting.blocks import Block, Signature, Text
-from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words
 from scara_iso.reporting.digits import words
 from scara_iso.reporting.limits import GRAVER, RULES, conformity
+from scara_iso.reporting.named_effects import Failure, diagnosis_in_words
 from scara_iso.reporting.result_table import ResultPart, result_tables
 from scara_iso.reporting.stated import method, not_stated, parties, stated_field
 

@@ -372,12 +372,10 @@ def unlabelled(text):
     return [line for line in lines if not re.search(r"\bu\b|95 %", line)]
 
 
-@known("the size of an effect has an unlabelled +/-")
 def test_every_plus_minus_of_a_page_says_what_it_is(warm_up_page):
     assert not unlabelled(warm_up_page)
 
 
-@known("the size of an effect has an unlabelled +/-")
 def test_every_plus_minus_of_a_diagnosis_says_what_it_is():
     example = EXAMPLES / "warm_up.csv"
     assert not unlabelled(ask("diagnose", example, "--full", "--hold-out", example).out)
