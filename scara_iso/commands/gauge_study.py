@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -14,7 +14,7 @@ from scara_iso import render
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import to_json
-from scara_iso.base.quantities import parse_unit
+from scara_iso.base.quantities import find_unit, parse_unit
 from scara_iso.commands.inputs import Tables, paths_of, sizes_of, tables_of
 from scara_iso.commands.options import (
     NOT_WITHIN_LIMITS,
@@ -103,10 +103,9 @@ def _tolerances(
 ) -> Mapping[str, float | str]:
     """Return the width of the tolerance by axis; a text has a unit."""
     by_axis = given if isinstance(given, Mapping) else {} if given is None else {"": given}
-    texts = {axis: size for axis, size in by_axis.items() if isinstance(size, str)}
-    bare: dict[str, float] = sizes_of(
-        "tolerance", {axis: size for axis, size in by_axis.items() if not isinstance(size, str)}
-    )
+    texts = {a: size for a, size in by_axis.items() if isinstance(size, str) and find_unit(size)}
+    others: Any = {a: by_axis[a] for a in by_axis.keys() - texts} if texts else given
+    bare: dict[str, float] = sizes_of("tolerance", others)
     sizes = [*bare.values(), *(parse_unit(text).to_base(1.0) for text in texts.values())]
     wrong = [size for size in sizes if not 0 < size < 1e9]
     if wrong:
