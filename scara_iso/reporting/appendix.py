@@ -15,21 +15,13 @@ import numpy as np
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, AxisResult, PoseResult, poses_in_cycles
-from scara_iso.reporting.analysis import characteristics, pose_figures
 from scara_iso.reporting.backlash import backlash_report
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Number,
-    Report,
-    Section,
-    Strip,
-    Table,
-    Text,
-    decimals,
-)
-from scara_iso.reporting.diagnosis import Failure, diagnosis_report
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.diagnosis import diagnosis_report
+from scara_iso.reporting.digits import decimals
+from scara_iso.reporting.figure_tables import characteristics, pose_figures
 from scara_iso.reporting.limits import limits
+from scara_iso.reporting.named_effects import Failure
 from scara_iso.robot import Gearbox
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
@@ -220,8 +212,8 @@ def _of(pose: PoseResult, heading: str) -> str:
 def _diagnosis(pose: PoseResult, found: Diagnosis | Failure | None) -> Iterator[Section]:
     """Yield the figures of a diagnosis; its words stand before."""
     if isinstance(found, Diagnosis):
-        for section in diagnosis_report(found, "")[1:]:
-            if not all(isinstance(block, Strip) for block in section.blocks):
+        for section in diagnosis_report(found):
+            if section.depth == "detail":
                 yield Section(_of(pose, f"Diagnosis: {section.heading}"), section.blocks)
 
 

@@ -17,8 +17,8 @@ from scara_iso.iso9283 import (
     Poses,
     not_recorded,
 )
-from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.dossier import Dossier
+from scara_iso.reporting.named_effects import Failure
 from scara_iso.reporting.result_table import ResultPart
 from scara_iso.run import Axis, Origin, Run, joined_axis
 

@@ -14,13 +14,22 @@ from scara_iso.gauge import GaugeStudy
 from scara_iso.iso9283 import Analysis, Beside, Characteristic, PushResult, not_measured
 from scara_iso.reporting.analysis import findings
 from scara_iso.reporting.appendix import appendix, raw_data
-from scara_iso.reporting.blocks import Block, Figure, Number, Report, Section, Table, Text
-from scara_iso.reporting.brief_diagnosis import interpretation
-from scara_iso.reporting.diagnosis import Failure
+from scara_iso.reporting.blocks import (
+    Block,
+    Chart,
+    Curve,
+    Figure,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+    page_sections,
+)
 from scara_iso.reporting.drift import drift_pictures, largest_of
 from scara_iso.reporting.figures import courses, planes, predictions
 from scara_iso.reporting.front import Amendment, front_page
-from scara_iso.reporting.plotted import Chart, Curve
+from scara_iso.reporting.named_effects import Failure, interpretation
 from scara_iso.reporting.push import BOUGHT_BY, push_report
 from scara_iso.reporting.result_table import ResultPart
 from scara_iso.reporting.stated import (
@@ -145,6 +154,9 @@ class Document:
     """None where it is about neither a whole test nor a gauge study."""
     simulated: bool = False
     """Whether the readings are of no dial."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sections", page_sections(self.sections))
 
 
 def document(dossier: Dossier) -> Document:

@@ -10,6 +10,7 @@ import numpy as np
 from scara_iso.iso9283 import Analysis, Characteristic
 from scara_iso.reporting.blocks import (
     Block,
+    DriftPicture,
     Figure,
     Headline,
     Number,
@@ -17,8 +18,8 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    rounded,
 )
+from scara_iso.reporting.digits import rounded
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import DriftCourse
@@ -26,15 +27,16 @@ if TYPE_CHECKING:
 _WHOLE = ("XYZ", "XY")
 
 
-def drift_verdict(analysis: Analysis) -> Iterator[Text]:
-    """Yield how far each pose of a drift test moves, and when it is steady."""
+def drift_details(analysis: Analysis) -> Iterator[Section]:
+    """Yield when each pose of a drift test is steady, and the means of its blocks."""
     for course in analysis.drift or ():
-        yield Text(", ".join(_moved(analysis, course)), "strong")
-        yield Text(_steady(course))
+        label = course.pose.label or ""
+        name = f"pose {label}: " if label else ""
+        yield Section(f"{name}drift by block", (Text(_steady(course)), _table(course)), label)
 
 
 def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
-    """Yield the same in lines that give up their second figure where room is short."""
+    """Yield how far each pose moves, and when it is steady."""
     for course in analysis.drift or ():
         yield Headline(tuple(_moved(analysis, course)))
         steady, _, constant = _steady(course).partition(": ")
@@ -132,7 +134,6 @@ def _table(course: DriftCourse) -> Table:
 def _picture(course: DriftCourse) -> Iterator[Block]:
     if course.hours is None:
         return
-    from scara_iso.reporting.plotted import DriftPicture  # noqa: PLC0415 - for drift tests only
 
     lengths = [name for name, axis in course.pose.axes.items() if axis.unit == "mm"]
     moved = {name: course.means[name] - course.means[name][0] for name in lengths}

@@ -9,16 +9,17 @@ import numpy as np
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, PoseResult
-from scara_iso.reporting.blocks import Block, Figure, U_of_scatter, rounded
-from scara_iso.reporting.plotted import (
+from scara_iso.reporting.blocks import (
+    Block,
     Course,
     Courses,
+    Figure,
     Plane,
     Planes,
     Prediction,
     Predictions,
 )
-from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
+from scara_iso.reporting.digits import U_of_mean, U_of_RP, U_of_scatter, rounded
 from scara_iso.run import IntArray
 
 Panel = TypeVar("Panel")

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, Finding
-from scara_iso.reporting.analysis import cycles_said, force_loop, is_force_loop
-from scara_iso.reporting.blocks import Block, Signature, Text, words
-from scara_iso.reporting.diagnosis import Failure, diagnosis_in_words
+from scara_iso.reporting.analysis import as_deviation, cycles_said, force_loop, is_force_loop
+from scara_iso.reporting.blocks import Block, Signature, Text
+from scara_iso.reporting.digits import words
 from scara_iso.reporting.limits import GRAVER, RULES, conformity
+from scara_iso.reporting.named_effects import Failure, diagnosis_in_words
 from scara_iso.reporting.result_table import ResultPart, result_tables
 from scara_iso.reporting.stated import method, not_stated, parties, stated_field
 
@@ -84,8 +85,10 @@ def _missing(names: Sequence[str]) -> Iterator[Text]:
 def _subject(analysis: Analysis) -> str:
     run = analysis.run
     serial = stated_field(run, "serial number")
-    item = stated_field(run, "item") or "a robot that is not named"
+    item = stated_field(run, "item")
     what = "Static compliance" if is_force_loop(analysis) else "Repeatability"
+    if not item:
+        return f"{what} by ISO 9283:1998. Robot: not stated{serial and f', serial {serial}'}"
     return f"{what} of {item}{f', serial {serial}' if serial else ''}, by ISO 9283:1998"
 
 
@@ -107,7 +110,7 @@ def _deviations(analysis: Analysis) -> Iterator[Text]:
     for rule, found in sorted(by_rule.items())[:_MOST_LINES]:
         said = list(dict.fromkeys(_where(one) + one.message for one in found))
         more = f", and {len(said) - 1} more in the appendix" if len(said) > 1 else ""
-        yield Text(f"{rule} - {said[0]}{more}")
+        yield Text(f"{as_deviation(said[0], rule)}{more}")
     if len(by_rule) > _MOST_LINES:
         yield Text(f"and {len(by_rule) - _MOST_LINES} more in the appendix")
 

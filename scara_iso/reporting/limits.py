@@ -6,18 +6,13 @@ import math
 from collections.abc import Iterator, Sequence
 
 from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, LimitCheck
-from scara_iso.reporting.blocks import (
-    Interval,
-    Number,
-    Section,
-    Table,
-    Text,
-    decimals,
-    places_that_decide,
-)
+from scara_iso.reporting.blocks import Interval, Number, Section, Table, Text
+from scara_iso.reporting.digits import decimals, places_that_decide
 
 _USUAL = ("mm", "deg")
-GRAVER = "Of XY's two figures, radial (7.2.2) and eq. 23 of the paper, the graver verdict counts."
+GRAVER = (
+    "XY has two figures, radial (7.2.2) and eq. 23 of the paper: the stricter of the two decides."
+)
 _FIGURES = f"In mm; an angle in degrees, by ± 3 s. {GRAVER} "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
@@ -41,6 +36,9 @@ RULES = {
     ),
 }
 """In one sentence."""
+STRICTEST = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
+_OPEN_CAUSES = ("trend", "gross-reading")
+"""Findings whose cause is to be found before more cycles are run."""
 VERDICTS = {
     Conformity.PASS: "pass",
     Conformity.FAIL: "FAIL",
@@ -60,16 +58,19 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     if failed:
         yield Text(f"FAIL: OUTSIDE the limit {how}: {_names(failed)}", "bad")
     if open_:
-        yield Text(f"NOT PROVABLE with these cycles: {_names(open_)}{_would_prove(open_)}", "warn")
+        yield Text(
+            f"NOT PROVABLE with these cycles: {_names(open_)}; {_would_prove(open_, analysis)}",
+            "warn",
+        )
     if analysis.conformity is Conformity.PASS:
-        of_others = any(not check.code.startswith("RP") for check in analysis.limits)
-        which = f": {_names(analysis.limits)}" if of_others else ""
-        yield Text(f"PASS: inside the limits {how}{which}", "good")
+        yield Text(f"PASS: inside the limits {how}: {_names(analysis.limits)}", "good")
     void = [check for check in analysis.limits if check.interval_void and not simple]
     if void:
+        moved = dict.fromkeys(one.axis for one in analysis.findings if one.voids_interval)
+        axes = " and ".join(filter(None, moved)) or "The readings"
         yield Text(
-            f"A drift voids the interval of {_names(void)}: what is decided by it holds "
-            "only while the robot drifts in the same way",
+            f"{axes} drifted, so the interval of {_figures_of(void)} does not hold. "
+            "Find the cause first.",
             "warn",
         )
 
@@ -90,8 +91,8 @@ def table_of_limits(checks: Sequence[LimitCheck]) -> Iterator[Section]:
 def limit_cell(check: LimitCheck) -> Number | str:
     """Return the limit, or the smallest and the largest value that are allowed."""
     if check.lower is None:
-        return Number(check.limit, ".15g")
-    return f"{check.lower:.15g} to {check.limit:.15g}"
+        return Number(check.limit, ".15g", check.unit)
+    return f"{check.lower:.15g} to {check.limit:.15g} {check.unit}"
 
 
 def _interval_table(checks: Sequence[LimitCheck]) -> Table:
@@ -140,22 +141,31 @@ def _guard_band(half_width: float) -> Number:
 def _wanted(check: LimitCheck) -> Number | str:
     if check.verdict is not Conformity.NOT_PROVABLE:
         return ""
+    if check.interval_void:
+        return "find the cause first"
     if check.cycles_wanted is None:
         return "none would do"
     wanted = Number(check.cycles_wanted)
     return f"over {wanted}" if check.cycles_wanted >= MOST_CYCLES else wanted
 
 
-def _would_prove(checks: Sequence[LimitCheck]) -> str:
-    """Return what would: so many cycles, to two digits, or a finer dial where none would."""
+def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
+    """Return what would: so many cycles, to two digits, or a finer dial where none would.
+
+    No number of them, where something else than scatter is in the readings.
+    """
+    if any(check.interval_void for check in checks) or any(
+        one.code in _OPEN_CAUSES for one in analysis.findings
+    ):
+        return "find the cause first"
     wanted = [check.cycles_wanted for check in checks]
     if None in wanted:
-        return "; no more would, a finer or better calibrated dial may"
+        return "no more would, a finer or better calibrated dial may"
     most = max(cycles for cycles in wanted if cycles is not None)
     if most >= MOST_CYCLES:
-        return f"; more than {MOST_CYCLES} would"
+        return f"more than {MOST_CYCLES} would"
     magnitude = 10 ** max(len(str(most)) - 2, 0)
-    return f"; about {math.ceil(most / magnitude) * magnitude} would"
+    return f"about {math.ceil(most / magnitude) * magnitude} would"
 
 
 def figure_held(check: LimitCheck) -> str:
@@ -170,7 +180,14 @@ def _name(check: LimitCheck) -> str:
 
 
 def _names(checks: Sequence[LimitCheck]) -> str:
-    """Return each figure with the poses at which it is meant."""
+    """Return each figure with the poses at which it is meant, and its limit."""
+    by_limit: dict[str, list[LimitCheck]] = {}
+    for check in checks:
+        by_limit.setdefault(str(limit_cell(check)), []).append(check)
+    return "; ".join(f"{_figures_of(held)}, limit {limit}" for limit, held in by_limit.items())
+
+
+def _figures_of(checks: Sequence[LimitCheck]) -> str:
     poses: dict[str, list[str]] = {}
     for check in checks:
         poses.setdefault(figure_held(check), []).append(check.pose or "")

@@ -23,17 +23,8 @@ from scara_iso.diagnosis import (
     Smallest,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Number,
-    Report,
-    Section,
-    Table,
-    Text,
-    decimals,
-    words,
-)
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.digits import decimals, words
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 

@@ -15,9 +15,9 @@ from scara_iso.diagnosis import (
     published_diagnosis,
 )
 from scara_iso.iso9283 import PublishedAnalysis, published_analysis
-from scara_iso.reporting.diagnosis import Failure
 from scara_iso.reporting.dossier import Dossier
 from scara_iso.reporting.front import Amendment
+from scara_iso.reporting.named_effects import Failure
 from scara_iso.reporting.stated import InputFile, Restated, head
 from scara_iso.reporting.uncertainty import UncertaintyLine, uncertainty_budget
 from scara_iso.run import AxisKey, FloatArray, IntArray, Run

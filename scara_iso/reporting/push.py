@@ -18,13 +18,17 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    answer_lines,
+    at_depth,
+)
+from scara_iso.reporting.digits import (
     decimals,
+    figure_said,
     interval,
     places_that_decide,
     rounded,
     words,
 )
-from scara_iso.reporting.brief import figure_said, first_three
 from scara_iso.reporting.limits import limit_cell
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
@@ -33,6 +37,7 @@ _MEANING = (
     "ways to and fro on one flank; hysteresis: both together, at no force; deflection: between the "
     "ends of the loop; friction: Coulomb's, one side; stiffness: of all behind the dial"
 )
+_OF = {"joint": "of the joint", "reading": "of the reading"}
 _TONE: dict[Conformity, Literal["good", "bad", "warn"]] = {
     Conformity.PASS: "good",
     Conformity.FAIL: "bad",
@@ -45,32 +50,29 @@ _WORDS = {
 }
 
 
-def push_report(found: PushResult) -> Report:
-    """Return the report on a push test: the verdict, the figures, how they were found."""
-    sections = [Section("", tuple(_verdict(found)))]
-    for of, heading in (("joint", "of the joint"), ("reading", "of the reading")):
-        rows = [one for one in found.characteristics if one.of == of]
-        if rows:
-            sections.append(Section(heading, (_figures(rows),)))
-    if found.limits:
-        sections.append(Section("limits", (_limits(found.limits),)))
-    return (*sections, Section("", tuple(_how(found))))
-
-
-def push_brief(found: PushResult, following: NextStep) -> Report:
-    """Return a push test in short: the verdict, the figures of the joint, else of the reading."""
+def push_report(found: PushResult, following: NextStep | None = None) -> Report:
+    """Return the document of a push test: the verdict, the figures, how they were found."""
     of = "reading" if found.arm_m is None else "joint"
-    rows = [one for one in found.characteristics if one.of == of]
-    doubts = [block for block in _how(found) if isinstance(block, Text) and block.tone != "quiet"]
+    rows = {name: [one for one in found.characteristics if one.of == name] for name in _OF}
+    doubts = [block for block in _how(found) if block.tone != "quiet"]
     title, *verdicts = _verdict(found)
-    figure = _largest(rows, found)
+    figure = _largest(rows[of], found)
     lines = [*verdicts, figure, title] if found.limits else [figure, title, *verdicts]
     answer = len(lines) - 1 if found.limits else 2
-    table = (replace(_limits(found.limits), note=""),) if found.limits else ()
+    limits = (_limits(found.limits),) if found.limits else ()
     behind = Text(f"figures of the {of}; how they are found, and the others: `full=`", "quiet")
+    others = [
+        Section(heading, (_figures(rows[name]),))
+        for name, heading in _OF.items()
+        if name != of and rows[name]
+    ]
+    rules = [Section("", (Text(table.note, "quiet"),)) for table in limits]
+    how = Section("", tuple(block for block in _how(found) if block.tone == "quiet"))
     return (
-        Section("", (*first_three(lines, following, answer=answer), *doubts)),
-        Section("", (_figures(rows), *table, behind)),
+        Section("", (*answer_lines(lines, following, answer=answer), *doubts)),
+        Section("", (_figures(rows[of]), *(replace(table, note="") for table in limits))),
+        Section("", (behind,), depth="more"),
+        *at_depth("detail", (*others, how, *rules)),
     )
 
 
@@ -123,7 +125,7 @@ def _limits(checks: tuple[LimitCheck, ...]) -> Table:
     )
 
 
-def _how(found: PushResult) -> Iterator[Block]:
+def _how(found: PushResult) -> Iterator[Text]:
     fit = found.fit
     if fit.misfit is not None:
         yield Text(

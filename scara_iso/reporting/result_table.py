@@ -9,18 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Interval,
-    Number,
-    Result,
-    Table,
-    U_of_scatter,
-    places,
-    places_that_decide,
-    words,
-)
+from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Result, Table
+from scara_iso.reporting.digits import U_of_scatter, places, places_that_decide, words
 from scara_iso.reporting.limits import VERDICTS, limit_cell
 from scara_iso.tables import listed
 

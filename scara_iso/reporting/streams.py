@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Characteristic, StreamVisits
-from scara_iso.reporting.analysis import characteristics_table
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -18,49 +17,47 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    rounded,
-    words,
+    answer_lines,
+    at_depth,
 )
-from scara_iso.reporting.brief import figure_said, first_three
+from scara_iso.reporting.digits import figure_said, rounded, words
+from scara_iso.reporting.figure_tables import characteristics_table
 from scara_iso.signals import Doubt, Rule, Visit
 
 _SHOWN, _SHOWN_IN_BRIEF = 40, 6
 
 
-def visits_report(found: StreamVisits) -> Report:
-    """Return the report on a stream: the rule, the visits, what is doubtful."""
-    sections = [
-        Section("", tuple(_verdict(found))),
-        Section("rule", tuple(_rule(found.rule, found))),
-        Section("visits", (_visits(found), *_more(len(found.visits), "visits"))),
-    ]
-    if found.characteristics:
-        table = characteristics_table(found.characteristics)
-        sections.append(Section("arrivals (7.4, 7.5)", (table, Text(_longest(found), "quiet"))))
-    if found.doubts:
-        sections.append(
-            Section(
-                "to be looked at", (_doubts(found.doubts), *_more(len(found.doubts), "of them"))
-            )
-        )
-    return tuple(sections)
-
-
-def visits_brief(found: StreamVisits, following: NextStep) -> Report:
-    """Return the visits in short: how many, how the arm arrives, what is doubtful."""
+def visits_report(found: StreamVisits, following: NextStep | None = None) -> Report:
+    """Return the document of a stream: how many visits, how the arm arrives, what is doubtful."""
     count, *doubts = _verdict(found)
     arrival = Headline(tuple(map(_arrives, found.characteristics)) or (_no_arrival(found),))
-    shown = replace(_visits(found), rows=_visits(found).rows[:_SHOWN_IN_BRIEF])
-    more = len(found.visits) - _SHOWN_IN_BRIEF
-    counted = [Text(f"and {more} more visits", "quiet")] if more > 0 else []
-    faults = (
-        Text(f"! {one.code}: {one.message}", "warn") for one in found.doubts[:_SHOWN_IN_BRIEF]
-    )
-    behind = Text("the rule for a rest, scatter at each, all arrivals: `full=`", "quiet")
     return (
-        Section("", first_three([count, arrival, *doubts], following)),
-        Section("", (shown, *counted, *faults, behind)),
+        Section("", answer_lines([count, arrival, *doubts], following)),
+        Section("", tuple(_first_visits(found)), depth="more"),
+        *at_depth("detail", _details(found)),
     )
+
+
+def _first_visits(found: StreamVisits) -> Iterator[Block]:
+    shown = _visits(found)
+    yield replace(shown, rows=shown.rows[:_SHOWN_IN_BRIEF])
+    more = len(found.visits) - _SHOWN_IN_BRIEF
+    if more > 0:
+        yield Text(f"and {more} more visits", "quiet")
+    for one in found.doubts[:_SHOWN_IN_BRIEF]:
+        yield Text(f"! {one.code}: {one.message}", "warn")
+    yield Text("the rule for a rest, scatter at each, all arrivals: `full=`", "quiet")
+
+
+def _details(found: StreamVisits) -> Iterator[Section]:
+    yield Section("rule", tuple(_rule(found.rule, found)))
+    yield Section("visits", (_visits(found), *_more(len(found.visits), "visits")))
+    if found.characteristics:
+        table = characteristics_table(found.characteristics)
+        yield Section("arrivals (7.4, 7.5)", (table, Text(_longest(found), "quiet")))
+    if found.doubts:
+        rest = _more(len(found.doubts), "of them")
+        yield Section("to be looked at", (_doubts(found.doubts), *rest))
 
 
 def _arrives(one: Characteristic) -> str:

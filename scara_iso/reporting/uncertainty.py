@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import cast
 
 from scara_iso.base.published import Size, Unit
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.iso9283 import Analysis, AxisResult, RadialResult
-from scara_iso.reporting.blocks import Block, Cell, Number, Table, Text, U_of_scatter, rounded
+from scara_iso.iso9283 import Analysis
+from scara_iso.reporting.blocks import Block, Cell, Number, Table, Text
+from scara_iso.reporting.digits import rounded
 from scara_iso.reporting.stated import NOT_STATED
 from scara_iso.run import Axis, Run
 
@@ -116,18 +116,6 @@ def _corrections(run: Run) -> Iterator[Text]:
         ]
         names = ", ".join(axis.name for axis in found)
         yield Text(_CORRECTED.format(axes=names, each="; ".join(said)))
-
-
-def U_of_RP(found: AxisResult | RadialResult, n: int) -> float:  # noqa: N802 - GUM's symbol
-    """Return U of an RP of n cycles: half of its interval, where it has one."""
-    if found.RP_interval is None:
-        return U_of_scatter(found.RP, n)
-    return (found.RP_interval[1] - found.RP_interval[0]) / 2
-
-
-def U_of_mean(axis: AxisResult) -> float:  # noqa: N802 - GUM's symbol
-    """Return U of the mean reading: its scatter, and what the indicator adds to every reading."""
-    return 2 * math.hypot(axis.three_sigma / 3 / math.sqrt(axis.n), axis.uncertainty or 0.0)
 
 
 def _line(axis: Axis, u: float | None) -> UncertaintyLine:

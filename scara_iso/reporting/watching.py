@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from scara_iso.diagnosis import PAUSE
 from scara_iso.recorder import NextWay, Watched
-from scara_iso.reporting.blocks import words
+from scara_iso.reporting.digits import words
 
 _RIVALS = 2
 _WORTH = 0.02
