@@ -42,7 +42,6 @@ from scara_iso.reporting.blocks import (
     table_by_name,
 )
 from scara_iso.reporting.digits import Ends, figure_cells, figure_said
-from scara_iso.reporting.drift import drift_details, drift_headlines, drift_sections
 from scara_iso.reporting.figure_tables import characteristics, definitions_table, pose_figures
 from scara_iso.reporting.limits import (
     STRICTEST,
@@ -52,6 +51,7 @@ from scara_iso.reporting.limits import (
     limit_cell,
     limits,
 )
+from scara_iso.reporting.pictures import drift_details, drift_headlines, drift_sections
 from scara_iso.run import SIMULATED, FloatArray, Run
 
 _LINE = 74

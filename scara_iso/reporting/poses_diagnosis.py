@@ -57,12 +57,12 @@ from scara_iso.reporting.named_effects import (
 
 _SAID = {"dial": "dial's own", "neither": "neither"}
 _MEANING = (
-    "standard deviations beside effects and rounding; dial's own: alike in X and Y at every pose; "
+    "standard deviations without effects and rounding; dial's own: alike in X and Y at every pose; "
     "neither: in one direction at single poses; variance: share of X and Y over the poses"
 )
 _FOLLOWED = (
     "lost motion: half of the distance between the approaches; everywhere: a dial or its datum; "
-    "each beside all the others; one interval in twenty misses the truth"
+    "each fitted with all the others; one interval in twenty misses the truth"
 )
 _ODD = 0.05
 _MILLION = 1e6

@@ -19,7 +19,7 @@ from scara_iso.reporting import NextStep, analysis_report, in_form
 from scara_iso.reporting.digits import digits_of
 from scara_iso.reporting.named_effects import sureness
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 ANALYZED = (
     "fum_scara_table1.csv", "before_repair.csv", "after_repair.csv", "scatter.csv", "warm_up.csv",
