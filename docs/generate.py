@@ -37,7 +37,7 @@ from scara_iso.reporting import (
     ResultsAndBeside,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
-from scara_iso.reporting.published_ports import PublishedDialects, PublishedPorts, PublishedProbe
+from scara_iso.reporting.published import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.tables.published import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
 
@@ -85,10 +85,10 @@ EVERYWHERE = ("--help", "--json")
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 KEYS = {
     "analyze": (
-        "PublishedAnalysis", "PublishedPose", "PublishedAxis", "PublishedLimit", "PublishedFinding",
+        "PublishedAnalysis", "PublishedPose", "PublishedAxis", "PublishedLimit",
     ),
-    "diagnose": ("PublishedDiagnosis", "EffectOnAxes"),
-    "record": ("StoredLine", "CycleDone", "Refused", "ProblemLine", "Done"),
+    "diagnose": ("PublishedDiagnosis",),
+    "record": ("StoredLine", "Refused", "ProblemLine", "Done"),
 }  # fmt: skip
 """The classes that the page of the JSON objects prints; the schemas describe all of them."""
 

@@ -39,7 +39,7 @@ from scara_iso.recorder import (
     parse_gauges,
 )
 from scara_iso.render.live import LiveScreen, draw
-from scara_iso.reporting.watching import warning
+from scara_iso.reporting.recording import warning
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "slipping_fixture.toml"
 SLIP = "sim:?model=slipping_fixture.toml&pace=0"
@@ -275,7 +275,7 @@ def test_the_screen_says_what_where_and_what_to_do(width):
     text = " ".join(" ".join(lines).split())
     assert "More than scatter: likeliest step (97%), since cycle 12 (evidence 46.2" in text
     assert "Check the clamps of fixture and indicator; strike cycles 12-19, or start again" in text
-    assert "no ISO 9283 test" in text
+    assert "does not meet ISO 9283" in text
     assert all(len(line) <= width for line in lines)
     assert len(screen._bells) == 2
 

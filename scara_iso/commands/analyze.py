@@ -232,7 +232,6 @@ def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:
         write_report(reporting.analysis_report(drift, following), full=full)
     for found in beside.pushes.values():
         following = reporting.NextStep(f"scara-iso report {folder.path}", "the report of all")
-        brief = reporting.push_brief(found, following)
-        write_report(reporting.push_report(found) if full else brief)
+        write_report(reporting.push_report(found, following), full=full)
     if beside.missing:
         write_report(reporting.missing_report("Beside the poses", beside.missing))

@@ -311,7 +311,8 @@ def history_command(
 ) -> None:
     """Follow one robot over months: control charts, trend, when it meets a limit, services.
 
-    Exits with 1 where a limit that was given is crossed since the last service.
+    Exits with 1 where a limit that was given is exceeded since the last service, or where the last
+    test does not prove it kept, as `analyze` of that test does.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """
@@ -332,9 +333,7 @@ def history_command(
     else:
         last = command_line([found.tests[-1].source], read)
         following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
-        write_report(
-            reporting.history_report(found) if full else reporting.history_brief(found, following)
-        )
+        write_report(reporting.history_report(found, following), full=full)
     say_written(output, aside=json)
-    if found.crossed:
+    if found.crossed or not all(one.is_proven for one in found.spreads):
         raise typer.Exit(NOT_WITHIN_LIMITS)

@@ -54,8 +54,8 @@ _BLOCKS, _DIGITS = LEVELS, "0123456789"
 _INDENT = 2
 _GAP = " " * 3
 _ENDLESS = 10_000
-_WELL_DRAWN = 30
-"""Readings are drawn beside their figures where each, or so many, have a character."""
+_LEAST_DRAWN = 20
+"""Readings are drawn beside their figures where so many characters are left."""
 _MOST_POSES, _MOST_ROWS, _MOST_NOTES, _LONGEST = 10, 100, 6, 2000
 """Poses (or tables) of a report, rows of a table or texts in a row, quiet ones, letters of one."""
 
@@ -192,8 +192,7 @@ def _show_charted(charted: Charted, console: Console) -> None:
     texts = [[printable(str(cell)) for cell in row.cells] for row in charted.rows]
     widths = [max(map(cell_len, column)) for column in zip(heads, *texts, strict=False)]
     room = console.width - _INDENT - sum(widths) - 2 * len(widths)
-    drawn = (len(row.readings) for row in charted.rows if row.readings is not None)
-    beside = room >= min(max(drawn, default=0), _WELL_DRAWN)
+    beside = room >= _LEAST_DRAWN
     line = partial(_aligned, widths=widths) if room + widths[-1] >= 0 else _run_together
     _print_row(line(heads[:-1]), heads[-1] if beside else "", console, "bold")
     for row, cells in zip(charted.rows, texts, strict=True):

@@ -41,12 +41,7 @@ from scara_iso.reporting.blocks import (
     at_depth,
     table_by_name,
 )
-from scara_iso.reporting.digits import (
-    Ends,
-    figure_cells,
-    figure_said,
-)
-from scara_iso.reporting.drift import drift_details, drift_headlines, drift_sections
+from scara_iso.reporting.digits import Ends, figure_cells, figure_said
 from scara_iso.reporting.figure_tables import characteristics, definitions_table, pose_figures
 from scara_iso.reporting.limits import (
     STRICTEST,
@@ -56,6 +51,7 @@ from scara_iso.reporting.limits import (
     limit_cell,
     limits,
 )
+from scara_iso.reporting.pictures import drift_details, drift_headlines, drift_sections
 from scara_iso.run import SIMULATED, FloatArray, Run
 
 _LINE = 74
@@ -248,7 +244,7 @@ def _can_be_diagnosed(analysis: Analysis) -> bool:
 
 def _courses(analysis: Analysis) -> Iterator[Section]:
     """Yield the strips of a drift test and its figures, without the tables of its blocks."""
-    yield from drift_sections(analysis)
+    yield from (replace(one, heading="") for one in drift_sections(analysis))
     yield from (replace(one, heading="") for one in characteristics(analysis, advice=False))
 
 

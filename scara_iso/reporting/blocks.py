@@ -230,6 +230,25 @@ def in_form(report: Report, form: Literal["brief", "full", "page"]) -> Report:
     return tuple(section for section in report if section.depth in _FORMS[form])
 
 
+def page_sections(report: Report) -> Report:
+    """Return the sections of a page, in the blocks that a file holds: no command to be typed."""
+    return tuple(
+        replace(section, blocks=tuple(filter(None, map(_of_page, section.blocks))))
+        for section in in_form(report, "page")
+    )
+
+
+def _of_page(block: Block) -> Block | None:
+    match block:
+        case Headline():
+            return Text("; ".join(block.parts), block.tone)
+        case Charted():
+            return Table(block.header[:-1], tuple(row.cells for row in block.rows))
+        case NextStep():
+            return None
+    return block
+
+
 def at_depth(depth: Depth, sections: Iterable[Section]) -> Iterator[Section]:
     """Yield sections with their depth changed."""
     return (replace(section, depth=depth) for section in sections)

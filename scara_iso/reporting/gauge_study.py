@@ -37,6 +37,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
+    at_depth,
 )
 from scara_iso.reporting.digits import figure_cells, figure_said, four_digits
 
@@ -141,30 +142,29 @@ _PARTS = {
 }
 
 
-def gauge_study_report(found: GaugeStudy) -> Report:
-    """Return the report: the verdict, each dial's figures with its picture, how they were found."""
-    sections = [Section("", (*_verdict(found), *_remarks(found)))]
-    if found.criteria:
-        sections.append(Section("Criteria", (_criteria(found),)))
-    for name, study in found.axes.items():
-        of = f" {name}" if len(found.axes) > 1 else ""
-        sections.append(Section(f"Figures{of}", (*_figures(study), study_picture(study))))
-        if study.budget is not None:
-            sections.append(Section(f"Uncertainty{of}", tuple(_budget(study.budget, study))))
-    return (*sections, Section("", tuple(_how(found))))
-
-
-def gauge_study_brief(found: GaugeStudy, following: NextStep) -> Report:
-    """Return a gauge study in short: the verdict, what decides it, every warning."""
+def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> Report:
+    """Return the document of a study: the verdict, what decides it, each dial's figures."""
     lines: list[Block] = list(_verdict(found))
     answer = len(lines) - len(found.axes)  # behind it what kind of study each dial has
     warnings = [said for said in _remarks(found) if said.tone == "warn"]
-    tables = [_criteria(found)] if found.criteria else []
     behind = Text("figures, ANOVA, uncertainty, picture: `full=`", "quiet")
     return (
         Section("", (*answer_lines(lines, following, answer=answer), *warnings)),
-        Section("", (*tables, behind)),
+        Section("", (_criteria(found),) if found.criteria else ()),
+        Section("", (behind,), depth="more"),
+        *at_depth("detail", _details(found)),
     )
+
+
+def _details(found: GaugeStudy) -> Iterator[Section]:
+    if remarks := tuple(said for said in _remarks(found) if said.tone != "warn"):
+        yield Section("Remarks", remarks)
+    for name, study in found.axes.items():
+        of = f" {name}" if len(found.axes) > 1 else ""
+        yield Section(f"Figures{of}", (*_figures(study), study_picture(study)))
+        if study.budget is not None:
+            yield Section(f"Uncertainty{of}", tuple(_budget(study.budget, study)))
+    yield Section("", tuple(_how(found)))
 
 
 def _verdict(found: GaugeStudy) -> Iterator[Block]:
@@ -172,7 +172,11 @@ def _verdict(found: GaugeStudy) -> Iterator[Block]:
         held = [one for one in found.criteria if one.verdict is verdict]
         if held and (verdict is not Conformity.PASS or found.conformity is Conformity.PASS):
             several = len(found.axes) > 1
-            said = ", ".join(f"{one.axis} {one.name}" if several else one.name for one in held)
+            said = ", ".join(
+                (f"{one.axis} {one.name}" if several else one.name)
+                + (" (conditional)" if one.is_conditional else "")
+                for one in held
+            )
             yield Text(f"{_SAID[verdict]}: {said}", _TONE[verdict])
     for name, study in found.axes.items():
         yield Headline((f"{name}  {'   '.join(_in_brief(study))}",))
@@ -234,7 +238,7 @@ def _criterion(one: Criterion, *, several: bool) -> tuple[Cell, ...]:
     spec = ".0%" if one.name in _SHARES else "g"
     limit = Number(one.limit, spec, mark=f"{sign} ")
     if one.value is None:
-        return name, "none", "", limit, one.of, one.verdict.value
+        return name, "none", "", limit, one.of, _word(one)
     if one.name in _SHARES:
         value: Cell = Number(one.value, ".1%")
         ends: Cell = Interval(*(Number(x, ".1%") for x in one.interval)) if one.interval else ""
@@ -244,7 +248,11 @@ def _criterion(one: Criterion, *, several: bool) -> tuple[Cell, ...]:
         ends = Interval(*whole) if whole else ""
     else:
         value, ends = figure_cells(one.value, one.interval, limit=one.limit)
-    return name, value, ends, limit, one.of, one.verdict.value
+    return name, value, ends, limit, one.of, _word(one)
+
+
+def _word(one: Criterion) -> str:
+    return "pass, conditional" if one.is_conditional else one.verdict.value
 
 
 def _figures(study: AxisStudy) -> Iterator[Block]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import islice
 from pathlib import PurePath
 
 import numpy as np
@@ -37,7 +36,9 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    Tone,
     answer_lines,
+    at_depth,
 )
 from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_said
 from scara_iso.reporting.digits import interval, rounded
@@ -142,21 +143,18 @@ def history_document(found: RobotHistory) -> Document:
     return Document(title, (*history_report(found), end), simulated=simulated)
 
 
-def history_brief(found: RobotHistory, following: NextStep) -> Report:
-    """Return the answer: a line for each figure that changed or has a limit."""
-    answer: list[Block] = [Headline((_subject(found),)), *_verdicts(found, brief=True)]
+def history_report(found: RobotHistory, following: NextStep | None = None) -> Report:
+    """Return the document of a robot over months: what changed, then each figure and its charts."""
+    answer: list[Block] = [Headline((_subject(found),)), *_verdicts(found)]
     lines = answer_lines([*answer, *_left_out(found)], following, answer=len(answer))
-    return (Section("", lines), Section("", (_now(found),)))
+    return (
+        Section("", lines),
+        Section("", (_now(found),)),
+        *at_depth("detail", _details(found)),
+    )
 
 
-def history_report(found: RobotHistory) -> Report:
-    """Return everything that is known of a robot over months."""
-    return tuple(_sections(found))
-
-
-def _sections(found: RobotHistory) -> Iterator[Section]:
-    head: list[Block] = [Text(_subject(found), "strong"), *_verdicts(found), _now(found)]
-    yield Section("", (*head, *_left_out(found)))
+def _details(found: RobotHistory) -> Iterator[Section]:
     if found.events:
         rows = tuple((moment_said(event.when), event.what) for event in found.events)
         yield Section("Service", (Table(("date", "what was done"), rows), *_services(found)))
@@ -180,20 +178,18 @@ def _subject(found: RobotHistory) -> str:
     return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
 
 
-def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
+def _verdicts(found: RobotHistory) -> Iterator[Text]:
     """Yield what limits, services, charts and trends amount to, the limits first.
 
-    In ``brief`` the alarms of the charts are left out where a trend says as much.
+    Alarms of the charts are left to the details where a trend says as much.
     """
     for one in found.spreads:
-        if limited := _limit_said(one):
-            yield Text(f"{_code(one)} {_name(one)}: {limited}", "bad" if one.crossed else "good")
+        yield from _against_limit(one)
     for event, moved in _served(found):
         worse = any(one.verdict is ContrastVerdict.MORE for one in moved)
         said = ", ".join(map(_moved, moved))
         yield Text(f"after the service of {_event(event)}: {said}", "bad" if worse else "good")
-    most = 1 if brief else None
-    changed = {id(one): "; ".join(islice(_change_said(one), most)) for one in found.spreads}
+    changed = {id(one): next(_change_said(one), "") for one in found.spreads}
     for one in found.spreads:
         if said := changed[id(one)]:
             yield Text(f"{_code(one)} {_name(one)}: {said}", "warn")
@@ -259,17 +255,37 @@ def _change_said(one: SpreadHistory) -> Iterator[str]:
 def _limit_said(one: SpreadHistory) -> str:
     if one.limit is None:
         return ""
-    limit = f"limit {one.limit:g} {one.unit}"
+    limit = f"the limit of {one.limit:g} {one.unit}"
     if one.crossed:
-        return f"{limit} CROSSED, last {_last(one)}"
+        return f"exceeds {limit}, last {_last(one)}"
+    if not one.is_proven:
+        return f"may exceed {limit}, last {_last(one)}, which does not prove it kept{_until(one)}"
+    return _expected(one, limit)
+
+
+def _expected(one: SpreadHistory, limit: str) -> str:
+    """Return until when a limit that the last test keeps is expected to be kept."""
     when = one.crossing
     if when is None:
-        return f"{limit} kept, last {_last(one)}; too few tests since the service for a forecast"
+        few = "too few tests since the service for a forecast"
+        return f"is within {limit}, last {_last(one)}; {few}"
     if when.earliest is None:
-        return f"{limit} kept; not before {date_on(when.horizon)}"
+        return f"is not expected to exceed {limit} before {date_on(when.horizon)}"
     if when.earliest <= day_of(one.tests[-1].when):
-        return f"{limit} may be met already, last {_last(one)}{_until(one)}"
-    return f"{limit} kept; not before {date_on(when.earliest)}{_until(one)}"
+        return f"may already exceed {limit}, last {_last(one)}{_until(one)}"
+    return f"is not expected to exceed {limit} before {date_on(when.earliest)}{_until(one)}"
+
+
+def _may_exceed(one: SpreadHistory) -> bool:
+    when = one.crossing
+    soon = when is not None and (when.earliest or math.inf) <= day_of(one.tests[-1].when)
+    return soon or not one.is_proven
+
+
+def _against_limit(one: SpreadHistory) -> Iterator[Text]:
+    if said := _limit_said(one):
+        tone: Tone = "bad" if one.crossed else "warn" if _may_exceed(one) else "good"
+        yield Text(f"{_code(one)} {_name(one)} {said}", tone)
 
 
 def _until(one: SpreadHistory) -> str:
@@ -342,8 +358,7 @@ def _services(found: RobotHistory) -> Iterator[Block]:
 def _spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Block]:
     said = "; ".join(_change_said(one))
     yield Text(said or _unchanged(one), "strong" if said else "plain")
-    if limited := _limit_said(one):
-        yield Text(limited, "bad" if one.crossed else "good")
+    yield from _against_limit(one)
     yield month_picture(found, one)
     yield from control_pictures(found, one)
     yield _every_test(one)

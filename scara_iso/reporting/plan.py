@@ -95,10 +95,10 @@ def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
     columns = ", ".join(plan.conditions.covariates) or "none"
     yield Text("what this test will be able to tell of the joints", "strong")
     yield Text(f"{len(plan.conditions)} cycles at {', '.join(plan.joints_deg)}; columns: {columns}")
-    yield Text(f"scatter: {scatter}, dials {dial[1]:.2g} mm beside their division of {steps} mm")
+    yield Text(f"scatter: {scatter}, dials {dial[1]:.2g} mm and their division of {steps} mm")
     yield Text(f"so the poses of one cycle show {seen}")
     yield Text(
-        f"joints 1 and 2 are {apart.angle_deg:.0f} degrees apart beside the scatter; nearest are "
+        f"joints 1 and 2 are {apart.angle_deg:.0f} degrees apart against the scatter; nearest are "
         f"{' and '.join(apart.between)}, by {apart.smallest_angle_deg:.0f} degrees"
     )
 

@@ -28,7 +28,7 @@ from scara_iso.reporting.blocks import Courses, Figure, Planes, Predictions, Tab
 from scara_iso.reporting.dossier import Dossier, document
 from scara_iso.reporting.stated import FIELDS, NOT_STATED, InputFile, Provenance, head
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 TABLE_1, WARM_UP = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "warm_up.csv"
 MODEL = EXAMPLES / "fum_scara.toml"
 MADE = Provenance((InputFile("table", "run.csv", "00"),), "0", "scara-iso report run.csv")

@@ -11,7 +11,7 @@ from scara_iso.effects import find_effects, find_gear_effects
 from scara_iso.reporting.explain import SAME, WORDS, find_pages, pages
 from tests.hostile import TEXTS
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 def codes_in_the_source():

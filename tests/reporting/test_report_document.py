@@ -17,8 +17,8 @@ from scara_iso import UsageError, analyze, read_table, report, simulate
 from scara_iso.commands import main
 from scara_iso.render.formats import html, md, xlsx
 from scara_iso.reporting import Amendment, Dossier, InputFile, Provenance, document
-from tests.test_report import HOSTILE, MODEL, WARM_UP
-from tests.test_report_page import CHROMIUM, DRIVER, browser  # noqa: F401 - a fixture
+from tests.render.test_report_page import CHROMIUM, DRIVER, browser  # noqa: F401 - a fixture
+from tests.reporting.test_report import HOSTILE, MODEL, WARM_UP
 
 MADE = Provenance((InputFile("table", "run.csv", "0123456789"),), "0", "scara-iso report run.csv")
 STATED = {

@@ -9,7 +9,7 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
 from scara_iso.commands import main
-from tests.test_report import HOSTILE, MODEL, WARM_UP
+from tests.reporting.test_report import HOSTILE, MODEL, WARM_UP
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(

@@ -311,7 +311,7 @@ def test_the_command_shows_the_example_s_repair(capsys, monkeypatch):
     tables = ["examples/before_repair.csv", "examples/after_repair.csv"]
     assert main(["compare", *tables, "--full"]) == 0
     said = capsys.readouterr().out
-    assert "X better (×0.43, 95 % interval 0.22..0.84)" in said
+    assert "X better 0.019 to 0.008 mm, ×0.43 [0.22, 0.84]" in said
     assert max(map(len, said.splitlines())) <= 80
     assert main(["compare", *tables, "--json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
