@@ -46,8 +46,8 @@ class Statement:
     """Effects in the order found; NOTHING, or UNEXPLAINED."""
     probability: float | None
     """Of the first name."""
-    sampling: tuple[float, float]
-    """95 % interval of RP from the cycles of this test [mm]."""
+    sampling: tuple[float, float] | None
+    """95 % interval of RP from the cycles of this test [mm]; None where none is given."""
     predicted: tuple[float, float] | None
     """95 % prediction interval of RP of a next test of 30 cycles [mm]."""
     held_out: float
@@ -129,10 +129,11 @@ def statement(y: tuple[float, ...], division: float) -> Statement:
     found, kind = diagnosis["effects"], diagnosis["verdict"]
     unnamed = NOTHING if kind == "nothing-to-explain" else UNEXPLAINED
     completed = diagnosis["repeatability"]["completed"].get("Z")
+    sampling = analysis["poses"][0]["axes"]["Z"]["RP_interval"]
     return Statement(
         tuple(one["effect"] for one in found) or (unnamed,),
         found[0]["probability"] if found else None,
-        tuple(analysis["poses"][0]["axes"]["Z"]["RP_interval"]),
+        sampling and tuple(sampling),
         completed and tuple(completed["interval"]),
         diagnosis["error"]["after"]["held_out_rms"]["Z"],
     )  # fmt: skip
