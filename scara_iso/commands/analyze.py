@@ -95,7 +95,7 @@ def analyze_many(
     One that cannot be analysed gives its error. ``executor`` shares the work, as of
     `concurrent.futures`, else processes of this machine; ``options`` are those of `analyze`.
     """
-    from scara_iso.commands.engines import open_processes
+    from scara_iso.fleets import open_processes
 
     work = partial(_analyze_one, options=options)
     with nullcontext(executor) if executor is not None else open_processes() as pool:
@@ -175,15 +175,12 @@ def _show(
     if analysis is None:
         write_report(reporting.missing_report(str(one.condition), one.missing))
         return
-    if full:
-        write_report(reporting.analysis_report(analysis))
-        return
     again, whole = command_line(table, read), command_line(table, {**stated, **read})
     axis = None if one.under else reporting.axis_of_loop(analysis)
     dial = {key: read.get(key) for key in ("unit", "resolution")}
     loop = None if axis is None else command_line(table, {"axis": axis, **dial})
     following = reporting.after_analysis(analysis, whole, again, loop)
-    write_report(reporting.analysis_brief(analysis, following))
+    write_report(reporting.analysis_report(analysis, following), full=full)
 
 
 def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:
@@ -191,11 +188,9 @@ def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:
     if (drift := beside.drift) is not None:
         again = command_line([drift.run.origin.source], {})
         following = reporting.after_analysis(drift, again, again)
-        brief = reporting.analysis_brief(drift, following)
-        write_report(reporting.analysis_report(drift) if full else brief)
+        write_report(reporting.analysis_report(drift, following), full=full)
     for found in beside.pushes.values():
         following = reporting.NextStep(f"scara-iso report {folder.path}", "the report of all")
-        brief = reporting.push_brief(found, following)
-        write_report(reporting.push_report(found) if full else brief)
+        write_report(reporting.push_report(found, following), full=full)
     if beside.missing:
         write_report(reporting.missing_report("Beside the poses", beside.missing))

@@ -149,8 +149,7 @@ def compare_command(
             for of_test in at[:1]:
                 say_condition(of_test)
             again = [command_line([t], {"condition": name} if tests else read) for t in tables]
-            brief = reporting.comparison_brief(one, again)
-            write_report(reporting.comparison_report(one) if full else brief)
+            write_report(reporting.comparison_report(one, again), full=full)
     if json:
         write_results(ofs, list(map(published_comparison, found)), of=len(shared))
     figures = (figure.limit for one in found for figure in one.characteristics)

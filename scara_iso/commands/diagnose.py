@@ -288,7 +288,7 @@ def diagnose_command(
         options = {"pose": pose} | asdict(counting)
         read = {"condition": one.name} if one.under else asdict(reading) | options
         again = partial(command_line, named, read | {"effects": effects})
-        write_report(_report(diagnosis, one.readings.origin.source, again, full=full))
+        write_report(_report(diagnosis, again), full=full)
     write_results([one for one, _ in results], [made for _, made in results], of=len(found))
 
 
@@ -338,17 +338,11 @@ def _published(found: Diagnosis | DiagnosisOfPoses) -> reporting.OfTable:
     return diagnosis.published_poses_diagnosis(found)
 
 
-def _report(
-    found: Diagnosis | DiagnosisOfPoses, title: str, again: Callable[..., str], *, full: bool
-) -> reporting.Report:
-    """Return all of it, or the answer with the command lines that ``again`` gives of its table."""
+def _report(found: Diagnosis | DiagnosisOfPoses, again: Callable[..., str]) -> reporting.Report:
+    """Return the report, with the command lines that ``again`` gives of its table."""
     if isinstance(found, Diagnosis):
-        if full:
-            return reporting.diagnosis_report(found, title)
-        return reporting.diagnosis_brief(found, again)
-    if full:
-        return reporting.poses_report(found, title)
-    return reporting.poses_brief(found, again)
+        return reporting.diagnosis_report(found, again)
+    return reporting.poses_report(found, again)
 
 
 @dataclass(frozen=True, slots=True)

@@ -126,7 +126,7 @@ def diagnose_each(
 
     ``files`` are that of the model and that of the user's effects.
     """
-    from scara_iso.commands.engines import open_processes
+    from scara_iso.fleets import open_processes
 
     work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
     with nullcontext(executor) if executor is not None else open_processes() as pool:

@@ -15,7 +15,6 @@ from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.base.quantities import parse_unit
-from scara_iso.commands.engines import LOCAL, engine_of, threads_of
 from scara_iso.commands.options import (
     AsJson,
     DecimalMark,
@@ -27,11 +26,14 @@ from scara_iso.commands.options import (
 from scara_iso.commands.output import settings, write_json, write_report
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.fleets import (
+    LOCAL,
     FiguresTask,
     FleetFigures,
     FleetSummary,
     ReadAs,
     Task,
+    cores,
+    engine_of,
     run_figures,
     run_fleet,
     summarise,
@@ -98,8 +100,9 @@ def fleet_figures(
     check_folder(Path(to))
     _check(unit, decimal)
     wanted = CyclesWanted(counting=Counting(**counting))
-    with threads_of(engine, workers) as (where, threads):
-        task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
+    threads = (workers or cores()) if engine == LOCAL else 1
+    task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
+    with engine_of(engine, workers, in_process=True) as where:
         run = run_figures(Path(source), Path(to), task, where, track=track)
     return summarise_figures(run)
 

@@ -1,0 +1,90 @@
+"""What a figure is printed as: no digit that it does not bear."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from scara_iso.commands.screen import _figures as live_figures
+from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
+from scara_iso.reporting.diagnosis import diagnosis_report
+from scara_iso.reporting.digits import U_of_scatter, interval, p_equals, p_value, rounded
+from scara_iso.tables import read_table
+
+
+@pytest.mark.parametrize(
+    ("figure", "U", "said"),
+    [
+        (0.014036, 0.01125, "0.014"),
+        (0.014036, 0.0037, "0.0140"),
+        (0.014036, 0.000996, "0.0140"),  # of 0.0010 the second digit is at 0.0001
+        (12.3456, 3.4, "12.3"),
+        (1234.6, 340.0, "1235"),
+        (0.0, 0.0002, "0.00000"),
+        (8.68e-13, 2.1e-13, "8.7e-13"),
+        (8.68e-9, 2.1e-9, "0.000000009"),
+        (0.014036, 2.1e-13, "0.014036000"),
+        (5.1e-17, 2.1e-17, "0.000000000"),  # a computer's rounding
+        (0.014036, 0.0, "0.01404"),
+        (0.014036, float("inf"), "0.01404"),
+    ],
+)
+def test_a_figure_ends_at_the_second_digit_of_its_uncertainty(figure, U, said):
+    assert str(rounded(figure, U)) == said
+
+
+@given(st.floats(1e-6, 1e6), st.floats(1e-6, 1e3))
+def test_rounding_hides_less_than_a_twentieth_of_the_uncertainty(figure, U):
+    assert abs(float(str(rounded(figure, U))) - figure) <= max(U / 19, 0.5) * 1.0001
+
+
+def test_an_interval_has_the_digits_of_its_half():
+    assert str(interval((0.00772, 0.03023))) == "0.008..0.030"
+    assert interval(None) == ""
+
+
+def test_the_uncertainty_of_a_scatter_is_that_of_many_samples():
+    scatter = np.random.default_rng(9283).normal(size=(20000, 30)).std(axis=1, ddof=1)
+    assert U_of_scatter(1.0, 30) == pytest.approx(2 * scatter.std(), rel=0.03)
+
+
+def test_the_live_screen_gives_rp_from_five_readings_on():
+    readings = (0.1, 0.11, 0.1, 0.1, 0.12, 0.1)
+    assert live_figures(readings[:1]) == ""
+    assert live_figures(readings[:2]) == "n 2  mean 0.105"
+    assert "RP" not in live_figures(readings[:4])
+    assert live_figures(readings[:5]) == "n 5  mean 0.1060  RP 0.019"
+
+
+@dataclass
+class Result:
+    p_value: float
+    p_value_at_floor: bool
+
+
+@pytest.mark.parametrize(
+    ("p", "at_floor", "said"),
+    [
+        (0.034, False, "p = 0.034"),
+        (1.0, False, "p = 1"),
+        (1 / 950, True, "p <= 0.0011"),
+        (0.001, True, "p <= 0.001"),
+        (1 / 300, True, "p <= 0.0034"),  # rounded up: 0.0033 would claim more than was shown
+    ],
+)
+def test_a_p_value_that_no_shuffle_reached_is_a_bound(p, at_floor, said):
+    assert p_equals(Result(p, at_floor)) == said
+    assert said in (f"p = {p_value(Result(p, at_floor))}", f"p {p_value(Result(p, at_floor))}")
+
+
+def test_a_strong_effect_has_a_bound_and_a_weak_one_a_value():
+    table = read_table("examples/fum_scara_table1.csv")
+    found = close_the_loop(table, None, CyclesWanted(), seed=9283)
+    assert found.p_value_at_floor
+    assert found.p_value == pytest.approx(1 / 950)
+    said = [block.text for section in diagnosis_report(found) for block in section.blocks
+            if hasattr(block, "text")]  # fmt: skip
+    assert any(line.startswith("p <= 0.0011, probability") for line in said)
+    quiet = close_the_loop(read_table("examples/scatter.csv"), None, CyclesWanted(), seed=9283)
+    assert not quiet.p_value_at_floor

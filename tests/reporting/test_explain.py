@@ -1,0 +1,110 @@
+"""`scara-iso explain`: every finding and effect has its page."""
+
+import ast
+import json
+from pathlib import Path
+
+import pytest
+
+from scara_iso.commands import main
+from scara_iso.effects import find_effects, find_gear_effects
+from scara_iso.reporting.explain import SAME, WORDS, find_pages, pages
+from tests.hostile import TEXTS
+
+ROOT = Path(__file__).parents[2]
+
+
+def codes_in_the_source():
+    """Yield every ``CODE``, and the code of every ``Finding(...)`` that is written there."""
+    for path in (ROOT / "scara_iso").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            match node:
+                case ast.Call(func=ast.Name("Finding"), args=[ast.Constant(code), *_]):
+                    yield code
+                case ast.Assign(targets=[ast.Name("CODE")], value=ast.Constant(code)):
+                    yield code
+
+
+def test_every_effect_and_finding_has_a_page_and_no_other():
+    wanted = {*codes_in_the_source(), *(e.name for e in (*find_effects(), *find_gear_effects()))}
+    assert {"trend", "edited", "same-readings", "warm_up", "gap"} <= wanted
+    assert {page.code for page in pages()} == {*wanted, "beyond-dials"}
+    assert all(page.title and page.text for page in pages())
+
+
+@pytest.mark.parametrize("code", ["trend", "warm_up", "warm-up", "warm up", "REFLECTED_INERTIA"])
+def test_a_page(code, capsys):
+    assert main(["explain", code]) == 0
+    assert code.lower().replace("-", "_").replace(" ", "_") in capsys.readouterr().out
+
+
+def test_the_words_on_the_screen_lead_to_the_page(capsys):
+    assert main(["explain", "dial too coarse"]) == 0
+    assert capsys.readouterr().out.lstrip().startswith("coarse-resolution:")
+
+
+@pytest.mark.parametrize(
+    ("word", "page"),
+    [
+        ("XY", "XY"), ("eq. 23", "RP_rss"), ("interval", "interval"), ("FAIL", "not provable"),
+        ("not-provable", "not provable"), ("tau", "temperature_lagged"), ("p", "p"),
+    ],
+)  # fmt: skip
+def test_a_word_of_the_screens_is_explained(word, page, capsys):
+    assert main(["explain", word]) == 0
+    assert capsys.readouterr().out.lstrip().startswith(f"{page}:")
+
+
+def test_every_other_name_leads_to_a_page_and_none_to_two():
+    names = [*SAME, *(name for names in WORDS for name in names)]
+    assert all(find_pages(name) for name in names)
+    assert len({*names, *(page.code for page in pages())}) == len(names) + len(
+        {page.code for page in pages()}
+    )
+
+
+def test_without_a_code_all_are_listed(capsys):
+    assert main(["explain"]) == 0
+    out = capsys.readouterr().out
+    assert all(f"{page.code}: {page.title[:9]}" in out for page in pages())
+    assert main(["explain", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [page["code"] for page in document["pages"]] == [page.code for page in pages()]
+
+
+def test_a_code_of_a_characteristic_and_an_effect_has_both_pages(capsys):
+    assert main(["explain", "compliance", "--json"]) == 0
+    kinds = [page["kind"] for page in json.loads(capsys.readouterr().out)["pages"]]
+    assert kinds == ["characteristic", "effect on readings"]
+
+
+def test_an_unknown_code_names_the_nearest(capsys):
+    assert main(["explain", "course-resolution"]) == 2
+    assert "did you mean coarse-resolution" in capsys.readouterr().err
+    assert main(["explain", "coarse"]) == 2
+    assert "did you mean coarse-resolution" in capsys.readouterr().err
+
+
+def test_an_effect_of_a_users_file_has_its_page(capsys):
+    file = str(ROOT / "examples" / "my_effects.toml")
+    assert main(["explain", "cooled-while-open", "--effects", file, "--json"]) == 0
+    (page,) = json.loads(capsys.readouterr().out)["pages"]
+    assert "abs(k - closed)" in page["title"]
+    assert any("the guard door stood open" in text for text in page["text"])
+    assert [p["name"] for p in page["parameters"]] == ["closed", "size"]
+    assert main(["explain", "--effects", file]) == 0
+    assert "cooled_while_open: " in capsys.readouterr().out
+    assert main(["explain", "cooled_while_open"]) == 2
+
+
+@pytest.mark.parametrize("code", [t for t in TEXTS if not t.startswith("-") and "\0" not in t])
+def test_a_hostile_code_does_no_harm(code, capsys):
+    assert main(["explain", code]) == 2
+    err = capsys.readouterr().err
+    assert len(err) < 1000
+    assert not {"\x1b", "\u202e", "\x9b", "\r"} & set(err)
+
+
+def test_the_findings_say_how_to_read_more(capsys):
+    assert main(["analyze", "examples/fum_scara_table1.csv", "--full"]) == 0
+    assert "scara-iso explain CODE" in capsys.readouterr().out
